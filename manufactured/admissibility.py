@@ -1,0 +1,226 @@
+"""A case proves itself before it is used.
+
+At random points and times, with derivatives taken by the complex step (independent of the symbolic
+ones the solution is made of), the exact solution must satisfy (2.1)–(2.6), u(t) ∈ K and its stated
+contact zone to round-off.
+
+Source of the complex step: J. N. Lyness, C. B. Moler, Numerical differentiation of analytic
+functions, SIAM J. Numer. Anal. 4 (1967) 202–210.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from manufactured.body import Kind
+from manufactured.exact import ExactSolution
+from manufactured.tensors import Array, Points, basis, mandel, traction
+
+STEP = 1e-30
+ROUND_OFF = 1e-9
+"""Largest defect relative to the size of the terms that count as round-off."""
+INTEGRATION = 1e-4
+"""Same for u(T) − u_0 − ∫u̇, whose integrand has kinks in time where a zone passes."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The largest defect found in one condition.
+
+    Attributes:
+        condition: its number in the source and its formula.
+        defect: size of the violation relative to the scale of the terms.
+        tolerance: what is allowed.
+        x, time: where it is attained.
+    """
+
+    condition: str
+    defect: float
+    tolerance: float
+    x: tuple[float, ...]
+    time: float
+
+    @property
+    def passes(self) -> bool:
+        # Not (defect > tolerance): a NaN must not pass.
+        return self.defect <= self.tolerance
+
+    def __str__(self) -> str:
+        place = ", ".join(f"{c:.6g}" for c in self.x)
+        word = "holds" if self.passes else "violated"
+        return (
+            f"{self.condition}: {word}, relative defect {self.defect:.3g} (allowed {self.tolerance:g}) "
+            f"at x = ({place}), t = {self.time:.6g}"
+        )
+
+
+class SelfProofError(ValueError):
+    """An exact solution violates a condition of Problem 2.1."""
+
+    def __init__(self, name: str, findings: list[Finding]) -> None:
+        self.findings = findings
+        lines = "\n  ".join(str(finding) for finding in findings)
+        super().__init__(
+            f"{name} does not prove itself an exact solution:\n  {lines}\n"
+            "  change the gap, the pressure, the zone or the law until it does"
+        )
+
+
+def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
+    """Check every condition; returns the findings, all passing.
+
+    Raises:
+        SelfProofError: lists each violated condition with where and by how much.
+    """
+    findings = examine(solution, seed)
+    failed = [finding for finding in findings if not finding.passes]
+    if failed:
+        raise SelfProofError(name, failed)
+    return findings
+
+
+def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int = 12) -> list[Finding]:
+    """The largest defect of every condition at random points and times."""
+    rng = np.random.default_rng(seed)
+    instants = np.sort(rng.uniform(0, solution.body.T, times))
+    inside = solution.body.sample(rng, points)
+    return [
+        *_kinematics(solution, inside, instants),
+        _history(solution, inside),
+        _equilibrium(solution, inside, instants),
+        *_boundary(solution, rng, points, instants),
+        *_contact(solution, rng, 4 * points, instants),
+    ]
+
+
+def _worst(condition: str, x: Points, instants: Array, defect: Array, scale: Array, tolerance: float = ROUND_OFF) -> Finding:
+    """The largest entry of defect (times, points) relative to the largest entry of scale."""
+    defect = np.where(np.isfinite(defect), defect, np.inf)
+    when, where = np.unravel_index(np.argmax(defect), defect.shape)
+    size = max(float(np.max(np.where(np.isfinite(scale), scale, 0.0))), np.finfo(float).tiny)
+    worst = float(defect[when, where])
+    return Finding(
+        condition, worst / size if worst > 0 else 0.0, tolerance, tuple(map(float, x[:, where])), float(instants[when])
+    )
+
+
+def _size(values: list[Array] | Array) -> Array:
+    """Euclidean norm over the component axis of (times, components, points)."""
+    return np.linalg.norm(np.asarray(values), axis=1)
+
+
+def _gradient(field: Callable[[Points], Array], x: Points) -> Array:
+    """∂_j field by the complex step, (components, d, ...)."""
+    columns = []
+    for j in range(len(x)):
+        shifted = x.astype(complex)
+        shifted[j] += 1j * STEP
+        columns.append(field(shifted).imag / STEP)
+    return np.stack(columns, axis=1)
+
+
+def _kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Finding]:
+    fields = solution.at(x)
+    strain = [fields.strain(t) for t in instants]
+    rate = [fields.strain_rate(t) for t in instants]
+    velocity = [fields.velocity(t) for t in instants]
+    by_step = [mandel(_gradient(lambda p, t=t: solution.at(p).displacement(t), x)) for t in instants]
+    rate_by_step = [mandel(_gradient(lambda p, t=t: solution.at(p).velocity(t), x)) for t in instants]
+    velocity_by_step = [fields.displacement(t + 1j * STEP).imag / STEP for t in instants]
+    stress = [fields.stress(t) for t in instants]
+    law = [solution.law.stress(r, e) for r, e in zip(rate_by_step, by_step, strict=True)]
+    return [
+        _worst("(2.10) ε(u) = sym ∇u", x, instants, _size(np.subtract(strain, by_step)), _size(strain)),
+        _worst("(2.10) ε(u̇) = sym ∇u̇", x, instants, _size(np.subtract(rate, rate_by_step)), _size(rate)),
+        _worst("(2.6) u̇ = ∂u/∂t", x, instants, _size(np.subtract(velocity, velocity_by_step)), _size(velocity)),
+        _worst("(2.1) σ = Aε(u̇) + Gε(u)", x, instants, _size(np.subtract(stress, law)), _size(stress)),
+    ]
+
+
+def _history(solution: ExactSolution, x: Points) -> Finding:
+    fields, T = solution.at(x), solution.body.T
+    nodes, weights = np.polynomial.legendre.leggauss(4)
+    panels = np.linspace(0, T, 65)
+    half = np.diff(panels) / 2
+    instants = (panels[:-1] + half)[:, None] + half[:, None] * nodes
+    integral = sum(
+        w * fields.velocity(t) for w, t in zip((half[:, None] * weights).ravel(), instants.ravel(), strict=True)
+    )
+    change = fields.displacement(T) - fields.displacement(0.0)
+    defect = _size([change - integral])
+    scale = _size([fields.displacement(t) for t in (0.0, T / 2, T)])
+    return _worst("(2.6) u(T) = u_0 + ∫u̇ dt", x, np.array([T]), defect, scale, INTEGRATION)
+
+
+def _equilibrium(solution: ExactSolution, x: Points, instants: Array) -> Finding:
+    fields = solution.at(x)
+    force = [fields.body_force(t) for t in instants]
+    matrices = basis(solution.law.dim)
+    divergence = [
+        np.tensordot(matrices, _gradient(lambda p, t=t: solution.at(p).stress(t), x), axes=([0, 2], [0, 1]))
+        for t in instants
+    ]
+    return _worst("(2.2) Div σ + f_0 = 0", x, instants, _size(np.add(divergence, force)), _size(force))
+
+
+def _boundary(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
+    inside = solution.at(solution.body.sample(rng, count))
+    scale_u = _size([inside.displacement(t) for t in instants])
+    findings = []
+    for part in solution.body.of(Kind.CLAMPED):
+        x = part.sample(rng, count)
+        u = [solution.at(x).displacement(t) for t in instants]
+        findings.append(_worst("(2.3) u = 0 on Γ1", x, instants, _size(u), scale_u))
+    for part in solution.body.of(Kind.LOADED):
+        x = part.sample(rng, count)
+        fields = solution.at(x)
+        load = [fields.surface_load(part, t) for t in instants]
+        expected = [
+            traction(
+                solution.law.stress(
+                    mandel(_gradient(lambda p, t=t: solution.at(p).velocity(t), x)),
+                    mandel(_gradient(lambda p, t=t: solution.at(p).displacement(t), x)),
+                ),
+                part.normal,
+            )
+            for t in instants
+        ]
+        scale = _size([inside.stress(t) for t in instants])
+        findings.append(_worst("(2.4) σν = f_2 on Γ2", x, instants, _size(np.subtract(load, expected)), scale))
+    return findings
+
+
+def _contact(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
+    inside = solution.at(solution.body.sample(rng, count))
+    scale_u = _size([inside.displacement(t) for t in instants])
+    scale_stress = _size([inside.stress(t) for t in instants])
+    findings = []
+    for i, face in enumerate(solution.faces, start=1):
+        x, normal = face.part.sample(rng, count), face.part.normal
+        s, _ = face.part.coordinates(x)
+        on_face, fields = solution.on(face, s), solution.at(x)
+        u = np.array([np.tensordot(normal, fields.displacement(t), axes=1) for t in instants])
+        force = [traction(fields.stress(t), normal) for t in instants]
+        stress = np.array([np.tensordot(normal, f, axes=1) for f in force])
+        tangential = _size([f - np.multiply.outer(normal, sn) for f, sn in zip(force, stress, strict=True)])
+        gap = np.array([on_face.gap(t) for t in instants])
+        pressure = np.array([on_face.pressure(t) for t in instants])
+        level = np.array([on_face.level(t) for t in instants])
+        checks = [
+            ("u_ν ≤ 0, u ∈ K", np.maximum(u, 0), scale_u),
+            ("σ_ν ≤ 0", np.maximum(stress, 0), scale_stress),
+            ("σ_ν u_ν = 0", abs(stress * u), scale_stress.max() * scale_u),
+            ("σ_τ = 0", tangential, scale_stress),
+            ("w = −u_ν", abs(u + gap), scale_u),
+            ("p = −σ_ν", abs(stress + pressure), scale_stress),
+            ("w = 0 on the stated zone ψ ≥ 0", np.where(level >= 0, abs(gap), 0.0), scale_u),
+            ("w > 0 off the stated zone", np.where((level < 0) & (gap <= 0), np.maximum(-level, ROUND_OFF), 0.0), abs(level)),
+        ]
+        findings += [_worst(f"(2.5) {c} on Γ3,{i}", x, instants, d, scale, ROUND_OFF) for c, d, scale in checks]
+    return findings
+
+
+__all__ = ["Finding", "SelfProofError", "examine", "prove"]

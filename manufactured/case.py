@@ -1,0 +1,53 @@
+"""A case: an exact solution with the order that is predicted for it, and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+
+
+class CaseError(ValueError):
+    """A case contradicts itself."""
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """One entry of the catalogue.
+
+    Attributes:
+        name: identifier in commands, files and tables.
+        summary: one line on what the zone does.
+        solution: the exact solution.
+        regularity: the exponents at its front.
+        order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}.
+        reason: regularity → order, in one sentence.
+
+    Raises:
+        CaseError: the predicted order is missing or contradicts the exponents, or the name cannot
+            be part of a file name.
+    """
+
+    name: str
+    summary: str
+    solution: ExactSolution
+    regularity: Regularity
+    order: float
+    reason: str
+
+    def __post_init__(self) -> None:
+        if not self.name.replace("-", "").replace("_", "").isalnum():
+            raise CaseError(f"case name {self.name!r}: use letters, digits, '-' and '_' only")
+        if self.order is None or not self.reason:
+            raise CaseError(f"case {self.name}: state the predicted order and the reason for it before measuring")
+        if abs(self.order - self.regularity.order) > 1e-12:
+            raise CaseError(
+                f"case {self.name}: predicted order {self.order}, but {self.regularity} gives order "
+                f"min(1, α − 3/2, m − 1/2) = {self.regularity.order:g}; correct the label or the prediction"
+            )
+
+    @property
+    def proposition(self) -> str:
+        """The numbered statement whose hypotheses the case satisfies."""
+        return "Prop. 5.4" if self.regularity.satisfies_5_36 else "Prop. 5.3"

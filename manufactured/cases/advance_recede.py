@@ -1,0 +1,34 @@
+"""A front that advances and then recedes over material that remembers the contact.
+
+    w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   c(t) = 1/4 + 2t(1 − t),   q(0) = −p(0)/3
+
+on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so a = g = 3. The front moves from 1/4 to 3/4 and
+back; where it has passed, q decays from what the pressure has left behind.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt, isotropic
+from manufactured.memory import Memory
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+
+def case() -> Case:
+    body = unit_square()
+    law = KelvinVoigt(isotropic(1, 1), isotropic(1, 1), "linear, A = G")
+    c = Rational(1, 4) + 2 * t * (1 - t)
+    (part,) = body.of(Kind.CONTACT)
+    face = ContactFace(part, gap=20 * pos(s - c, 4), strain=Memory(20 * pos(c - s, 2), 3, 3, body.T), level=c - s)
+    return Case(
+        name="advance-recede",
+        summary="front advances to 3/4, recedes, and the material remembers",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by Prop. 5.4",
+    )

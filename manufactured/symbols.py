@@ -1,0 +1,122 @@
+"""Formulas of (s, t): the truncated power, and fast derivatives of a SymPy expression.
+
+Cases are written in SymPy with the symbols ``s`` (coordinate along a contact face) and ``t``
+(time); every derivative is taken symbolically and evaluated by NumPy.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from itertools import product
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from manufactured.tensors import Array
+
+s, t = sp.symbols("s t", real=True)
+
+Index = tuple[int, ...]
+"""A multi-index of derivatives along the face, one entry per coordinate."""
+
+Values = dict[Index, Array]
+"""Derivatives of a function on the face, keyed by multi-index; the key of zeros is the value."""
+
+
+class pos(sp.Function):  # noqa: N801 (reads as the formula x_+^a)
+    """The truncated power x_+^a = x^a where x > 0, and 0 elsewhere; pos(x, 0) is the step.
+
+    Its derivative in x is a·pos(x, a−1), which is right away from x = 0, and everywhere for a > 1.
+    """
+
+    nargs = 2
+
+    @classmethod
+    def eval(cls, x: sp.Expr, a: sp.Expr) -> sp.Expr | None:
+        if x.is_number:
+            return x**a if x > 0 else sp.Integer(0)
+        return None
+
+    def fdiff(self, argindex: int = 1) -> sp.Expr:
+        if argindex != 1:
+            raise sp.core.function.ArgumentIndexError(self, argindex)
+        x, a = self.args
+        return a * pos(x, a - 1)
+
+
+def _power(x: Array, exponent: float) -> Array:
+    # Repeated products: NumPy's general power is some twenty times slower.
+    if exponent == 0.5:
+        return np.sqrt(x)
+    if exponent != int(exponent) or not 1 <= exponent <= 12:
+        return x**exponent
+    result = None
+    remaining = int(exponent)
+    while remaining:
+        if remaining & 1:
+            result = x if result is None else result * x
+        remaining >>= 1
+        x = x * x if remaining else x
+    return result
+
+
+def _truncated_power(x: Array, exponent: float) -> Array:
+    positive = np.real(x) > 0
+    if exponent == 0:
+        return positive.astype(float)
+    if exponent > 0:
+        return _power(np.where(positive, x, 0.0), exponent)
+    return np.where(positive, np.where(positive, x, 1.0) ** exponent, 0.0)
+
+
+def function(arguments: Sequence[Any], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:
+    """A NumPy function returning the list of expressions, with common subexpressions shared."""
+    return sp.lambdify(
+        arguments, list(expressions), modules=[{"pos": _truncated_power}, "numpy"], cse=True
+    )  # type: ignore[no-any-return]
+
+
+@lru_cache
+def indices(variables: int, order: int) -> tuple[Index, ...]:
+    """All multi-indices of ``variables`` entries and total order ≤ ``order``, low orders first."""
+    every = [i for i in product(range(order + 1), repeat=variables) if sum(i) <= order]
+    return tuple(sorted(every, key=lambda i: (sum(i), i)))
+
+
+def differentiate(expression: sp.Expr, variables: Sequence[sp.Symbol], index: Index) -> sp.Expr:
+    """∂^index of an expression in the given variables."""
+    for variable, times in zip(variables, index, strict=True):
+        if times:
+            expression = sp.diff(expression, variable, times)
+    return expression
+
+
+@dataclass(frozen=True)
+class Jet:
+    """A formula of (s, t) with its derivatives along the face, evaluated by NumPy.
+
+    ``Jet(expr, (s,))(points, time, order)`` has points (d−1, ...) and gives every ∂^i expr with
+    |i| ≤ order as arrays (...).
+    """
+
+    expression: sp.Expr
+    variables: tuple[sp.Symbol, ...] = (s,)
+    _compiled: dict[int, Callable[..., list[Array]]] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+
+    def __call__(self, points: Array, time: complex, order: int = 0) -> Values:
+        keys = indices(len(self.variables), order)
+        if order not in self._compiled:
+            formulas = [differentiate(self.expression, self.variables, key) for key in keys]
+            self._compiled[order] = function([*self.variables, t], formulas)
+        values = self._compiled[order](*points, time)
+        shape = points.shape[1:]
+        return {k: v if np.shape(v) == shape else np.broadcast_to(v, shape) for k, v in zip(keys, values, strict=True)}
+
+    def rate(self) -> Jet:
+        """The jet of ∂_t expr."""
+        return Jet(sp.diff(self.expression, t), self.variables)

@@ -1,0 +1,81 @@
+"""Symmetric second-order tensors as Mandel vectors.
+
+A tensor τ ∈ S^d is stored by its coordinates in the orthonormal basis
+
+    E_ii = e_i ⊗ e_i,      E_ij = (e_i ⊗ e_j + e_j ⊗ e_i)/√2   (i < j),
+
+so that σ·τ = σ_ij τ_ij is the Euclidean product of the vectors, a fourth-order tensor with the
+usual symmetries is a symmetric D × D matrix with the same eigenvalues, and a rotation of axes is
+an orthogonal D × D matrix.
+
+Shapes used throughout the project (everything is dimensionless):
+
+    Points   (d, ...)   coordinates
+    Vectors  (d, ...)   displacements, tractions, forces
+    Tensors  (D, ...)   Mandel vectors, D = d(d+1)/2; d = 2: (11, 22, √2·12),
+                        d = 3: (11, 22, 33, √2·23, √2·13, √2·12)
+
+Source: J. Mandel, Généralisation de la théorie de plasticité de W. T. Koiter, Int. J. Solids
+Struct. 1 (1965) 273–295.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Points = NDArray[np.float64]
+Vectors = NDArray[np.float64]
+Tensors = NDArray[np.float64]
+
+
+def size(dim: int) -> int:
+    """D = d(d+1)/2, the dimension of S^d."""
+    return dim * (dim + 1) // 2
+
+
+@lru_cache
+def basis(dim: int) -> Array:
+    """The orthonormal basis E_I of S^d as full matrices, shape (D, d, d)."""
+    pairs = [(i, i) for i in range(dim)]
+    pairs += [(i, j) for i, j in reversed([(i, j) for i in range(dim) for j in range(i + 1, dim)])]
+    matrices = np.zeros((size(dim), dim, dim))
+    for row, (i, j) in enumerate(pairs):
+        matrices[row, i, j] = matrices[row, j, i] = 1.0 if i == j else np.sqrt(0.5)
+    matrices.setflags(write=False)
+    return matrices
+
+
+def mandel(full: Array) -> Tensors:
+    """Mandel vector of the symmetric part of ``full``: (d, d, ...) → (D, ...)."""
+    return np.tensordot(basis(full.shape[0]), full, axes=([1, 2], [0, 1]))
+
+
+def full(tensors: Tensors) -> Array:
+    """The symmetric matrices behind Mandel vectors: (D, ...) → (d, d, ...)."""
+    dim = int((np.sqrt(8 * tensors.shape[0] + 1) - 1) / 2)
+    return np.tensordot(basis(dim), tensors, axes=([0], [0]))
+
+
+def dyad(a: Vectors, b: Vectors) -> Tensors:
+    """Mandel vector of the symmetric product (a ⊗ b + b ⊗ a)/2 of two vectors (d,)."""
+    return mandel(np.multiply.outer(a, b))
+
+
+def identity(dim: int) -> Tensors:
+    """Mandel vector of the unit tensor, shape (D,); identity·τ = tr τ."""
+    return mandel(np.eye(dim))
+
+
+def rotation(frame: Array) -> Array:
+    """The orthogonal (D, D) matrix taking τ to F τ Fᵀ, for F with orthonormal columns (d, d)."""
+    matrices = basis(frame.shape[0])
+    return np.einsum("Iij,ik,Jkl,jl->IJ", matrices, frame, matrices, frame)
+
+
+def traction(tensors: Tensors, normal: Array) -> Vectors:
+    """τν: (D, ...) and (d,) → (d, ...)."""
+    return np.tensordot(basis(normal.shape[0]) @ normal, tensors, axes=([0], [0]))

@@ -1,0 +1,209 @@
+"""Problem 5.1 in time: M u̇ + G(u) + N_{K^h}(u) ∋ F, constraint at the new time.
+
+G is bounded relative to M uniformly in h, (5.5), so the system is not stiff: no step restriction
+links k to h and one factorisation of (c/k) M + θ G_ref serves all steps. G_ref is the law's constant
+reference tensor; what G differs from it is treated by a fixed point that contracts like
+k ‖G − G_ref‖/m_A, and vanishes for a linear law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sps
+
+from manufactured.law import Elasticity, KelvinVoigt, Linear
+from manufactured.tensors import Array
+from study.fem.space import Space
+from study.solve.signorini import ContactSolver, Signorini
+
+FIXED_POINT = 1e-12
+"""Relative change in ‖·‖_M at which the fixed point of a nonlinear law stops."""
+ITERATIONS = 60
+
+
+class EvolutionError(RuntimeError):
+    """A time step could not be solved."""
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Problem 5.1 on one mesh: M, G, N, F and u_0^h.
+
+    Attributes:
+        M: matrix of (·,·)_V on V^h, (n, n).
+        reference: matrix of G_ref, (n, n).
+        remainder: v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,); None for a linear law.
+        N: K^h = {v : Nv ≤ 0}, (m, n).
+        load: t ↦ F(t), (n,).
+        u0: u_0^h ∈ K^h, (n,).
+        T: final time.
+        solver: (S, N) ↦ the contact solve of one step.
+    """
+
+    M: sps.csc_array
+    reference: sps.csc_array
+    remainder: Callable[[Array], Array] | None
+    N: sps.csr_array
+    load: Callable[[float], Array]
+    u0: Array
+    T: float
+    solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver] = Signorini
+
+    @classmethod
+    def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> Problem:
+        """The problem for a law, a load and a start on a space."""
+        return cls(
+            M=space.form(law.A.matrix),
+            reference=space.form(law.G.reference),
+            remainder=None if isinstance(law.G, Linear) else _remainder(space, law.G),
+            N=space.N,
+            load=load,
+            u0=u0,
+            T=space.body.T,
+        )
+
+
+def _remainder(space: Space, G: Elasticity) -> Callable[[Array], Array]:
+    def remainder(v: Array) -> Array:
+        strain = space.strain(v)
+        return space.functional(G(strain) - G.reference @ strain)
+
+    return remainder
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """One time node of a trajectory.
+
+    Attributes:
+        time: t_n.
+        u: u_n ∈ K^h, (n,).
+        multipliers: λ_n ≥ 0, nodal contact forces, (m,).
+        residual: ‖S u + Nᵀλ − b‖/‖b‖ of the step's equation.
+        iterations: contact solves spent.
+    """
+
+    time: float
+    u: Array
+    multipliers: Array
+    residual: float
+    iterations: int
+
+
+class Scheme(Protocol):
+    """A time scheme: ``order`` in k for smooth solutions; ``march`` yields t_0, t_1, …, t_steps."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def order(self) -> float: ...
+
+    def march(self, problem: Problem, steps: int) -> Iterator[State]: ...
+
+
+class _Step:
+    """Solves c/k M u + G(θu + base) + N_{K^h}(u) ∋ rhs for one u, many times."""
+
+    def __init__(self, problem: Problem, mass: float, theta: float) -> None:
+        self.problem, self.theta = problem, theta
+        self.S = sps.csc_array(mass * problem.M + theta * problem.reference)
+        self.solve = problem.solver(self.S, problem.N)
+
+    def __call__(self, time: float, rhs: Array, base: Array, guess: Array) -> State:
+        problem = self.problem
+        constant = rhs - problem.reference @ base if base.any() else rhs
+        if problem.remainder is None:
+            u, multipliers = self.solve(constant)
+            return self._state(time, u, multipliers, constant, 1)
+        u = guess
+        for iteration in range(1, ITERATIONS + 1):
+            b = constant - problem.remainder(self.theta * u + base)
+            previous, (u, multipliers) = u, self.solve(b)
+            change = u - previous
+            if change @ (problem.M @ change) <= FIXED_POINT**2 * (u @ (problem.M @ u)):
+                b = constant - problem.remainder(self.theta * u + base)
+                return self._state(time, u, multipliers, b, iteration)
+        raise EvolutionError(
+            f"the fixed point of the step to t = {time:.6g} did not settle in {ITERATIONS} iterations; "
+            "it contracts like k L_G/m_A, so take more steps"
+        )
+
+    def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
+        defect = self.S @ u + self.problem.N.T @ multipliers - b
+        scale = max(float(np.linalg.norm(b)), np.finfo(float).tiny)
+        residual = float(np.linalg.norm(defect)) / scale
+        if not np.isfinite(residual):
+            raise EvolutionError(f"the step to t = {time:.6g} produced values that are not finite")
+        return State(time, u, multipliers, residual, iterations)
+
+
+def _start(problem: Problem) -> State:
+    return State(0.0, problem.u0, np.zeros(problem.N.shape[0]), 0.0, 0)
+
+
+@dataclass(frozen=True)
+class BackwardEuler:
+    """M (u_n − u_{n−1})/k + G(u_n) + N_{K^h}(u_n) ∋ F(t_n)."""
+
+    name: str = "backward-euler"
+    order: float = 1.0
+
+    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+        yield from _theta_method(problem, steps, 1.0)
+
+
+@dataclass(frozen=True)
+class Midpoint:
+    """M (u_n − u_{n−1})/k + G((u_n + u_{n−1})/2) + N_{K^h}(u_n) ∋ F(t_{n−1/2}).
+
+    Order 2, falling to 1.5 in the maximum norm when vertices change between contact and release.
+    """
+
+    name: str = "midpoint"
+    order: float = 2.0
+
+    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+        yield from _theta_method(problem, steps, 0.5)
+
+
+def _theta_method(problem: Problem, steps: int, theta: float) -> Iterator[State]:
+    k = problem.T / steps
+    step = _Step(problem, 1 / k, theta)
+    state = _start(problem)
+    yield state
+    older = state.u
+    for n in range(1, steps + 1):
+        old = state.u
+        rhs = problem.load((n - 1 + theta) * k) + problem.M @ (old / k)
+        state = step(n * k, rhs, (1 - theta) * old, 2 * old - older)
+        older = old
+        yield state
+
+
+@dataclass(frozen=True)
+class BDF2:
+    """M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_{K^h}(u_n) ∋ F(t_n), first step backward Euler."""
+
+    name: str = "bdf2"
+    order: float = 2.0
+
+    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+        k = problem.T / steps
+        zero = np.zeros_like(problem.u0)
+        first = _Step(problem, 1 / k, 1.0)
+        older = _start(problem)
+        yield older
+        state = first(k, problem.load(k) + problem.M @ (older.u / k), zero, older.u)
+        yield state
+        step = _Step(problem, 1.5 / k, 1.0)
+        for n in range(2, steps + 1):
+            rhs = problem.load(n * k) + problem.M @ ((2 * state.u - 0.5 * older.u) / k)
+            older, state = state, step(n * k, rhs, zero, 2 * state.u - older.u)
+            yield state
+
+
+SCHEMES: tuple[Scheme, ...] = (BackwardEuler(), BDF2(), Midpoint())

@@ -1,0 +1,82 @@
+"""One contact solve: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ 0}, by condensation.
+
+Optimality: S u + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. Only the m rows of N are constrained, so with
+the compliance W = N S⁻¹ Nᵀ, formed once, the multipliers solve the small complementarity problem
+
+    g = N S⁻¹ b − W λ ≤ 0,   λ ≥ 0,   λ·g = 0,
+
+by a primal–dual active set (M. Hintermüller, K. Ito, K. Kunisch, The primal-dual active set
+strategy as a semismooth Newton method, SIAM J. Optim. 13 (2003) 865–888), and u = S⁻¹(b − Nᵀλ).
+Exact to round-off, two triangular solves a step.
+"""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sps
+from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.optimize import nnls
+
+from manufactured.tensors import Array
+from study.solve.factor import Factor
+
+COLUMNS = 64
+
+
+class ContactSolver(Protocol):
+    """b ↦ (u, λ)."""
+
+    def __call__(self, b: Array) -> tuple[Array, Array]: ...
+
+
+class Signorini:
+    """The contact solve with a fixed S and N; remembers the last active set as its next guess."""
+
+    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+        self.factor, self.N = Factor(S), N
+        self.NT = sps.csr_array(N.T)
+        m = N.shape[0]
+        self.W = np.empty((m, m))
+        for start in range(0, m, COLUMNS):
+            block = N[start : start + COLUMNS].toarray().T
+            self.W[:, start : start + COLUMNS] = N @ self.factor(block)
+        self.W = (self.W + self.W.T) / 2
+        self.active = np.zeros(m, dtype=bool)
+
+    def __call__(self, b: Array) -> tuple[Array, Array]:
+        """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,)."""
+        free = self.factor(b)
+        multipliers = self.complementarity(self.N @ free)
+        if not multipliers.any():
+            return free, multipliers
+        return self.factor(b - self.NT @ multipliers), multipliers
+
+    def complementarity(self, gap: Array) -> Array:
+        """λ ≥ 0 with gap − Wλ ≤ 0 and λ·(gap − Wλ) = 0, (m,)."""
+        active = self.active
+        visited: set[bytes] = set()
+        while active.tobytes() not in visited:
+            visited.add(active.tobytes())
+            multipliers = self.on(active, gap)
+            violated = gap - self.W @ multipliers > 0
+            following = np.where(active, multipliers > 0, violated)
+            if (following == active).all():
+                self.active = active
+                return multipliers
+            active = following
+        # The active sets cycle, which needs a W that is not an M-matrix inverse: finish with the
+        # finite method of Lawson and Hanson on the equivalent least squares problem.
+        L = cholesky(self.W, lower=True)
+        multipliers, _ = nnls(L.T, solve_triangular(L, gap, lower=True))
+        self.active = multipliers > 0
+        return self.on(self.active, gap)
+
+    def on(self, active: Array, gap: Array) -> Array:
+        """λ with (gap − Wλ) = 0 on the active set and λ = 0 elsewhere."""
+        multipliers = np.zeros_like(gap)
+        if active.any():
+            where = np.flatnonzero(active)
+            multipliers[where] = cho_solve(cho_factor(self.W[np.ix_(where, where)], lower=True), gap[where])
+        return multipliers
