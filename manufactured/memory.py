@@ -203,6 +203,7 @@ class _MemoryAtPoints:
         self.intervals = [term.intervals(self.flat.real, memory.T) for term in memory.terms]
         self._ends: dict[Index, list[tuple[Array, Array]]] = {}
         self._start: dict[int, Values] = {}
+        self._last: tuple[complex, int, tuple[Values, Values]] | None = None
 
     def ends(self, index: Index) -> list[tuple[Array, Array]]:
         """Per term e^{λr} ∂^index R at the entry and exit times, (J, N) each."""
@@ -220,6 +221,12 @@ class _MemoryAtPoints:
         return self._start[order]
 
     def __call__(self, time: complex, order: int) -> tuple[Values, Values]:
+        # A stress asks for strain and strain rate at the same time, which are found together.
+        if self._last is None or self._last[:2] != (time, order):
+            self._last = time, order, self._evaluate(time, order)
+        return self._last[2]
+
+    def _evaluate(self, time: complex, order: int) -> tuple[Values, Values]:
         memory, now = self.memory, np.real(time)
         start, pressure = self.start(order), memory.pressure_jet(self.points, time, order)
         accumulated = {index: start[index].astype(np.result_type(start[index], time)) for index in start}

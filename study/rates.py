@@ -1,0 +1,72 @@
+"""Observed orders of convergence: consecutive, fitted with an interval, and the limit for h → 0."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import stats
+
+from manufactured.tensors import Array
+
+CONFIDENCE = 0.95
+
+
+class RatesError(ValueError):
+    """A sequence of errors has no order."""
+
+
+def orders(h: Array, error: Array) -> Array:
+    """log(e_i/e_{i+1}) / log(h_i/h_{i+1}) of consecutive levels, (levels − 1,).
+
+    Raises:
+        RatesError: sizes that do not decrease, or errors that are not positive and finite.
+    """
+    h, error = np.asarray(h, dtype=float), np.asarray(error, dtype=float)
+    if not (np.diff(h) < 0).all():
+        raise RatesError(f"mesh sizes must decrease from level to level, got {h.tolist()}")
+    if not (np.isfinite(error).all() and (error > 0).all()):
+        raise RatesError(f"errors must be positive and finite to have an order, got {error.tolist()}")
+    return np.log(error[:-1] / error[1:]) / np.log(h[:-1] / h[1:])
+
+
+@dataclass(frozen=True)
+class Fit:
+    """log e = log C + p log h by least squares.
+
+    Attributes:
+        order: p.
+        low, high: Student interval of p at 95 %; infinite for two levels.
+    """
+
+    order: float
+    low: float
+    high: float
+
+
+def fit(h: Array, error: Array) -> Fit:
+    """Least-squares order with its interval; at least two levels.
+
+    Raises:
+        RatesError: as ``orders``.
+    """
+    orders(h, error)
+    if len(h) < 3:
+        slope = float(orders(h, error)[-1])
+        return Fit(slope, -np.inf, np.inf)
+    line = stats.linregress(np.log(h), np.log(error))
+    half = float(stats.t.ppf((1 + CONFIDENCE) / 2, len(h) - 2)) * float(line.stderr)
+    return Fit(float(line.slope), float(line.slope) - half, float(line.slope) + half)
+
+
+def limit(h: Array, error: Array, order: float) -> tuple[float, float]:
+    """Range of e∞ in e = e∞ + C h^p for the given p, relative to the finest error.
+
+    The ends of the range are the extrapolations from each pair of consecutive levels among the
+    last three.
+    """
+    x = np.asarray(h, dtype=float) ** order
+    e = np.asarray(error, dtype=float)
+    pairs = [(i, i + 1) for i in range(max(0, len(x) - 3), len(x) - 1)]
+    values = [(e[j] * x[i] - e[i] * x[j]) / (x[i] - x[j]) / e[-1] for i, j in pairs]
+    return float(min(values)), float(max(values))

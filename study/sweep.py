@@ -1,0 +1,187 @@
+"""One row of a rate table: the error of Problem 5.1 on one mesh, with everything that qualifies it.
+
+The rate claims are about the semi-discrete solution u^h. Two trajectories with k and k/2 advance
+side by side; the finer one stands for u^h and is measured at all its nodes, which are the nodes
+and the midpoints of the k-grid. The time share max_n ‖u^h_k − u^h_{k/2}‖_V / error at the common
+nodes then bounds what time discretisation contributes to the row from above.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from manufactured.case import Case
+from manufactured.exact import ExactSolution
+from manufactured.tensors import Array
+from study.fem.gauge import DEGREE, Gauge
+from study.fem.mesh import MeshFamily
+from study.fem.space import Space
+from study.solve.evolution import Problem, Scheme, State
+from study.solve.factor import Factor
+
+
+@dataclass(frozen=True)
+class Row:
+    """One line of ``rates.csv``; the columns are explained in the README."""
+
+    claim: str
+    case: str
+    family: str
+    scheme: str
+    dim: int
+    level: int
+    h: float
+    dofs: int
+    steps: int
+    k: float
+    error: float
+    at: float
+    interpolation_error: float
+    discrete_error: float
+    time_share: float
+    interpolation_at: float
+    predicted_interpolation: float
+    discrete_at: float
+    initial_error: float
+    discrete_time_share: float
+    residual: float
+    quadrature_change: float
+
+
+@dataclass(frozen=True, eq=False)
+class Setup:
+    """Everything one row is measured with. Controls replace single pieces by wrong ones.
+
+    Attributes:
+        solution: the exact solution that gives the data and the reference.
+        space: V^h.
+        gauge: what errors are measured with.
+        problem: Problem 5.1 as it is solved.
+        scheme, steps: time scheme and number of steps of size k.
+    """
+
+    solution: ExactSolution
+    space: Space
+    gauge: Gauge
+    problem: Problem
+    scheme: Scheme
+    steps: int
+
+    @classmethod
+    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Scheme, steps: int) -> Setup:
+        """The setup as the source has it: u_0^h = Π^h u_0, K^h = V^h ∩ K, the load of (3.7)."""
+        space = Space(family(solution.body, level), solution.body)
+        gauge = Gauge(solution, space)
+        u0 = gauge.sample(0.0).interpolant
+        return cls(solution, space, gauge, Problem.of(space, solution.law, gauge.load, u0), scheme, steps)
+
+
+def steps_for(level: int) -> int:
+    """Number of steps at a level: 8 n^{2/3}, slower than 1/h.
+
+    A scheme of order 3/2 (midpoint with velocity kinks) then has a time error of the order h, and
+    one of order 2 an error of order h^{4/3}, with a constant that keeps the time share below 2 %.
+    """
+    return math.ceil(8 * level ** (2 / 3))
+
+
+Progress = Callable[[], None]
+
+
+def measure(setup: Setup, progress: Progress = lambda: None) -> Measurement:
+    """Advance both trajectories and collect errors; ``progress`` is called once per step of size k."""
+    gauge, problem, M = setup.gauge, setup.problem, setup.problem.M
+    coarse = setup.scheme.march(problem, setup.steps)
+    errors: list[tuple[float, float, float, float]] = []
+    drift, residual = 0.0, 0.0
+    worst: tuple[float, State] | None = None
+    for n, state in enumerate(setup.scheme.march(problem, 2 * setup.steps)):
+        sample = gauge.sample(state.time)
+        error = gauge.distance(sample, state.u)
+        discrete = sample.interpolant - state.u
+        errors.append((state.time, error, gauge.distance(sample, sample.interpolant), math.sqrt(discrete @ (M @ discrete))))
+        residual = max(residual, state.residual)
+        if worst is None or error > worst[0]:
+            worst = error, state
+        if n % 2 == 0:
+            companion = next(coarse)
+            difference = companion.u - state.u
+            drift = max(drift, math.sqrt(difference @ (M @ difference)))
+            if n:
+                progress()
+    assert worst is not None
+    return Measurement(setup, np.array(errors).T, drift, residual, worst[1])
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """What one setup gave.
+
+    Attributes:
+        setup: the setup.
+        history: (4, nodes): t, ‖u − u^h‖_V, ‖u − Π^h u‖_V, ‖Π^h u − u^h‖_V.
+        drift: max_n ‖u^h_k − u^h_{k/2}‖_V.
+        residual: largest relative residual of a contact solve.
+        worst: the state at which the error is largest.
+    """
+
+    setup: Setup
+    history: Array
+    drift: float
+    residual: float
+    worst: State
+
+    def row(self, claim: str, case: str, family: str, level: int) -> Row:
+        """The line of the rate table."""
+        setup = self.setup
+        times, error, interpolation, discrete = self.history
+        first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
+        return Row(
+            claim=claim,
+            case=case,
+            family=family,
+            scheme=setup.scheme.name,
+            dim=setup.space.dim,
+            level=level,
+            h=setup.space.h,
+            dofs=setup.space.dofs,
+            steps=setup.steps,
+            k=setup.problem.T / setup.steps,
+            error=float(error[first]),
+            at=float(times[first]),
+            interpolation_error=float(interpolation[second]),
+            discrete_error=float(discrete[third]),
+            time_share=self.drift / float(error[first]),
+            interpolation_at=float(times[second]),
+            predicted_interpolation=setup.gauge.predicted_interpolation(float(times[second])),
+            discrete_at=float(times[third]),
+            initial_error=float(error[0]),
+            discrete_time_share=self.drift / float(discrete[third]),
+            residual=self.residual,
+            quadrature_change=self.quadrature_change(),
+        )
+
+    def quadrature_change(self) -> float:
+        """Relative change of the worst error when every cell rule is raised by two degrees.
+
+        The error's own rule changes it directly; the load's changes u^h by at most the integral of
+        the dual norm of the change, here estimated by T times that norm at the time of the worst
+        error.
+        """
+        setup, time = self.setup, self.worst.time
+        finer = Gauge(setup.solution, setup.space, DEGREE + 2)
+        error = setup.gauge.distance(setup.gauge.sample(time), self.worst.u)
+        raised = finer.distance(finer.sample(time), self.worst.u)
+        change = finer.load(time) - setup.gauge.load(time)
+        dual = math.sqrt(max(change @ Factor(setup.problem.M)(change), 0.0))
+        return (abs(raised - error) + setup.problem.T * dual) / error
+
+
+def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, progress: Progress = lambda: None) -> Row:
+    """The row of one (case, family, scheme, level)."""
+    setup = Setup.of(case.solution, family, level, scheme, steps_for(level))
+    return measure(setup, progress).row(case.proposition, case.name, family.name, level)
