@@ -22,7 +22,7 @@ from manufactured.tensors import Array, Points, basis, mandel, traction
 STEP = 1e-30
 ROUND_OFF = 1e-9
 """Largest defect relative to the size of the terms that count as round-off."""
-INTEGRATION = 1e-4
+INTEGRATION = 1e-5
 """Same for u(T) − u_0 − ∫u̇, whose integrand has kinks in time where a zone passes."""
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 
 from manufactured.exact import ExactSolution
@@ -37,8 +38,8 @@ class Case:
     reason: str
 
     def __post_init__(self) -> None:
-        if not self.name.replace("-", "").replace("_", "").isalnum():
-            raise CaseError(f"case name {self.name!r}: use letters, digits, '-' and '_' only")
+        if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", self.name):
+            raise CaseError(f"case name {self.name!r}: use letters, digits, '.', '-' and '_' only")
         if self.order is None or not self.reason:
             raise CaseError(f"case {self.name}: state the predicted order and the reason for it before measuring")
         if abs(self.order - self.regularity.order) > 1e-12:

@@ -20,7 +20,8 @@ import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
-from manufactured.memory import NormalStrain
+from manufactured.law import KelvinVoigt, LawError, Linear
+from manufactured.memory import Memory, NormalStrain
 from manufactured.symbols import Jet, Values, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, basis, rotation
 
@@ -52,6 +53,30 @@ class ContactFace:
     depth: float = 1.0
     rough: tuple[float, ...] = ()
     variables: tuple[sp.Symbol, ...] = (s,)
+
+    @classmethod
+    def linear(
+        cls,
+        part: Part,
+        law: KelvinVoigt,
+        T: float,
+        gap: sp.Expr,
+        pressure: sp.Expr,
+        level: sp.Expr,
+        initial: sp.Expr | None = None,
+        depth: float = 1.0,
+        rough: tuple[float, ...] = (),
+    ) -> ContactFace:
+        """The face for a linear law, where gap and pressure say everything (``memory.Memory``).
+
+        Raises:
+            LawError: G is not linear; give q with ``memory.Prescribed`` instead.
+            FormulaError: the pressure is not piecewise polynomial in t.
+        """
+        if not isinstance(law.G, Linear):
+            raise LawError(f"{law.name}: only a linear G turns a pressure into a strain; prescribe the strain")
+        a, g = law.A.normal_modulus(part.normal), law.G.normal_modulus(part.normal)
+        return cls(part, gap, Memory(sp.sympify(pressure), a, g, T, initial), level, depth, rough)
 
     @cached_property
     def gap_jet(self) -> Jet:

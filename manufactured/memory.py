@@ -20,8 +20,9 @@ from typing import Protocol
 
 import numpy as np
 import sympy as sp
+from numpy.typing import NDArray
 
-from manufactured.symbols import Index, Jet, Values, differentiate, function, indices, pos, s, t
+from manufactured.symbols import Index, Jet, Values, differentiate, function, pos, s, t
 from manufactured.tensors import Array
 
 
@@ -200,25 +201,14 @@ class _MemoryAtPoints:
         self.memory = memory
         self.points = points
         self.flat = points.reshape(points.shape[0], -1)
-        self.intervals = [term.intervals(self.flat.real, memory.T) for term in memory.terms]
-        self._ends: dict[Index, list[tuple[Array, Array]]] = {}
+        self.contacts = [
+            _Contact(term, self.flat, entry, exit_, memory.decay)
+            for term in memory.terms
+            for entry, exit_ in zip(*term.intervals(self.flat.real, memory.T), strict=True)
+            if (entry < exit_).any()
+        ]
         self._start: dict[int, Values] = {}
         self._last: tuple[complex, int, tuple[Values, Values]] | None = None
-
-    def ends(self, index: Index) -> list[tuple[Array, Array]]:
-        """Per term e^{λr} ∂^index R at the entry and exit times, (J, N) each."""
-        if index not in self._ends:
-            decay = self.memory.decay
-            self._ends[index] = [
-                tuple(np.array([np.exp(decay * r) * term.integral(self.flat, r, index) for r in times]) for times in pair)
-                for term, pair in zip(self.memory.terms, self.intervals, strict=True)
-            ]  # type: ignore[misc]
-        return self._ends[index]
-
-    def start(self, order: int) -> Values:
-        if order not in self._start:
-            self._start[order] = self.memory.start(self.flat, 0.0, order)
-        return self._start[order]
 
     def __call__(self, time: complex, order: int) -> tuple[Values, Values]:
         # A stress asks for strain and strain rate at the same time, which are found together.
@@ -227,26 +217,47 @@ class _MemoryAtPoints:
         return self._last[2]
 
     def _evaluate(self, time: complex, order: int) -> tuple[Values, Values]:
-        memory, now = self.memory, np.real(time)
-        start, pressure = self.start(order), memory.pressure_jet(self.points, time, order)
-        accumulated = {index: start[index].astype(np.result_type(start[index], time)) for index in start}
-        for number, (term, (entry, exit_)) in enumerate(zip(memory.terms, self.intervals, strict=True)):
-            for j in range(len(entry)):
-                over = exit_[j] <= now
-                active = np.flatnonzero((entry[j] < now) & ~over)
-                for index in accumulated:
-                    first, last = (ends[j] for ends in self.ends(index)[number])
-                    accumulated[index] -= np.where(over, last - first, 0.0)
-                    if active.size:
-                        current = np.exp(memory.decay * time) * term.integral(self.flat[:, active], time, index)
-                        accumulated[index][active] -= current - first[active]
-        shape = self.points.shape[1:]
+        memory, shape = self.memory, self.points.shape[1:]
+        if order not in self._start:
+            self._start[order] = memory.start(self.flat, 0.0, order)
+        pressure = memory.pressure_jet(self.points, time, order)
+        strain, rate = {}, {}
         fading = np.exp(-memory.decay * time)
-        strain = {index: (fading * value).reshape(shape) for index, value in accumulated.items()}
-        rate = {
-            index: -(pressure[index] + memory.elasticity * value) / memory.viscosity for index, value in strain.items()
-        }
+        for index, start in self._start[order].items():
+            total = (fading * start).astype(np.result_type(self.flat, time))
+            for contact in self.contacts:
+                contact.add(total, -fading, time, index)
+            strain[index] = total.reshape(shape)
+            rate[index] = (pressure[index] + memory.elasticity * strain[index]) / -memory.viscosity
         return strain, rate
+
+
+class _Contact:
+    """∫ e^{λr} ∂^i P/a dr over one interval of contact per point, from its entry to now or its exit."""
+
+    def __init__(self, term: Term, points: Array, entry: Array, exit_: Array, decay: float) -> None:
+        self.term, self.decay = term, decay
+        self.touched = np.flatnonzero(entry < exit_)
+        self.points = points[:, self.touched]
+        self.entry, self.exit = entry[self.touched], exit_[self.touched]
+        self._ends: dict[Index, tuple[Array, Array]] = {}
+
+    def antiderivative(self, which: NDArray[np.intp] | slice, time: Array | complex, index: Index) -> Array:
+        return np.exp(self.decay * time) * self.term.integral(self.points[:, which], time, index)
+
+    def add(self, total: Array, factor: complex, time: complex, index: Index) -> None:
+        """total += factor · integral up to ``time``, at the points that are ever touched."""
+        if index not in self._ends:
+            first, last = (self.antiderivative(slice(None), end, index) for end in (self.entry, self.exit))
+            self._ends[index] = first, last - first
+        first, whole = self._ends[index]
+        now = np.real(time)
+        over = self.exit <= now
+        now_touching = np.flatnonzero((self.entry < now) & ~over)
+        value = np.where(over, whole, 0.0).astype(np.result_type(whole, time))
+        if now_touching.size:
+            value[now_touching] = self.antiderivative(now_touching, time, index) - first[now_touching]
+        total[self.touched] += factor * value
 
 
 @dataclass(frozen=True, eq=False)
@@ -274,5 +285,3 @@ class Prescribed:
 
         return strain
 
-
-__all__ = ["FormulaError", "Memory", "NormalStrain", "Prescribed", "StrainAtPoints", "Term", "indices", "real_roots"]

@@ -10,20 +10,19 @@ from sympy import Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
+from manufactured.cases.laws import proportional
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt, isotropic
-from manufactured.memory import Memory
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 
 def case() -> Case:
     body = unit_square()
-    law = KelvinVoigt(isotropic(1, 1), isotropic(1, 1), "linear, A = G")
+    law = proportional()
     c = Rational(1, 4) + 2 * t * (1 - t)
     (part,) = body.of(Kind.CONTACT)
-    face = ContactFace(part, gap=20 * pos(s - c, 4), strain=Memory(20 * pos(c - s, 2), 3, 3, body.T), level=c - s)
+    face = ContactFace.linear(part, law, body.T, 20 * pos(s - c, 4), 20 * pos(c - s, 2), c - s)
     return Case(
         name="advance-recede",
         summary="front advances to 3/4, recedes, and the material remembers",

@@ -1,0 +1,32 @@
+"""The whole of Γ3 stays in contact while the pressure grows from zero; A and G are not proportional.
+
+    w = 0,   p = 20 t (1 + 4 x(1 − x)),   q(0) = 0
+
+on the unit square. The body starts at rest, u_0 = 0, so nothing can be gained at t = 0: the error
+grows with the pressure.
+"""
+
+from sympy import Integer
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import s, t
+
+
+def case() -> Case:
+    body = unit_square()
+    law = not_proportional()
+    (part,) = body.of(Kind.CONTACT)
+    pressure = 20 * t * (1 + 4 * s * (1 - s))
+    return Case(
+        name="full-contact",
+        summary="all of Γ3 in contact at all times, pressure growing from zero",
+        solution=ExactSolution(body, law, (ContactFace.linear(part, law, body.T, Integer(0), pressure, Integer(1)),)),
+        regularity=Regularity(),
+        order=1,
+        reason="no front, u smooth in space and time: (5.36) and order 1 by Prop. 5.4",
+    )

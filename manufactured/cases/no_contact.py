@@ -1,0 +1,33 @@
+"""The body has been pressed, is let go and never touches again; A and G are not proportional.
+
+    w = (1/10 + t²)(1 + 4x(1 − x)),   p = 0,   q(0) = −x(1 − x)
+
+on the unit square. Signorini's condition is never active, so the scheme must reproduce the linear
+problem; the initial strain q(0) relaxes like e^{−gt/a}.
+"""
+
+from sympy import Integer, Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import s, t
+
+
+def case() -> Case:
+    body = unit_square()
+    law = not_proportional()
+    (part,) = body.of(Kind.CONTACT)
+    gap = (Rational(1, 10) + t**2) * (1 + 4 * s * (1 - s))
+    face = ContactFace.linear(part, law, body.T, gap, Integer(0), Integer(-1), initial=-s * (1 - s))
+    return Case(
+        name="no-contact",
+        summary="no contact at any time, a strain from earlier contact relaxes",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(),
+        order=1,
+        reason="no front, u smooth in space and time: (5.36) and order 1 by Prop. 5.4",
+    )

@@ -1,0 +1,39 @@
+"""Fixed fronts too rough for (5.36): u(t) ∈ H^{1+s} for s < α − 3/2 only.
+
+    w = 4 t (x − c)_+^α,   p = 6 t (c − x)_+^{α−1},   c = 1/3,   q(0) = 0,   3/2 < α < 5/2
+
+on the unit square, A and G not proportional. Prop. 5.3 gives convergence and claims no rate; the
+interpolation error of a function in H^{1+s} predicts α − 3/2. c is off the vertices of structured
+meshes at the same relative place on every level. For α < 2 the strain is unbounded at the front.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+
+def case(alpha: Rational) -> Case:
+    body = unit_square()
+    law = not_proportional()
+    (part,) = body.of(Kind.CONTACT)
+    c = Rational(1, 3)
+    gap, pressure = 4 * t * pos(s - c, alpha), 6 * t * pos(c - s, alpha - 1)
+    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, rough=(float(c),))
+    return Case(
+        name=f"rough-{float(alpha):g}",
+        summary=f"fixed front with w ~ r^{float(alpha):g}, p ~ r^{float(alpha - 1):g}",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(gap=float(alpha), pressure=float(alpha - 1)),
+        order=float(alpha - Rational(3, 2)),
+        reason=f"u(t) ∈ H^(1+s) for s < α − 3/2 = {float(alpha) - 1.5:g}: interpolation of that order, no rate claimed",
+    )
+
+
+def family() -> tuple[Case, ...]:
+    return tuple(case(alpha) for alpha in (Rational(7, 4), Rational(2), Rational(9, 4)))

@@ -1,0 +1,36 @@
+"""A contact patch that is born, travels and vanishes; A and G are not proportional.
+
+    ψ = (4/9)(t − 1/8)(7/8 − t) − (x − b(t))²,   b(t) = 3/10 + 2t/5
+    w = 60 (1/4 + t) (−ψ)_+^4,   p = 2000 ψ_+²,   q(0) = 0
+
+on the unit square. The patch is born at t = 1/8, grows to the half-width 1/4, travels from left to
+right and vanishes at t = 7/8. Its fronts start and end with infinite speed.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+
+def case() -> Case:
+    body = unit_square()
+    law = not_proportional()
+    (part,) = body.of(Kind.CONTACT)
+    b = Rational(3, 10) + 2 * t / 5
+    level = Rational(4, 9) * (t - Rational(1, 8)) * (Rational(7, 8) - t) - (s - b) ** 2
+    gap = 60 * (Rational(1, 4) + t) * pos(-level, 4)
+    pressure = 2000 * pos(level, 2)
+    return Case(
+        name="travelling-patch",
+        summary="patch is born at t = 1/8, travels, vanishes at t = 7/8",
+        solution=ExactSolution(body, law, (ContactFace.linear(part, law, body.T, gap, pressure, level),)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by Prop. 5.4",
+    )
