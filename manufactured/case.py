@@ -5,6 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+import numpy as np
+
 from manufactured.exact import ExactSolution
 from manufactured.regularity import Regularity
 
@@ -24,6 +26,8 @@ class Case:
         regularity: the exponents at its front.
         order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}.
         reason: regularity → order, in one sentence.
+        pace: time steps per n^{2/3} at level n that make the time error negligible; faster zones
+            need more, and every row of a rate table shows whether it was enough.
 
     Raises:
         CaseError: the predicted order is missing or contradicts the exponents, or the name cannot
@@ -36,12 +40,15 @@ class Case:
     regularity: Regularity
     order: float
     reason: str
+    pace: float = 8.0
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", self.name):
             raise CaseError(f"case name {self.name!r}: use letters, digits, '.', '-' and '_' only")
         if self.order is None or not self.reason:
             raise CaseError(f"case {self.name}: state the predicted order and the reason for it before measuring")
+        if not (np.isfinite(self.pace) and self.pace > 0):
+            raise CaseError(f"case {self.name}: the pace must be positive, got {self.pace}")
         if abs(self.order - self.regularity.order) > 1e-12:
             raise CaseError(
                 f"case {self.name}: predicted order {self.order}, but {self.regularity} gives order "

@@ -80,13 +80,13 @@ class Setup:
         return cls(solution, space, gauge, Problem.of(space, solution.law, gauge.load, u0), scheme, steps)
 
 
-def steps_for(level: int) -> int:
-    """Number of steps at a level: 8 n^{2/3}, slower than 1/h.
+def steps_for(case: Case, level: int) -> int:
+    """Number of steps at a level: pace · n^{2/3}, slower than 1/h.
 
-    A scheme of order 3/2 (midpoint with velocity kinks) then has a time error of the order h, and
-    one of order 2 an error of order h^{4/3}, with a constant that keeps the time share below 2 %.
+    A scheme of order 3/2 (midpoint with velocity kinks) then has a time error of the order h, one
+    of order 2 an error of order h^{4/3}.
     """
-    return math.ceil(8 * level ** (2 / 3))
+    return math.ceil(case.pace * level ** (2 / 3))
 
 
 Progress = Callable[[], None]
@@ -183,5 +183,5 @@ class Measurement:
 
 def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, progress: Progress = lambda: None) -> Row:
     """The row of one (case, family, scheme, level)."""
-    setup = Setup.of(case.solution, family, level, scheme, steps_for(level))
+    setup = Setup.of(case.solution, family, level, scheme, steps_for(case, level))
     return measure(setup, progress).row(case.proposition, case.name, family.name, level)

@@ -25,10 +25,11 @@ def _case(name: str, where: str, c: Expr) -> Case:
     return Case(
         name=name,
         summary=f"zone [0, {c}] that stays, front {where}",
-        solution=ExactSolution(body, law, (ContactFace.linear(part, law, body.T, gap, pressure, c - s),)),
+        solution=ExactSolution(body, law, (ContactFace.linear(part, law, body.T, gap, pressure, c - s, rough=(float(c),)),)),
         regularity=Regularity(gap=3, pressure=2),
         order=1,
         reason="fixed front with α = 3 > 5/2 and m = 2 > 3/2: u(t) ∈ H², (5.36) and order 1 by Prop. 5.4",
+        pace=2,
     )
 
 

@@ -74,7 +74,7 @@ def part_of_face() -> Case:
     return Case(
         name="yield-on-a-part",
         summary="law (3.3) yields under contact on [0, 3/5], then that part is released",
-        solution=ExactSolution(body, law, (ContactFace(part, gap, strain, level),)),
+        solution=ExactSolution(body, law, (ContactFace(part, gap, strain, level, rough=(float(c),)),)),
         regularity=Regularity(gap=3, pressure=2),
         order=1,
         reason="fixed front with α = 3 > 5/2 and m = 2 > 3/2: u(t) ∈ H², (5.36) and order 1 by Prop. 5.4",
