@@ -135,7 +135,10 @@ class Term:
             total += sign * power * derivative.as_expr()
             derivative, sign, power = derivative.diff(t), -sign, power / decay
         moving = tuple(function(variables, sp.Poly(front.args[0], t).all_coeffs()) for front in fronts)
-        return cls(moving, sp.horner(sp.expand(total / viscosity), wrt=t), variables)
+        nested = sp.Integer(0)
+        for coefficient in sp.Poly(total / viscosity, t).all_coeffs():
+            nested = nested * t + coefficient
+        return cls(moving, nested, variables)
 
     def integral(self, points: Array, time: Array | complex, index: Index) -> Array:
         """∂_s^index R(s, r) at r = time."""
