@@ -23,7 +23,7 @@ from manufactured.body import Part
 from manufactured.law import KelvinVoigt, LawError, Linear
 from manufactured.memory import Memory, NormalStrain
 from manufactured.symbols import Jet, Values, s
-from manufactured.tensors import Array, Points, Tensors, Vectors, basis, rotation
+from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
 
 
 def cutoff(eta: Array, order: int) -> Array:
@@ -144,15 +144,19 @@ class Lifting:
             return tuple(map(sum, zip(along, *steps, strict=True)))
 
         f, g = self.f, self.g
-        dim = variables + 1
-        matrix = np.empty((dim, dim, *self.s.shape[1:]), dtype=np.result_type(w[d()], q[d()], f[0]))
+        n = variables
         # f[into+1] needs the second derivative of φ at most.
-        matrix[-1, -1] = w[d()] * f[into + 1] + q[d()] * g[into + 1]
-        for a, ia in enumerate(first):
-            matrix[a, -1] = matrix[-1, a] = (w[d(ia)] * (f[into] - g[into + 1]) + q[d(ia)] * g[into]) / 2
-            for b, ib in enumerate(first):
-                matrix[a, b] = -w[d(ia, ib)] * g[into]
-        return np.tensordot(basis(dim), matrix, axes=([1, 2], [0, 1]))
+        shear = f[into] - g[into + 1]
+        root = np.sqrt(0.5)
+        components = []
+        for i, j in pairs(variables + 1):
+            if i == j == n:
+                components.append(w[d()] * f[into + 1] + q[d()] * g[into + 1])
+            elif j == n:
+                components.append(root * (w[d(first[i])] * shear + q[d(first[i])] * g[into]))
+            else:
+                components.append((-1.0 if i == j else -2 * root) * w[d(first[i], first[j])] * g[into])
+        return np.array(components)
 
 
 def _indices(variables: int) -> tuple[tuple[int, ...], list[tuple[int, ...]]]:

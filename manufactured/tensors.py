@@ -38,12 +38,17 @@ def size(dim: int) -> int:
 
 
 @lru_cache
+def pairs(dim: int) -> tuple[tuple[int, int], ...]:
+    """The index pairs (i, j), i ≤ j, in the order of the Mandel components."""
+    above = [(i, j) for i in range(dim) for j in range(i + 1, dim)]
+    return (*((i, i) for i in range(dim)), *reversed(above))
+
+
+@lru_cache
 def basis(dim: int) -> Array:
     """The orthonormal basis E_I of S^d as full matrices, shape (D, d, d)."""
-    pairs = [(i, i) for i in range(dim)]
-    pairs += [(i, j) for i, j in reversed([(i, j) for i in range(dim) for j in range(i + 1, dim)])]
     matrices = np.zeros((size(dim), dim, dim))
-    for row, (i, j) in enumerate(pairs):
+    for row, (i, j) in enumerate(pairs(dim)):
         matrices[row, i, j] = matrices[row, j, i] = 1.0 if i == j else np.sqrt(0.5)
     matrices.setflags(write=False)
     return matrices

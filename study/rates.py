@@ -62,11 +62,11 @@ def fit(h: Array, error: Array) -> Fit:
 def limit(h: Array, error: Array, order: float) -> tuple[float, float]:
     """Range of e∞ in e = e∞ + C h^p for the given p, relative to the finest error.
 
-    The ends of the range are the extrapolations from each pair of consecutive levels among the
-    last three.
+    The ends of the range are the extrapolations over two refinements among the last four levels
+    (the place of a front within its cell alternates from level to level).
     """
     x = np.asarray(h, dtype=float) ** order
     e = np.asarray(error, dtype=float)
-    pairs = [(i, i + 1) for i in range(max(0, len(x) - 3), len(x) - 1)]
+    pairs = [(i, i + 2) for i in range(max(0, len(x) - 4), len(x) - 2)]
     values = [(e[j] * x[i] - e[i] * x[j]) / (x[i] - x[j]) / e[-1] for i, j in pairs]
     return float(min(values)), float(max(values))

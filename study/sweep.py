@@ -17,7 +17,7 @@ import numpy as np
 from manufactured.case import Case
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
-from study.fem.gauge import DEGREE, Gauge
+from study.fem.gauge import Gauge
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
 from study.solve.evolution import Problem, Scheme, State
@@ -168,17 +168,17 @@ class Measurement:
     def quadrature_change(self) -> float:
         """Relative change of the worst error when every cell rule is raised by two degrees.
 
-        The error's own rule changes it directly; the load's changes u^h by at most the integral of
-        the dual norm of the change, here estimated by T times that norm at the time of the worst
-        error.
+        The error's own rule changes it directly. The load's changes u^h by at most ∫ ‖δf‖ dt in the
+        dual norm, estimated by T times the largest ‖δf‖ at the time of the worst error and two others.
         """
-        setup, time = self.setup, self.worst.time
-        finer = Gauge(setup.solution, setup.space, DEGREE + 2)
-        error = setup.gauge.distance(setup.gauge.sample(time), self.worst.u)
-        raised = finer.distance(finer.sample(time), self.worst.u)
-        change = finer.load(time) - setup.gauge.load(time)
-        dual = math.sqrt(max(change @ Factor(setup.problem.M)(change), 0.0))
-        return (abs(raised - error) + setup.problem.T * dual) / error
+        setup, T = self.setup, self.setup.problem.T
+        finer = Gauge(setup.solution, setup.space, raised=2)
+        error = setup.gauge.distance(setup.gauge.sample(self.worst.time), self.worst.u)
+        raised = finer.distance(finer.sample(self.worst.time), self.worst.u)
+        riesz = Factor(setup.problem.M)
+        changes = [finer.load(t) - setup.gauge.load(t) for t in (self.worst.time, 0.35 * T, 0.8 * T)]
+        dual = max(math.sqrt(max(change @ riesz(change), 0.0)) for change in changes)
+        return (abs(raised - error) + T * dual) / error
 
 
 def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, progress: Progress = lambda: None) -> Row:

@@ -53,6 +53,7 @@ def whole_face() -> Case:
         regularity=Regularity(),
         order=1,
         reason="w and q smooth in space, u̇ Lipschitz in time: (5.36) and order 1 by Prop. 5.4, G only Lipschitz",
+        pace=6,
     )
 
 
@@ -78,4 +79,5 @@ def part_of_face() -> Case:
         regularity=Regularity(gap=3, pressure=2),
         order=1,
         reason="fixed front with α = 3 > 5/2 and m = 2 > 3/2: u(t) ∈ H², (5.36) and order 1 by Prop. 5.4",
+        pace=3,
     )

@@ -16,13 +16,19 @@ import numpy as np
 
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Tensors, full
 from study.fem.quadrature import Line, cell_rules, facet_rule
 from study.fem.space import Space
 
-DEGREE = 4
-"""Degree of the standard cell rule: exact for the square of a linear strain error, and two more for
-kinks that cross a cell. Every row of a rate table records what a rule raised by two would change."""
+
+
+def degree_for(law: KelvinVoigt) -> int:
+    """Degree of the cell rule: 2, exact for the square of a linear strain error; 4 for a nonlinear
+    law, whose stress has a kink wherever the material begins to yield. Every row of a rate table
+    records what a rule raised by two would change."""
+    return 2 if isinstance(law.G, Linear) else 4
+
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,12 +54,13 @@ class Gauge:
     Args:
         solution: the exact solution.
         space: V^h.
-        degree: degree of the rule on uncut cells.
+        raised: added to the degree of the rule on uncut cells.
     """
 
-    def __init__(self, solution: ExactSolution, space: Space, degree: int = DEGREE) -> None:
-        self.solution, self.space, self.degree = solution, space, degree
-        rules = cell_rules(space.mesh, degree, rough_lines(solution))
+    def __init__(self, solution: ExactSolution, space: Space, raised: int = 0) -> None:
+        self.solution, self.space = solution, space
+        self.degree = degree_for(solution.law) + raised
+        rules = cell_rules(space.mesh, self.degree, rough_lines(solution))
         self._blocks = [(rule.cells, rule.weights, solution.at(rule.points)) for rule in rules]
         self._nodes = solution.at(space.mesh.p)
         self._faces = []

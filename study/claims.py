@@ -1,0 +1,326 @@
+"""The ledger: numbered statement ↔ measured quantity ↔ verdict, from the data on disk alone.
+
+A verdict compares an observed range with a window that was fixed before measuring:
+
+    holds      the whole range lies in the window
+    fails      the observed value lies outside
+    undecided  too few levels, or a range too wide to tell
+
+Orders are judged two-sided, since (5.37) is sharp for piecewise linears. So is the size of the
+errors, through two relations that share no code path with the measured error:
+
+* ‖u − Π^h u‖_V against its leading term computed from second derivatives of u (within 5 %);
+* (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ = 1 within 10 %: were u^h the best
+  approximation of u in V^h, this would be Pythagoras' theorem, and contact and memory disturb it
+  by higher-order terms only.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from study.rates import fit, limit, orders
+
+HOLDS, FAILS, UNDECIDED = "holds", "fails", "undecided"
+
+JUDGED = 3
+"""Verdicts look at this many of the finest levels; fewer leave an order undecided."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """One line of ``claims.csv``.
+
+    Attributes:
+        label: number of the statement.
+        statement: what is claimed, in words.
+        case: the exact solution it was measured on.
+        quantity: what was measured.
+        expected: the window, as text.
+        observed: the value farthest from the middle of the window over the mesh families.
+        low, high: range of the quantity over families and levels.
+        verdict: holds, fails or undecided.
+    """
+
+    label: str
+    statement: str
+    case: str
+    quantity: str
+    expected: str
+    observed: float
+    low: float
+    high: float
+    verdict: str
+
+
+@dataclass(frozen=True)
+class Window:
+    """[low, high] for a quantity, with the reason as text."""
+
+    low: float
+    high: float
+    text: str
+
+    def judge(self, observed: list[float], ranges: list[tuple[float, float]]) -> tuple[float, float, float, str]:
+        """(worst observed, low, high, verdict) of values with their ranges."""
+        middle = (self.low + self.high) / 2 if math.isfinite(self.low + self.high) else min(self.low, self.high, key=abs)
+        worst = max(observed, key=lambda v: math.inf if math.isnan(v) else abs(v - middle))
+        low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
+        if not all(self.low <= value <= self.high for value in observed):
+            return worst, low, high, FAILS
+        return worst, low, high, HOLDS if self.low <= low and high <= self.high else UNDECIDED
+
+
+TIME_SHARE = Window(0.0, 0.02, "≤ 2 % of the error")
+RESIDUAL = Window(0.0, 1e-10, "≤ 1e-10")
+QUADRATURE = Window(0.0, 0.03, "≤ 3 % of the error")
+SIZE = Window(0.9, 1.1, "1 ± 0.1 (Pythagoras)")
+PREDICTED = Window(0.95, 1.05, "1 ± 0.05 of the leading term")
+DISCRETE_SHARE = Window(0.0, 0.6, "≤ 0.6 of the interpolation error")
+AGREEMENT = Window(0.0, 1e-7, "≤ 1e-7 at every step")
+ROUGH_ORDER = 0.15
+LIMIT = Window(-math.inf, 0.1, "e∞ ≤ 10 % of the finest error")
+
+STATEMENTS = {
+    "Prop. 5.4": "‖u − u^h‖_{L∞(0,T;V)} = O(h)",
+    "Prop. 5.3": "‖u − u^h‖_{L∞(0,T;V)} → 0",
+    "(5.23)": "‖v − Π^h v‖_V ≤ c h |v|_{H²}",
+    "Thm 4.2": "Problem 3.2 on the strains of V^h and Problem 3.1 have one solution",
+}
+
+
+def families(rows: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """The rows of each mesh family, coarse to fine."""
+    return {str(name): group.sort_values("h", ascending=False) for name, group in rows.groupby("family", sort=False)}
+
+
+Measure = Callable[[pd.DataFrame], tuple[float, tuple[float, float]]]
+"""Rows of one family, coarse to fine ↦ (observed value, its range)."""
+
+
+def _verdict(label: str, case: str, quantity: str, window: Window, groups: dict[str, pd.DataFrame], measure: Measure) -> Verdict:
+    values = [measure(group) for group in groups.values()]
+    observed, low, high, verdict = window.judge([v for v, _ in values], [r for _, r in values])
+    return Verdict(label, STATEMENTS[label], case, quantity, window.text, observed, low, high, verdict)
+
+
+def _undecided(label: str, case: str, quantity: str, window: Window) -> Verdict:
+    return Verdict(label, STATEMENTS[label], case, quantity, window.text, math.nan, -math.inf, math.inf, UNDECIDED)
+
+
+def _order_verdict(label: str, case: str, quantity: str, window: Window, groups: dict[str, pd.DataFrame], measure: Measure) -> Verdict:
+    if min(len(group) for group in groups.values()) < JUDGED:
+        return _undecided(label, case, quantity, window)
+    return _verdict(label, case, quantity, window, groups, measure)
+
+
+def consecutive(column: str) -> Measure:
+    """Every consecutive order of the judged levels; observed is the finest."""
+
+    def measure(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        judged = group.tail(JUDGED)
+        found = orders(judged["h"].to_numpy(), judged[column].to_numpy())
+        return float(found[-1]), (float(found.min()), float(found.max()))
+
+    return measure
+
+
+def fitted(column: str) -> Measure:
+    """Least-squares order over up to JUDGED + 1 finest levels with its 95 % interval."""
+
+    def measure(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        judged = group.tail(JUDGED + 1)
+        line = fit(judged["h"].to_numpy(), judged[column].to_numpy())
+        return line.order, (line.low, line.high)
+
+    return measure
+
+
+def finest(value: Callable[[pd.DataFrame], pd.Series]) -> Measure:
+    """A quantity on the finest level."""
+
+    def measure(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        last = float(value(group).iloc[-1])
+        return last, (last, last)
+
+    return measure
+
+
+def largest(column: str) -> Measure:
+    """The largest value of a column over the judged levels."""
+
+    def measure(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        values = group[column].tail(JUDGED)
+        return float(values.max()), (float(values.min()), float(values.max()))
+
+    return measure
+
+
+def _size(group: pd.DataFrame) -> pd.Series:
+    return np.hypot(group["error"], group["discrete_error"]) / group["interpolation_error"]  # type: ignore[no-any-return]
+
+
+def prop_5_4(case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
+    """Order 1, two-sided, with everything that keeps the verdict from being vacuous."""
+    label, groups = "Prop. 5.4", families(rows)
+    order = Window(expected - 0.15, expected + 0.15, f"{expected:g} ± 0.15, every consecutive order")
+    line = Window(expected - 0.1, expected + 0.1, f"{expected:g} ± 0.1, least squares")
+    found = _fitted_verdict(label, case, line, groups)
+    return [
+        _order_verdict(label, case, "order of the error, level by level", order, groups, consecutive("error")),
+        found,
+        _verdict(label, case, "size of the error", SIZE, groups, finest(_size)),
+        *_discrete(label, case, groups),
+        _verdict("(5.23)", case, "‖u − Π^h u‖_V / leading term", PREDICTED, groups, finest(lambda g: g["interpolation_error"] / g["predicted_interpolation"])),
+        *_evidence(label, case, groups),
+    ]
+
+
+def _fitted_verdict(label: str, case: str, window: Window, groups: dict[str, pd.DataFrame]) -> Verdict:
+    """The fitted order must lie in the window, its interval must exclude order 0 and order 2."""
+    quantity = "order of the error, fitted"
+    if min(len(group) for group in groups.values()) < JUDGED:
+        return _undecided(label, case, quantity, window)
+    values = [fitted("error")(group) for group in groups.values()]
+    observed, low, high, _ = window.judge([v for v, _ in values], [r for _, r in values])
+    inside = all(window.low <= v <= window.high for v, _ in values)
+    verdict = FAILS if not inside else HOLDS if low > 0 and high < 2 else UNDECIDED
+    return Verdict(label, STATEMENTS[label], case, quantity, window.text, observed, low, high, verdict)
+
+
+def _discrete(label: str, case: str, groups: dict[str, pd.DataFrame]) -> list[Verdict]:
+    """‖Π^h u − u^h‖_V, what the solver did: its order, its share, and when the error is largest.
+
+    On one-diagonal meshes neighbouring triangles form parallelograms and Π^h u − u^h is superclose,
+    of order 3/2 (traction boundary) to 2; elsewhere it is at least of the order of the error. At
+    most it is of order 2.
+    """
+    superclose = {name: group for name, group in groups.items() if name == "one-diagonal"}
+    others = {name: group for name, group in groups.items() if name != "one-diagonal"}
+    found = []
+    for chosen, window in (
+        (superclose, Window(1.3, 2.2, "3/2 … 2 on one-diagonal meshes (superclose), ± 0.2")),
+        (others, Window(0.85, 2.2, "1 … 2 on other meshes, − 0.15 + 0.2")),
+    ):
+        if chosen:
+            which = "superclose" if chosen is superclose else "other families"
+            found.append(_order_verdict(label, case, f"order of ‖Π^h u − u^h‖_V, {which}", window, chosen, _last_fit("discrete_error")))
+    found.append(
+        _verdict(label, case, "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", DISCRETE_SHARE, groups, finest(lambda g: g["discrete_error"] / g["interpolation_error"]))
+    )
+    return found
+
+
+def _last_fit(column: str) -> Measure:
+    """Least-squares order over the judged levels, without an interval."""
+
+    def measure(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        judged = group.tail(JUDGED)
+        order = fit(judged["h"].to_numpy(), judged[column].to_numpy()).order
+        return order, (order, order)
+
+    return measure
+
+
+def _evidence(label: str, case: str, groups: dict[str, pd.DataFrame]) -> list[Verdict]:
+    """Time discretisation, solver and quadrature must not matter."""
+    return [
+        _verdict(label, case, "time share", TIME_SHARE, groups, largest("time_share")),
+        _verdict(label, case, "residual of the contact solves", RESIDUAL, groups, largest("residual")),
+        _verdict(label, case, "change under finer quadrature", QUADRATURE, groups, largest("quadrature_change")),
+    ]
+
+
+def prop_5_3(case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
+    """Errors fall level by level and leave no room for a positive limit; the order is seen, not claimed.
+
+    The place of the fixed front within its cell alternates between levels, so orders are taken over
+    two refinements.
+    """
+    label, groups = "Prop. 5.3", families(rows)
+    falling = Window(0.0, 0.999, "< 1 on every level")
+    order = Window(expected - ROUGH_ORDER, expected + ROUGH_ORDER, f"{expected:g} ± {ROUGH_ORDER:g} over two refinements (no rate is claimed)")
+
+    def ratio(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        e = group["error"].to_numpy()
+        ratios = e[1:] / e[:-1]
+        return float(ratios.max()), (float(ratios.min()), float(ratios.max()))
+
+    def two_refinements(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        judged = group.iloc[[-3, -1]]
+        value = float(orders(judged["h"].to_numpy(), judged["error"].to_numpy())[0])
+        return value, (value, value)
+
+    def remainder(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        low, high = limit(group["h"].to_numpy(), group["error"].to_numpy(), expected)
+        return high, (low, high)
+
+    enough = min(len(group) for group in groups.values()) >= JUDGED + 1
+    decide = _verdict if enough else lambda *a: _undecided(*a[:4])
+    return [
+        decide(label, case, "ratio of consecutive errors", falling, groups, ratio),
+        decide(label, case, "limit e∞ of e = e∞ + C h^s", LIMIT, groups, remainder),
+        decide(label, case, "order seen", order, groups, two_refinements),
+        _verdict(label, case, "size of the error", SIZE, groups, finest(_size)),
+        *_evidence(label, case, groups),
+    ]
+
+
+def theorem_4_2(case: str, rows: pd.DataFrame) -> list[Verdict]:
+    """Agreement of the two formulations at every step, at solver tolerance."""
+    quantities = {
+        "displacement_gap": "displacement of Problem 3.2 against 3.1",
+        "stress_gap": "stress of Problem 3.2 against 3.1",
+        "admissibility": "σ^h ∈ Σ^h(t)",
+        "energy_gap": "(σ, ε(u))_Q = (f, u)_V, (4.14)",
+        "membership": "u ∈ K^h though never imposed",
+    }
+    found = []
+    for column, quantity in quantities.items():
+        values = rows[column].to_numpy(dtype=float)
+        worst = float(np.max(values))
+        verdict = HOLDS if AGREEMENT.low <= worst <= AGREEMENT.high else FAILS
+        found.append(
+            Verdict("Thm 4.2", STATEMENTS["Thm 4.2"], case, quantity, AGREEMENT.text, worst, float(np.min(values)), worst, verdict)
+        )
+    return found
+
+
+def supremum(rates: pd.DataFrame) -> Verdict:
+    """Whether enough cases have their largest error after t = 0, where something was solved.
+
+    Where it sits at t = 0 the error is that of Π^h u_0 and the case is carried by its discrete error.
+    """
+    rows = rates[rates["claim"] == "Prop. 5.4"]
+    later = (rows["initial_error"] < 0.99 * rows["error"]).groupby(rows["case"]).all()
+    count = float(later.sum())
+    return Verdict(
+        "Prop. 5.4",
+        STATEMENTS["Prop. 5.4"],
+        "all cases",
+        f"cases with the supremum after t = 0 (of {len(later)})",
+        "≥ 4",
+        count,
+        count,
+        count,
+        HOLDS if count >= 4 else UNDECIDED,
+    )
+
+
+def judge(rates: pd.DataFrame, equivalence: pd.DataFrame, expected: dict[str, float]) -> list[Verdict]:
+    """Every verdict that the data allow, statement by statement; ``expected`` is the order of each case."""
+    found: list[Verdict] = []
+    for case, rows in rates.groupby("case", sort=False):
+        statement = prop_5_4 if rows["claim"].iloc[0] == "Prop. 5.4" else prop_5_3
+        found += statement(str(case), rows, expected[str(case)])
+    if rates.loc[rates["claim"] == "Prop. 5.4", "case"].nunique() >= 4:
+        found.append(supremum(rates))
+    for case, rows in equivalence.groupby("case", sort=False):
+        found += theorem_4_2(str(case), rows)
+    labels = list(STATEMENTS)
+    return sorted(found, key=lambda v: labels.index(v.label))

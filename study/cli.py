@@ -1,0 +1,163 @@
+"""The ``study`` command."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import replace
+from pathlib import Path
+
+from tqdm import tqdm
+
+from manufactured.admissibility import SelfProofError
+from manufactured.body import BodyError
+from manufactured.case import CaseError
+from manufactured.catalogue import catalogue
+from manufactured.law import LawError
+from manufactured.memory import FormulaError
+from study import run
+from study.claims import FAILS, HOLDS, Verdict
+from study.datafiles import DataError
+from study.fem.mesh import MeshError
+from study.figures import draw_figures
+from study.jobs import UsageError, choose
+from study.junit import write_junit
+from study.solve.evolution import SCHEMES
+from study.store import Store, StoreError
+from study.summary import ledger_text, rates_text
+from study.tables import write_tables
+
+OK, FAILED, USAGE = 0, 1, 2
+
+REFUSALS = (UsageError, SelfProofError, BodyError, CaseError, LawError, FormulaError, MeshError, StoreError, DataError)
+"""Errors that say what was given, what was expected and how to mend it: printed without a traceback."""
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command; returns its exit code: 0 all claims hold, 1 one does not, 2 usage."""
+    options = parser().parse_args(arguments)
+    try:
+        return int(options.command(options))
+    except REFUSALS as error:
+        print(f"study: {error}", file=sys.stderr)
+        return USAGE
+    except run.JobsFailed as error:
+        print(f"study: {error}", file=sys.stderr)
+        return FAILED
+    except KeyboardInterrupt:
+        print("study: interrupted; finished jobs are kept, the same command does the rest", file=sys.stderr)
+        return 130
+
+
+def parser() -> argparse.ArgumentParser:
+    """The commands and their options."""
+    top = argparse.ArgumentParser(prog="study", description="Verify the claims of Barboteu, Han and Sofonea (2002).")
+    commands = top.add_subparsers(required=True, metavar="COMMAND")
+
+    cases = commands.add_parser("cases", help="list the exact solutions")
+    cases.add_argument("--json", action="store_true", help="as JSON")
+    cases.set_defaults(command=list_cases)
+
+    sweep = commands.add_parser("run", help="measure, judge, write tables and figures; resumes where it was stopped")
+    size = sweep.add_mutually_exclusive_group()
+    size.add_argument("--quick", dest="plan", action="store_const", const=run.quick, help="about a minute (default)")
+    size.add_argument("--full", dest="plan", action="store_const", const=run.full, help="all levels")
+    sweep.add_argument("--case", action="append", metavar="NAME|FILE.py:NAME", help="only this case; may be repeated")
+    sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a unit length, increasing")
+    sweep.add_argument("--scheme", default="midpoint", help="time scheme (default midpoint)")
+    sweep.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
+    _out(sweep)
+    sweep.set_defaults(command=do_run, plan=run.quick)
+
+    check = commands.add_parser("check", help="judge the data on disk; nothing is solved")
+    check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
+    _out(check)
+    check.set_defaults(command=do_check)
+
+    for name, command, text in (("tables", do_tables, "tables"), ("figures", do_figures, "figures")):
+        present = commands.add_parser(name, help=f"make the {text} again from the data on disk")
+        _out(present)
+        present.set_defaults(command=command)
+    return top
+
+
+def _out(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--out", type=Path, default=Path("results"), metavar="DIR", help="directory (default results)")
+
+
+def list_cases(options: argparse.Namespace) -> int:
+    """``study cases``."""
+    found = [run.describe(case) for case in catalogue()]
+    if options.json:
+        print(json.dumps(found, indent=2, ensure_ascii=False))
+        return OK
+    for case in found:
+        print(f"{case['case']:<24}{case['dimension']}D  order {case['expected_order']:<5g}{case['statements']}")
+        print(f"    {case['summary']}; {case['regularity']}; law {case['law']}")
+    return OK
+
+
+def do_run(options: argparse.Namespace) -> int:
+    """``study run``: refuse bad input, compute, write data, judge, present."""
+    plan = options.plan()
+    choose("scheme", options.scheme, SCHEMES)
+    if options.jobs < 1:
+        raise UsageError(f"--jobs must be 1 or more, got {options.jobs}")
+    plan = replace(plan, scheme=options.scheme)
+    if options.case:
+        plan = replace(plan, cases=tuple(options.case))
+    if options.levels:
+        plan = replace(plan, levels=tuple(options.levels), rough_levels=tuple(options.levels))
+    plan.check()
+    store = Store(options.out)
+    store.check()
+    jobs = plan.jobs()
+    with (
+        ProcessPoolExecutor(options.jobs) as executor,
+        tqdm(total=round(sum(job.cost for job in jobs)), unit="", bar_format="{l_bar}{bar}| {elapsed}<{remaining}", disable=None) as bar,
+    ):
+        bar.set_description(f"{len(jobs)} jobs")
+        run.execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
+    run.collect(plan, store)
+    verdicts = run.check(options.out)
+    written = [*write_tables(options.out), *draw_figures(options.out)]
+    print(rates_text(options.out))
+    print()
+    print(ledger_text(options.out))
+    print(f"\n{len(written)} tables and figures and the data are in {options.out}/")
+    return _exit(verdicts)
+
+
+def do_check(options: argparse.Namespace) -> int:
+    """``study check``."""
+    verdicts = run.check(options.out)
+    if options.junit:
+        write_junit(options.junit, verdicts)
+    print(ledger_text(options.out))
+    return _exit(verdicts)
+
+
+def do_tables(options: argparse.Namespace) -> int:
+    """``study tables``."""
+    for path in write_tables(options.out):
+        print(path)
+    return OK
+
+
+def do_figures(options: argparse.Namespace) -> int:
+    """``study figures``."""
+    for path in draw_figures(options.out):
+        print(path)
+    return OK
+
+
+def _exit(verdicts: list[Verdict]) -> int:
+    """0 iff every claim holds; undecided is not a pass."""
+    return OK if verdicts and all(verdict.verdict == HOLDS for verdict in verdicts) else FAILED
+
+
+__all__ = ["FAILS", "main", "parser"]

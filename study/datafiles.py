@@ -1,0 +1,99 @@
+"""What presentation needs from the disk: data files read with clear errors, results written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Collection
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+VERDICTS = ("holds", "undecided", "fails")
+"""From best to worst."""
+
+SERIES = ["claim", "case", "family", "scheme"]
+RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
+RATES += ["time_share"]
+LEDGER = ["label", "statement", "case", "quantity", "expected", "observed", "low", "high", "verdict"]
+TEXT = {
+    *SERIES,
+    "label",
+    "statement",
+    "quantity",
+    "verdict",
+    "form",
+    "summary",
+    "law",
+    "zone",
+    "regularity",
+    "statements",
+}
+"""Columns that hold words even where they look like numbers or are empty."""
+
+
+class DataError(ValueError):
+    """A data file is missing or is not what ``study run`` writes."""
+
+
+def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFrame:
+    """The table ``directory/data/name`` with at least the given columns; empty text is "".
+
+    Raises:
+        DataError: there is no such file, it is not a table, or it lacks a column.
+    """
+    path = directory / "data" / name
+    if not path.is_file():
+        raise DataError(f"{path} is missing: make it with `study run --out {directory}`")
+    try:
+        frame = pd.read_csv(path, dtype=dict.fromkeys(TEXT, str))
+    except (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError) as error:
+        raise DataError(f"{path} is not a table ({error}): make it again with `study run --out {directory}`") from error
+    lacking = [column for column in columns if column not in frame]
+    if lacking:
+        raise DataError(
+            f"{path} lacks the columns {', '.join(lacking)}: make it again with `study run --out {directory}`"
+        )
+    return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT], ""))
+
+
+def read_rates(directory: Path) -> pd.DataFrame:
+    """``rates.csv`` with the levels of every series in order and a column ``discrete_order``."""
+    rates = read_csv(directory, "rates.csv", RATES)
+    series = [frame.sort_values("level") for _, frame in rates.groupby(SERIES, sort=False)]
+    rates = pd.concat(series, ignore_index=True) if series else rates
+    orders = [_orders(frame["h"].to_numpy(), frame["discrete_error"].to_numpy()) for frame in series]
+    return rates.assign(discrete_order=np.concatenate(orders) if orders else [])
+
+
+def read_claims(directory: Path) -> pd.DataFrame:
+    """``claims.csv``, in which every verdict is one that is known."""
+    claims = read_csv(directory, "claims.csv", LEDGER)
+    unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
+    if unknown:
+        raise DataError(f"{directory / 'data' / 'claims.csv'}: verdicts {unknown}, known are {', '.join(VERDICTS)}")
+    return claims
+
+
+def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
+    """Let ``write`` fill a temporary file beside ``path`` and move it there once it is complete."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    part = path.with_name(f"{path.name}.{os.getpid()}.part")
+    try:
+        write(part)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+    return path
+
+
+def write_text(path: Path, text: str) -> Path:
+    """``write_whole`` for text, in UTF-8 with Unix line ends on every system."""
+    return write_whole(path, lambda part: part.write_text(text, encoding="utf-8", newline="\n"))
+
+
+def _orders(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Consecutive orders with NaN for the first level, and where an error is zero and has none."""
+    safe = np.where(error > 0, error, np.nan)
+    return np.concatenate([[np.nan], np.log(safe[:-1] / safe[1:]) / np.log(h[:-1] / h[1:])])

@@ -1,0 +1,86 @@
+"""Figures from the data files; nothing is solved here.
+
+``draw_figures`` draws all of them; each module has one small function per kind of figure.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterator
+from functools import partial
+from pathlib import Path
+
+import pandas as pd
+from matplotlib.figure import Figure
+
+from study.datafiles import DataError, read_csv, read_rates
+from study.figures.body import draw_body
+from study.figures.canvas import in_style, save
+from study.figures.convergence import draw_case, draw_overview
+from study.figures.pictures import Picture, read_pictures
+from study.figures.profiles import draw_profiles
+from study.figures.zone import draw_zone
+
+__all__ = ["DataError", "draw_figures"]
+
+Progress = Callable[[int, int, str], None]
+"""Called after each figure with how many are done, how many there are, and its name."""
+
+
+def draw_figures(directory: Path, progress: Progress = lambda done, total, name: None) -> list[Path]:
+    """Draw every figure into ``directory/figures`` as pdf, png and svg; returns the files.
+
+    ``convergence-CASE`` for every case of ``rates.csv``, ``convergence`` for all cases of Prop. 5.4
+    and ``convergence-prop-5-3`` for the rough ones; ``zone-CASE``, ``profiles-CASE`` and ``body-CASE``
+    for every file in ``pictures``.
+
+    Raises:
+        DataError: a data file is missing or damaged; nothing is drawn then.
+    """
+    rates = read_rates(directory)
+    orders = _expected_orders(directory, rates)
+    figures = [*_convergence(rates, orders), *_runs(read_pictures(directory))]
+    written: list[Path] = []
+    with in_style():
+        for done, (name, draw) in enumerate(figures, start=1):
+            written += save(draw(), directory / "figures", name)
+            progress(done, len(figures), name)
+    return written
+
+
+def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
+    """``expected_order`` of every case with a rate."""
+    cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
+    orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
+    unknown = sorted(set(rates["case"]) - set(orders))
+    if unknown:
+        path = directory / "data" / "cases.csv"
+        raise DataError(
+            f"{path} lacks the cases {', '.join(unknown)}: make it again with `study run --out {directory}`"
+        )
+    return orders
+
+
+def _convergence(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    """One figure per case and one overview per claim; a second time scheme would get its own, by its name."""
+    several = rates["scheme"].nunique() > 1
+    for scheme, of_scheme in rates.groupby("scheme", sort=False):
+        suffix = f"-{scheme}" if several else ""
+        for case, of_case in of_scheme.groupby("case", sort=False):
+            yield f"convergence-{case}{suffix}", partial(draw_case, of_case, orders[str(case)])
+        for claim, of_claim in of_scheme.groupby("claim", sort=False):
+            yield _overview_name(str(claim)) + suffix, partial(draw_overview, of_claim, orders)
+
+
+def _overview_name(claim: str) -> str:
+    """convergence for Prop. 5.4, which is what the study is about, convergence-prop-5-3 and the like for others."""
+    return (
+        "convergence" if claim == "Prop. 5.4" else "convergence-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
+    )
+
+
+def _runs(pictures: list[Picture]) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    for picture in pictures:
+        yield f"zone-{picture.case}", partial(draw_zone, picture)
+        yield f"profiles-{picture.case}", partial(draw_profiles, picture)
+        yield f"body-{picture.case}", partial(draw_body, picture)

@@ -1,0 +1,75 @@
+"""What all figures share: the style, the look of a mesh family, and saving."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
+from pathlib import Path
+
+from matplotlib import rc_context
+from matplotlib.artist import Artist
+from matplotlib.figure import Figure
+
+from study.datafiles import write_whole
+
+STYLE = Path(__file__).parent.parent / "style.mplstyle"
+_ANONYMOUS: dict[str, dict[str, None]] = {
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None},
+}
+COLUMN = 3.5
+"""Width of a column in inches."""
+
+# Okabe and Ito, Color Universal Design (2008); their yellow is too light for lines.
+BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
+ORANGE, SKY, BLACK = "#E69F00", "#56B4E9", "#000000"
+GREY = "#8C8C8C"
+
+
+@dataclass(frozen=True)
+class Look:
+    """Colour and marker of a mesh family, the same in every figure."""
+
+    colour: str
+    marker: str
+
+
+_KNOWN = {
+    "one-diagonal": Look(BLUE, "o"),
+    "criss-cross": Look(VERMILLION, "s"),
+    "shaken": Look(GREEN, "^"),
+    "unstructured": Look(PURPLE, "D"),
+    "kuhn": Look(ORANGE, "v"),
+}
+_SPARE = (Look(SKY, "P"), Look(BLACK, "X"), Look(ORANGE, "h"), Look(GREY, "*"))
+
+
+def looks(families: Iterable[str]) -> dict[str, Look]:
+    """The look of each family; families without one of their own get spare ones in alphabetical order."""
+    names = sorted(set(families))
+    strangers = [name for name in names if name not in _KNOWN]
+    spare = {name: _SPARE[i % len(_SPARE)] for i, name in enumerate(strangers)}
+    return {name: _KNOWN[name] if name in _KNOWN else spare[name] for name in names}
+
+
+def legend(figure: Figure, handles: Sequence[Artist], columns: int) -> None:
+    """A legend under the axes, outside them."""
+    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+
+
+def save(figure: Figure, directory: Path, name: str) -> list[Path]:
+    """Write ``directory/name`` as pdf, png and svg, without dates or versions in them."""
+
+    def write(form: str) -> Path:
+        # A name may hold dots of its own (rough-1.75), so a suffix is appended, not replaced.
+        path = directory / f"{name}.{form}"
+        return write_whole(path, lambda part: figure.savefig(part, format=form, metadata=_ANONYMOUS[form]))
+
+    return [write(form) for form in _ANONYMOUS]
+
+
+def in_style() -> AbstractContextManager[None]:
+    """The style of the study, and nothing of the user's, for figures made and saved inside the context."""
+    return rc_context(fname=STYLE)

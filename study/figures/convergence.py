@@ -1,0 +1,131 @@
+"""Errors against the mesh size, from ``rates.csv`` and the expected orders in ``cases.csv``."""
+
+from __future__ import annotations
+
+import math
+import textwrap
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from study.figures.canvas import COLUMN, Look, legend, looks
+from study.figures.logarithmic import Curve, set_ticks, slope_triangle
+
+FLOOR = 1e-3
+"""What is smaller than this fraction of the smallest error is not shown: it would flatten the errors."""
+
+
+def draw_case(rates: pd.DataFrame, order: float) -> Figure:
+    """One case: error, discrete error and time share of every mesh family, and the expected slope.
+
+    From ``h``, ``error`` (filled), ``discrete_error`` (open, dashed) and ``time_share`` × ``error``
+    (dotted); ``order`` is ``expected_order`` of the case.
+    """
+    figure = Figure(figsize=(COLUMN, 4.0))
+    axes = figure.subplots()
+    look = looks(rates["family"])
+    for family, series in _by_family(rates):
+        _draw_error(axes, series, look[family])
+        _draw_parts(axes, series, look[family])
+    parts = pd.concat([rates["error"], rates["discrete_error"], rates["time_share"] * rates["error"]])
+    low = parts[parts >= FLOOR * rates["error"].min()].min()
+    height = math.log10(rates["error"].max() / low)
+    top = slope_triangle(axes, _curves(rates), order, height)
+    _set_limits(axes, rates, low, top)
+    axes.set_title(str(rates["case"].iloc[0]))
+    axes.set_xlabel(r"mesh size $h$")
+    axes.set_ylabel(r"maximum over time in $\|\cdot\|_V$")
+    set_ticks(axes.xaxis, axes.get_xlim())
+    set_ticks(axes.yaxis, axes.get_ylim())
+    legend(figure, _family_handles(look) + _kind_handles(), columns=2)
+    return figure
+
+
+def draw_overview(rates: pd.DataFrame, orders: Mapping[str, float]) -> Figure:
+    """Small panels, one per case: the error of every mesh family and the expected slope of the case.
+
+    From ``h`` and ``error``; ``orders`` gives ``expected_order`` by case. All panels share the
+    horizontal axis and those of one row the vertical one.
+    """
+    cases = list(dict.fromkeys(rates["case"]))
+    columns = min(max(math.ceil(math.sqrt(len(cases))), 3), 5)
+    rows = math.ceil(len(cases) / columns)
+    figure = Figure(figsize=(0.35 + 1.05 * columns, 0.8 + 1.2 * rows))
+    panels = figure.subplots(rows, columns, sharey="row", squeeze=False)
+    look = looks(rates["family"])
+    for row, line in enumerate(panels):
+        here = cases[row * columns : (row + 1) * columns]
+        shown = rates[rates["case"].isin(here)]
+        height = math.log10(shown["error"].max() / shown["error"].min())
+        top = max(
+            _draw_panel(axes, rates[rates["case"] == case], look, orders[case], height)
+            for axes, case in zip(line, here, strict=False)
+        )
+        for i, axes in enumerate(line):
+            _set_limits(axes, rates, shown["error"].min(), top)
+            set_ticks(axes.xaxis, axes.get_xlim(), least=2)
+            set_ticks(axes.yaxis, axes.get_ylim(), least=2)
+            axes.tick_params(labelbottom=(row + 1) * columns + i >= len(cases))
+            axes.set_visible(i < len(here))
+    figure.supxlabel(r"mesh size $h$")
+    figure.supylabel(r"$\max_t\,\|u-u^h\|_V$")
+    legend(figure, _family_handles(look), columns=len(look))
+    return figure
+
+
+def _draw_panel(axes: Axes, rates: pd.DataFrame, look: Mapping[str, Look], order: float, height: float) -> float:
+    """One small panel; returns how high its slope triangle reaches."""
+    for family, series in _by_family(rates):
+        _draw_error(axes, series, look[family], size=2.4)
+    axes.set_title(textwrap.fill(str(rates["case"].iloc[0]), 18), fontsize=7)
+    return slope_triangle(axes, _curves(rates), order, height, small=True)
+
+
+def _draw_error(axes: Axes, series: pd.DataFrame, look: Look, size: float = 3.6) -> None:
+    axes.loglog(series["h"], series["error"], color=look.colour, marker=look.marker, ms=size, zorder=3)
+
+
+def _draw_parts(axes: Axes, series: pd.DataFrame, look: Look) -> None:
+    """What the solver did, and what of the error is due to time."""
+    style: dict[str, Any] = {"color": look.colour, "zorder": 2.5}
+    axes.loglog(series["h"], series["discrete_error"], marker=look.marker, mfc="white", ls="--", lw=0.7, **style)
+    axes.loglog(series["h"], series["time_share"] * series["error"], ls=":", lw=0.9, alpha=0.8, **style)
+
+
+def _by_family(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The rows of each family, from the coarsest level to the finest."""
+    for family, series in rates.groupby("family", sort=False):
+        yield str(family), series.sort_values("level")
+
+
+def _curves(rates: pd.DataFrame) -> list[Curve]:
+    ordered = [series.sort_values("h") for _, series in _by_family(rates)]
+    return [(series["h"].to_numpy(), series["error"].to_numpy()) for series in ordered]
+
+
+def _set_limits(axes: Axes, rates: pd.DataFrame, low: float, high: float) -> None:
+    """Limits with a margin of 5 % on each side, in decades."""
+    h = np.log10([rates["h"].min(), rates["h"].max()])
+    y = np.log10([low, high])
+    axes.set_xlim(*10 ** (h + 0.07 * np.ptp(h) * np.array([-1, 1])))
+    axes.set_ylim(*10 ** (y + 0.05 * np.ptp(y) * np.array([-1, 0])))
+    axes.grid(True)
+
+
+def _family_handles(look: Mapping[str, Look]) -> list[Line2D]:
+    return [Line2D([], [], color=mine.colour, marker=mine.marker, label=name) for name, mine in look.items()]
+
+
+def _kind_handles() -> list[Line2D]:
+    """What filled, open and dotted lines mean, in a grey that no family has."""
+    style: dict[str, Any] = {"color": "0.3"}
+    return [
+        Line2D([], [], marker="o", label=r"error $\|u-u^h\|_V$", **style),
+        Line2D([], [], marker="o", mfc="white", ls="--", lw=0.7, label=r"discrete error $\|\Pi^hu-u^h\|_V$", **style),
+        Line2D([], [], ls=":", lw=0.9, label="share of time discretisation", **style),
+    ]

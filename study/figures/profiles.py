@@ -1,0 +1,63 @@
+"""Gap and pressure along the contact faces at three times, from ``pictures/CASE.json``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from study.figures.canvas import BLACK, BLUE, COLUMN, VERMILLION, legend
+from study.figures.pictures import Array, Picture, symbol
+
+MARKERS = 24
+"""At most about so many markers on a line."""
+
+
+def draw_profiles(picture: Picture) -> Figure:
+    """For every face a row of ``gap`` and one of ``pressure``; from left to right the times of the shapes.
+
+    Lines are the exact values, markers the computed ones at the nodes (every second or third node if
+    there are many).
+    """
+    instants = [picture.nearest(shape.time) for shape in picture.shapes]
+    rows = 2 * len(picture.faces)
+    figure = Figure(figsize=(COLUMN, 0.9 + 1.1 * rows))
+    panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
+    for i, face in enumerate(picture.faces):
+        s = rf"$s$ on ${symbol(face, picture)}$"
+        _draw_row(panels[2 * i], face.s, face.gap_exact[instants], face.gap[instants], BLUE)
+        _draw_row(panels[2 * i + 1], face.s, face.pressure_exact[instants], face.pressure[instants], VERMILLION)
+        panels[2 * i, 0].set_ylabel("gap $w$")
+        panels[2 * i + 1, 0].set_ylabel("pressure $p$")
+        for upper, lower in panels[2 * i : 2 * i + 2].T:
+            upper.tick_params(labelbottom=False)
+            lower.set_xlabel(s)
+    for axes, instant in zip(panels[0], instants, strict=True):
+        axes.set_title(f"$t={picture.times[instant]:.3g}$")
+    figure.align_ylabels(panels[:, 0])
+    figure.suptitle(picture.case, fontsize=8)
+    legend(figure, _handles(picture), columns=3)
+    return figure
+
+
+def _draw_row(panels: list[Axes], s: Array, exact: Array, computed: Array, colour: str) -> None:
+    every = max(1, round(len(s) / MARKERS))
+    for axes, line, dots in zip(panels, exact, computed, strict=True):
+        axes.plot(s, line, color=BLACK, lw=0.9)
+        axes.plot(s, dots, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
+        axes.set_xlim(s.min(), s.max())
+        axes.grid(True)
+    low, high = min(exact.min(), computed.min()), max(exact.max(), computed.max())
+    room = 0.06 * (high - low) or 1.0
+    panels[0].set_ylim(low - room, high + room)
+
+
+def _handles(picture: Picture) -> list[Line2D]:
+    style: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "ms": 2.6}
+    return [
+        Line2D([], [], color=BLACK, lw=0.9, label="exact"),
+        Line2D([], [], color=BLUE, label="computed gap", **style),
+        Line2D([], [], color=VERMILLION, label=f"computed pressure ({picture.family}, $n={picture.level}$)", **style),
+    ]

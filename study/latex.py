@@ -1,0 +1,168 @@
+"""LaTeX from the plain Unicode text of the data files: ‖u − u^h‖_V becomes \\(\\|u-u^{h}\\|_{V}\\).
+
+A word is mathematics if it holds a mathematical character or a script (u^h, max_n); single letters
+and numbers between two such words join them. Everything else is prose and only escaped.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Sequence
+from itertools import groupby
+from operator import itemgetter
+
+_GREEK = {
+    "Α": "A", "Γ": r"\Gamma", "Δ": r"\Delta", "Θ": r"\Theta", "Λ": r"\Lambda", "Π": r"\Pi", "Σ": r"\Sigma",
+    "Φ": r"\Phi", "Ψ": r"\Psi", "Ω": r"\Omega", "α": r"\alpha", "β": r"\beta", "γ": r"\gamma", "δ": r"\delta",
+    "ε": r"\varepsilon", "ϵ": r"\varepsilon", "ζ": r"\zeta", "η": r"\eta", "θ": r"\theta", "κ": r"\kappa",
+    "λ": r"\lambda", "μ": r"\mu", "ν": r"\nu", "ξ": r"\xi", "π": r"\pi", "ρ": r"\rho", "σ": r"\sigma",
+    "τ": r"\tau", "φ": r"\varphi", "χ": r"\chi", "ψ": r"\psi", "ω": r"\omega",
+}  # fmt: skip
+_SIGNS = {
+    "‖": r"\|", "·": r"\cdot", "×": r"\times", "−": "-", "±": r"\pm", "∞": r"\infty", "≤": r"\leq", "≥": r"\geq",
+    "≠": r"\neq", "≈": r"\approx", "∼": r"\sim", "∈": r"\in", "∉": r"\notin", "⊂": r"\subset", "∪": r"\cup",
+    "∩": r"\cap", "→": r"\to", "↦": r"\mapsto", "⇒": r"\Rightarrow", "⇔": r"\Leftrightarrow", "∀": r"\forall",
+    "∃": r"\exists", "∫": r"\int", "∂": r"\partial", "∇": r"\nabla", "√": r"\surd", "∑": r"\sum", "∏": r"\prod",
+    "⟨": r"\langle", "⟩": r"\rangle", "∋": r"\ni", "⊗": r"\otimes", "≡": r"\equiv", "′": "'", "ℝ": r"\mathbb{R}",
+}  # fmt: skip
+_COMMANDS = _GREEK | _SIGNS
+_ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
+_RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0123456789-+n", strict=True))
+_LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙ", "0123456789-+n", strict=True))
+_PROSE = {
+    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%",
+    "_": r"\_", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\(<\)", ">": r"\(>\)",
+    "–": "--", "—": "---", "’": "'", "‘": "`", "“": "``", "”": "''", "…": r"\dots{}", "\u00a0": "~",
+}  # fmt: skip
+
+# Γ3,i, L∞ and e∞ are written on the line in plain text and with scripts in a formula.
+_LITERAL = re.compile(r"Γ\d(?:,\w)?|L∞|\be∞")
+_LITERALS = {"Γ": "Γ_{{{}}}", "L": "L^{}", "e": "e_{}"}
+_SCRIPT = re.compile(r"(?:^|[^A-Za-z])(?:[A-Za-z]|max|min|sup|inf|lim)[\^_]|[)\]}][\^_]|^O\(|^[=<>]$")
+_SHORT = re.compile(r"(?:\(?[B-HJ-Zb-z]\)?|[+/|]|\(?[-+]?[\d./]+\)?|[A-Z]?\([^()]*\))[,;]?")
+_TAIL = re.compile(r"[.,;:]+$")
+_NUMBER = re.compile(r"(-?[\d.]+)(?:e([+-]\d+))?|(-?)inf")
+_TOKEN = re.compile(r"[\^_]\{(?:[^{}]|\{[^{}]*\})*\}|[\^_].|[A-Za-z]{2,}|.", re.DOTALL)
+
+
+def encode(text: str) -> str:
+    """LaTeX of a line of prose with Unicode mathematics in it."""
+    number = _NUMBER.fullmatch(text)
+    if number:
+        return _number(*number.groups())
+    words = _LITERAL.sub(lambda match: _LITERALS[match.group()[0]].format(match.group()[1:]), text).split(" ")
+    runs = groupby(zip(words, _kinds(words), strict=True), key=itemgetter(1))
+    return " ".join(
+        _run([word for word, _ in run]) if mathematical else " ".join(prose(word) for word, _ in run)
+        for mathematical, run in runs
+    )
+
+
+def prose(text: str) -> str:
+    """LaTeX of text without mathematics, such as names; characters LaTeX cannot set appear by their code."""
+    return "".join(_PROSE.get(c) or (c if _is_latin(c) else rf"\texttt{{U+{ord(c):04X}}}") for c in text)
+
+
+def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequence[tuple[str, list[list[str]]]]) -> str:
+    """A fragment to \\input: groups of rows under lines of their own, over as many pages as it takes.
+
+    Headings, group titles and cells are LaTeX already; an empty title gives no line.
+    """
+    head = " & ".join(headings) + r" \\"
+    lines = ["% \\input this fragment; it needs the packages array, booktabs and longtable."]
+    lines += [rf"\begin{{longtable}}{{@{{}}{''.join(alignment)}@{{}}}}", r"\toprule", head, r"\midrule", r"\endhead"]
+    lines += [r"\bottomrule", r"\endfoot"]
+    for i, (title, rows) in enumerate(groups):
+        # The star keeps LaTeX from breaking the page between a title and its first row.
+        lines += [r"\addlinespace"] if i and title else []
+        lines += [rf"\multicolumn{{{len(headings)}}}{{@{{}}p{{0.97\linewidth}}@{{}}}}{{{title}}} \\*"] if title else []
+        lines += [" & ".join(row) + r" \\" for row in rows]
+    return "\n".join([*lines, r"\end{longtable}", ""])
+
+
+def _number(mantissa: str | None, exponent: str | None, sign_of_infinity: str | None) -> str:
+    if mantissa is None:
+        return rf"\({sign_of_infinity}\infty\)"
+    if exponent is None:
+        return rf"\({mantissa}\)" if mantissa.startswith("-") else mantissa
+    return rf"\({mantissa}\cdot 10^{{{int(exponent)}}}\)"
+
+
+def _kinds(words: Sequence[str]) -> list[bool]:
+    """Which words are mathematics: those that look so, and short ones beside them."""
+    kinds = [_is_mathematics(word) for word in words]
+    short = [bool(_SHORT.fullmatch(word)) for word in words]
+    for i in range(1, len(words)):
+        kinds[i] |= short[i] and kinds[i - 1] and not _TAIL.search(words[i - 1])
+    for i in reversed(range(len(words) - 1)):
+        kinds[i] |= short[i] and kinds[i + 1]
+    return kinds
+
+
+def _is_mathematics(word: str) -> bool:
+    decomposed = unicodedata.normalize("NFD", word)
+    raised = any(c in _RAISED or c in _LOWERED for c in word)
+    dotted = len(_TAIL.sub("", word)) <= 3 and any(c in "\u0307\u0303" for c in decomposed)
+    return raised or dotted or any(c in _COMMANDS for c in word) or bool(_SCRIPT.search(word))
+
+
+def _run(words: Sequence[str]) -> str:
+    """Words of mathematics as one formula, with the punctuation after it left outside."""
+    text = " ".join(words)
+    tail = _TAIL.search(text)
+    body = text[: tail.start()] if tail else text
+    return rf"\({_formula(body)}\)" + (tail.group() if tail else "")
+
+
+def _formula(text: str) -> str:
+    """LaTeX mathematics of Unicode mathematics."""
+    out: list[str] = []
+    for token in _TOKEN.findall(unicodedata.normalize("NFD", text)):
+        if token in _ACCENTS and out:
+            out[-1] = f"{_ACCENTS[token]}{{{out[-1]}}}"
+        elif token[0] in "^_" and len(token) > 1:
+            script = token[2:-1] if token[1] == "{" else token[1]
+            out.append(f"{token[0]}{{{_formula(script)}}}")
+        else:
+            out.append(_atom(token))
+    return _spaced(_merged(out))
+
+
+def _atom(token: str) -> str:
+    if token in _RAISED:
+        return f"^{{{_RAISED[token]}}}"
+    if token in _LOWERED:
+        return f"_{{{_LOWERED[token]}}}"
+    if token in _COMMANDS:
+        return _COMMANDS[token]
+    if token in {"max", "min", "sup", "inf", "lim", "log", "exp"}:
+        return rf"\{token}"
+    if len(token) > 1:
+        return rf"\mathrm{{{token}}}"
+    return token if token in " ^'<>" else _PROSE.get(token, token)
+
+
+def _merged(atoms: list[str]) -> list[str]:
+    """Neighbouring scripts on the same side as one: x² ³ or q_{3}_{1} would be a double script."""
+    out: list[str] = []
+    for atom in atoms:
+        if out and atom[:2] in ("^{", "_{") and out[-1][:2] == atom[:2]:
+            out[-1] = out[-1][:-1] + atom[2:]
+        else:
+            out.append(atom)
+    return out
+
+
+def _spaced(atoms: list[str]) -> str:
+    r"""Atoms joined so that a command never swallows the letter after it: \nu and h, not \nuh."""
+    text = ""
+    for atom in atoms:
+        text += " " if re.search(r"\\[A-Za-z]+$", text) and atom[:1].isalpha() else ""
+        text += atom
+    return re.sub(r" +", " ", text).strip()
+
+
+def _is_latin(character: str) -> bool:
+    """Whether LaTeX sets the character as it stands: ASCII and accented Latin letters."""
+    return character.isascii() or ("LATIN" in unicodedata.name(character, "") and ord(character) < 0x180)

@@ -1,0 +1,110 @@
+"""What the figures of a case need from one solved problem: contact history and deformed shapes."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from manufactured.case import Case
+from manufactured.exact import ExactSolution
+from manufactured.tensors import Array
+from study.fem.gauge import Gauge
+from study.fem.mesh import Unstructured
+from study.fem.space import Space
+from study.solve.evolution import BDF2, Problem
+
+LEVEL = 24
+STEPS = 96
+EVERY = 4
+SHAPES = (0.25, 0.5, 1.0)
+FINE = 400
+
+
+def picture(case: Case) -> dict[str, Any]:
+    """Contact gap and pressure over time, exact and computed, and the deformed mesh at three times.
+
+    The computed pressure at a vertex is its contact force over the integral of its shape function.
+    """
+    solution, family = case.solution, Unstructured()
+    space = Space(family(solution.body, LEVEL), solution.body)
+    gauge = Gauge(solution, space)
+    problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    weights = contact_weights(space)
+    times, normal, pressure, shapes = [], [], [], []
+    for n, state in enumerate(BDF2().march(problem, STEPS)):
+        if n % EVERY == 0:
+            times.append(state.time)
+            normal.append(problem.N @ state.u)
+            pressure.append(state.multipliers / weights)
+        if any(n == round(share * STEPS) for share in SHAPES):
+            shapes.append({"time": state.time, "displacement": _short(space.nodal(state.u))})
+    return {
+        "case": case.name,
+        "family": family.name,
+        "level": LEVEL,
+        "times": _short(np.array(times)),
+        "vertices": _short(space.mesh.p),
+        "cells": space.mesh.t.tolist(),
+        "shapes": shapes,
+        "faces": _faces(solution, space, np.array(times), np.array(normal), np.array(pressure)),
+    }
+
+
+def contact_weights(space: Space) -> Array:
+    """∫_{Γ3,i} φ_z of the shape function of each contact vertex on its piece, (m,)."""
+    weights = []
+    for part, vertices in space.contact:
+        ends = space.mesh.facets[:, space.facets(part)]
+        lengths = np.linalg.norm(space.mesh.p[:, ends[0]] - space.mesh.p[:, ends[1]], axis=0)
+        nodal = np.bincount(ends.ravel(), np.tile(lengths / 2, 2), space.mesh.p.shape[1])
+        weights.append(nodal[vertices])
+    return np.concatenate(weights)
+
+
+def _faces(solution: ExactSolution, space: Space, times: Array, normal: Array, pressure: Array) -> list[dict[str, Any]]:
+    faces, start = [], 0
+    for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
+        columns = slice(start, start + len(vertices))
+        start += len(vertices)
+        s = part.coordinates(space.mesh.p[:, vertices])[0]
+        order = np.argsort(s[0])
+        s = s[:, order]
+        exact = solution.on(face, s)
+        fine = np.linspace(0, part.length, FINE + 1)[None]
+        on_fine = solution.on(face, fine)
+        instants = np.linspace(0, solution.body.T, 101)
+        faces.append(
+            {
+                "face": i,
+                "normal": part.normal.tolist(),
+                "s": _short(s[0]),
+                "x": _short(part.point(s)),
+                "gap": _short(-normal[:, columns][:, order]),
+                "gap_exact": _short(np.array([exact.gap(t) for t in times])),
+                "pressure": _short(pressure[:, columns][:, order]),
+                "pressure_exact": _short(np.array([exact.pressure(t) for t in times])),
+                "zone_exact": {
+                    "times": _short(instants),
+                    "intervals": [_intervals(fine[0], on_fine.level(t)) for t in instants],
+                },
+            }
+        )
+    return faces
+
+
+def _intervals(s: Array, level: Array) -> list[list[float]]:
+    """Where ψ ≥ 0 on a face, by linear interpolation between fine points."""
+    inside = level >= 0
+    if not inside.any():
+        return []
+    crossing = np.flatnonzero(inside[1:] != inside[:-1])
+    jump = level[crossing + 1] - level[crossing]
+    roots = s[crossing] - level[crossing] * (s[crossing + 1] - s[crossing]) / jump
+    ends = [*([s[0]] if inside[0] else []), *roots, *([s[-1]] if inside[-1] else [])]
+    return [_short(np.array(pair)) for pair in zip(ends[::2], ends[1::2], strict=True)]
+
+
+def _short(values: Array) -> Any:
+    """Six significant digits: what a figure can show."""
+    return np.vectorize(lambda v: float(f"{v:.6g}"))(values).tolist()
