@@ -9,7 +9,7 @@ from manufactured.admissibility import SelfProofError, examine, prove
 from manufactured.body import Body, BodyError, Kind, Part, polygon, unit_square
 from manufactured.case import Case, CaseError
 from manufactured.catalogue import catalogue
-from manufactured.contact import ContactFace
+from manufactured.contact import HERMITE, PARABOLA, ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.law import (
     DeviatoricBall,
@@ -25,6 +25,8 @@ from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 __all__ = [
+    "HERMITE",
+    "PARABOLA",
     "Body",
     "BodyError",
     "Case",

@@ -4,11 +4,13 @@ Near a flat piece of Γ3 use s along the face, y = distance into the body, n = �
 w(s, t) ≥ 0 (= −u_ν) and a pressure p(s, t) ≥ 0 (= −σ_ν) with w p = 0, let q be the normal strain
 that p produces (``manufactured.memory``) and
 
-    u_s = −y ∇_s w φ(y/ℓ),     u_n = (w + y q) φ(y/ℓ),     φ(η) = (1 − η)²(1 + 2η) on [0, 1].
+    u_s = −y ∇_s w φ(y/ℓ),     u_n = (w + y q) φ(y/ℓ),
+
+with a polynomial φ on [0, 1], zero beyond, φ(0) = 1, φ'(0) = 0, φ(1) = 0.
 
 On y = 0: u_n = w, u_s = 0, ε_ss = 0, ε_sn = (−∇_s w + ∇_s w)/2 = 0, ε_nn = q. A law that does not
 couple nn with sn then gives σ_τ = 0 and σ_ν = −p, so (2.5) holds exactly, whatever the zone.
-φ = φ' = 0 at depth ℓ: the solution vanishes from there on, with (2.3) on a Γ1 at that depth.
+The solution vanishes from depth ℓ on, so (2.3) holds on a Γ1 at that depth.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from functools import cached_property
 
 import numpy as np
 import sympy as sp
+from numpy.polynomial.polynomial import polyder, polyval
 
 from manufactured.body import Part
 from manufactured.law import KelvinVoigt, LawError, Linear
@@ -26,10 +29,11 @@ from manufactured.symbols import Jet, Values, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
 
 
-def cutoff(eta: Array, order: int) -> Array:
-    """φ(η) = (1 − η)²(1 + 2η) for η < 1, 0 beyond, or its derivative of the given order (0 to 2)."""
-    formulas = (lambda e: (1 - e) ** 2 * (1 + 2 * e), lambda e: 6 * e * (e - 1), lambda e: 12 * e - 6)
-    return np.where(np.real(eta) < 1, formulas[order](eta), 0.0)
+HERMITE = (1.0, 0.0, -3.0, 2.0)
+"""φ(η) = (1 − η)²(1 + 2η): φ(1) = φ'(1) = 0, so the lifting may end inside the body; no traction on Γ1."""
+
+PARABOLA = (1.0, 0.0, -1.0)
+"""φ(η) = 1 − η²: φ(1) = 0 only, for a Γ1 exactly at depth ℓ, which then carries a traction."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,6 +46,7 @@ class ContactFace:
         strain: q(s, t).
         level: ψ(s, t); the contact zone is stated to be {ψ ≥ 0}.
         depth: ℓ.
+        cutoff: coefficients of φ, lowest first.
         rough: the coordinates s at which the strain is singular or kinked for all times, so that
             quadrature can split cells there.
     """
@@ -51,6 +56,7 @@ class ContactFace:
     strain: NormalStrain
     level: sp.Expr
     depth: float = 1.0
+    cutoff: tuple[float, ...] = HERMITE
     rough: tuple[float, ...] = ()
     variables: tuple[sp.Symbol, ...] = (s,)
 
@@ -65,6 +71,7 @@ class ContactFace:
         level: sp.Expr,
         initial: sp.Expr | None = None,
         depth: float = 1.0,
+        cutoff: tuple[float, ...] = HERMITE,
         rough: tuple[float, ...] = (),
     ) -> ContactFace:
         """The face for a linear law, where gap and pressure say everything (``memory.Memory``).
@@ -76,7 +83,7 @@ class ContactFace:
         if not isinstance(law.G, Linear):
             raise LawError(f"{law.name}: only a linear G turns a pressure into a strain; prescribe the strain")
         a, g = law.A.normal_modulus(part.normal), law.G.normal_modulus(part.normal)
-        return cls(part, gap, Memory(sp.sympify(pressure), a, g, T, initial), level, depth, rough)
+        return cls(part, gap, Memory(sp.sympify(pressure), a, g, T, initial), level, depth, cutoff, rough)
 
     @cached_property
     def gap_jet(self) -> Jet:
@@ -105,7 +112,7 @@ class Lifting:
         self.s, y = face.part.coordinates(x)
         self.strain_on_face = face.strain.at(self.s)
         eta, ell = y / face.depth, face.depth
-        phi = [cutoff(eta, order) / ell**order for order in range(3)]
+        phi = [np.where(np.real(eta) < 1, polyval(eta, polyder(face.cutoff, k)), 0.0) / ell**k for k in range(3)]
         # f[k] is the k-th derivative of φ(y/ℓ), g[k] that of y φ(y/ℓ).
         self.f = phi
         self.g = [y * phi[0]] + [y * phi[k] + k * phi[k - 1] for k in range(1, 3)]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.polynomial.polynomial import polyder, polyval
 
 from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
@@ -37,6 +38,13 @@ class ExactSolution:
         pieces = self.body.of(Kind.CONTACT)
         if [face.part for face in self.faces] != list(pieces):
             raise ValueError(f"the body has {len(pieces)} piece(s) Γ3,i, so give one contact face for each, in order")
+        for face in self.faces:
+            deepest = float(face.part.coordinates(self.body.vertices)[1].max())
+            if deepest > face.depth * (1 + 1e-12) and abs(polyval(1.0, polyder(face.cutoff))) > 1e-12:
+                raise ValueError(
+                    f"the body is {deepest:g} deep, the lifting ends at {face.depth:g} with a kink (φ'(1) ≠ 0): "
+                    "take the depth of Γ1 or a cut-off with φ'(1) = 0 such as HERMITE"
+                )
 
     def at(self, x: Points) -> Fields:
         """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed."""

@@ -232,6 +232,7 @@ def _evidence(label: str, case: str, groups: dict[str, pd.DataFrame]) -> list[Ve
     return [
         _verdict(label, case, "time share", TIME_SHARE, groups, largest("time_share")),
         _verdict(label, case, "residual of the contact solves", RESIDUAL, groups, largest("residual")),
+        _verdict(label, case, "u^h = 0 on Γ1", RESIDUAL, groups, largest("clamped")),
         _verdict(label, case, "change under finer quadrature", QUADRATURE, groups, largest("quadrature_change")),
     ]
 

@@ -76,7 +76,7 @@ def fingerprint(solution: ExactSolution, *settings: object) -> str:
     for part in solution.body.parts:
         parts += [part.kind.value, part.start.tolist(), part.end.tolist()]
     for face in solution.faces:
-        parts += [sp.srepr(sp.sympify(f)) for f in (face.gap, face.level)] + [face.depth, face.rough]
+        parts += [sp.srepr(sp.sympify(f)) for f in (face.gap, face.level)] + [face.depth, face.cutoff, face.rough]
         q = face.strain
         if isinstance(q, Memory):
             parts += [sp.srepr(q.pressure), sp.srepr(sp.sympify(q.initial))]

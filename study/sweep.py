@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
@@ -50,6 +51,7 @@ class Row:
     discrete_time_share: float
     residual: float
     quadrature_change: float
+    clamped: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -163,7 +165,15 @@ class Measurement:
             discrete_time_share=self.drift / float(discrete[third]),
             residual=self.residual,
             quadrature_change=self.quadrature_change(),
+            clamped=self.clamped(),
         )
+
+    def clamped(self) -> float:
+        """max |u^h| on Γ1 over max |u^h|, on the parts of the body: zero for u^h ∈ V."""
+        space = self.setup.space
+        size = np.linalg.norm(space.nodal(self.worst.u), axis=0)
+        on = [part.contains(space.mesh.p, 1e-9 * space.h) for part in space.body.of(Kind.CLAMPED)]
+        return float(size[np.any(on, axis=0)].max() / max(size.max(), np.finfo(float).tiny))
 
     def quadrature_change(self) -> float:
         """Relative change of the worst error when every cell rule is raised by two degrees.

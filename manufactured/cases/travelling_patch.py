@@ -1,7 +1,7 @@
 """A contact patch that is born, travels and vanishes; A and G are not proportional.
 
     ψ = (4/9)(t − 1/8)(7/8 − t) − (x − b(t))²,   b(t) = 3/10 + 2t/5
-    w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 2000 ψ_+²,   q(0) = 0
+    w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 8000 ψ_+²,   q(0) = 0
 
 on the unit square. The patch is born at t = 1/8, grows to the half-width 1/4, travels from left to
 right and vanishes at t = 7/8. Its fronts start and end with infinite speed. The gap is
@@ -26,7 +26,7 @@ def case() -> Case:
     b = Rational(3, 10) + 2 * t / 5
     level = Rational(4, 9) * (t - Rational(1, 8)) * (Rational(7, 8) - t) - (s - b) ** 2
     gap = 60 * (Rational(1, 4) + 3 * t * (1 - t)) * pos(-level, 4)
-    pressure = 2000 * pos(level, 2)
+    pressure = 8000 * pos(level, 2)
     return Case(
         name="travelling-patch",
         summary="patch is born at t = 1/8, travels, vanishes at t = 7/8",
