@@ -1,0 +1,29 @@
+"""The check values of an independent prototype: advancing and receding front, backward Euler, k = 1/(2n)."""
+
+from __future__ import annotations
+
+import pytest
+
+from manufactured import catalogue
+from study.fem.gauge import Gauge
+from study.fem.mesh import OneDiagonal
+from study.fem.space import Space
+from study.solve.evolution import BackwardEuler, Problem
+
+CASE = next(case for case in catalogue() if case.name == "advance-recede")
+
+
+@pytest.mark.parametrize(
+    ("n", "error", "interpolation"), [(8, 6.977, 4.026), (16, 3.536, 2.030), (32, 1.771, 1.017), (64, 0.8848, 0.5089)]
+)
+def test_errors_agree_with_an_independent_prototype_to_four_digits(n: int, error: float, interpolation: float) -> None:
+    space = Space(OneDiagonal()(CASE.solution.body, n), CASE.solution.body)
+    gauge = Gauge(CASE.solution, space, raised=2)
+    problem = Problem.of(space, CASE.solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    found, interpolated = [], []
+    for state in BackwardEuler().march(problem, 2 * n):
+        sample = gauge.sample(state.time)
+        found.append(gauge.distance(sample, state.u))
+        interpolated.append(gauge.distance(sample, sample.interpolant))
+    assert float(f"{max(found):.4g}") == error
+    assert float(f"{max(interpolated):.4g}") == interpolation

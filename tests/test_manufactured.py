@@ -1,0 +1,239 @@
+"""The continuous problem: laws, lifting, memory and the self-proof of every case."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+
+from manufactured import (
+    BodyError,
+    Case,
+    CaseError,
+    ContactFace,
+    DeviatoricBall,
+    ExactSolution,
+    FormulaError,
+    FrobeniusBall,
+    KelvinVoigt,
+    Kind,
+    LawError,
+    Linear,
+    Memory,
+    Regularity,
+    SelfProofError,
+    Yield,
+    catalogue,
+    examine,
+    isotropic,
+    polygon,
+    pos,
+    prove,
+    s,
+    t,
+    unit_square,
+)
+from manufactured.memory import real_roots
+from manufactured.tensors import dyad, full, identity, mandel, rotation
+
+CASES = {case.name: case for case in catalogue()}
+finite = st.floats(-10, 10, allow_nan=False)
+
+
+@pytest.mark.parametrize("case", catalogue(), ids=lambda case: case.name)
+@pytest.mark.parametrize("seed", [0, 1])
+def test_every_case_satisfies_the_problem_to_round_off(case: Case, seed: int) -> None:
+    findings = examine(case.solution, seed)
+    assert all(finding.passes for finding in findings), "\n".join(map(str, findings))
+    pointwise = [finding for finding in findings if "∫" not in finding.condition]
+    assert max(finding.defect for finding in pointwise) < 1e-12
+
+
+def test_a_mandel_vector_keeps_inner_products_and_turns_by_an_orthogonal_matrix() -> None:
+    rng = np.random.default_rng(1)
+    for dim in (2, 3):
+        a, b = (x + x.T for x in rng.normal(size=(2, dim, dim)))
+        frame, _ = np.linalg.qr(rng.normal(size=(dim, dim)))
+        assert np.isclose(mandel(a) @ mandel(b), np.sum(a * b))
+        assert np.allclose(full(mandel(a)), a)
+        assert np.allclose(rotation(frame) @ mandel(a), mandel(frame @ a @ frame.T))
+        assert np.isclose(identity(dim) @ mandel(a), np.trace(a))
+
+
+@given(st.lists(finite, min_size=3, max_size=3), st.lists(finite, min_size=3, max_size=3), st.floats(0.1, 5))
+@pytest.mark.parametrize("ball", [FrobeniusBall, DeviatoricBall])
+def test_the_law_3_3_is_lipschitz_with_beta_monotone_and_zero_on_the_convex_set(ball, a, b, radius) -> None:
+    G = Yield(3.0, ball(radius))
+    a, b = np.array(a), np.array(b)
+    difference = G(a) - G(b)
+    assert np.linalg.norm(difference) <= G.lipschitz * np.linalg.norm(a - b) * (1 + 1e-12) + 1e-12
+    assert difference @ (a - b) >= -1e-10
+    inside = a * min(1.0, radius / max(np.linalg.norm(a), 1e-300))
+    assert np.allclose(G(0.999 * inside), 0)
+
+
+@given(st.floats(0.01, 3))
+@pytest.mark.parametrize("ball", [FrobeniusBall(0.4), DeviatoricBall(0.4)])
+def test_the_normal_response_of_law_3_3_is_its_nn_component_under_compression(ball, q) -> None:
+    G, n = Yield(2.0, ball), np.array([0.6, -0.8])
+    slope, edge = G.normal_response(n)
+    assert np.isclose(G(-q * dyad(n, n)) @ dyad(n, n), -slope * max(q - edge, 0))
+
+
+def test_the_constants_of_an_isotropic_law_are_its_extreme_eigenvalues() -> None:
+    A = isotropic(1.0, 0.5)
+    assert A.ellipticity == pytest.approx(2.0)
+    assert A.lipschitz == pytest.approx(3.0)
+    assert A.normal_modulus(np.array([0.0, -1.0])) == pytest.approx(2.5)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: isotropic(1, -1.5), "not elliptic: its smallest eigenvalue is -1"),
+        (lambda: isotropic(float("nan"), 1), "not finite"),
+        (lambda: Linear(np.array([[2.0, 1, 0], [0, 2, 0], [0, 0, 1]])), "not symmetric"),
+        (lambda: Linear(np.eye(4)), "3×3"),
+        (lambda: Yield(-1.0, FrobeniusBall(1)), "β > 0"),
+        (lambda: Yield(1.0, FrobeniusBall(0)), "radius r > 0"),
+        (lambda: KelvinVoigt(isotropic(1, 1, 3), isotropic(1, 1, 2), ""), "dimension 3"),
+    ],
+)
+def test_a_law_that_violates_3_1_or_3_2_is_refused(make, message: str) -> None:
+    with pytest.raises(LawError, match=message):
+        make()
+
+
+def test_a_body_without_a_clamped_part_or_listed_clockwise_is_refused() -> None:
+    corners = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    with pytest.raises(BodyError, match="no part Γ1"):
+        polygon(corners, [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED])
+    with pytest.raises(BodyError, match="counter-clockwise"):
+        polygon(corners[::-1], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED])
+    with pytest.raises(BodyError, match="final time"):
+        unit_square(T=0)
+
+
+@given(st.lists(st.floats(0.02, 0.98), min_size=1, max_size=4, unique=True), st.floats(0.5, 3))
+def test_the_times_of_contact_are_found_for_any_polynomial_motion(roots, scale) -> None:
+    roots = sorted(roots)
+    if len(roots) > 1 and min(np.diff(roots)) < 1e-3:
+        return
+    found = np.sort(real_roots(scale * np.poly(roots)[:, None], 1.0)[:, 0])
+    assert np.allclose(found, roots, atol=1e-9)
+
+
+@given(st.floats(0.05, 0.95), st.floats(0.05, 0.95), st.floats(0.5, 4), st.floats(0.5, 4))
+def test_the_memory_solves_its_differential_equation(place, time, a, g) -> None:
+    """Against a fine Gauss–Legendre quadrature of the convolution, panel by panel."""
+    c = sp.Rational(1, 4) + 2 * t * (1 - t)
+    memory = Memory(20 * pos(c - s, 2) * (1 + t), a, g, 1.0)
+    strain, _ = memory.at(np.array([[place]]))(time, 0)
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    panels = np.linspace(0, time, 400)
+    r = (panels[:-1, None] + np.diff(panels)[:, None] * (nodes + 1) / 2).ravel()
+    w = (np.diff(panels)[:, None] * weights / 2).ravel()
+    pressure = 20 * np.maximum(0.25 + 2 * r * (1 - r) - place, 0) ** 2 * (1 + r)
+    start = -20 * max(0.25 - place, 0) ** 2 / g
+    expected = np.exp(-g / a * time) * start - np.sum(w * np.exp(-g / a * (time - r)) * pressure) / a
+    assert strain[(0,)][0] == pytest.approx(expected, rel=1e-7, abs=1e-9)
+
+
+def test_a_pressure_whose_memory_has_no_closed_form_is_refused_with_the_mend() -> None:
+    with pytest.raises(FormulaError, match="polynomial in t"):
+        Memory(pos(sp.sin(t) - s, 2), 1.0, 1.0, 1.0).terms  # noqa: B018
+    with pytest.raises(FormulaError, match="polynomial in t"):
+        Memory(sp.exp(t) * pos(sp.Rational(1, 2) - s, 2), 1.0, 1.0, 1.0).terms  # noqa: B018
+
+
+def faulty(**changes) -> ExactSolution:
+    """The advancing and receding front with one piece of its contact data replaced."""
+    solution = CASES["advance-recede"].solution
+    (face,) = solution.faces
+    return replace(solution, faces=(replace(face, **changes),))
+
+
+C = sp.Rational(1, 4) + 2 * t * (1 - t)
+
+
+@pytest.mark.parametrize(
+    ("changes", "condition"),
+    [
+        ({"gap": -20 * pos(s - C, 4)}, "u_ν ≤ 0"),
+        ({"gap": 20 * pos(s - C + sp.Rational(1, 10), 4)}, "σ_ν u_ν = 0"),
+        ({"strain": Memory(-20 * pos(C - s, 2), 3, 3, 1.0)}, "σ_ν ≤ 0"),
+        ({"level": C - s - sp.Rational(1, 10)}, "off the stated zone"),
+        ({"level": C - s + sp.Rational(1, 10)}, "on the stated zone"),
+        ({"depth": 2.0}, r"\(2.3\)"),
+    ],
+)
+def test_data_that_violate_a_condition_are_refused_by_name_place_and_size(changes, condition: str) -> None:
+    with pytest.raises(SelfProofError, match=condition) as refusal:
+        prove(faulty(**changes), "faulty")
+    assert "relative defect" in str(refusal.value)
+    assert "t = " in str(refusal.value)
+
+
+def test_a_strain_prescribed_under_a_receding_front_would_pull() -> None:
+    """Why the pressure is chosen first: reading p off a prescribed displacement gives σ_ν > 0."""
+    from manufactured import Prescribed
+
+    with pytest.raises(SelfProofError, match="σ_ν ≤ 0"):
+        prove(faulty(strain=Prescribed(((1.0, -20 * pos(C - s, 2)),))), "prescribed")
+
+
+def test_a_lifting_that_would_end_with_a_kink_inside_the_body_is_refused() -> None:
+    from manufactured import PARABOLA
+
+    with pytest.raises(ValueError, match="kink"):
+        faulty(cutoff=PARABOLA, depth=0.5)
+
+
+def test_faces_that_are_not_the_contact_parts_are_refused() -> None:
+    solution = CASES["advance-recede"].solution
+    with pytest.raises(ValueError, match="one contact face for each"):
+        ExactSolution(solution.body, solution.law, ())
+
+
+def test_a_nonlinear_law_needs_a_prescribed_strain() -> None:
+    law = KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1)), "(3.3)")
+    (part,) = unit_square().of(Kind.CONTACT)
+    with pytest.raises(LawError, match="prescribe the strain"):
+        ContactFace.linear(part, law, 1.0, sp.Integer(0), sp.Integer(1), sp.Integer(1))
+
+
+@pytest.mark.parametrize(
+    ("label", "order", "statement"),
+    [
+        (Regularity(), 1.0, "Prop. 5.4"),
+        (Regularity(gap=4, pressure=2, moving=True), 1.0, "Prop. 5.4"),
+        (Regularity(gap=3, pressure=2, moving=True), 1.0, "Prop. 5.3"),
+        (Regularity(gap=3, pressure=2), 1.0, "Prop. 5.4"),
+        (Regularity(gap=2.25, pressure=1.25), 0.75, "Prop. 5.3"),
+    ],
+)
+def test_exponents_decide_the_predicted_order_and_the_statement(label, order, statement) -> None:
+    case = replace(CASES["full-contact"], regularity=label, order=order)
+    assert label.order == order
+    assert case.proposition == statement
+
+
+def test_a_case_without_a_prediction_or_with_one_its_exponents_contradict_is_refused() -> None:
+    case = CASES["rough-2"]
+    with pytest.raises(CaseError, match="gives order"):
+        replace(case, order=1.0)
+    with pytest.raises(CaseError, match="state the predicted order"):
+        replace(case, reason="")
+    with pytest.raises(ValueError, match="α > 3/2"):
+        Regularity(gap=1.5)
+
+
+def test_the_check_value_case_satisfies_3_8_but_not_3_4_read_literally() -> None:
+    label = CASES["advance-recede"].regularity
+    assert label.satisfies_5_36
+    assert label.satisfies_4_1
+    assert not label.satisfies_3_4
