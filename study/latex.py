@@ -51,6 +51,8 @@ def encode(text: str) -> str:
     number = _NUMBER.fullmatch(text)
     if number:
         return _number(*number.groups())
+    if len(text) == 1 and text.isalpha():
+        return rf"\({_formula(text)}\)"
     words = _LITERAL.sub(lambda match: _LITERALS[match.group()[0]].format(match.group()[1:]), text).split(" ")
     runs = groupby(zip(words, _kinds(words), strict=True), key=itemgetter(1))
     return " ".join(
@@ -71,14 +73,19 @@ def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequenc
     """
     head = " & ".join(headings) + r" \\"
     lines = ["% \\input this fragment; it needs the packages array, booktabs and longtable."]
-    lines += [rf"\begin{{longtable}}{{@{{}}{''.join(alignment)}@{{}}}}", r"\toprule", head, r"\midrule", r"\endhead"]
+    lines += [rf"\begin{{longtable}}[l]{{@{{}}{''.join(alignment)}@{{}}}}", r"\toprule", head, r"\midrule", r"\endhead"]
     lines += [r"\bottomrule", r"\endfoot"]
     for i, (title, rows) in enumerate(groups):
         # The star keeps LaTeX from breaking the page between a title and its first row.
         lines += [r"\addlinespace"] if i and title else []
-        lines += [rf"\multicolumn{{{len(headings)}}}{{@{{}}p{{0.97\linewidth}}@{{}}}}{{{title}}} \\*"] if title else []
+        lines += [rf"\multicolumn{{{len(headings)}}}{{@{{}}l@{{}}}}{{{_overlay(title)}}} \\*"] if title else []
         lines += [" & ".join(row) + r" \\" for row in rows]
     return "\n".join([*lines, r"\end{longtable}", ""])
+
+
+def _overlay(title: str) -> str:
+    """A title that folds at the width of the line but does not widen the columns under it."""
+    return rf"\makebox[0pt][l]{{\parbox[t]{{\linewidth}}{{\raggedright {title}\strut}}}}"
 
 
 def _number(mantissa: str | None, exponent: str | None, sign_of_infinity: str | None) -> str:

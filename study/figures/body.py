@@ -13,7 +13,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
 from study.figures.canvas import BLUE, COLUMN, VERMILLION, legend
-from study.figures.pictures import Array, Face, Picture, Shape
+from study.figures.pictures import Array, Face, Picture, Shape, heading
 
 SHARE = 0.12
 """The largest displacement is drawn as long as this fraction of the body's larger side."""
@@ -44,7 +44,7 @@ def draw_body(picture: Picture) -> Figure:
         axes.set(xlim=limits[0], ylim=limits[1], aspect="equal")
         axes.set_title(f"$t={shape.time:.3g}$")
         axes.axis("off")
-    figure.suptitle(f"{picture.case} ({picture.family}, $n={picture.level}$)", fontsize=8)
+    figure.suptitle(heading(picture))
     legend(figure, _handles(picture, magnification), columns=2)
     return figure
 
@@ -76,10 +76,9 @@ def _limits(picture: Picture, magnification: float, size: float) -> Array:
 
 def _draw_shape(axes: Axes, picture: Picture, shape: Shape, magnification: float) -> None:
     x, y = picture.vertices + magnification * shape.displacement
-    axes.tripcolor(
-        x, y, picture.cells.T, facecolors=np.zeros(picture.cells.shape[1]), cmap="Greys", vmin=0, vmax=1, zorder=1
-    )
-    axes.triplot(x, y, picture.cells.T, color=BLUE, lw=0.3, zorder=2)
+    # In a column a cell is about this many points wide; thicker lines would fill fine meshes.
+    cell = 72 * COLUMN / len(picture.shapes) / math.sqrt(picture.cells.shape[1] / 2)
+    axes.triplot(x, y, picture.cells.T, color=BLUE, lw=min(0.3, 0.12 * cell), zorder=2)
 
 
 def _draw_face(axes: Axes, face: Face, instant: int, size: float, highest: float) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 
 from matplotlib import rc_context
@@ -43,20 +44,19 @@ _KNOWN = {
     "unstructured": Look(PURPLE, "D"),
     "kuhn": Look(ORANGE, "v"),
 }
-_SPARE = (Look(SKY, "P"), Look(BLACK, "X"), Look(ORANGE, "h"), Look(GREY, "*"))
+_SPARE = (Look(SKY, "P"), Look(BLACK, "X"), Look(GREY, "h"))
 
 
 def looks(families: Iterable[str]) -> dict[str, Look]:
     """The look of each family; families without one of their own get spare ones in alphabetical order."""
-    names = sorted(set(families))
-    strangers = [name for name in names if name not in _KNOWN]
-    spare = {name: _SPARE[i % len(_SPARE)] for i, name in enumerate(strangers)}
-    return {name: _KNOWN[name] if name in _KNOWN else spare[name] for name in names}
+    names = set(families)
+    known = {name: look for name, look in _KNOWN.items() if name in names}
+    return known | dict(zip(sorted(names - set(known)), cycle(_SPARE), strict=False))
 
 
-def legend(figure: Figure, handles: Sequence[Artist], columns: int) -> None:
-    """A legend under the axes, outside them."""
-    figure.legend(handles=handles, loc="outside lower center", ncols=columns)
+def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower") -> None:
+    """A legend under (or, with ``side`` "upper", over) the axes, outside them."""
+    figure.legend(handles=handles, loc=f"outside {side} center", ncols=columns)
 
 
 def save(figure: Figure, directory: Path, name: str) -> list[Path]:

@@ -7,7 +7,6 @@ import textwrap
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -34,15 +33,15 @@ def draw_case(rates: pd.DataFrame, order: float) -> Figure:
         _draw_parts(axes, series, look[family])
     parts = pd.concat([rates["error"], rates["discrete_error"], rates["time_share"] * rates["error"]])
     low = parts[parts >= FLOOR * rates["error"].min()].min()
-    height = math.log10(rates["error"].max() / low)
+    height = math.log10(parts.max() / low)
     top = slope_triangle(axes, _curves(rates), order, height)
-    _set_limits(axes, rates, low, top)
+    _set_limits(axes, rates, low, max(top, parts.max()))
     axes.set_title(str(rates["case"].iloc[0]))
     axes.set_xlabel(r"mesh size $h$")
     axes.set_ylabel(r"maximum over time in $\|\cdot\|_V$")
     set_ticks(axes.xaxis, axes.get_xlim())
     set_ticks(axes.yaxis, axes.get_ylim())
-    legend(figure, _family_handles(look) + _kind_handles(), columns=2)
+    legend(figure, _side_by_side(_family_handles(look), _kind_handles()), columns=2)
     return figure
 
 
@@ -53,9 +52,10 @@ def draw_overview(rates: pd.DataFrame, orders: Mapping[str, float]) -> Figure:
     horizontal axis and those of one row the vertical one.
     """
     cases = list(dict.fromkeys(rates["case"]))
-    columns = min(max(math.ceil(math.sqrt(len(cases))), 3), 5)
+    columns = min(math.ceil(math.sqrt(len(cases))), 5)
     rows = math.ceil(len(cases) / columns)
-    figure = Figure(figsize=(0.35 + 1.05 * columns, 0.8 + 1.2 * rows))
+    width = max(COLUMN, 0.5 + 1.05 * columns)
+    figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * rows))
     panels = figure.subplots(rows, columns, sharey="row", squeeze=False)
     look = looks(rates["family"])
     for row, line in enumerate(panels):
@@ -67,14 +67,14 @@ def draw_overview(rates: pd.DataFrame, orders: Mapping[str, float]) -> Figure:
             for axes, case in zip(line, here, strict=False)
         )
         for i, axes in enumerate(line):
-            _set_limits(axes, rates, shown["error"].min(), top)
+            _set_limits(axes, rates, shown["error"].min(), max(top, shown["error"].max()))
             set_ticks(axes.xaxis, axes.get_xlim(), least=2)
             set_ticks(axes.yaxis, axes.get_ylim(), least=2)
             axes.tick_params(labelbottom=(row + 1) * columns + i >= len(cases))
             axes.set_visible(i < len(here))
     figure.supxlabel(r"mesh size $h$")
     figure.supylabel(r"$\max_t\,\|u-u^h\|_V$")
-    legend(figure, _family_handles(look), columns=len(look))
+    legend(figure, _family_handles(look), columns=len(look) if width > COLUMN else 2, side="upper")
     return figure
 
 
@@ -82,7 +82,7 @@ def _draw_panel(axes: Axes, rates: pd.DataFrame, look: Mapping[str, Look], order
     """One small panel; returns how high its slope triangle reaches."""
     for family, series in _by_family(rates):
         _draw_error(axes, series, look[family], size=2.4)
-    axes.set_title(textwrap.fill(str(rates["case"].iloc[0]), 18), fontsize=7)
+    axes.set_title(textwrap.fill(str(rates["case"].iloc[0]), 22), fontsize=7, linespacing=0.95)
     return slope_triangle(axes, _curves(rates), order, height, small=True)
 
 
@@ -109,16 +109,22 @@ def _curves(rates: pd.DataFrame) -> list[Curve]:
 
 
 def _set_limits(axes: Axes, rates: pd.DataFrame, low: float, high: float) -> None:
-    """Limits with a margin of 5 % on each side, in decades."""
-    h = np.log10([rates["h"].min(), rates["h"].max()])
-    y = np.log10([low, high])
-    axes.set_xlim(*10 ** (h + 0.07 * np.ptp(h) * np.array([-1, 1])))
-    axes.set_ylim(*10 ** (y + 0.05 * np.ptp(y) * np.array([-1, 0])))
+    """Limits with a margin of a few per cent on each side, in decades; half a decade around single values."""
+    for set_limits, ends in ((axes.set_xlim, (rates["h"].min(), rates["h"].max())), (axes.set_ylim, (low, high))):
+        span = math.log10(ends[1] / ends[0])
+        margin = 10 ** (0.06 * span if span > 0.01 else 0.5)
+        set_limits(ends[0] / margin, ends[1] * margin)
     axes.grid(True)
 
 
 def _family_handles(look: Mapping[str, Look]) -> list[Line2D]:
     return [Line2D([], [], color=mine.colour, marker=mine.marker, label=name) for name, mine in look.items()]
+
+
+def _side_by_side(left: list[Line2D], right: list[Line2D]) -> list[Line2D]:
+    """Handles for a legend of two columns, the shorter one filled up with blanks."""
+    blanks = [Line2D([], [], ls="", label=" ")] * abs(len(left) - len(right))
+    return [*left, *blanks, *right] if len(left) < len(right) else [*left, *right, *blanks]
 
 
 def _kind_handles() -> list[Line2D]:

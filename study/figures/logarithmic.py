@@ -38,8 +38,11 @@ def slope_triangle(axes: Axes, curves: Sequence[Curve], slope: float, height: fl
 
     The hypotenuse runs parallel to the expected curves, the right angle is at its upper left, where an
     increasing curve cannot be. ``height`` is the height of the axes in decades, from which distances
-    are taken.
+    are taken. In a ``small`` panel the slope stands above the triangle, where there is room. Without
+    an expected slope, or with a single level, there is nothing to draw, and the height is 0.
     """
+    if math.isnan(slope) or max(len(x) for x, _ in curves) < 2:
+        return 0.0
     left = min(math.log10(x[0]) for x, _ in curves)
     width = max(math.log10(x[-1]) for x, _ in curves) - left
     start, end = left + 0.09 * width, left + 0.37 * width
@@ -49,21 +52,12 @@ def slope_triangle(axes: Axes, curves: Sequence[Curve], slope: float, height: fl
     )
     axes.fill(*corners.T, facecolor="0.93", edgecolor="0.35", lw=0.6, zorder=1.5)
     (x0, y0), (x1, y1), _ = corners
-    size = 6 if small else 7
-    axes.annotate(
-        f"{slope:g}",
-        (x0, math.sqrt(y0 * y1)),
-        (-2, 0),
-        textcoords="offset points",
-        ha="right",
-        va="center",
-        fontsize=size,
-    )
-    if not small:
-        axes.annotate(
-            "1", (math.sqrt(x0 * x1), y1), (0, 1.5), textcoords="offset points", ha="center", va="bottom", fontsize=size
-        )
-    return float(y1 * 10 ** (0.09 * height))
+    beside, above = ((x0, math.sqrt(y0 * y1)), (math.sqrt(x0 * x1), y1))
+    texts = {above: f"{slope:.3g}"} if small else {beside: f"{slope:.3g}", above: "1"}
+    for at, text in texts.items():
+        shift, sides = ((0, 1.5), ("center", "bottom")) if at == above else ((-2, 0), ("right", "center"))
+        axes.annotate(text, at, shift, textcoords="offset points", ha=sides[0], va=sides[1], fontsize=7)
+    return float(y1 * 10 ** ((0.16 if small else 0.07) * height))
 
 
 def _envelope(curves: Sequence[Curve], slope: float, start: float, end: float) -> float:

@@ -122,6 +122,11 @@ def read_pictures(directory: Path) -> list[Picture]:
     return [Picture.read(path) for path in sorted(folder.glob("*.json"))]
 
 
+def heading(picture: Picture) -> str:
+    """The case and the mesh it was computed on."""
+    return f"{picture.case} ({picture.family}, $n={picture.level}$)"
+
+
 def symbol(face: Face, picture: Picture) -> str:
     """Γ3, or Γ3,i where there are several pieces, for use between dollar signs."""
     return rf"\Gamma_{{3,{face.number}}}" if len(picture.faces) > 1 else r"\Gamma_3"

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from study.figures.canvas import BLACK, BLUE, COLUMN, VERMILLION, legend
-from study.figures.pictures import Array, Picture, symbol
+from study.figures.pictures import Array, Picture, heading, symbol
 
 MARKERS = 24
 """At most about so many markers on a line."""
@@ -37,8 +37,8 @@ def draw_profiles(picture: Picture) -> Figure:
     for axes, instant in zip(panels[0], instants, strict=True):
         axes.set_title(f"$t={picture.times[instant]:.3g}$")
     figure.align_ylabels(panels[:, 0])
-    figure.suptitle(picture.case, fontsize=8)
-    legend(figure, _handles(picture), columns=3)
+    figure.suptitle(heading(picture))
+    legend(figure, _handles(), columns=3)
     return figure
 
 
@@ -49,15 +49,16 @@ def _draw_row(panels: list[Axes], s: Array, exact: Array, computed: Array, colou
         axes.plot(s, dots, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
         axes.set_xlim(s.min(), s.max())
         axes.grid(True)
-    low, high = min(exact.min(), computed.min()), max(exact.max(), computed.max())
-    room = 0.06 * (high - low) or 1.0
+    # From zero, so that round-off around a constant does not fill the panel.
+    low, high = min(exact.min(), computed.min(), 0.0), max(exact.max(), computed.max()) or 1.0
+    room = 0.06 * (high - low)
     panels[0].set_ylim(low - room, high + room)
 
 
-def _handles(picture: Picture) -> list[Line2D]:
+def _handles() -> list[Line2D]:
     style: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "ms": 2.6}
     return [
         Line2D([], [], color=BLACK, lw=0.9, label="exact"),
         Line2D([], [], color=BLUE, label="computed gap", **style),
-        Line2D([], [], color=VERMILLION, label=f"computed pressure ({picture.family}, $n={picture.level}$)", **style),
+        Line2D([], [], color=VERMILLION, label="computed pressure", **style),
     ]

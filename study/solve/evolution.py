@@ -23,6 +23,7 @@ from study.solve.signorini import ContactSolver, Signorini
 FIXED_POINT = 1e-12
 """Relative change in ‖·‖_M at which the fixed point of a nonlinear law stops."""
 ITERATIONS = 60
+TINY = float(np.finfo(float).tiny)
 
 
 class EvolutionError(RuntimeError):
@@ -83,7 +84,8 @@ class State:
         time: t_n.
         u: u_n ∈ K^h, (n,).
         multipliers: λ_n ≥ 0, nodal contact forces, (m,).
-        residual: ‖S u + Nᵀλ − b‖/‖b‖ of the step's equation.
+        residual: the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u)_+ and |λ·N u| and λ_−, relative to the
+            size of u and λ: zero for an exact contact solve.
         iterations: contact solves spent.
     """
 
@@ -134,8 +136,15 @@ class _Step:
 
     def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
         defect = self.S @ u + self.problem.N.T @ multipliers - b
-        scale = max(float(np.linalg.norm(b)), np.finfo(float).tiny)
-        residual = float(np.linalg.norm(defect)) / scale
+        normal = self.problem.N @ u
+        size = max(float(abs(u).max()), TINY)
+        force = max(float(abs(multipliers).max(initial=0.0)), TINY)
+        residual = max(
+            float(np.linalg.norm(defect)) / max(float(np.linalg.norm(b)), TINY),
+            float(normal.max(initial=0.0)) / size,
+            float(-multipliers.min(initial=0.0)) / force,
+            float(abs(normal * multipliers).max(initial=0.0)) / (size * force),
+        )
         if not np.isfinite(residual):
             raise EvolutionError(f"the step to t = {time:.6g} produced values that are not finite")
         return State(time, u, multipliers, residual, iterations)

@@ -1,0 +1,121 @@
+"""A verdict is two-sided and can come out otherwise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.claims import FAILS, HOLDS, UNDECIDED, Window, judge, prop_5_3, prop_5_4, theorem_4_2
+
+
+def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="shaken", **changes) -> pd.DataFrame:
+    h = 1 / np.array(levels, dtype=float)
+    rows = pd.DataFrame(
+        {
+            "claim": claim,
+            "case": case,
+            "family": family,
+            "level": levels,
+            "h": h,
+            "error": 0.97 * h**order,
+            "interpolation_error": h**order,
+            "predicted_interpolation": h**order,
+            "discrete_error": 0.24 * h**order,
+            "initial_error": 0.0,
+            "time_share": 0.01,
+            "residual": 1e-14,
+            "clamped": 0.0,
+            "quadrature_change": 0.001,
+        }
+    )
+    return rows.assign(**changes)
+
+
+def verdicts(found) -> dict[str, str]:
+    return {verdict.quantity: verdict.verdict for verdict in found}
+
+
+def test_the_predicted_behaviour_holds_in_every_row() -> None:
+    assert set(verdicts(prop_5_4("a", table(), 1.0)).values()) == {HOLDS}
+
+
+@pytest.mark.parametrize("order", [0.0, 0.5, 0.8, 1.2, 1.5, 2.0])
+def test_an_order_too_low_or_too_good_fails(order: float) -> None:
+    assert verdicts(prop_5_4("a", table(order), 1.0))["order of the error, level by level"] == FAILS
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "quantity"),
+    [
+        ("time_share", 0.021, "time share"),
+        ("residual", 1e-9, "residual of the contact solves"),
+        ("clamped", 1e-3, "u^h = 0 on Γ1"),
+        ("quadrature_change", 0.04, "change under finer quadrature"),
+        ("predicted_interpolation", 1.0, "‖u − Π^h u‖_V / leading term"),
+        ("discrete_error", 1.0, "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V"),
+        ("time_share", np.nan, "time share"),
+    ],
+)
+def test_each_piece_of_evidence_can_fail_alone(column: str, value: float, quantity: str) -> None:
+    assert verdicts(prop_5_4("a", table(**{column: value}), 1.0))[quantity] == FAILS
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.2])
+def test_errors_of_the_right_order_but_the_wrong_size_fail(factor: float) -> None:
+    rows = table()
+    assert verdicts(prop_5_4("a", rows.assign(error=factor * rows["error"]), 1.0))["size of the error"] == FAILS
+
+
+def test_two_levels_leave_the_order_undecided() -> None:
+    found = verdicts(prop_5_4("a", table(levels=(8, 16)), 1.0))
+    assert found["order of the error, level by level"] == UNDECIDED
+    assert found["order of the error, fitted"] == UNDECIDED
+
+
+def test_one_bad_family_is_enough_to_fail() -> None:
+    rows = pd.concat([table(), table(0.7, family="criss-cross")])
+    assert verdicts(prop_5_4("a", rows, 1.0))["order of the error, fitted"] == FAILS
+
+
+def test_a_superclose_family_must_be_superclose() -> None:
+    found = verdicts(prop_5_4("a", table(family="one-diagonal"), 1.0))
+    assert found["order of ‖Π^h u − u^h‖_V, superclose"] == FAILS
+
+
+def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit() -> None:
+    rows = table(0.5, levels=(8, 16, 32, 64), claim="Prop. 5.3")
+    assert set(verdicts(prop_5_3("a", rows, 0.5)).values()) == {HOLDS}
+    stuck = rows.assign(error=rows["error"] + 0.5)
+    found = verdicts(prop_5_3("a", stuck, 0.5))
+    assert found["limit e∞ of e = e∞ + C h^s"] == FAILS
+    rising = rows.assign(error=rows["error"].to_numpy()[::-1])
+    assert verdicts(prop_5_3("a", rising, 0.5))["ratio of consecutive errors"] == FAILS
+
+
+def test_theorem_4_2_fails_above_its_tolerance() -> None:
+    columns = ["displacement_gap", "stress_gap", "admissibility", "energy_gap", "membership"]
+    good = pd.DataFrame([{"case": "a", **dict.fromkeys(columns, 1e-9)}])
+    assert set(verdicts(theorem_4_2("a", good)).values()) == {HOLDS}
+    for column in columns:
+        for value in (1e-6, np.nan):
+            found = theorem_4_2("a", good.assign(**{column: value}))
+            assert sum(verdict.verdict == FAILS for verdict in found) == 1
+
+
+def test_four_cases_must_have_their_supremum_after_the_start() -> None:
+    rows = pd.concat([table(case=name) for name in "abcd"])
+    expected = dict.fromkeys("abcd", 1.0)
+    last = [v for v in judge(rows, pd.DataFrame({"case": []}), expected) if v.case == "all cases"]
+    assert [verdict.verdict for verdict in last] == [HOLDS]
+    vacuous = rows.assign(initial_error=rows["error"])
+    last = [v for v in judge(vacuous, pd.DataFrame({"case": []}), expected) if v.case == "all cases"]
+    assert [verdict.verdict for verdict in last] != [HOLDS]
+
+
+def test_a_window_distinguishes_wrong_from_unclear() -> None:
+    window = Window(0.9, 1.1, "")
+    assert window.judge([1.0], [(0.95, 1.05)])[3] == HOLDS
+    assert window.judge([1.0], [(0.5, 1.5)])[3] == UNDECIDED
+    assert window.judge([1.2], [(1.15, 1.25)])[3] == FAILS
+    assert window.judge([float("nan")], [(1.0, 1.0)])[3] == FAILS

@@ -1,0 +1,242 @@
+"""V^h, K^h, Π^h, the contact solve and the time schemes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sps
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.optimize import minimize
+from skfem import Basis, BilinearForm, ElementTriP1, ElementVector
+from skfem.helpers import ddot, sym_grad, trace
+
+from manufactured import Kind, catalogue, polygon, unit_square
+from study.fem.gauge import Gauge
+from study.fem.mesh import FAMILIES, CrissCross, MeshError, OneDiagonal, Shaken, Unstructured
+from study.fem.quadrature import Line, cell_rules
+from study.fem.space import Space
+from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, Problem
+from study.solve.signorini import Signorini
+
+CASES = {case.name: case for case in catalogue()}
+TURNED = polygon(
+    [(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT]
+)
+PENTAGON = polygon(
+    [(0, 0), (1, 0), (1.3, 0.7), (0.5, 1.2), (-0.2, 0.6)],
+    [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED, Kind.CONTACT],
+)
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.name)
+@pytest.mark.parametrize("body", [unit_square(), TURNED], ids=["square", "turned"])
+def test_a_mesh_covers_the_body_and_its_parts_and_is_regular(family, body) -> None:
+    for n in (4, 9):
+        space = Space(family(body, n), body)
+        assert space.volumes.sum() == pytest.approx(body.area)
+        corners = space.mesh.p[:, space.mesh.t]
+        sides = [np.linalg.norm(corners[:, i] - corners[:, j], axis=0) for i, j in ((0, 1), (1, 2), (0, 2))]
+        assert (4 * np.sqrt(3) * space.volumes / np.sum(np.square(sides), axis=0)).min() > 0.3
+
+
+def test_unstructured_meshes_serve_any_polygon_and_structured_ones_refuse_it() -> None:
+    assert Space(Unstructured()(PENTAGON, 8), PENTAGON).volumes.sum() == pytest.approx(PENTAGON.area)
+    with pytest.raises(MeshError, match="5 corners"):
+        OneDiagonal()(PENTAGON, 8)
+
+
+def test_a_mesh_without_a_vertex_where_the_condition_changes_is_refused() -> None:
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    body = polygon([(0, 0), (0.3, 0), (1, 0), (1, 1), (0, 1)], kinds)
+    with pytest.raises(MeshError, match="is not a vertex"):
+        Space(OneDiagonal()(body, 8), body)
+    assert Space(OneDiagonal()(body, 10), body).dofs > 0
+    assert Space(Unstructured()(body, 8), body).dofs > 0
+
+
+def test_a_mesh_of_another_body_is_refused() -> None:
+    with pytest.raises(MeshError):
+        Space(OneDiagonal()(unit_square(), 4), TURNED)
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.name)
+def test_the_matrix_of_a_form_is_the_one_scikit_fem_assembles(family) -> None:
+    body, mu, lam = TURNED, 1.3, 0.7
+    space = Space(family(body, 5), body)
+    C = CASES["advance-recede"].solution.law.A.matrix * 0
+    from manufactured import isotropic
+
+    C = isotropic(mu, lam).matrix
+    basis = Basis(space.mesh, ElementVector(ElementTriP1()))
+
+    @BilinearForm
+    def form(u, v, _):
+        e, d = sym_grad(u), sym_grad(v)
+        return 2 * mu * ddot(e, d) + lam * trace(e) * trace(d)
+
+    expected = form.assemble(basis)[space.free][:, space.free]
+    assert abs(space.form(C) - expected).max() < 1e-12 * abs(expected).max()
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.name)
+def test_the_normal_displacement_at_contact_vertices_is_v_dot_nu_on_every_piece(family) -> None:
+    space = Space(family(TURNED, 6), TURNED)
+    rng = np.random.default_rng(3)
+    v = rng.normal(size=space.dofs)
+    nodal = space.nodal(v)
+    expected = np.concatenate([part.normal @ nodal[:, vertices] for part, vertices in space.contact])
+    assert np.allclose(space.N @ v, expected)
+    # The vertex between the two pieces of Γ3 carries both constraints.
+    assert len(np.intersect1d(space.contact[0][1], space.contact[1][1])) == 1
+
+
+@pytest.mark.parametrize("case", ["advance-recede", "travelling-patch", "yield-on-a-part", "rough-2"])
+def test_the_interpolant_of_an_admissible_displacement_is_admissible(case: str) -> None:
+    solution = CASES[case].solution
+    space = Space(Shaken()(solution.body, 12), solution.body)
+    gauge = Gauge(solution, space)
+    for time in np.linspace(0, 1, 7):
+        assert (space.N @ gauge.sample(time).interpolant).max() <= 1e-14
+
+
+def test_the_load_from_stresses_is_the_load_from_forces() -> None:
+    """Green's formula (2.14): where f_0 is smooth the two assemblies agree to quadrature error."""
+    for name in ("full-contact", "no-contact"):
+        solution = CASES[name].solution
+        for family in (OneDiagonal(), Shaken(), Unstructured()):
+            gauge = Gauge(solution, Space(family(solution.body, 8), solution.body), raised=4)
+            by_stress, by_force = gauge.load(0.7), gauge.load_from_forces(0.7)
+            assert abs(by_stress - by_force).max() < 1e-9 * abs(by_stress).max()
+
+
+def test_the_two_loads_meet_under_refinement_where_the_force_is_only_bounded() -> None:
+    solution = CASES["advance-recede"].solution
+    gaps = []
+    for n in (8, 32):
+        gauge = Gauge(solution, Space(Shaken()(solution.body, n), solution.body), raised=4)
+        difference = gauge.load(0.3) - gauge.load_from_forces(0.3)
+        gaps.append(abs(difference).max() / abs(gauge.load(0.3)).max())
+    assert gaps[1] < gaps[0] / 4
+
+
+@pytest.mark.parametrize("exponent", [-0.5, 0.0, 0.5, 2.0])
+def test_split_cells_integrate_powers_of_the_distance_to_a_line(exponent: float) -> None:
+    """∫_Ω (x − c)_+^e (1 + y) over the unit square, c off all vertices."""
+    mesh, c = Shaken()(unit_square(), 6), 1 / 3
+    total, area = 0.0, 0.0
+    for rule in cell_rules(mesh, 6, (Line((1.0, 0.0), c),)):
+        x, y = rule.points
+        # Evaluated as a NumPy mask, so that 0^(-1/2) never appears.
+        values = np.where(x > c, np.where(x > c, x - c, 1.0) ** exponent, 0.0) * (1 + y)
+        total += float(np.sum(values * rule.weights))
+        area += float(rule.weights.sum())
+    assert area == pytest.approx(1.0, rel=1e-12)
+    # Away from the crossed cells the ordinary rule limits the accuracy.
+    assert total == pytest.approx(1.5 * (1 - c) ** (exponent + 1) / (exponent + 1), rel=2e-4)
+
+
+def test_the_predicted_interpolation_error_is_the_measured_one_for_quadratics() -> None:
+    """The leading term is the whole error as h → 0: ratio 1 + O(h²) on a smooth case."""
+    solution = CASES["full-contact"].solution
+    for family in FAMILIES:
+        gauge = Gauge(solution, Space(family(solution.body, 24), solution.body))
+        sample = gauge.sample(1.0)
+        assert gauge.distance(sample, sample.interpolant) == pytest.approx(gauge.predicted_interpolation(1.0), rel=3e-3)
+
+
+@st.composite
+def contact_problems(draw):
+    n, m = draw(st.integers(2, 10)), draw(st.integers(1, 6))
+    m = min(m, n)
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    root = rng.normal(size=(n, n))
+    S = root @ root.T + np.eye(n)
+    return S, rng.normal(size=(m, n)), 3 * rng.normal(size=n)
+
+
+@given(contact_problems())
+def test_the_contact_solve_satisfies_the_optimality_conditions_for_any_spd_matrix(problem) -> None:
+    S, N, b = problem
+    u, multipliers = Signorini(sps.csc_array(S), sps.csr_array(N))(b)
+    assert np.allclose(S @ u + N.T @ multipliers, b, atol=1e-8)
+    assert (N @ u).max() <= 1e-8
+    assert multipliers.min() >= 0
+    assert abs(multipliers * (N @ u)).max() <= 1e-7
+
+
+@given(contact_problems())
+def test_the_contact_solve_is_the_minimiser(problem) -> None:
+    S, N, b = problem
+    u, _ = Signorini(sps.csc_array(S), sps.csr_array(N))(b)
+    constraints = [{"type": "ineq", "fun": lambda v: -N @ v, "jac": lambda v: -N}]
+    other = minimize(
+        lambda v: v @ S @ v / 2 - b @ v, np.zeros(len(b)), jac=lambda v: S @ v - b, constraints=constraints, method="SLSQP"
+    )
+    energy = u @ S @ u / 2 - b @ u
+    assert energy <= other.fun + 1e-6 * max(1.0, abs(energy))
+
+
+def test_a_cycling_active_set_is_finished_by_the_finite_method() -> None:
+    """Matrices that are no M-matrices can make the active set cycle; some of these do."""
+    rng = np.random.default_rng(5)
+    for _ in range(200):
+        root = rng.normal(size=(6, 6))
+        S = root @ root.T + 1e-3 * np.eye(6)
+        b = rng.normal(size=6)
+        u, multipliers = Signorini(sps.csc_array(S), sps.csr_array(np.eye(6)))(b)
+        assert u.max() <= 1e-8
+        assert multipliers.min() >= 0
+        assert np.allclose(S @ u + multipliers, b, atol=1e-7)
+
+
+def trajectory(case, scheme, steps: int, n: int = 8):
+    solution = case.solution
+    space = Space(Shaken()(solution.body, n), solution.body)
+    gauge = Gauge(solution, space)
+    problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    return problem, np.array([state.u for state in scheme.march(problem, steps)])
+
+
+@pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
+@pytest.mark.parametrize(
+    ("scheme", "low", "high"), [(BackwardEuler(), 0.8, 1.2), (BDF2(), 1.3, 2.2), (Midpoint(), 1.4, 2.3)]
+)
+def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float, high: float) -> None:
+    """Predicted: 1 for backward Euler; 2, falling to 3/2 where vertices change state, for the others."""
+    case = CASES[name]
+    problem, reference = trajectory(case, Midpoint(), 1280)
+    errors = []
+    for steps in (20, 40, 80):
+        _, u = trajectory(case, scheme, steps)
+        difference = u - reference[:: 1280 // steps]
+        errors.append(max(np.sqrt(d @ (problem.M @ d)) for d in difference))
+    order = np.log2(errors[0] / errors[-1]) / 2
+    assert low <= order <= high
+
+
+def test_the_schemes_agree_on_one_trajectory() -> None:
+    """Theorem 5.2: uniqueness, seen from three directions."""
+    case = CASES["travelling-patch"]
+    problem, u = trajectory(case, Midpoint(), 400)
+    _, v = trajectory(case, BDF2(), 400)
+    size = max(np.sqrt(w @ (problem.M @ w)) for w in u)
+    assert max(np.sqrt(d @ (problem.M @ d)) for d in u - v) < 2e-3 * size
+
+
+def test_a_fixed_point_that_does_not_settle_says_so() -> None:
+    case = CASES["yield-and-release"]
+    solution = case.solution
+    space = Space(OneDiagonal()(solution.body, 4), solution.body)
+    gauge = Gauge(solution, space)
+    problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    from dataclasses import replace
+
+    stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)
+    with pytest.raises(EvolutionError, match="take more steps"):
+        list(Midpoint().march(stiff, 4))
+
+
+def test_criss_cross_meshes_have_a_vertex_at_every_centre() -> None:
+    mesh = CrissCross()(unit_square(), 3)
+    assert mesh.p.shape[1] == 16 + 9

@@ -1,0 +1,37 @@
+"""Observed orders."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from study.rates import RatesError, fit, limit, orders
+
+H = 1 / np.array([8.0, 16, 32, 64, 128])
+
+
+@given(st.floats(0.1, 4), st.floats(1e-3, 1e3))
+def test_a_pure_power_has_its_exponent_as_every_order_and_as_the_fit(p: float, c: float) -> None:
+    assert np.allclose(orders(H, c * H**p), p)
+    line = fit(H, c * H**p)
+    assert line.order == pytest.approx(p)
+    assert line.low <= p + 1e-9
+    assert line.high >= p - 1e-9
+
+
+@given(st.floats(0.2, 2), st.floats(0, 1))
+def test_the_limit_of_a_sequence_is_found_relative_to_its_finest_error(p: float, rest: float) -> None:
+    e = rest + 3 * H**p
+    low, high = limit(H, e, p)
+    assert low == pytest.approx(rest / e[-1], abs=1e-9)
+    assert high == pytest.approx(rest / e[-1], abs=1e-9)
+
+
+def test_orders_need_decreasing_sizes_and_positive_errors() -> None:
+    with pytest.raises(RatesError, match="must decrease"):
+        orders(H[::-1], H)
+    for bad in (0.0, -1.0, np.nan):
+        with pytest.raises(RatesError, match="positive and finite"):
+            orders(H, np.where(np.arange(5) == 2, bad, H))
