@@ -68,8 +68,9 @@ class Window:
 
     def judge(self, observed: list[float], ranges: list[tuple[float, float]]) -> tuple[float, float, float, str]:
         """(worst observed, low, high, verdict) of values with their ranges."""
-        middle = (self.low + self.high) / 2 if math.isfinite(self.low + self.high) else min(self.low, self.high, key=abs)
-        worst = max(observed, key=lambda v: math.inf if math.isnan(v) else abs(v - middle))
+        # Without a positive lower end, only large values are bad.
+        badness = (lambda v: abs(v - (self.low + self.high) / 2)) if self.low > 0 else (lambda v: v)
+        worst = max(observed, key=lambda v: math.inf if math.isnan(v) else badness(v))
         low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
         if not all(self.low <= value <= self.high for value in observed):
             return worst, low, high, FAILS
@@ -78,7 +79,7 @@ class Window:
 
 TIME_SHARE = Window(0.0, 0.02, "≤ 2 % of the error")
 RESIDUAL = Window(0.0, 1e-10, "≤ 1e-10")
-QUADRATURE = Window(0.0, 0.03, "≤ 3 % of the error")
+QUADRATURE = Window(0.0, 0.02, "≤ 2 % of the error")
 SIZE = Window(0.9, 1.1, "1 ± 0.1 (Pythagoras)")
 PREDICTED = Window(0.95, 1.05, "1 ± 0.05 of the leading term")
 DISCRETE_SHARE = Window(0.0, 0.6, "≤ 0.6 of the interpolation error")

@@ -78,7 +78,7 @@ def _rates_line(series: pd.DataFrame, schemes: bool) -> tuple[str, ...]:
         str(finest["level"]),
         significant(finest["error"]),
         "" if pd.isna(finest["discrete_order"]) else f"{finest['discrete_order']:.2f}",
-        f"{100 * series['time_share'].max():.3g}",
+        f"{100 * series['time_share'].max():.2f}",
         " ".join(["…"] * (len(orders) > shown) + orders[-shown:]),
     )
 

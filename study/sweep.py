@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,8 +21,12 @@ from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.solve.evolution import Problem, Scheme, State
-from study.solve.factor import Factor
+from study.solve.evolution import Midpoint, Problem, Scheme, State
+from study.solve.signorini import Signorini
+
+
+RESPONSE = 24
+"""Time steps in which the effect of a change of the load is followed."""
 
 
 @dataclass(frozen=True)
@@ -178,17 +182,23 @@ class Measurement:
     def quadrature_change(self) -> float:
         """Relative change of the worst error when every cell rule is raised by two degrees.
 
-        The error's own rule changes it directly. The load's changes u^h by at most ∫ ‖δf‖ dt in the
-        dual norm, estimated by T times the largest ‖δf‖ at the time of the worst error and two others.
+        The error's own rule changes it directly; the load's changes u^h by the response of the
+        linear problem without contact to the change of the load, followed in RESPONSE steps.
         """
-        setup, T = self.setup, self.setup.problem.T
+        setup, problem, time = self.setup, self.setup.problem, self.worst.time
         finer = Gauge(setup.solution, setup.space, raised=2)
-        error = setup.gauge.distance(setup.gauge.sample(self.worst.time), self.worst.u)
-        raised = finer.distance(finer.sample(self.worst.time), self.worst.u)
-        riesz = Factor(setup.problem.M)
-        changes = [finer.load(t) - setup.gauge.load(t) for t in (self.worst.time, 0.35 * T, 0.8 * T)]
-        dual = max(math.sqrt(max(change @ riesz(change), 0.0)) for change in changes)
-        return (abs(raised - error) + T * dual) / error
+        error = setup.gauge.distance(setup.gauge.sample(time), self.worst.u)
+        raised = finer.distance(finer.sample(time), self.worst.u)
+        change = replace(
+            problem,
+            load=lambda t: finer.load(t) - setup.gauge.load(t),
+            u0=np.zeros_like(problem.u0),
+            N=problem.N[:0],
+            remainder=None,
+            solver=Signorini,
+        )
+        drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in Midpoint().march(change, RESPONSE))
+        return (abs(raised - error) + drift) / error
 
 
 def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, progress: Progress = lambda: None) -> Row:

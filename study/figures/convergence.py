@@ -52,7 +52,7 @@ def draw_overview(rates: pd.DataFrame, orders: Mapping[str, float]) -> Figure:
     horizontal axis and those of one row the vertical one.
     """
     cases = list(dict.fromkeys(rates["case"]))
-    columns = min(math.ceil(math.sqrt(len(cases))), 5)
+    columns = _columns(len(cases))
     rows = math.ceil(len(cases) / columns)
     width = max(COLUMN, 0.5 + 1.05 * columns)
     figure = Figure(figsize=(width, 0.8 + (0.15 + 0.9 * (width - 0.5) / columns) * rows))
@@ -76,6 +76,12 @@ def draw_overview(rates: pd.DataFrame, orders: Mapping[str, float]) -> Figure:
     figure.supylabel(r"$\max_t\,\|u-u^h\|_V$")
     legend(figure, _family_handles(look), columns=len(look) if width > COLUMN else 2, side="upper")
     return figure
+
+
+def _columns(panels: int) -> int:
+    """A number of columns near the square root, at most 5, that leaves few places empty."""
+    nearest = math.ceil(math.sqrt(panels))
+    return min((min(nearest, 5), min(nearest + 1, 5)), key=lambda columns: -panels % columns)
 
 
 def _draw_panel(axes: Axes, rates: pd.DataFrame, look: Mapping[str, Look], order: float, height: float) -> float:

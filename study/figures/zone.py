@@ -62,40 +62,56 @@ def strands(times: Array, zone: Sequence[Intervals]) -> list[Strand]:
             for strand, (left, right) in zip(growing, intervals, strict=True):
                 strand.append((float(times[i]), left, right))
             continue
-        middle = float(times[max(i - 1, 0)] + times[i]) / 2
-        for strand in growing:
-            strand.append((middle, *strand[-1][1:]))
+        event = float(times[max(i - 1, 0)] + times[i]) / 2
+        for strand, interval in zip(growing, zone[i - 1] if i else [], strict=True):
+            strand.append((event, *_tip(interval, intervals, zone[max(i - 2, 0)])))
         done += growing
-        growing = [[(middle, left, right), (float(times[i]), left, right)] for left, right in intervals]
+        before, after = zone[i - 1] if i else intervals, zone[min(i + 1, len(zone) - 1)]
+        growing = [[(event, *_tip(own, before, after)), (float(times[i]), *own)] for own in intervals]
     return done + growing
 
 
-def jumps(times: Array, zone: Sequence[Intervals]) -> list[tuple[float, float, float]]:
-    """Where a zone changes at once: t, s0, s1 of the stretches that are in it before or after, not both."""
+def caps(pieces: Sequence[Strand]) -> list[tuple[float, float, float]]:
+    """The horizontal part of the boundary of a zone: t, s0, s1 where only one strand begins or ends."""
+    tips = [tip for piece in pieces for tip in (piece[0], piece[-1])]
     found = []
-    for i in range(1, len(zone)):
-        if not _continues(zone[i - 1], zone[i]):
-            ends = sorted({end for interval in (*zone[i - 1], *zone[i]) for end in interval})
-            middle = float(times[i - 1] + times[i]) / 2
-            for left, right in pairwise(ends):
-                inside = [any(a <= left and right <= b for a, b in intervals) for intervals in (zone[i - 1], zone[i])]
-                found += [(middle, left, right)] if inside[0] != inside[1] else []
+    for t in sorted({tip[0] for tip in tips}):
+        here = [(left, right) for time, left, right in tips if time == t]
+        for left, right in pairwise(sorted({end for interval in here for end in interval})):
+            # Strands before an event do not overlap, nor do those after it: what is covered twice goes on.
+            if sum(a <= left and right <= b for a, b in here) == 1:
+                found.append((t, left, right))
     return found
+
+
+def _tip(interval: tuple[float, float], across: Intervals, along: Intervals) -> tuple[float, float]:
+    """The end of a strand at an event, from the intervals across the event and those further along the strand.
+
+    Whole where it meets another strand or begins at once over its whole length, otherwise a point.
+    """
+    if any(_meet(interval, other) for other in across) or interval in along:
+        return interval
+    centre = sum(interval) / 2
+    return centre, centre
+
+
+def _meet(one: tuple[float, float], other: tuple[float, float]) -> bool:
+    return max(one[0], other[0]) <= min(one[1], other[1])
 
 
 def _continues(before: Intervals, after: Intervals) -> bool:
     """Whether each interval goes on in the one of the same place."""
-    pairs = zip(before, after, strict=False)
-    return len(before) == len(after) and all(max(a0, b0) <= min(a1, b1) for (a0, a1), (b0, b1) in pairs)
+    return len(before) == len(after) and all(_meet(a, b) for a, b in zip(before, after, strict=True))
 
 
 def _draw_face(axes: Axes, face: Face, times: Array, faces: int) -> None:
-    pieces = [np.array(strand) for strand in strands(face.zone_times, face.zone)]
-    outlines = [np.vstack([piece[:, [1, 0]], piece[::-1][:, [2, 0]]]) for piece in pieces]
+    pieces = strands(face.zone_times, face.zone)
+    columns = [np.array(piece).T for piece in pieces]
+    outlines = [np.column_stack([[*left, *right[::-1]], [*t, *t[::-1]]]) for t, left, right in columns]
     axes.add_collection(PolyCollection(outlines, facecolor=SKY, alpha=0.45, linewidth=0, zorder=1))
-    for t, left, right in (piece.T for piece in pieces):
+    for t, left, right in columns:
         axes.plot(left, t, right, t, color=VERMILLION, lw=1.0, zorder=2)
-    for t, left, right in jumps(face.zone_times, face.zone):
+    for t, left, right in caps(pieces):
         axes.plot([left, right], [t, t], color=VERMILLION, lw=1.0, zorder=2)
     stride = max(1, round(len(times) / ROWS))
     when, where = np.nonzero(face.touching[::stride])

@@ -23,7 +23,8 @@ from study.solve.signorini import ContactSolver, Signorini
 FIXED_POINT = 1e-12
 """Relative change in ‖·‖_M at which the fixed point of a nonlinear law stops."""
 ITERATIONS = 60
-TINY = float(np.finfo(float).tiny)
+TINY = 1e-150
+"""Stands for zero in denominators; its square is still positive."""
 
 
 class EvolutionError(RuntimeError):
