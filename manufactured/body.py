@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from manufactured.tensors import Array, Points
 
-
 NDBool = NDArray[np.bool_]
 
 
@@ -81,8 +80,6 @@ class Part:
     def sample(self, rng: np.random.Generator, count: int) -> Points:
         """Random points of the open part, (d, count)."""
         return self.point(rng.uniform(0, self.length, (1, count)))
-
-
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,6 +173,4 @@ def polygon(vertices: Sequence[tuple[float, float]], kinds: Sequence[Kind], T: f
 
 def unit_square(T: float = 1.0) -> Body:
     """(0,1)²: clamped on top, loaded on both sides, Γ3 the bottom with s = x."""
-    return polygon(
-        [(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED], T
-    )
+    return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED], T)

@@ -28,7 +28,6 @@ from manufactured.memory import Memory, NormalStrain
 from manufactured.symbols import Jet, Values, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
 
-
 HERMITE = (1.0, 0.0, -3.0, 2.0)
 """φ(η) = (1 − η)²(1 + 2η): φ(1) = φ'(1) = 0, so the lifting may end inside the body; no traction on Γ1."""
 

@@ -130,7 +130,9 @@ class Fields:
         rate_gradient = _sum([lifting.strain_gradient(time, rate=True) for lifting in self._liftings])
         return -_sum(
             [
-                np.tensordot(self._first[:, :, j], self.law.A(rate) + self.law.G.derivative(strain, change), ((0,), (0,)))
+                np.tensordot(
+                    self._first[:, :, j], self.law.A(rate) + self.law.G.derivative(strain, change), ((0,), (0,))
+                )
                 for j, (rate, change) in enumerate(
                     zip(np.moveaxis(rate_gradient, 1, 0), np.moveaxis(gradient, 1, 0), strict=True)
                 )

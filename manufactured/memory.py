@@ -281,10 +281,7 @@ class Prescribed:
 
     def at(self, points: Array) -> StrainAtPoints:
         def strain(time: complex, order: int) -> tuple[Values, Values]:
-            jet, rate = next(
-                ((jet, rate) for end, jet, rate in self._jets if np.real(time) <= end), self._jets[-1][1:]
-            )
+            jet, rate = next(((jet, rate) for end, jet, rate in self._jets if np.real(time) <= end), self._jets[-1][1:])
             return jet(points, time, order), rate(points, time, order)
 
         return strain
-

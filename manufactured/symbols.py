@@ -26,7 +26,7 @@ Values = dict[Index, Array]
 """Derivatives of a function on the face, keyed by multi-index; the key of zeros is the value."""
 
 
-class pos(sp.Function):  # noqa: N801 (reads as the formula x_+^a)
+class pos(sp.Function):  # type: ignore[misc]
     """The truncated power x_+^a = x^a where x > 0, and 0 elsewhere; pos(x, 0) is the step.
 
     Its derivative in x is a·pos(x, a−1), which is right away from x = 0, and everywhere for a > 1.
@@ -53,13 +53,12 @@ def _power(x: Array, exponent: float) -> Array:
         return np.sqrt(x)
     if exponent != int(exponent) or not 1 <= exponent <= 12:
         return x**exponent
-    result = None
-    remaining = int(exponent)
+    result, remaining = np.ones_like(x), int(exponent)
     while remaining:
         if remaining & 1:
-            result = x if result is None else result * x
+            result = result * x
         remaining >>= 1
-        x = x * x if remaining else x
+        x = x * x
     return result
 
 
@@ -74,9 +73,7 @@ def _truncated_power(x: Array, exponent: float) -> Array:
 
 def function(arguments: Sequence[Any], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:
     """A NumPy function returning the list of expressions, with common subexpressions shared."""
-    return sp.lambdify(
-        arguments, list(expressions), modules=[{"pos": _truncated_power}, "numpy"], cse=True
-    )  # type: ignore[no-any-return]
+    return sp.lambdify(arguments, list(expressions), modules=[{"pos": _truncated_power}, "numpy"], cse=True)  # type: ignore[no-any-return]
 
 
 @lru_cache

@@ -22,14 +22,16 @@ Struct. 1 (1965) 273–295.
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Points = NDArray[np.float64]
-Vectors = NDArray[np.float64]
-Tensors = NDArray[np.float64]
+# Real or complex: derivatives are checked by the complex step.
+Array = NDArray[Any]
+Points = NDArray[Any]
+Vectors = NDArray[Any]
+Tensors = NDArray[Any]
 
 
 def size(dim: int) -> int:

@@ -69,8 +69,9 @@ class Window:
     def judge(self, observed: list[float], ranges: list[tuple[float, float]]) -> tuple[float, float, float, str]:
         """(worst observed, low, high, verdict) of values with their ranges."""
         # Without a positive lower end, only large values are bad.
-        badness = (lambda v: abs(v - (self.low + self.high) / 2)) if self.low > 0 else (lambda v: v)
-        worst = max(observed, key=lambda v: math.inf if math.isnan(v) else badness(v))
+        middle = (self.low + self.high) / 2
+        distances = [abs(v - middle) if self.low > 0 else v for v in observed]
+        worst = observed[int(np.argmax(np.nan_to_num(distances, nan=np.inf)))]
         low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
         if not all(self.low <= value <= self.high for value in observed):
             return worst, low, high, FAILS
@@ -104,7 +105,9 @@ Measure = Callable[[pd.DataFrame], tuple[float, tuple[float, float]]]
 """Rows of one family, coarse to fine ↦ (observed value, its range)."""
 
 
-def _verdict(label: str, case: str, quantity: str, window: Window, groups: dict[str, pd.DataFrame], measure: Measure) -> Verdict:
+def _verdict(
+    label: str, case: str, quantity: str, window: Window, groups: dict[str, pd.DataFrame], measure: Measure
+) -> Verdict:
     values = [measure(group) for group in groups.values()]
     observed, low, high, verdict = window.judge([v for v, _ in values], [r for _, r in values])
     return Verdict(label, STATEMENTS[label], case, quantity, window.text, observed, low, high, verdict)
@@ -114,7 +117,9 @@ def _undecided(label: str, case: str, quantity: str, window: Window) -> Verdict:
     return Verdict(label, STATEMENTS[label], case, quantity, window.text, math.nan, -math.inf, math.inf, UNDECIDED)
 
 
-def _order_verdict(label: str, case: str, quantity: str, window: Window, groups: dict[str, pd.DataFrame], measure: Measure) -> Verdict:
+def _order_verdict(
+    label: str, case: str, quantity: str, window: Window, groups: dict[str, pd.DataFrame], measure: Measure
+) -> Verdict:
     if min(len(group) for group in groups.values()) < JUDGED:
         return _undecided(label, case, quantity, window)
     return _verdict(label, case, quantity, window, groups, measure)
@@ -177,7 +182,14 @@ def prop_5_4(case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
         found,
         _verdict(label, case, "size of the error", SIZE, groups, finest(_size)),
         *_discrete(label, case, groups),
-        _verdict("(5.23)", case, "‖u − Π^h u‖_V / leading term", PREDICTED, groups, finest(lambda g: g["interpolation_error"] / g["predicted_interpolation"])),
+        _verdict(
+            "(5.23)",
+            case,
+            "‖u − Π^h u‖_V / leading term",
+            PREDICTED,
+            groups,
+            finest(lambda g: g["interpolation_error"] / g["predicted_interpolation"]),
+        ),
         *_evidence(label, case, groups),
     ]
 
@@ -210,9 +222,20 @@ def _discrete(label: str, case: str, groups: dict[str, pd.DataFrame]) -> list[Ve
     ):
         if chosen:
             which = "superclose" if chosen is superclose else "other families"
-            found.append(_order_verdict(label, case, f"order of ‖Π^h u − u^h‖_V, {which}", window, chosen, _last_fit("discrete_error")))
+            found.append(
+                _order_verdict(
+                    label, case, f"order of ‖Π^h u − u^h‖_V, {which}", window, chosen, _last_fit("discrete_error")
+                )
+            )
     found.append(
-        _verdict(label, case, "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", DISCRETE_SHARE, groups, finest(lambda g: g["discrete_error"] / g["interpolation_error"]))
+        _verdict(
+            label,
+            case,
+            "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
+            DISCRETE_SHARE,
+            groups,
+            finest(lambda g: g["discrete_error"] / g["interpolation_error"]),
+        )
     )
     return found
 
@@ -246,7 +269,11 @@ def prop_5_3(case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
     """
     label, groups = "Prop. 5.3", families(rows)
     falling = Window(0.0, 0.999, "< 1 on every level")
-    order = Window(expected - ROUGH_ORDER, expected + ROUGH_ORDER, f"{expected:g} ± {ROUGH_ORDER:g} over two refinements (no rate is claimed)")
+    order = Window(
+        expected - ROUGH_ORDER,
+        expected + ROUGH_ORDER,
+        f"{expected:g} ± {ROUGH_ORDER:g} over two refinements (no rate is claimed)",
+    )
 
     def ratio(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
         e = group["error"].to_numpy()
@@ -288,7 +315,17 @@ def theorem_4_2(case: str, rows: pd.DataFrame) -> list[Verdict]:
         worst = float(np.max(values))
         verdict = HOLDS if AGREEMENT.low <= worst <= AGREEMENT.high else FAILS
         found.append(
-            Verdict("Thm 4.2", STATEMENTS["Thm 4.2"], case, quantity, AGREEMENT.text, worst, float(np.min(values)), worst, verdict)
+            Verdict(
+                "Thm 4.2",
+                STATEMENTS["Thm 4.2"],
+                case,
+                quantity,
+                AGREEMENT.text,
+                worst,
+                float(np.min(values)),
+                worst,
+                verdict,
+            )
         )
     return found
 

@@ -45,7 +45,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except REFUSALS as error:
         print(f"study: {error}", file=sys.stderr)
         return USAGE
-    except run.JobsFailed as error:
+    except run.JobsError as error:
         print(f"study: {error}", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
@@ -118,13 +118,19 @@ def do_run(options: argparse.Namespace) -> int:
     jobs = plan.jobs()
     with (
         ProcessPoolExecutor(options.jobs) as executor,
-        tqdm(total=round(sum(job.cost for job in jobs)), unit="", bar_format="{l_bar}{bar}| {elapsed}<{remaining}", disable=None) as bar,
+        tqdm(
+            total=round(sum(job.cost for job in jobs)),
+            unit="",
+            bar_format="{l_bar}{bar}| {elapsed}<{remaining}",
+            disable=None,
+        ) as bar,
     ):
         bar.set_description(f"{len(jobs)} jobs")
         run.execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
-    run.collect(plan, store)
-    verdicts = run.check(options.out)
-    written = [*write_tables(options.out), *draw_figures(options.out)]
+        run.collect(plan, store)
+        verdicts = run.check(options.out)
+        bar.set_description("figures")
+        written = [*write_tables(options.out), *draw_figures(options.out, executor.map)]
     print(rates_text(options.out))
     print()
     print(ledger_text(options.out))

@@ -1,9 +1,8 @@
-"""What presentation needs from the disk: data files read with clear errors, results written whole or not at all."""
+"""What presentation needs from the disk: data files read with clear errors."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Collection
+from collections.abc import Collection
 from pathlib import Path
 
 import numpy as np
@@ -74,23 +73,6 @@ def read_claims(directory: Path) -> pd.DataFrame:
     if unknown:
         raise DataError(f"{directory / 'data' / 'claims.csv'}: verdicts {unknown}, known are {', '.join(VERDICTS)}")
     return claims
-
-
-def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
-    """Let ``write`` fill a temporary file beside ``path`` and move it there once it is complete."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    part = path.with_name(f"{path.name}.{os.getpid()}.part")
-    try:
-        write(part)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
-    return path
-
-
-def write_text(path: Path, text: str) -> Path:
-    """``write_whole`` for text, in UTF-8 with Unix line ends on every system."""
-    return write_whole(path, lambda part: part.write_text(text, encoding="utf-8", newline="\n"))
 
 
 def _orders(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:

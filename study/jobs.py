@@ -55,14 +55,20 @@ def resolve(reference: str) -> Case:
     if not path.is_file():
         raise UsageError(f"{reference}: there is no file {file}")
     spec = importlib.util.spec_from_file_location(f"case_{path.stem}", path)
-    assert spec is not None and spec.loader is not None
+    assert spec is not None
+    assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    if not hasattr(module, name):
-        raise UsageError(f"{reference}: {file} defines no {name!r}")
-    found = getattr(module, name)
-    case = found() if callable(found) else found
+    try:
+        spec.loader.exec_module(module)
+        if not hasattr(module, name):
+            raise UsageError(f"{reference}: {file} defines no {name!r}")
+        found = getattr(module, name)
+        case = found() if callable(found) else found
+    except UsageError:
+        raise
+    except Exception as error:
+        raise UsageError(f"{reference} cannot be made: {type(error).__name__}: {error}") from error
     if not isinstance(case, Case):
         raise UsageError(f"{reference} is a {type(case).__name__}, expected a manufactured.Case")
     return case
@@ -114,7 +120,9 @@ class RateJob:
 
     @property
     def cost(self) -> float:
-        return float(self.level**2 * steps_for(resolve(self.case), self.level)) * (2 if self.family == "criss-cross" else 1)
+        return float(self.level**2 * steps_for(resolve(self.case), self.level)) * (
+            2 if self.family == "criss-cross" else 1
+        )
 
     def parts(self) -> tuple[Case, MeshFamily, Scheme]:
         return (

@@ -6,7 +6,7 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from study.claims import FAILS, HOLDS, Verdict
-from study.store import write_whole
+from study.store import write_text
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:
@@ -23,10 +23,12 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
         case = ElementTree.SubElement(
             suite, "testcase", classname=f"{verdict.label}.{verdict.case}", name=verdict.quantity
         )
-        message = f"expected {verdict.expected}, observed {verdict.observed:.6g} in [{verdict.low:.6g}, {verdict.high:.6g}]"
+        message = (
+            f"expected {verdict.expected}, observed {verdict.observed:.6g} in [{verdict.low:.6g}, {verdict.high:.6g}]"
+        )
         if verdict.verdict == FAILS:
             ElementTree.SubElement(case, "failure", message=message)
         elif verdict.verdict != HOLDS:
             ElementTree.SubElement(case, "skipped", message=message)
     ElementTree.indent(suite)
-    write_whole(path, ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n")
+    write_text(path, ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n")

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import Executor, FIRST_COMPLETED, Future, wait
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import asdict, dataclass, replace
 from importlib.metadata import version
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,10 +19,10 @@ from manufactured.admissibility import prove
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.claims import Verdict, judge
-from study.fem.mesh import FAMILIES
+from study.fem.mesh import FAMILIES, boundary_parts
 from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, UsageError, resolve
 from study.rates import orders
-from study.store import FORMAT, Store, require_format, write_whole
+from study.store import FORMAT, Store, require_format, write_text
 
 SERIES = ["claim", "case", "family", "scheme"]
 
@@ -55,17 +56,33 @@ class Plan:
         Raises:
             UsageError: levels below 2, not increasing, or two cases of one name.
             SelfProofError: a case is not an exact solution.
+        MeshError: a mesh does not fit the boundary parts of a body.
         """
         for levels in (self.levels, self.rough_levels):
             if not levels or min(levels) < 2:
                 raise UsageError(f"levels must be 2 or more, got {' '.join(map(str, levels)) or 'none'}")
-            if any(b <= a for a, b in zip(levels, levels[1:], strict=False)):
-                raise UsageError(f"levels must increase, got {' '.join(map(str, levels))}; sort them and drop repetitions")
+            if any(b <= a for a, b in pairwise(levels)):
+                raise UsageError(
+                    f"levels must increase, got {' '.join(map(str, levels))}; sort them and drop repetitions"
+                )
         names = [case.name for case in self.resolved()]
         if len(set(names)) < len(names):
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
         for case in self.resolved():
             prove(case.solution, f"case {case.name}")
+        self._check_meshes()
+
+    def _check_meshes(self) -> None:
+        """Every mesh must fit its body (MeshError); bodies that are equal are checked once."""
+        seen = set()
+        for case in self.resolved():
+            body = case.solution.body
+            shape = tuple((part.kind, *part.start, *part.end) for part in body.parts)
+            for level in self.levels if case.regularity.satisfies_5_36 else self.rough_levels:
+                if (shape, level) not in seen:
+                    seen.add((shape, level))
+                    for family in FAMILIES:
+                        boundary_parts(family(body, level), body)
 
     def jobs(self) -> list[Job]:
         """All jobs of the plan."""
@@ -85,10 +102,16 @@ def quick() -> Plan:
 
 def full() -> Plan:
     """The levels of the committed results."""
-    return replace(quick(), levels=(8, 16, 32, 64, 128, 256), rough_levels=(8, 16, 32, 64, 128, 256), equivalence=(4, 8, 16), name="full")
+    return replace(
+        quick(),
+        levels=(8, 16, 32, 64, 128, 256),
+        rough_levels=(8, 16, 32, 64, 128, 256),
+        equivalence=(4, 8, 16),
+        name="full",
+    )
 
 
-class JobsFailed(RuntimeError):
+class JobsError(RuntimeError):
     """Some jobs raised; the others are finished and kept."""
 
 
@@ -100,7 +123,7 @@ def execute(jobs: Sequence[Job], store: Store, executor: Executor, notify: Notif
     """Do the jobs that the store does not hold, most expensive first, keeping each as it ends.
 
     Raises:
-        JobsFailed: after all others are done; names each failed job and its error.
+        JobsError: after all others are done; names each failed job and its error.
     """
     pending: dict[Future[dict[str, Any]], Job] = {}
     for job in sorted(jobs, key=lambda job: -job.cost):
@@ -123,7 +146,7 @@ def execute(jobs: Sequence[Job], store: Store, executor: Executor, notify: Notif
         for future in pending:
             future.cancel()
     if failed:
-        raise JobsFailed("\n".join([f"{len(failed)} job(s) failed, the rest is kept:", *failed]))
+        raise JobsError("\n".join([f"{len(failed)} job(s) failed, the rest is kept:", *failed]))
 
 
 def work(job: Job) -> dict[str, Any]:
@@ -150,8 +173,8 @@ def collect(plan: Plan, store: Store) -> None:
     _write_csv(store.data / "equivalence.csv", pd.DataFrame(done[EquivalenceJob]))
     _write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.resolved()]))
     for result in done[PictureJob]:
-        write_whole(store.data / "pictures" / f"{result['case']}.json", json.dumps(result) + "\n")
-    write_whole(store.data / "provenance.json", json.dumps(provenance(plan), indent=2) + "\n")
+        write_text(store.data / "pictures" / f"{result['case']}.json", json.dumps(result) + "\n")
+    write_text(store.data / "provenance.json", json.dumps(provenance(plan), indent=2) + "\n")
 
 
 def describe(case: Case) -> dict[str, Any]:
@@ -202,7 +225,4 @@ def check(directory: Path) -> list[Verdict]:
 
 
 def _write_csv(path: Path, table: pd.DataFrame) -> None:
-    write_whole(path, table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
-
-
-__all__: Iterable[str] = ["Plan", "check", "collect", "execute", "full", "quick"]
+    write_text(path, table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
+from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -21,23 +22,31 @@ class StoreError(ValueError):
     """A data directory cannot be used."""
 
 
-def write_whole(path: Path, text: str) -> None:
-    """Write a file so that readers see the old content or the new, never a part.
+def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
+    """Let ``write`` fill a temporary file beside ``path`` and move it there once it is complete.
+
+    Readers see the old content or the new, never a part.
 
     Raises:
         StoreError: the directory cannot be written.
     """
+    part = path.with_name(f".{path.name}.{os.getpid()}.part")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
-            stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.chmod(name, 0o644)
-        os.replace(name, path)
+        write(part)
+        os.replace(part, path)
     except OSError as error:
         raise StoreError(f"cannot write {path}: {error.strerror}; give a directory you may write with --out") from error
+    finally:
+        # The cause of a failure may be that its directory does not exist.
+        with suppress(OSError):
+            part.unlink()
+    return path
+
+
+def write_text(path: Path, text: str) -> Path:
+    """``write_whole`` for text, in UTF-8 with Unix line ends on every system."""
+    return write_whole(path, lambda part: part.write_text(text, encoding="utf-8", newline="\n"))
 
 
 @dataclass(frozen=True)
@@ -64,7 +73,7 @@ class Store:
             StoreError: names the directory or the file, and the mend.
         """
         probe = self.data / ".writable"
-        write_whole(probe, "")
+        write_text(probe, "")
         probe.unlink()
         provenance = self.data / "provenance.json"
         if provenance.exists():
@@ -73,7 +82,7 @@ class Store:
     def save(self, key: str, fingerprint: str, result: dict[str, Any]) -> None:
         """Keep the result of a finished job."""
         content = {"format": FORMAT, "key": key, "fingerprint": fingerprint, "result": result}
-        write_whole(self.path(key), json.dumps(content, indent=None) + "\n")
+        write_text(self.path(key), json.dumps(content, indent=None) + "\n")
 
     def load(self, key: str, fingerprint: str) -> dict[str, Any] | None:
         """The result of a job, or None if it must be computed: absent, damaged, or of another problem.

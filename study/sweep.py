@@ -19,11 +19,11 @@ from manufactured.case import Case
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
+from study.fem.independent import predicted_interpolation
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
 from study.solve.evolution import Midpoint, Problem, Scheme, State
 from study.solve.signorini import Signorini
-
 
 RESPONSE = 24
 """Time steps in which the effect of a change of the load is followed."""
@@ -109,7 +109,9 @@ def measure(setup: Setup, progress: Progress = lambda: None) -> Measurement:
         sample = gauge.sample(state.time)
         error = gauge.distance(sample, state.u)
         discrete = sample.interpolant - state.u
-        errors.append((state.time, error, gauge.distance(sample, sample.interpolant), math.sqrt(discrete @ (M @ discrete))))
+        errors.append(
+            (state.time, error, gauge.distance(sample, sample.interpolant), math.sqrt(discrete @ (M @ discrete)))
+        )
         residual = max(residual, state.residual)
         if worst is None or error > worst[0]:
             worst = error, state
@@ -163,7 +165,7 @@ class Measurement:
             discrete_error=float(discrete[third]),
             time_share=self.drift / float(error[first]),
             interpolation_at=float(times[second]),
-            predicted_interpolation=setup.gauge.predicted_interpolation(float(times[second])),
+            predicted_interpolation=predicted_interpolation(setup.solution, setup.space, float(times[second])),
             discrete_at=float(times[third]),
             initial_error=float(error[0]),
             discrete_time_share=self.drift / float(discrete[third]),

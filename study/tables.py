@@ -13,8 +13,9 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.datafiles import DataError, read_claims, read_csv, read_rates, write_text, write_whole
+from study.datafiles import DataError, read_claims, read_csv, read_rates
 from study.latex import encode, longtable, prose
+from study.store import write_text, write_whole
 from study.summary import cell, ledger_text, rates_text
 
 __all__ = ["DataError", "ledger_text", "rates_text", "write_tables"]

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from dataclasses import asdict
 
+import defects
 import pandas as pd
 import pytest
 
-import defects
 from manufactured import catalogue
 from study.claims import FAILS, HOLDS, Verdict, prop_5_4
 from study.fem.mesh import OneDiagonal
-
 from study.solve.evolution import Midpoint
 from study.sweep import Setup, measure, steps_for
 

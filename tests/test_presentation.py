@@ -21,13 +21,14 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from study.datafiles import read_rates, write_text, write_whole
+from study.datafiles import read_rates
 from study.figures import draw_figures
 from study.figures.body import SHARE, magnify
 from study.figures.logarithmic import slope_triangle
 from study.figures.pictures import read_pictures
 from study.figures.zone import caps, strands
 from study.latex import encode
+from study.store import write_text, write_whole
 from study.tables import DataError, ledger_text, rates_text, write_tables
 
 Array = NDArray[np.float64]
@@ -380,9 +381,9 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
 
 
 def test_two_patches_that_meet_are_three_strands() -> None:
-    zone = [[], [(0.2, 0.3), (0.6, 0.7)], [(0.1, 0.4), (0.5, 0.8)], [(0.0, 0.9)], [(0.0, 0.9)], []]
+    zone = [[], [(0.25, 0.25), (0.5, 0.75)], [(0.1, 0.4), (0.5, 0.8)], [(0.0, 0.9)], [(0.0, 0.9)], []]
     pieces = strands(np.arange(6.0), zone)
-    births, merger, end = [(0.5, 0.25, 0.25), (0.5, 0.65, 0.65)], 2.5, (4.5, 0.0, 0.9)
+    births, merger, end = [(0.5, 0.25, 0.25), (0.5, 0.625, 0.625)], 2.5, (4.5, 0.0, 0.9)
     assert [piece[0] for piece in pieces] == [*births, (merger, 0.0, 0.9)]
     assert [piece[-1] for piece in pieces] == [(merger, 0.1, 0.4), (merger, 0.5, 0.8), end]
     assert caps(pieces) == [(merger, 0.0, 0.1), (merger, 0.4, 0.5), (merger, 0.8, 0.9), end]

@@ -23,16 +23,10 @@ class MeshError(ValueError):
 
 
 class MeshFamily(Protocol):
-    """A regular family {T_h} of triangulations.
-
-    ``superclose`` says whether neighbouring triangles form parallelograms (up to O(h) shifts), so
-    that Π^h u − u^h converges faster than the order 1 of the error itself.
-    """
+    """A regular family {T_h} of triangulations."""
 
     @property
     def name(self) -> str: ...
-    @property
-    def superclose(self) -> bool: ...
 
     def __call__(self, body: Body, n: int) -> MeshTri: ...
 
@@ -42,7 +36,6 @@ class OneDiagonal:
     """n × n quadrilaterals, each cut by the same diagonal."""
 
     name: str = "one-diagonal"
-    superclose: bool = True
 
     def __call__(self, body: Body, n: int) -> MeshTri:
         points = _grid(body, n)
@@ -55,7 +48,6 @@ class CrissCross:
     """n × n quadrilaterals, each cut by both diagonals."""
 
     name: str = "criss-cross"
-    superclose: bool = True
 
     def __call__(self, body: Body, n: int) -> MeshTri:
         points = _grid(body, n)
@@ -76,7 +68,6 @@ class Shaken:
     seed: int = 2002
     amplitude: float = 0.2
     name: str = "shaken"
-    superclose: bool = False
 
     def __call__(self, body: Body, n: int) -> MeshTri:
         mesh = OneDiagonal()(body, n)
@@ -105,7 +96,6 @@ class Unstructured:
     seed: int = 2002
     sweeps: int = 8
     name: str = "unstructured"
-    superclose: bool = False
 
     def __call__(self, body: Body, n: int) -> MeshTri:
         spacing = 1.15 / n

@@ -7,6 +7,7 @@ along it, and the rule is graded towards it; all others carry a standard rule.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from skfem import MeshTri
@@ -89,7 +90,7 @@ def _split(mesh: MeshTri, cells: Array, line: Line, degree: int) -> CellRule:
     xi, wx = _gauss(degree + GRADING)
     eta, we = _gauss(degree // 2 + 2)
     points, weights = [], []
-    for left, right in zip(nodes[:-1], nodes[1:], strict=True):
+    for left, right in pairwise(nodes):
         near_left = abs(left) <= abs(right)
         near, far = np.where(near_left, left, right)[:, None], np.where(near_left, right, left)[:, None]
         x = near + (far - near) * xi**GRADING
@@ -99,14 +100,14 @@ def _split(mesh: MeshTri, cells: Array, line: Line, degree: int) -> CellRule:
         short = np.where(middle <= s[1][:, None], chord(x, 0, 1), chord(x, 1, 2))
         across = long[..., None] + (short - long)[..., None] * eta
         weights.append((jacobian * abs(short - long))[..., None] * we)
-        points.append(
-            normal[:, None, None, None] * (x + line.offset)[..., None] + along[:, None, None, None] * across
-        )
+        points.append(normal[:, None, None, None] * (x + line.offset)[..., None] + along[:, None, None, None] * across)
     count = len(cells)
     return CellRule(
         cells,
         np.concatenate([p.reshape(2, count, -1) for p in points], axis=2),
-        np.concatenate([np.broadcast_to(w, p.shape[1:]).reshape(count, -1) for w, p in zip(weights, points, strict=True)], axis=1),
+        np.concatenate(
+            [np.broadcast_to(w, p.shape[1:]).reshape(count, -1) for w, p in zip(weights, points, strict=True)], axis=1
+        ),
     )
 
 
@@ -134,7 +135,7 @@ def facet_rule(mesh: MeshTri, facets: Array, part: Part, rough: tuple[float, ...
     nodes = np.sort(np.vstack([low, high, *[np.clip(np.full_like(low, c), low, high) for c in rough]]), axis=0)
     xi, w = _gauss(points)
     s, weights = [], []
-    for left, right in zip(nodes[:-1], nodes[1:], strict=True):
+    for left, right in pairwise(nodes):
         graded = [np.isin(end, rough)[:, None] for end in (left, right)]
         length = (right - left)[:, None]
         power = np.where(graded[0] | graded[1], GRADING, 1)

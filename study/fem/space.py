@@ -102,6 +102,11 @@ class Space:
         """(σ, ε(·))_Q for the cell means of a stress, (D, cells) → (n_dofs,)."""
         return self.E.T @ (self.volumes * stress).T.ravel()
 
+    def scatter(self, vertices: Array, values: Vectors) -> Vectors:
+        """Sum local vectors into nodal ones: indices (k, n) and values (d, k, n) → (d, vertices)."""
+        count = self.mesh.p.shape[1]
+        return np.array([np.bincount(vertices.ravel(), component.ravel(), count) for component in values])
+
     def interpolate(self, values: Vectors) -> Array:
         """Π^h: nodal values (d, vertices) → free values (n_dofs,)."""
         return values.T.ravel()[self.free]

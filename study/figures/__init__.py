@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 from pathlib import Path
 
@@ -27,7 +27,13 @@ Progress = Callable[[int, int, str], None]
 """Called after each figure with how many are done, how many there are, and its name."""
 
 
-def draw_figures(directory: Path, progress: Progress = lambda done, total, name: None) -> list[Path]:
+Spread = Callable[..., Iterable[list[Path]]]
+"""``map``, or the ``map`` of an executor, which draws several figures at a time."""
+
+
+def draw_figures(
+    directory: Path, spread: Spread = map, progress: Progress = lambda done, total, name: None
+) -> list[Path]:
     """Draw every figure into ``directory/figures`` as pdf, png and svg; returns the files.
 
     ``convergence-CASE`` for every case of ``rates.csv``, ``convergence`` for all cases of Prop. 5.4
@@ -40,12 +46,17 @@ def draw_figures(directory: Path, progress: Progress = lambda done, total, name:
     rates = read_rates(directory)
     orders = _expected_orders(directory, rates)
     figures = [*_convergence(rates, orders), *_runs(read_pictures(directory))]
+    names, draws = zip(*figures, strict=True)
     written: list[Path] = []
-    with in_style():
-        for done, (name, draw) in enumerate(figures, start=1):
-            written += save(draw(), directory / "figures", name)
-            progress(done, len(figures), name)
+    for done, paths in enumerate(spread(partial(_draw, directory / "figures"), names, draws), start=1):
+        written += paths
+        progress(done, len(names), names[done - 1])
     return written
+
+
+def _draw(directory: Path, name: str, draw: Callable[[], Figure]) -> list[Path]:
+    with in_style():
+        return save(draw(), directory, name)
 
 
 def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:

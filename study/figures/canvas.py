@@ -12,7 +12,7 @@ from matplotlib import rc_context
 from matplotlib.artist import Artist
 from matplotlib.figure import Figure
 
-from study.datafiles import write_whole
+from study.store import write_whole
 
 STYLE = Path(__file__).parent.parent / "style.mplstyle"
 _ANONYMOUS: dict[str, dict[str, None]] = {

@@ -112,12 +112,14 @@ def _draw_face(axes: Axes, face: Face, times: Array, faces: int) -> None:
     for t, left, right in columns:
         axes.plot(left, t, right, t, color=VERMILLION, lw=1.0, zorder=2)
     for t, left, right in caps(pieces):
-        axes.plot([left, right], [t, t], color=VERMILLION, lw=1.0, zorder=2)
+        if times[0] < t < times[-1]:
+            axes.plot([left, right], [t, t], color=VERMILLION, lw=1.0, zorder=2)
     stride = max(1, round(len(times) / ROWS))
     when, where = np.nonzero(face.touching[::stride])
     size = _dot_size(len(face.s) * faces, len(times) // stride)
-    axes.plot(face.s[where], times[::stride][when], "o", color=BLUE, ms=size, mew=0, zorder=3)
-    if not (pieces or len(when)):
+    if len(when):
+        axes.plot(face.s[where], times[::stride][when], "o", color=BLUE, ms=size, mew=0, clip_on=False, zorder=3)
+    elif not pieces:
         axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color=GREY)
     axes.set_xlim(face.s.min(), face.s.max())
     axes.set_ylim(times[0], times[-1])

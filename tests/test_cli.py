@@ -1,0 +1,237 @@
+"""Commands: what they print, what they refuse, what they leave on disk."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from study.cli import main
+from study.jobs import resolve
+from study.solve.evolution import EvolutionError, Midpoint
+from study.store import FORMAT, Store, StoreError, write_text
+
+README = Path(__file__).parents[1] / "README.md"
+
+HEAD = """
+from dataclasses import replace
+from manufactured import *
+import sympy
+case = next(c for c in catalogue() if c.name == "advance-recede")
+(face,) = case.solution.faces
+def changed(**c): return replace(case, solution=replace(case.solution, faces=(replace(face, **c),)))
+"""
+
+
+@pytest.fixture
+def case_file(tmp_path: Path):
+    def write(line: str) -> str:
+        path = tmp_path / "mine.py"
+        path.write_text(HEAD + line + "\n")
+        return f"{path}:mine"
+
+    return write
+
+
+def refused(capsys, *arguments: str) -> str:
+    assert main(arguments) == 2
+    return capsys.readouterr().err
+
+
+def test_an_unknown_case_or_scheme_is_refused_with_the_known_ones(capsys, tmp_path) -> None:
+    assert "advance-recede" in refused(capsys, "run", "--case", "nonsense", "--out", str(tmp_path / "r"))
+    assert "midpoint" in refused(capsys, "run", "--scheme", "rk4", "--out", str(tmp_path / "r"))
+    assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize(
+    ("levels", "message"), [(["1", "8"], "2 or more"), (["16", "8"], "increase"), (["8", "8"], "increase")]
+)
+def test_levels_below_2_or_not_increasing_are_refused(capsys, tmp_path, levels, message) -> None:
+    found = refused(capsys, "run", "--case", "full-contact", "--levels", *levels, "--out", str(tmp_path / "r"))
+    assert message in found
+    assert " ".join(levels) in found
+    assert not (tmp_path / "r").exists()
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("mine = changed(gap=-face.gap)", r"u_ν ≤ 0.*violated.*at x = .*t = "),
+        ("mine = changed(gap=face.gap * sympy.nan)", r"violated, relative defect inf"),
+        ("mine = replace(case, order=2)", r"CaseError.*gives order"),
+        ("mine = isotropic(1, -5)", r"LawError.*not elliptic"),
+        ("mine = 3", r"is a int, expected"),
+        ("mine = undefined_name", r"NameError"),
+        ("other = case", r"defines no 'mine'"),
+        (
+            "b = polygon([(0,0),(.3,0),(1,0),(1,1),(0,1)], [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, "
+            "Kind.LOADED]); p = b.of(Kind.CONTACT)[0]\n"
+            "mine = replace(case, solution=ExactSolution(b, case.solution.law, (replace(face, part=p),)))",
+            r"is not a vertex",
+        ),
+    ],
+)
+def test_a_users_case_that_is_no_exact_solution_is_refused_with_the_reason(
+    capsys, tmp_path, case_file, line, message
+) -> None:
+    resolve.cache_clear()
+    out = tmp_path / "r"
+    found = refused(capsys, "run", "--case", case_file(line), "--levels", "8", "16", "32", "--out", str(out))
+    assert re.search(message, found, re.DOTALL)
+    assert "Traceback" not in found
+    assert not out.exists()
+
+
+def test_a_missing_file_is_refused(capsys, tmp_path) -> None:
+    assert "there is no file" in refused(capsys, "run", "--case", f"{tmp_path}/none.py:case", "--out", str(tmp_path))
+
+
+def test_a_directory_that_cannot_be_written_is_refused_before_anything_is_solved(capsys, tmp_path) -> None:
+    (tmp_path / "file").write_text("")
+    found = refused(capsys, "run", "--case", "full-contact", "--out", str(tmp_path / "file" / "r"))
+    assert "cannot write" in found
+    assert "--out" in found
+
+
+def test_data_of_another_version_are_refused_by_name(capsys, tmp_path) -> None:
+    write_text(tmp_path / "data" / "provenance.json", json.dumps({"format": FORMAT + 1}))
+    for command in (["run", "--case", "full-contact"], ["check"]):
+        found = refused(capsys, *command, "--out", str(tmp_path))
+        assert f"format {FORMAT + 1}" in found
+        assert "provenance.json" in found
+
+
+def test_check_without_data_says_how_to_make_them(capsys, tmp_path) -> None:
+    assert "study run" in refused(capsys, "check", "--out", str(tmp_path))
+
+
+def test_more_time_steps_than_none_are_needed() -> None:
+    with pytest.raises(EvolutionError, match="k > T"):
+        list(Midpoint().march(Problem_stub(), 0))
+
+
+class Problem_stub:
+    T = 1.0
+
+
+def test_the_catalogue_is_listed_as_text_and_as_json(capsys) -> None:
+    assert main(["cases"]) == 0
+    text = capsys.readouterr().out
+    assert main(["cases", "--json"]) == 0
+    listed = json.loads(capsys.readouterr().out)
+    assert {"case", "dimension", "law", "zone", "regularity", "expected_order", "statements"} <= set(listed[0])
+    assert all(entry["case"] in text for entry in listed)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory) -> Path:
+    """A small run of the case in the README, as a newcomer would make it."""
+    directory = tmp_path_factory.mktemp("user")
+    (code,) = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
+    (directory / "pocket.py").write_text(code)
+    assert len(code.splitlines()) < 25
+    out = directory / "results"
+    code = main(["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32", "--out", str(out)])
+    assert code == 0
+    return out
+
+
+def test_a_users_case_goes_through_the_same_line_to_a_judged_table(finished: Path) -> None:
+    rates = pd.read_csv(finished / "data" / "rates.csv")
+    assert list(rates.columns)[:16] == [
+        "claim",
+        "case",
+        "family",
+        "scheme",
+        "dim",
+        "level",
+        "h",
+        "dofs",
+        "steps",
+        "k",
+        "error",
+        "at",
+        "interpolation_error",
+        "discrete_error",
+        "time_share",
+        "order",
+    ]
+    claims = pd.read_csv(finished / "data" / "claims.csv")
+    assert list(claims.columns) == [
+        "label",
+        "statement",
+        "case",
+        "quantity",
+        "expected",
+        "observed",
+        "low",
+        "high",
+        "verdict",
+    ]
+    assert set(claims["verdict"]) == {"holds"}
+    equivalence = pd.read_csv(finished / "data" / "equivalence.csv")
+    assert list(equivalence.columns)[:9] == [
+        "case",
+        "form",
+        "level",
+        "h",
+        "steps",
+        "displacement_gap",
+        "stress_gap",
+        "admissibility",
+        "energy_gap",
+    ]
+    for kind in ("pdf", "png", "svg"):
+        assert list((finished / "figures").glob(f"*.{kind}"))
+    assert not list(finished.rglob("*.part"))
+
+
+def test_the_number_of_steps_grows_slower_than_the_number_of_cells(finished: Path) -> None:
+    rates = pd.read_csv(finished / "data" / "rates.csv")
+    for _, group in rates.groupby("family"):
+        growth = group["steps"].iloc[-1] / group["steps"].iloc[0]
+        assert growth < 0.8 * group["h"].iloc[0] / group["h"].iloc[-1]
+
+
+def test_check_judges_the_data_on_disk_and_nothing_else(finished: Path, tmp_path: Path, capsys) -> None:
+    report = tmp_path / "ledger.xml"
+    assert main(["check", "--out", str(finished), "--junit", str(report)]) == 0
+    assert 'failures="0"' in report.read_text()
+    rates = finished / "data" / "rates.csv"
+    original = rates.read_text()
+    table = pd.read_csv(rates)
+    table["error"] *= table["h"] ** 0.5
+    table.to_csv(rates, index=False)
+    assert main(["check", "--out", str(finished), "--junit", str(report)]) == 1
+    assert 'failures="0"' not in report.read_text()
+    assert "fails" in capsys.readouterr().out
+    rates.write_text(original)
+    assert main(["check", "--out", str(finished)]) == 0
+
+
+def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(finished: Path, monkeypatch) -> None:
+    data = finished / "data"
+    before = {path: path.read_bytes() for path in data.rglob("*") if path.is_file()}
+    jobs = sorted((data / "jobs").glob("rate__*__00008.json"))
+    jobs[0].unlink()
+    jobs[1].write_text(jobs[1].read_text()[:100])
+    untouched = {path: path.stat().st_mtime_ns for path in (data / "jobs").iterdir() if path not in jobs[:2]}
+    source = finished.parent / "pocket.py"
+    assert main(["run", "--case", f"{source}:pocket", "--levels", "8", "16", "32", "--out", str(finished)]) == 0
+    assert {path: path.read_bytes() for path in data.rglob("*") if path.is_file()} == before
+    assert {path: path.stat().st_mtime_ns for path in untouched} == untouched
+
+
+def test_a_job_file_of_another_format_is_refused(tmp_path: Path) -> None:
+    store = Store(tmp_path)
+    store.save("a", "x", {"v": 1})
+    assert store.load("a", "x") == {"v": 1}
+    assert store.load("a", "y") is None
+    text = store.path("a").read_text().replace(f'"format": {FORMAT}', '"format": 99')
+    store.path("a").write_text(text)
+    with pytest.raises(StoreError, match="format 99"):
+        store.load("a", "x")
