@@ -122,7 +122,7 @@ def do_run(options: argparse.Namespace) -> int:
             total=round(sum(job.cost for job in jobs)),
             unit="",
             bar_format="{l_bar}{bar}| {elapsed}<{remaining}",
-            disable=None,
+            mininterval=0.5 if sys.stderr.isatty() else 10,
         ) as bar,
     ):
         bar.set_description(f"{len(jobs)} jobs")
@@ -131,10 +131,9 @@ def do_run(options: argparse.Namespace) -> int:
         verdicts = run.check(options.out)
         bar.set_description("figures")
         written = [*write_tables(options.out), *draw_figures(options.out, executor.map)]
-    print(rates_text(options.out))
-    print()
+    print(f"\n{rates_text(options.out)}")
     print(ledger_text(options.out))
-    print(f"\n{len(written)} tables and figures and the data are in {options.out}/")
+    print(f"{len(written)} tables and figures and the data are in {options.out}/")
     return _exit(verdicts)
 
 

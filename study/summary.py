@@ -22,8 +22,8 @@ def rates_text(directory: Path) -> str:
     """
     rates = read_rates(directory)
     schemes = rates["scheme"].nunique() > 1
-    head = ("case", "meshes", "n", "error", "discrete", "time %", "orders level by level")
-    caps = (20, 28, 5, 9, 8, 7, 21) if schemes else (30, 13, 5, 9, 8, 7, 26)
+    head = ("case", "meshes", "n", "error", "disc. order", "time %", "orders level by level")
+    caps = (20, 26, 5, 9, 11, 7, 20) if schemes else (28, 13, 5, 9, 11, 7, 25)
     lines: list[str] = []
     for claim, of_claim in rates.groupby("claim", sort=False):
         rows = [_rates_line(series, schemes) for _, series in of_claim.groupby(SERIES, sort=False)]
@@ -41,7 +41,7 @@ def ledger_text(directory: Path) -> str:
     claims = read_claims(directory)
     head = ("statement", "case", "expected", "observed", "verdict", "judged")
     rows = [_ledger_line(judged) for _, judged in claims.groupby(["label", "case"], sort=False)]
-    lines = _aligned(head, rows, (20, 26, 20, 14, 9, 6), right=(5,))
+    lines = _aligned(head, rows, (10, 24, 36, 14, 9, 6), right=(5,))
     failing = claims[claims["verdict"] != "holds"]
     lines += ["", *(line for _, row in failing.iterrows() for line in _finding(row))]
     count = {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}

@@ -28,7 +28,7 @@ from study.figures.logarithmic import slope_triangle
 from study.figures.pictures import read_pictures
 from study.figures.zone import caps, strands
 from study.latex import encode
-from study.store import write_text, write_whole
+from study.store import StoreError, write_text, write_whole
 from study.tables import DataError, ledger_text, rates_text, write_tables
 
 Array = NDArray[np.float64]
@@ -374,7 +374,7 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
         raise OSError("disk full")
 
     path = write_text(tmp_path / "table.md", "whole")
-    with pytest.raises(OSError, match="disk full"):
+    with pytest.raises(StoreError, match="disk full"):
         write_whole(path, stumble)
     assert files(tmp_path) == ["table.md"]
     assert path.read_text() == "whole"

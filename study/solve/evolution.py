@@ -151,6 +151,17 @@ class _Step:
         return State(time, u, multipliers, residual, iterations)
 
 
+def step_size(problem: Problem, steps: int) -> float:
+    """k = T/steps.
+
+    Raises:
+        EvolutionError: k would exceed T.
+    """
+    if steps < 1:
+        raise EvolutionError(f"{steps} steps would need k > T = {problem.T:g}; take one step or more")
+    return problem.T / steps
+
+
 def _start(problem: Problem) -> State:
     return State(0.0, problem.u0, np.zeros(problem.N.shape[0]), 0.0, 0)
 
@@ -181,7 +192,7 @@ class Midpoint:
 
 
 def _theta_method(problem: Problem, steps: int, theta: float) -> Iterator[State]:
-    k = problem.T / steps
+    k = step_size(problem, steps)
     step = _Step(problem, 1 / k, theta)
     state = _start(problem)
     yield state
@@ -202,7 +213,7 @@ class BDF2:
     order: float = 2.0
 
     def march(self, problem: Problem, steps: int) -> Iterator[State]:
-        k = problem.T / steps
+        k = step_size(problem, steps)
         zero = np.zeros_like(problem.u0)
         first = _Step(problem, 1 / k, 1.0)
         older = _start(problem)
