@@ -26,6 +26,7 @@ from study.fem.mesh import MeshError
 from study.figures import draw_figures
 from study.jobs import UsageError, choose
 from study.junit import write_junit
+from study.published import TableError, as_json, as_text, read_table, report
 from study.solve.evolution import SCHEMES
 from study.store import Store, StoreError
 from study.summary import ledger_text, rates_text
@@ -33,7 +34,18 @@ from study.tables import write_tables
 
 OK, FAILED, USAGE = 0, 1, 2
 
-REFUSALS = (UsageError, SelfProofError, BodyError, CaseError, LawError, FormulaError, MeshError, StoreError, DataError)
+REFUSALS = (
+    UsageError,
+    SelfProofError,
+    BodyError,
+    CaseError,
+    LawError,
+    FormulaError,
+    MeshError,
+    StoreError,
+    DataError,
+    TableError,
+)
 """Errors that say what was given, what was expected and how to mend it: printed without a traceback."""
 
 
@@ -77,6 +89,12 @@ def parser() -> argparse.ArgumentParser:
     check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
     _out(check)
     check.set_defaults(command=do_check)
+
+    published = commands.add_parser("rates", help="orders of a published or foreign error table")
+    published.add_argument("file", type=Path, metavar="FILE.csv", help="columns h or n, and one or more of errors")
+    published.add_argument("--expected", type=float, metavar="P", help="judge the orders against this one")
+    published.add_argument("--json", action="store_true", help="as JSON")
+    published.set_defaults(command=do_rates)
 
     for name, command, text in (("tables", do_tables, "tables"), ("figures", do_figures, "figures")):
         present = commands.add_parser(name, help=f"make the {text} again from the data on disk")
@@ -144,6 +162,17 @@ def do_check(options: argparse.Namespace) -> int:
         write_junit(options.junit, verdicts)
     print(ledger_text(options.out))
     return _exit(verdicts)
+
+
+def do_rates(options: argparse.Namespace) -> int:
+    """``study rates``."""
+    h, columns = read_table(options.file)
+    found = [report(name, h, errors, options.expected) for name, errors in columns.items()]
+    if options.json:
+        print(json.dumps([as_json(column) for column in found], indent=2))
+    else:
+        print("\n".join(as_text(column) for column in found))
+    return OK if all(column.verdict in (None, HOLDS) for column in found) else FAILED
 
 
 def do_tables(options: argparse.Namespace) -> int:
