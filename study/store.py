@@ -36,7 +36,9 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
         write(part)
         os.replace(part, path)
     except OSError as error:
-        raise StoreError(f"cannot write {path}: {error.strerror or error}; give a directory you may write with --out") from error
+        raise StoreError(
+            f"cannot write {path}: {error.strerror or error}; give a directory you may write with --out"
+        ) from error
     finally:
         # The cause of a failure may be that its directory does not exist.
         with suppress(OSError):

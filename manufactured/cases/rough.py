@@ -34,7 +34,7 @@ def case(alpha: Rational) -> Case:
         regularity=Regularity(gap=float(alpha), pressure=float(alpha - 1)),
         order=float(alpha - Rational(3, 2)),
         reason=f"u(t) ∈ H^(1+s) for s < α − 3/2 = {float(alpha) - 1.5:g}: interpolation of that order, no rate claimed",
-        pace=2,
+        pace=1,
     )
 
 

@@ -1,0 +1,122 @@
+"""Theorem 4.2, measured: Problems 3.1 and 3.2 on the same V^h, side by side.
+
+Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t), where u_n is a
+multiplier and u_n ∈ K^h is not imposed. The two share the matrix of strains, the load and the time
+steps of backward Euler, and nothing else.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sps
+from scipy.optimize import nnls
+
+from manufactured.case import Case
+from manufactured.tensors import Array
+from study.fem.gauge import Gauge
+from study.fem.mesh import MeshFamily
+from study.fem.space import Space
+from study.solve.evolution import BackwardEuler, Problem
+from study.solve.stress import StressProblem
+
+Progress = Callable[[], None]
+
+
+class Gaps(NamedTuple):
+    """Largest gaps over the steps 1, 2, …, each relative to the largest size of its quantity.
+
+    Attributes:
+        displacement_gap: ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
+        stress_gap: ‖σ_n(3.2) − σ_n(3.1)‖_Q / max_n ‖σ_n(3.1)‖_Q.
+        admissibility: sup of (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with |v| = 1 (nodal values)
+            for σ_n of Problem 3.2, / max_n |F(t_n)|.
+        energy_gap: |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| of Problem 3.2, (4.14), / max_n |(f(t_n), u_n)_V|.
+        membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2,
+            / max_n |u_n|_∞.
+    """
+
+    displacement_gap: float
+    stress_gap: float
+    admissibility: float
+    energy_gap: float
+    membership: float
+
+
+@dataclass(frozen=True)
+class EquivalenceRow:
+    """One line of ``equivalence.csv``: what was compared and the ``Gaps``.
+
+    Attributes:
+        form: the space of strains, whose duals the stresses are.
+    """
+
+    case: str
+    form: str
+    level: int
+    h: float
+    steps: int
+    displacement_gap: float
+    stress_gap: float
+    admissibility: float
+    energy_gap: float
+    membership: float
+    family: str
+
+
+def compare(
+    case: Case, family: MeshFamily, level: int, steps: int, progress: Progress = lambda: None
+) -> EquivalenceRow:
+    """Solve both problems for a case; ``progress`` is called once a step."""
+    solution = case.solution
+    space = Space(family(solution.body, level), solution.body)
+    gauge = Gauge(solution, space)
+    u0 = gauge.sample(0.0).interpolant
+    displacements = Problem.of(space, solution.law, gauge.load, u0)
+    stresses = StressProblem.of(space, solution.law, gauge.load, u0)
+    return EquivalenceRow(
+        case.name, "strains of V^h", level, space.h, steps, *gaps(displacements, stresses, steps, progress), family.name
+    )
+
+
+def gaps(displacements: Problem, stresses: StressProblem, steps: int, progress: Progress = lambda: None) -> Gaps:
+    """March both problems in lockstep, holding no more than one step of either."""
+    space, law, M = stresses.space, stresses.law, displacements.M
+    k = displacements.T / steps
+    root = np.sqrt(space.volumes)
+    worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
+    pairs = zip(BackwardEuler().march(displacements, steps), stresses.march(steps), strict=True)
+    for (before, _), (primal, dual) in pairwise(pairs):
+        strain = space.strain(primal.u)
+        stress = law.stress((strain - space.strain(before.u)) / k, strain)
+        load = displacements.load(primal.time)
+        defect = load - space.functional(dual.stress)
+        difference = dual.u - primal.u
+        now = [
+            np.sqrt(difference @ (M @ difference)),
+            np.linalg.norm(root * (dual.stress - stress)),
+            beyond(defect, displacements.N),
+            abs(defect @ dual.u),
+            max((displacements.N @ dual.u).max(), 0.0),
+        ]
+        size = [
+            np.sqrt(primal.u @ (M @ primal.u)),
+            np.linalg.norm(root * stress),
+            np.linalg.norm(load),
+            abs(load @ dual.u),
+            abs(dual.u).max(),
+        ]
+        worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
+        progress()
+    return Gaps(*(float(value) for value in worst / sizes))
+
+
+def beyond(defect: Array, N: sps.csr_array) -> float:
+    """sup {defect·v : Nv ≤ 0, |v| ≤ 1}, which is the distance of the defect from the cone {Nᵀλ : λ ≥ 0}."""
+    touched = np.unique(N.indices)
+    _, distance = nnls(N[:, touched].T.toarray(), defect[touched])
+    return float(np.hypot(distance, np.linalg.norm(np.delete(defect, touched))))
