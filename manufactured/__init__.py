@@ -20,9 +20,9 @@ from manufactured.law import (
     Yield,
     isotropic,
 )
-from manufactured.memory import FormulaError, Memory, Prescribed
+from manufactured.memory import Memory, Prescribed
 from manufactured.regularity import Regularity
-from manufactured.symbols import pos, s, t
+from manufactured.symbols import FormulaError, pos, s, t
 
 __all__ = [
     "HERMITE",

@@ -99,6 +99,10 @@ class Body:
     T: float = 1.0
 
     def __post_init__(self) -> None:
+        if not all(np.isfinite([*part.start, *part.end]).all() for part in self.parts):
+            raise BodyError("a vertex of the body is not a finite number")
+        if any(part.length == 0 for part in self.parts):
+            raise BodyError("a boundary part has length 0; list every vertex once")
         if len(self.parts) < 3:
             raise BodyError(f"a polygon needs three boundary parts or more, got {len(self.parts)}")
         for i, (part, after) in enumerate(zip(self.parts, self.parts[1:] + self.parts[:1], strict=True)):

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from dataclasses import dataclass
 
-import numpy as np
-
 from manufactured.exact import ExactSolution
-from manufactured.regularity import Regularity
+from manufactured.regularity import Regularity, read_off
 
 
 class CaseError(ValueError):
@@ -45,17 +44,29 @@ class Case:
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", self.name):
             raise CaseError(f"case name {self.name!r}: use letters, digits, '.', '-' and '_' only")
-        if self.order is None or not self.reason:
+        if self.order is None or not math.isfinite(self.order) or not self.reason:
             raise CaseError(f"case {self.name}: state the predicted order and the reason for it before measuring")
-        if not (np.isfinite(self.pace) and self.pace > 0):
+        if not (math.isfinite(self.pace) and self.pace > 0):
             raise CaseError(f"case {self.name}: the pace must be positive, got {self.pace}")
+        self._compare_with_formulas()
         if abs(self.order - self.regularity.order) > 1e-12:
             raise CaseError(
                 f"case {self.name}: predicted order {self.order}, but {self.regularity} gives order "
                 f"min(1, α − 3/2, m − 1/2) = {self.regularity.order:g}; correct the label or the prediction"
             )
 
+    def _compare_with_formulas(self) -> None:
+        """The label must not promise more than the exponents in the formulas give."""
+        faces = self.solution.faces
+        alpha, m, moving = read_off(
+            [face.gap for face in faces], [face.strain.formula for face in faces], faces[0].variables
+        )
+        label = self.regularity
+        if label.gap > alpha or label.pressure > m or (moving and not label.moving):
+            found = Regularity(alpha, m, moving) if alpha > 1.5 and m > 0.5 else f"α = {alpha:g}, m = {m:g}"
+            raise CaseError(f"case {self.name}: labelled {label}, but its formulas have {found}; correct the label")
+
     @property
     def proposition(self) -> str:
         """The numbered statement whose hypotheses the case satisfies."""
-        return "Prop. 5.4" if self.regularity.satisfies_5_36 else "Prop. 5.3"
+        return self.regularity.proposition

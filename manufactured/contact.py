@@ -25,7 +25,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from manufactured.body import Part
 from manufactured.law import KelvinVoigt, LawError, Linear
 from manufactured.memory import Memory, NormalStrain
-from manufactured.symbols import Jet, Values, s
+from manufactured.symbols import FormulaError, Jet, Values, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
 
 HERMITE = (1.0, 0.0, -3.0, 2.0)
@@ -58,6 +58,12 @@ class ContactFace:
     cutoff: tuple[float, ...] = HERMITE
     rough: tuple[float, ...] = ()
     variables: tuple[sp.Symbol, ...] = (s,)
+
+    def __post_init__(self) -> None:
+        # Compiled here, so that a formula that cannot be used is refused where it is written.
+        self.gap_rate_jet, self.level_jet  # noqa: B018
+        if not np.isfinite(self.rough).all():
+            raise FormulaError(f"the rough points {self.rough} are not all numbers")
 
     @classmethod
     def linear(

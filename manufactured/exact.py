@@ -11,6 +11,7 @@ from numpy.polynomial.polynomial import polyder, polyval
 from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.law import KelvinVoigt
+from manufactured.memory import Memory
 from manufactured.tensors import Array, Points, Tensors, Vectors, basis, traction
 
 
@@ -50,17 +51,9 @@ class ExactSolution:
         """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed."""
         return Fields(self, x)
 
-    def initial(self, x: Points) -> Vectors:
-        """u_0(x) = u(x, 0), (d, ...)."""
-        return self.at(x).displacement(0.0)
-
-    def pressure(self, face: ContactFace, s: Array, time: float) -> Array:
-        """p = −σ_ν on a face at local coordinates (d−1, ...)."""
-        return self.on(face, s).pressure(time)
-
     def on(self, face: ContactFace, s: Array) -> FaceFields:
         """The solution at fixed points of a contact face."""
-        return FaceFields(face, self.law, s)
+        return FaceFields(face, self.law, s, self.body.T)
 
 
 class FaceFields:
@@ -69,8 +62,8 @@ class FaceFields:
     There ε = q n⊗n, so p = −(A (q̇ n⊗n) + G(q n⊗n))·(n⊗n) needs no lifting.
     """
 
-    def __init__(self, face: ContactFace, law: KelvinVoigt, s: Array) -> None:
-        self.face, self.law, self.s = face, law, s
+    def __init__(self, face: ContactFace, law: KelvinVoigt, s: Array, T: float) -> None:
+        self.face, self.law, self.s, self.T = face, law, s, T
         self.normal = np.tensordot(basis(law.dim), np.multiply.outer(face.part.normal, face.part.normal))
         self._strain = face.strain.at(s)
 
@@ -79,6 +72,24 @@ class FaceFields:
         zero = (0,) * len(self.s)
         q, rate = (np.multiply.outer(self.normal, values[zero]) for values in self._strain(time, 0))
         return -np.tensordot(self.normal, self.law.stress(rate, q), axes=1)
+
+    def stated_pressure(self, time: float) -> Array:
+        """p as it was prescribed, where it was; else as the law gives it, (...)."""
+        strain = self.face.strain
+        if isinstance(strain, Memory):
+            return strain.pressure_jet(self.s, time)[(0,) * len(self.s)]
+        return self.pressure(time)
+
+    def stress_scale(self) -> float:
+        """The size of stresses that the largest strains on the face would cause, for tolerances."""
+        strains = [abs(self._strain(t, 0)[0][(0,) * len(self.s)]).max() for t in np.linspace(0, self.T, 9)]
+        gaps = [abs(self.gap(t)).max() for t in np.linspace(0, self.T, 9)]
+        return (self.law.A.lipschitz + self.law.G.lipschitz) * float(max(*strains, *gaps, 0.0))
+
+    def traces(self, time: float) -> tuple[Array, ...]:
+        """w, ∂_s w, q and their derivatives ∂_s w, ∂_s² w, ∂_s q along a face of one dimension, (...) each."""
+        w, q = self.face.gap_jet(self.s, time, 2), self._strain(time, 1)[0]
+        return w[0,], w[1,], q[0,], w[1,], w[2,], q[1,]
 
     def gap(self, time: float) -> Array:
         """w = −u_ν, (...)."""

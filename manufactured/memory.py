@@ -13,21 +13,17 @@ Law (3.3): the strain is prescribed phase by phase and the pressure follows from
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Protocol
 
 import numpy as np
 import sympy as sp
-from numpy.typing import NDArray
 
-from manufactured.symbols import Index, Jet, Values, differentiate, function, pos, s, t
+from manufactured.symbols import FormulaError, Index, Jet, Values, differentiate, function, pos, s, t
 from manufactured.tensors import Array
-
-
-class FormulaError(ValueError):
-    """A formula of a case lies outside the class that can be integrated exactly."""
 
 
 class StrainAtPoints(Protocol):
@@ -37,23 +33,30 @@ class StrainAtPoints(Protocol):
 
 
 class NormalStrain(Protocol):
-    """q(s, t) on a face; ``at`` fixes the points s (d−1, ...) and keeps what time does not change."""
+    """q(s, t) on a face; ``at`` fixes the points s (d−1, ...) and keeps what time does not change.
+
+    ``formula`` has the truncated powers that q, or the pressure it comes from, is made of.
+    """
+
+    @property
+    def formula(self) -> sp.Expr: ...
 
     def at(self, points: Array) -> StrainAtPoints: ...
 
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """q of a linear law, in closed form for a pressure that is piecewise polynomial in t.
+    """q of a linear law, to round-off for a pressure that is piecewise polynomial in t.
 
     Every term of the expanded pressure is θ(s, t)·∏ pos(ψ_i(s, t), m_i) with θ and the ψ_i that
-    move polynomial in t and, for these, integer m_i ≥ 1. At each s the roots of the ψ_i split
+    move polynomial in t and, for these, integer m_i ≥ 2. At each s the roots of the ψ_i split
     [0, T] into intervals of contact, on which p is a polynomial P(s, ·). There
 
         ∫ e^{λr} P(s, r)/a dr = e^{λr} R(s, r),   R = Σ_j (−1)^j ∂_r^j P / (a λ^{j+1}),
 
-    and since p vanishes where a moving contact begins and ends, derivatives along the face pass
-    under the integral: ∂_s^i q is the same expression with ∂_s^i R.
+    or by quadrature, to the same accuracy, where λT is so small that the terms of R cancel. Since p
+    vanishes where a moving contact begins and ends, derivatives along the face pass
+    under the integral: ∂_s^i q is the same expression with ∂_s^i P.
 
     Attributes:
         pressure: p(s, t).
@@ -71,6 +74,11 @@ class Memory:
     T: float
     initial: sp.Expr | None = None
     variables: tuple[sp.Symbol, ...] = (s,)
+
+    @property
+    def formula(self) -> sp.Expr:
+        """The pressure and the initial strain: what q is made of."""
+        return self.pressure + (0 if self.initial is None else self.initial)
 
     @property
     def decay(self) -> float:
@@ -91,7 +99,7 @@ class Memory:
     def terms(self) -> tuple[Term, ...]:
         expanded = sp.expand(self.pressure)
         return tuple(
-            Term.of(term, self.variables, self.viscosity, self.decay)
+            Term.of(term, self.variables, self.viscosity, self.decay, self.T)
             for term in sp.Add.make_args(expanded)
             if term != 0
         )
@@ -100,28 +108,100 @@ class Memory:
         return _MemoryAtPoints(self, points)
 
 
+class Convolution(Protocol):
+    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r)/η dr for a smooth branch P of the pressure, η the viscosity."""
+
+    def __call__(self, points: Array, lower: Array, upper: Array | complex, index: Index) -> Array: ...
+
+
+class Closed:
+    """In closed form, P polynomial in t: R(s, b) − e^{−λ(b−a)} R(s, a), R = Σ_j (−1)^j ∂_r^j P/(η λ^{j+1})."""
+
+    def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], viscosity: float, decay: float) -> None:
+        self.decay = decay
+        scale, total = 1 / sp.Float(decay * viscosity), sp.Integer(0)
+        while not smooth.is_zero:
+            total += scale * smooth.as_expr()
+            smooth, scale = smooth.diff(t), -scale / decay
+        self.formula = _Derivatives(_nested(sp.Poly(total, t)), variables)
+
+    @staticmethod
+    def cancellation(degree: int, decay: float, T: float) -> float:
+        """How much larger than the integral the terms of R may be: max_j degree!/(degree−j)!/(λT)^j."""
+        return max(math.perm(degree, j) / (decay * T) ** j for j in range(degree + 1))
+
+    def __call__(self, points: Array, lower: Array, upper: Array | complex, index: Index) -> Array:
+        first, last = (self.formula(points, r, index) for r in (lower, upper))
+        return last - np.exp(-self.decay * (upper - lower)) * first
+
+
+class Gauss:
+    """By Gauss–Legendre quadrature, for slow decay, where the terms of the closed form cancel."""
+
+    def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], viscosity: float, decay: float) -> None:
+        self.decay = decay
+        self.formula = _Derivatives(_nested(smooth) / viscosity, variables)
+        # Exact for the polynomial, with more points for the exponential.
+        self.rule = np.polynomial.legendre.leggauss(smooth.degree() // 2 + 1 + EXTRA)
+
+    def __call__(self, points: Array, lower: Array, upper: Array | complex, index: Index) -> Array:
+        half = (upper - lower) / 2
+        total = np.zeros(points.shape[1:], dtype=np.result_type(points, upper))
+        for node, weight in zip(*self.rule, strict=True):
+            r = lower + half * (1 + node)
+            total += weight * half * np.exp(-self.decay * (upper - r)) * self.formula(points, r, index)
+        return total
+
+
+ACCEPTED = 1e3
+"""Largest cancellation for which the closed form is used: it costs three digits at most."""
+EXTRA = 14
+"""Gauss points beyond those for the polynomial; where ``Gauss`` is used λT is of order 10 at most."""
+
+
+class _Derivatives:
+    """∂_s^index of a formula of (s, t), compiled when first asked for."""
+
+    def __init__(self, formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> None:
+        self.formula, self.variables = formula, variables
+        self._compiled: dict[Index, Callable[..., list[Array]]] = {}
+
+    def __call__(self, points: Array, time: Array | complex, index: Index) -> Array:
+        if index not in self._compiled:
+            derivative = differentiate(self.formula, self.variables, index)
+            self._compiled[index] = function([*self.variables, t], [derivative])
+        return np.broadcast_to(self._compiled[index](*points, time)[0], points.shape[1:])
+
+
+def _nested(polynomial: sp.Poly) -> sp.Expr:
+    """Horner's form in t."""
+    nested = sp.Integer(0)
+    for coefficient in polynomial.all_coeffs():
+        nested = nested * t + coefficient
+    return nested
+
+
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One additive term of the pressure with its antiderivative.
+    """One additive term of the pressure.
 
     Attributes:
         moving: coefficient functions (s) ↦ [ψ's coefficients in t, highest first] of each moving ψ.
-        antiderivative: R(s, r).
+        convolution: the memory of its smooth branch.
     """
 
     moving: tuple[Callable[..., list[Array]], ...]
-    antiderivative: sp.Expr
-    variables: tuple[sp.Symbol, ...]
-    _compiled: dict[Index, Callable[..., list[Array]]] = field(default_factory=dict, init=False, repr=False)
+    convolution: Convolution
 
     @classmethod
-    def of(cls, term: sp.Expr, variables: tuple[sp.Symbol, ...], viscosity: float, decay: float) -> Term:
+    def of(cls, term: sp.Expr, variables: tuple[sp.Symbol, ...], viscosity: float, decay: float, T: float) -> Term:
         fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
         smooth = term.subs({p: p.args[0] ** p.args[1] for p in fronts})
         for front in fronts:
-            if not (front.args[0].is_polynomial(t) and front.args[1].is_integer and front.args[1] >= 1):
+            # With m = 1 the second derivative along the face would have a term at the front.
+            if not (front.args[0].is_polynomial(t) and front.args[1].is_integer and front.args[1] >= 2):
                 raise FormulaError(
-                    f"{front}: a front that moves needs pos(ψ, m) with ψ polynomial in t and an integer m ≥ 1; "
+                    f"{front}: a front that moves needs pos(ψ, m) with ψ polynomial in t and an integer m ≥ 2; "
                     "replace other motions by a polynomial, the contact zone is yours to choose"
                 )
         if not smooth.is_polynomial(t):
@@ -129,23 +209,10 @@ class Term:
                 f"the pressure term {term} is not polynomial in t between its fronts, "
                 "so its memory has no closed form; use a polynomial in t"
             )
-        power, sign = 1 / sp.Float(decay), 1
-        total, derivative = sp.Integer(0), sp.Poly(smooth, t)
-        while not derivative.is_zero:
-            total += sign * power * derivative.as_expr()
-            derivative, sign, power = derivative.diff(t), -sign, power / decay
         moving = tuple(function(variables, sp.Poly(front.args[0], t).all_coeffs()) for front in fronts)
-        nested = sp.Integer(0)
-        for coefficient in sp.Poly(total / viscosity, t).all_coeffs():
-            nested = nested * t + coefficient
-        return cls(moving, nested, variables)
-
-    def integral(self, points: Array, time: Array | complex, index: Index) -> Array:
-        """∂_s^index R(s, r) at r = time."""
-        if index not in self._compiled:
-            formula = differentiate(self.antiderivative, self.variables, index)
-            self._compiled[index] = function([*self.variables, t], [formula])
-        return np.broadcast_to(self._compiled[index](*points, time)[0], points.shape[1:])
+        polynomial = sp.Poly(smooth, t)
+        exact = Closed.cancellation(polynomial.degree(), decay, T) <= ACCEPTED
+        return cls(moving, (Closed if exact else Gauss)(polynomial, variables, viscosity, decay))
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
         """Entry and exit times of contact at each point: two arrays (J, N), equal where unused."""
@@ -229,38 +296,31 @@ class _MemoryAtPoints:
         for index, start in self._start[order].items():
             total = (fading * start).astype(np.result_type(self.flat, time))
             for contact in self.contacts:
-                contact.add(total, -fading, time, index)
+                contact.subtract(total, time, index)
             strain[index] = total.reshape(shape)
             rate[index] = (pressure[index] + memory.elasticity * strain[index]) / -memory.viscosity
         return strain, rate
 
 
 class _Contact:
-    """∫ e^{λr} ∂^i P/a dr over one interval of contact per point, from its entry to now or its exit."""
+    """∫ e^{−λ(t−r)} ∂^i P/η dr over one interval of contact per point, from its entry to now or its exit."""
 
     def __init__(self, term: Term, points: Array, entry: Array, exit_: Array, decay: float) -> None:
-        self.term, self.decay = term, decay
+        self.convolution, self.decay = term.convolution, decay
         self.touched = np.flatnonzero(entry < exit_)
         self.points = points[:, self.touched]
         self.entry, self.exit = entry[self.touched], exit_[self.touched]
-        self._ends: dict[Index, tuple[Array, Array]] = {}
+        self._whole: dict[Index, Array] = {}
 
-    def antiderivative(self, which: NDArray[np.intp] | slice, time: Array | complex, index: Index) -> Array:
-        return np.exp(self.decay * time) * self.term.integral(self.points[:, which], time, index)
-
-    def add(self, total: Array, factor: complex, time: complex, index: Index) -> None:
-        """total += factor · integral up to ``time``, at the points that are ever touched."""
-        if index not in self._ends:
-            first, last = (self.antiderivative(slice(None), end, index) for end in (self.entry, self.exit))
-            self._ends[index] = first, last - first
-        first, whole = self._ends[index]
+    def subtract(self, total: Array, time: complex, index: Index) -> None:
+        """total −= the integral up to ``time``, at the points that are ever touched."""
+        if index not in self._whole:
+            self._whole[index] = self.convolution(self.points, self.entry, self.exit, index)
         now = np.real(time)
-        over = self.exit <= now
-        now_touching = np.flatnonzero((self.entry < now) & ~over)
-        value = np.where(over, whole, 0.0).astype(np.result_type(whole, time))
-        if now_touching.size:
-            value[now_touching] = self.antiderivative(now_touching, time, index) - first[now_touching]
-        total[self.touched] += factor * value
+        over = np.flatnonzero(self.exit <= now)
+        touching = np.flatnonzero((self.entry < now) & (self.exit > now))
+        total[self.touched[over]] -= np.exp(-self.decay * (time - self.exit[over])) * self._whole[index][over]
+        total[self.touched[touching]] -= self.convolution(self.points[:, touching], self.entry[touching], time, index)
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,6 +333,11 @@ class Prescribed:
 
     phases: tuple[tuple[float, sp.Expr], ...]
     variables: tuple[sp.Symbol, ...] = (s,)
+
+    @property
+    def formula(self) -> sp.Expr:
+        """Every phase."""
+        return sum((formula for _, formula in self.phases), sp.Integer(0))
 
     @cached_property
     def _jets(self) -> tuple[tuple[float, Jet, Jet], ...]:

@@ -21,6 +21,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import sympy as sp
+
+from manufactured.symbols import pos, t
+
 
 @dataclass(frozen=True)
 class Regularity:
@@ -32,7 +36,7 @@ class Regularity:
         moving: whether the front moves.
 
     Raises:
-        ValueError: u ∉ V (α ≤ 3/2, or m ≤ 0), so that there is nothing to converge to.
+        ValueError: α ≤ 3/2 or m ≤ 1/2, so that u(t) lies in no H^{1+s}, s > 0.
     """
 
     gap: float = math.inf
@@ -59,6 +63,11 @@ class Regularity:
         return self.gap > (3.5 if self.moving else 2.5) and self.pressure > 1.5
 
     @property
+    def proposition(self) -> str:
+        """The numbered statement whose hypotheses hold."""
+        return "Prop. 5.4" if self.satisfies_5_36 else "Prop. 5.3"
+
+    @property
     def satisfies_4_1(self) -> bool:
         """u ∈ W^{1,∞}(0,T;V)."""
         return not self.moving or (self.gap > 2.5 and self.pressure > 0.5)
@@ -73,3 +82,26 @@ class Regularity:
             return "smooth"
         front = "moving" if self.moving else "fixed"
         return f"{front} front, α = {self.gap:g}, m = {self.pressure:g}"
+
+
+def fronts(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[float, bool]:
+    """(lowest exponent, whether any moves) of the truncated powers along the face in a formula.
+
+    (inf, False) without any; a power of a truncated power counts with the product of the exponents.
+    """
+    exponents, moving = [math.inf], False
+    powers = {base: float(e) for base, e in (p.as_base_exp() for p in formula.atoms(sp.Pow)) if isinstance(base, pos)}
+    for front in formula.atoms(pos):
+        if front.args[0].free_symbols & set(variables):
+            exponents.append(float(front.args[1]) * powers.get(front, 1.0))
+            moving |= front.args[0].has(t)
+    return min(exponents), moving
+
+
+def read_off(
+    gaps: list[sp.Expr], pressures: list[sp.Expr], variables: tuple[sp.Symbol, ...]
+) -> tuple[float, float, bool]:
+    """(α, m, moving) of the formulas of a solution: the lowest exponents over its faces."""
+    found = [[fronts(sp.sympify(f), variables) for f in formulas] for formulas in (gaps, pressures)]
+    (alpha, m), moving = ([min(e for e, _ in side) for side in found]), any(move for side in found for _, move in side)
+    return alpha, m, moving

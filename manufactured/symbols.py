@@ -26,6 +26,10 @@ Values = dict[Index, Array]
 """Derivatives of a function on the face, keyed by multi-index; the key of zeros is the value."""
 
 
+class FormulaError(ValueError):
+    """A formula of a case lies outside the class that can be differentiated or integrated exactly."""
+
+
 class pos(sp.Function):  # type: ignore[misc]
     """The truncated power x_+^a = x^a where x > 0, and 0 elsewhere; pos(x, 0) is the step.
 
@@ -63,7 +67,8 @@ def _power(x: Array, exponent: float) -> Array:
 
 
 def _truncated_power(x: Array, exponent: float) -> Array:
-    positive = np.real(x) > 0
+    x = np.asarray(x)
+    positive = x.real > 0
     if exponent == 0:
         return positive.astype(float)
     if exponent > 0:
@@ -97,6 +102,9 @@ class Jet:
 
     ``Jet(expr, (s,))(points, time, order)`` has points (d−1, ...) and gives every ∂^i expr with
     |i| ≤ order as arrays (...).
+
+    Raises:
+        FormulaError: other symbols than these, or functions with jumps that are not written with ``pos``.
     """
 
     expression: sp.Expr
@@ -104,6 +112,16 @@ class Jet:
     _compiled: dict[int, Callable[..., list[Array]]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
+
+    def __post_init__(self) -> None:
+        strange = sorted(map(str, self.expression.free_symbols - {*self.variables, t}))
+        if strange:
+            raise FormulaError(
+                f"{self.expression} has {', '.join(strange)}; use the symbols s and t of ``manufactured``, "
+                "and numbers for everything else"
+            )
+        if self.expression.has(sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign):
+            raise FormulaError(f"{self.expression}: write fronts with pos(x, a), so that derivatives are known")
 
     def __call__(self, points: Array, time: complex, order: int = 0) -> Values:
         keys = indices(len(self.variables), order)

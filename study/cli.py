@@ -18,9 +18,9 @@ from manufactured.body import BodyError
 from manufactured.case import CaseError
 from manufactured.catalogue import catalogue
 from manufactured.law import LawError
-from manufactured.memory import FormulaError
+from manufactured.symbols import FormulaError
 from study import run
-from study.claims import FAILS, HOLDS, Verdict
+from study.claims import HOLDS, Verdict
 from study.datafiles import DataError
 from study.fem.mesh import MeshError
 from study.figures import draw_figures
@@ -81,6 +81,7 @@ def parser() -> argparse.ArgumentParser:
     sweep.add_argument("--case", action="append", metavar="NAME|FILE.py:NAME", help="only this case; may be repeated")
     sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a unit length, increasing")
     sweep.add_argument("--scheme", default="midpoint", help="time scheme (default midpoint)")
+    sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
     sweep.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
     _out(sweep)
     sweep.set_defaults(command=do_run, plan=run.quick)
@@ -125,12 +126,16 @@ def do_run(options: argparse.Namespace) -> int:
     choose("scheme", options.scheme, SCHEMES)
     if options.jobs < 1:
         raise UsageError(f"--jobs must be 1 or more, got {options.jobs}")
-    plan = replace(plan, scheme=options.scheme)
+    plan = replace(plan, scheme=options.scheme, k=options.step)
     if options.case:
         plan = replace(plan, cases=tuple(options.case))
     if options.levels:
-        plan = replace(plan, levels=tuple(options.levels), rough_levels=tuple(options.levels))
+        levels = tuple(options.levels)
+        # The interior point method is for small problems.
+        small = tuple(n for n in levels if n <= 16) or levels[:1]
+        plan = replace(plan, levels=levels, rough_levels=levels, equivalence=small)
     plan.check()
+    run.protect(plan, options.out)
     store = Store(options.out)
     store.check()
     jobs = plan.jobs()
@@ -151,7 +156,8 @@ def do_run(options: argparse.Namespace) -> int:
         written = [*write_tables(options.out), *draw_figures(options.out, executor.map)]
     print(f"\n{rates_text(options.out)}")
     print(ledger_text(options.out))
-    print(f"{len(written)} tables and figures and the data are in {options.out}/")
+    print(f"data: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
+    print("written: " + ", ".join(sorted({f"{path.parent}/*{path.suffix}" for path in written})))
     return _exit(verdicts)
 
 
@@ -177,6 +183,7 @@ def do_rates(options: argparse.Namespace) -> int:
 
 def do_tables(options: argparse.Namespace) -> int:
     """``study tables``."""
+    run.read_provenance(options.out)
     for path in write_tables(options.out):
         print(path)
     return OK
@@ -184,6 +191,7 @@ def do_tables(options: argparse.Namespace) -> int:
 
 def do_figures(options: argparse.Namespace) -> int:
     """``study figures``."""
+    run.read_provenance(options.out)
     for path in draw_figures(options.out):
         print(path)
     return OK
@@ -192,6 +200,3 @@ def do_figures(options: argparse.Namespace) -> int:
 def _exit(verdicts: list[Verdict]) -> int:
     """0 iff every claim holds; undecided is not a pass."""
     return OK if verdicts and all(verdict.verdict == HOLDS for verdict in verdicts) else FAILED
-
-
-__all__ = ["FAILS", "main", "parser"]

@@ -52,10 +52,11 @@ def picture(case: Case) -> dict[str, Any]:
 
 
 def contact_weights(space: Space) -> Array:
-    """∫_{Γ3,i} φ_z of the shape function of each contact vertex on its piece, (m,)."""
+    """∫ φ_z of the shape function of each contact vertex over the pieces with its normal, (m,)."""
     weights = []
     for part, vertices in space.contact:
-        ends = space.mesh.facets[:, space.facets(part)]
+        aligned = [other for other, _ in space.contact if np.allclose(other.normal, part.normal)]
+        ends = space.mesh.facets[:, np.concatenate([space.facets(other) for other in aligned])]
         lengths = np.linalg.norm(space.mesh.p[:, ends[0]] - space.mesh.p[:, ends[1]], axis=0)
         nodal = np.bincount(ends.ravel(), np.tile(lengths / 2, 2), space.mesh.p.shape[1])
         weights.append(nodal[vertices])

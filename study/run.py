@@ -6,7 +6,7 @@ import json
 import platform
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, fields, replace
 from importlib.metadata import version
 from itertools import pairwise
 from pathlib import Path
@@ -18,13 +18,14 @@ from threadpoolctl import threadpool_limits
 from manufactured.admissibility import prove
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
-from study.claims import Verdict, judge
-from study.fem.mesh import FAMILIES, boundary_parts
-from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, UsageError, resolve
+from study.claims import Verdict, complete, judge
+from study.datafiles import SERIES, DataError, read_csv
+from study.equivalence import Gaps
+from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
+from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, UsageError, choose, resolve
 from study.rates import orders
 from study.store import FORMAT, Store, require_format, write_text
-
-SERIES = ["claim", "case", "family", "scheme"]
+from study.sweep import Row, steps_for
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,7 @@ class Plan:
         scheme: name of the time scheme.
         equivalence: levels of the check of Theorem 4.2.
         name: quick or full, for the provenance.
+        k: time step at every level; without it each case's own.
         without: pairs (family, level) that are left out.
     """
 
@@ -47,6 +49,7 @@ class Plan:
     equivalence: tuple[int, ...]
     scheme: str = "midpoint"
     name: str = "quick"
+    k: float | None = None
     without: frozenset[tuple[str, int]] = frozenset()
 
     def resolved(self) -> list[Case]:
@@ -60,6 +63,8 @@ class Plan:
             SelfProofError: a case is not an exact solution.
         MeshError: a mesh does not fit the boundary parts of a body.
         """
+        if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
+            raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
         for levels in (self.levels, self.rough_levels):
             if not levels or min(levels) < 2:
                 raise UsageError(f"levels must be 2 or more, got {' '.join(map(str, levels)) or 'none'}")
@@ -75,29 +80,50 @@ class Plan:
         self._check_meshes()
 
     def _check_meshes(self) -> None:
-        """Every mesh must fit its body (MeshError); bodies that are equal are checked once."""
+        """Every mesh of the plan must fit its body; bodies that are equal are looked at once."""
         seen = set()
-        for case in self.resolved():
-            body = case.solution.body
+        for job in self.jobs():
+            if not isinstance(job, RateJob | EquivalenceJob):
+                continue
+            body = resolve(job.case).solution.body
             shape = tuple((part.kind, *part.start, *part.end) for part in body.parts)
-            for level in self.levels if case.regularity.satisfies_5_36 else self.rough_levels:
-                if (shape, level) not in seen:
-                    seen.add((shape, level))
-                    for family in FAMILIES:
-                        boundary_parts(family(body, level), body)
+            if (shape, job.family, job.level) not in seen:
+                seen.add((shape, job.family, job.level))
+                boundary_parts(choose("mesh family", job.family, FAMILIES)(body, job.level), body)
+
+    def steps(self, case: Case, level: int) -> int:
+        """Time steps at a level: of the size asked for, or as many as the case's pace says."""
+        return steps_for(case, level) if self.k is None else round(case.solution.body.T / self.k)
+
+    def keys(self) -> list[tuple[str, ...]]:
+        """What identifies the rows of ``rates.csv`` and ``equivalence.csv``, sorted."""
+        found: list[tuple[str, ...]] = []
+        for job in self.jobs():
+            if isinstance(job, RateJob):
+                found.append((resolve(job.case).name, job.family, job.scheme, str(job.level)))
+            elif isinstance(job, EquivalenceJob):
+                found.append((resolve(job.case).name, job.family, str(job.level)))
+        return sorted(found)
+
+    def families(self, case: Case) -> list[MeshFamily]:
+        """The mesh families that can mesh the body of a case."""
+        return [family for family in FAMILIES if family.serves(case.solution.body)]
 
     def jobs(self) -> list[Job]:
         """All jobs of the plan."""
         jobs: list[Job] = []
         for reference in self.cases:
-            levels = self.levels if resolve(reference).regularity.satisfies_5_36 else self.rough_levels
+            case = resolve(reference)
+            levels = self.levels if case.regularity.satisfies_5_36 else self.rough_levels
+            families = self.families(case)
             jobs += [
-                RateJob(reference, f.name, self.scheme, n)
-                for f in FAMILIES
+                RateJob(reference, f.name, self.scheme, n, self.steps(case, n))
+                for f in families
                 for n in levels
                 if (f.name, n) not in self.without
             ]
-            jobs += [EquivalenceJob(reference, f.name, n, 2 * n) for f in FAMILIES[::2] for n in self.equivalence]
+            # One family with symmetry and one without.
+            jobs += [EquivalenceJob(reference, f.name, n, 2 * n) for f in families[::2] for n in self.equivalence]
             jobs.append(PictureJob(reference))
         return jobs
 
@@ -108,14 +134,14 @@ def quick() -> Plan:
 
 
 def full() -> Plan:
-    """The levels of the committed results; two families end a level earlier, to keep the run within an hour."""
+    """The levels of the committed results: all families to 128, one-diagonal meshes to 256."""
     return replace(
         quick(),
         levels=(8, 16, 32, 64, 128, 256),
         rough_levels=(8, 16, 32, 64, 128, 256),
         equivalence=(4, 8, 16),
         name="full",
-        without=frozenset({("criss-cross", 256), ("unstructured", 256)}),
+        without=frozenset((name, 256) for name in ("criss-cross", "shaken", "unstructured")),
     )
 
 
@@ -169,7 +195,9 @@ def collect(plan: Plan, store: Store) -> None:
     for job in plan.jobs():
         result = store.load(job.key, job.fingerprint())
         assert result is not None, job.key
-        done[type(job)].append(result)
+        # What a case is a case of may be relabelled without measuring it again.
+        claim = {"claim": resolve(job.case).proposition} if isinstance(job, RateJob) else {}
+        done[type(job)].append(claim | result)
     rates = pd.DataFrame(done[RateJob])
     rates["order"] = [float("nan")] * len(rates)
     for _, group in rates.groupby(SERIES, sort=False):
@@ -207,29 +235,75 @@ def provenance(plan: Plan) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "study": version("signorini-study"),
-        "plan": asdict(plan) | {"without": sorted(plan.without)},
+        "plan": plan.name,
+        "planned": plan.keys(),
         "python": platform.python_version(),
         "machine": platform.machine(),
         "packages": {name: version(name) for name in packages},
     }
 
 
+RATE_KEY = ["case", "family", "scheme", "level"]
+EQUIVALENCE_KEY = ["case", "family", "level"]
+
+
 def check(directory: Path) -> list[Verdict]:
     """Judge the data on disk and write ``claims.csv``; nothing is solved.
 
     Raises:
-        StoreError: no data, or data of another format.
+        UsageError: no data.
+        StoreError, DataError: data of another format, missing or damaged.
     """
-    data = directory / "data"
-    path = data / "provenance.json"
-    if not path.is_file():
-        raise UsageError(f"{data} holds no finished run; make one with: study run --out {directory}")
-    require_format(path, Store._read(path))
-    tables = {name: pd.read_csv(data / f"{name}.csv") for name in ("rates", "equivalence", "cases")}
-    expected = dict(zip(tables["cases"]["case"], tables["cases"]["expected_order"], strict=True))
-    verdicts = judge(tables["rates"], tables["equivalence"], expected)
-    _write_csv(data / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in verdicts]))
+    planned = read_provenance(directory)["planned"]
+    rates = read_csv(directory, "rates.csv", [*RATE_KEY, *(field.name for field in fields(Row))])
+    equivalence = read_csv(directory, "equivalence.csv", [*EQUIVALENCE_KEY, *Gaps._fields])
+    cases = read_csv(directory, "cases.csv", ["case", "expected_order"])
+    expected = dict(zip(cases["case"], cases["expected_order"], strict=True))
+    unknown = sorted({*rates["case"], *equivalence["case"]} - set(expected))
+    if unknown:
+        raise DataError(
+            f"{directory}/data/cases.csv lacks {', '.join(unknown)}: make it with `study run --out {directory}`"
+        )
+    found = keys(rates, RATE_KEY) | keys(equivalence, EQUIVALENCE_KEY)
+    verdicts = [complete({tuple(key) for key in planned}, found), *judge(rates, equivalence, expected)]
+    _write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in verdicts]))
     return verdicts
+
+
+def keys(table: pd.DataFrame, columns: list[str]) -> set[tuple[str, ...]]:
+    """What identifies the rows of a table, as text."""
+    return set(table[columns].astype(str).itertuples(index=False, name=None))
+
+
+def read_provenance(directory: Path) -> dict[str, Any]:
+    """``provenance.json`` of a finished run.
+
+    Raises:
+        UsageError: there is none.
+        StoreError: it is of another format, or damaged.
+    """
+    path = directory / "data" / "provenance.json"
+    if not path.is_file():
+        raise UsageError(f"{path.parent} holds no finished run; make one with: study run --out {directory}")
+    content = Store.read(path)
+    require_format(path, content)
+    assert content is not None
+    return content
+
+
+def protect(plan: Plan, directory: Path) -> None:
+    """Refuse a run that would replace a larger one on disk.
+
+    Raises:
+        UsageError: rows of the finished run are not in the plan.
+    """
+    if (directory / "data" / "provenance.json").exists():
+        lost = {tuple(key) for key in read_provenance(directory)["planned"]} - set(plan.keys())
+        if lost:
+            raise UsageError(
+                f"{directory} holds a run with {len(lost)} rows that this one does not have (such as "
+                f"{' '.join(min(lost))}); give another directory with --out, or remove that one"
+            )
 
 
 def _write_csv(path: Path, table: pd.DataFrame) -> None:

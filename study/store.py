@@ -79,7 +79,7 @@ class Store:
         probe.unlink()
         provenance = self.data / "provenance.json"
         if provenance.exists():
-            require_format(provenance, self._read(provenance))
+            require_format(provenance, self.read(provenance))
 
     def save(self, key: str, fingerprint: str, result: dict[str, Any]) -> None:
         """Keep the result of a finished job."""
@@ -95,7 +95,7 @@ class Store:
         path = self.path(key)
         if not path.exists():
             return None
-        content = self._read(path)
+        content = self.read(path)
         if content is None:
             return None
         require_format(path, content)
@@ -105,11 +105,11 @@ class Store:
         return result if isinstance(result, dict) else None
 
     @staticmethod
-    def _read(path: Path) -> dict[str, Any] | None:
+    def read(path: Path) -> dict[str, Any] | None:
         """The JSON object in a file; None if it is damaged."""
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-        except (json.JSONDecodeError, UnicodeDecodeError):
+        except (json.JSONDecodeError, UnicodeDecodeError, IsADirectoryError):
             return None
         return content if isinstance(content, dict) else None
 

@@ -31,9 +31,8 @@ RESPONSE = 24
 
 @dataclass(frozen=True)
 class Row:
-    """One line of ``rates.csv``; the columns are explained in the README."""
+    """One line of ``rates.csv`` but for the claim and the order; the columns are explained in the README."""
 
-    claim: str
     case: str
     family: str
     scheme: str
@@ -87,12 +86,12 @@ class Setup:
 
 
 def steps_for(case: Case, level: int) -> int:
-    """Number of steps at a level: pace · n^{2/3}, slower than 1/h.
+    """Number of steps at a level: pace · T · n^{2/3}, slower than 1/h.
 
     A scheme of order 3/2 (midpoint with velocity kinks) then has a time error of the order h, one
     of order 2 an error of order h^{4/3}.
     """
-    return math.ceil(case.pace * level ** (2 / 3))
+    return math.ceil(case.pace * case.solution.body.T * level ** (2 / 3))
 
 
 Progress = Callable[[], None]
@@ -143,13 +142,12 @@ class Measurement:
     residual: float
     worst: State
 
-    def row(self, claim: str, case: str, family: str, level: int) -> Row:
+    def row(self, case: str, family: str, level: int) -> Row:
         """The line of the rate table."""
         setup = self.setup
         times, error, interpolation, discrete = self.history
         first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
         return Row(
-            claim=claim,
             case=case,
             family=family,
             scheme=setup.scheme.name,
@@ -203,7 +201,6 @@ class Measurement:
         return (abs(raised - error) + drift) / error
 
 
-def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, progress: Progress = lambda: None) -> Row:
-    """The row of one (case, family, scheme, level)."""
-    setup = Setup.of(case.solution, family, level, scheme, steps_for(case, level))
-    return measure(setup, progress).row(case.proposition, case.name, family.name, level)
+def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, steps: int) -> Row:
+    """The row of one (case, family, scheme, level) with steps of size T/steps."""
+    return measure(Setup.of(case.solution, family, level, scheme, steps)).row(case.name, family.name, level)

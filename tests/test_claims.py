@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.claims import FAILS, HOLDS, UNDECIDED, Window, judge, prop_5_3, prop_5_4, theorem_4_2
+from study.claims import FAILS, HOLDS, UNDECIDED, Window, complete, judge, prop_5_3, prop_5_4, theorem_4_2
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="shaken", **changes) -> pd.DataFrame:
@@ -24,6 +24,7 @@ def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="sh
             "discrete_error": 0.24 * h**order,
             "initial_error": 0.0,
             "time_share": 0.01,
+            "discrete_time_share": 0.1,
             "residual": 1e-14,
             "clamped": 0.0,
             "quadrature_change": 0.001,
@@ -49,6 +50,7 @@ def test_an_order_too_low_or_too_good_fails(order: float) -> None:
     ("column", "value", "quantity"),
     [
         ("time_share", 0.021, "time share"),
+        ("discrete_time_share", 0.31, "time share of ‖Π^h u − u^h‖_V"),
         ("residual", 1e-9, "residual of the contact solves"),
         ("clamped", 1e-3, "u^h = 0 on Γ1"),
         ("quadrature_change", 0.04, "change under finer quadrature"),
@@ -65,6 +67,25 @@ def test_each_piece_of_evidence_can_fail_alone(column: str, value: float, quanti
 def test_errors_of_the_right_order_but_the_wrong_size_fail(factor: float) -> None:
     rows = table()
     assert verdicts(prop_5_4("a", rows.assign(error=factor * rows["error"]), 1.0))["size of the error"] == FAILS
+
+
+def test_a_poor_coarse_level_counts_in_the_evidence() -> None:
+    rows = table(levels=(8, 16, 32, 64), time_share=[0.5, 0.01, 0.01, 0.01])
+    assert verdicts(prop_5_4("a", rows, 1.0))["time share"] == FAILS
+
+
+def test_an_error_that_is_largest_at_the_start_must_be_carried_by_the_discrete_error() -> None:
+    rows = table()
+    vacuous = rows.assign(initial_error=rows["error"])
+    assert verdicts(prop_5_4("a", vacuous, 1.0))["error at t = 0 / largest error"] == HOLDS
+    broken = vacuous.assign(discrete_error=0.2)
+    assert verdicts(prop_5_4("a", broken, 1.0))["error at t = 0 / largest error"] == FAILS
+
+
+def test_missing_rows_leave_the_data_undecided() -> None:
+    planned = {("a", "shaken", "midpoint", "8"), ("a", "shaken", "midpoint", "16")}
+    assert complete(planned, planned).verdict == HOLDS
+    assert complete(planned, set()).verdict == UNDECIDED
 
 
 def test_two_levels_leave_the_order_undecided() -> None:

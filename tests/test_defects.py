@@ -24,7 +24,7 @@ def ledger(case_name: str, defect: defects.Defect, levels: tuple[int, ...] = LEV
     rows = []
     for level in levels:
         setup = Setup.of(case.solution, family, level, Midpoint(), steps_for(case, level))
-        rows.append(measure(defect(setup)).row(case.proposition, case.name, family.name, level))
+        rows.append(measure(defect(setup)).row(case.name, family.name, level))
     return prop_5_4(case.name, pd.DataFrame([asdict(row) for row in rows]), case.order)
 
 

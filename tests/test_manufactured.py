@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from manufactured import (
+    PARABOLA,
     BodyError,
     Case,
     CaseError,
@@ -24,6 +25,7 @@ from manufactured import (
     LawError,
     Linear,
     Memory,
+    Prescribed,
     Regularity,
     SelfProofError,
     Yield,
@@ -37,6 +39,7 @@ from manufactured import (
     t,
     unit_square,
 )
+from manufactured.admissibility import ROUND_OFF
 from manufactured.memory import real_roots
 from manufactured.tensors import dyad, full, identity, mandel, rotation
 
@@ -49,8 +52,7 @@ finite = st.floats(-10, 10, allow_nan=False)
 def test_every_case_satisfies_the_problem_to_round_off(case: Case, seed: int) -> None:
     findings = examine(case.solution, seed)
     assert all(finding.passes for finding in findings), "\n".join(map(str, findings))
-    pointwise = [finding for finding in findings if "∫" not in finding.condition]
-    assert max(finding.defect for finding in pointwise) < 1e-12
+    assert max(finding.defect for finding in findings if finding.tolerance == ROUND_OFF) < 1e-10
 
 
 def test_a_mandel_vector_keeps_inner_products_and_turns_by_an_orthogonal_matrix() -> None:
@@ -127,20 +129,21 @@ def test_the_times_of_contact_are_found_for_any_polynomial_motion(roots, scale) 
     assert np.allclose(found, roots, atol=1e-9)
 
 
-@given(st.floats(0.05, 0.95), st.floats(0.05, 0.95), st.floats(0.5, 4), st.floats(0.5, 4))
+@given(st.floats(0.05, 0.95), st.floats(0.05, 0.95), st.floats(0.1, 50), st.floats(0.1, 50))
 def test_the_memory_solves_its_differential_equation(place, time, a, g) -> None:
-    """Against a fine Gauss–Legendre quadrature of the convolution, panel by panel."""
+    """Against Gauss–Legendre on each side of the times at which the front passes; fast and slow decay."""
     c = sp.Rational(1, 4) + 2 * t * (1 - t)
     memory = Memory(20 * pos(c - s, 2) * (1 + t), a, g, 1.0)
     strain, _ = memory.at(np.array([[place]]))(time, 0)
-    nodes, weights = np.polynomial.legendre.leggauss(6)
-    panels = np.linspace(0, time, 400)
-    r = (panels[:-1, None] + np.diff(panels)[:, None] * (nodes + 1) / 2).ravel()
-    w = (np.diff(panels)[:, None] * weights / 2).ravel()
+    nodes, weights = np.polynomial.legendre.leggauss(40)
+    passing = [r.real for r in np.roots([-2, 2, 0.25 - place]) if abs(r.imag) < 1e-12 and 0 < r.real < time]
+    ends = np.array([0.0, *sorted(passing), time])
+    r = (ends[:-1, None] + np.diff(ends)[:, None] * (nodes + 1) / 2).ravel()
+    w = (np.diff(ends)[:, None] * weights / 2).ravel()
     pressure = 20 * np.maximum(0.25 + 2 * r * (1 - r) - place, 0) ** 2 * (1 + r)
     start = -20 * max(0.25 - place, 0) ** 2 / g
     expected = np.exp(-g / a * time) * start - np.sum(w * np.exp(-g / a * (time - r)) * pressure) / a
-    assert strain[(0,)][0] == pytest.approx(expected, rel=1e-7, abs=1e-9)
+    assert strain[(0,)][0] == pytest.approx(expected, rel=1e-9, abs=1e-11)
 
 
 def test_a_pressure_whose_memory_has_no_closed_form_is_refused_with_the_mend() -> None:
@@ -158,13 +161,19 @@ def faulty(**changes) -> ExactSolution:
 
 
 C = sp.Rational(1, 4) + 2 * t * (1 - t)
+SHIFT = sp.Rational(1, 50)
+EARLY = sp.Rational(3, 10)
 
 
 @pytest.mark.parametrize(
     ("changes", "condition"),
     [
         ({"gap": -20 * pos(s - C, 4)}, "u_ν ≤ 0"),
-        ({"gap": 20 * pos(s - C + sp.Rational(1, 10), 4)}, "σ_ν u_ν = 0"),
+        ({"gap": 20 * pos(s - C + sp.Rational(1, 100), 4)}, "w = 0, so σ_ν u_ν = 0, on the stated zone"),
+        ({"gap": 20 * pos(s - C + SHIFT, 4), "level": C - s - SHIFT}, "p = 0, so σ_ν u_ν = 0, off the stated zone"),
+        ({"gap": 20 * pos(s - C, 4) * (1 + pos(s - sp.Rational(9, 10), 0))}, "w without jumps"),
+        ({"strain": Memory(20 * pos(C - s, 2) * (1 - 2500 * pos(t * (EARLY - t), 2)), 3, 3, 1.0)}, "σ_ν ≤ 0"),
+        ({"strain": Memory(20 * pos(C - s, 2), 2.5, 7, 1.0)}, "p = −σ_ν"),
         ({"strain": Memory(-20 * pos(C - s, 2), 3, 3, 1.0)}, "σ_ν ≤ 0"),
         ({"level": C - s - sp.Rational(1, 10)}, "off the stated zone"),
         ({"level": C - s + sp.Rational(1, 10)}, "on the stated zone"),
@@ -178,17 +187,42 @@ def test_data_that_violate_a_condition_are_refused_by_name_place_and_size(change
     assert "t = " in str(refusal.value)
 
 
+def test_a_strain_that_jumps_and_jumps_back_is_refused() -> None:
+    phases = ((0.3, -t), (0.6, -t - sp.Rational(1, 2)), (1.0, -t))
+    solution = CASES["full-contact"].solution
+    face = ContactFace(solution.body.of(Kind.CONTACT)[0], sp.Integer(0), Prescribed(phases), sp.Integer(1))
+    with pytest.raises(SelfProofError, match="∫u̇"):
+        prove(ExactSolution(solution.body, solution.law, (face,)), "jumps")
+
+
+@pytest.mark.parametrize(
+    ("gap", "message"),
+    [
+        (sp.Symbol("x") * t, "has x"),
+        (sp.Symbol("s") * t, "has s"),
+        (sp.Heaviside(s - t), "pos"),
+        (abs(s), "pos"),
+    ],
+)
+def test_a_formula_with_other_symbols_or_hidden_kinks_is_refused(gap, message: str) -> None:
+    with pytest.raises(FormulaError, match=message):
+        faulty(gap=gap)
+
+
+def test_a_label_that_promises_more_than_the_formulas_is_refused() -> None:
+    with pytest.raises(CaseError, match=r"its formulas have fixed front, α = 2\.25"):
+        replace(CASES["rough-2.25"], regularity=Regularity(gap=3, pressure=2), order=1.0)
+    with pytest.raises(CaseError, match="its formulas have moving front"):
+        replace(CASES["advance-recede"], regularity=Regularity(gap=4, pressure=2))
+
+
 def test_a_strain_prescribed_under_a_receding_front_would_pull() -> None:
     """Why the pressure is chosen first: reading p off a prescribed displacement gives σ_ν > 0."""
-    from manufactured import Prescribed
-
     with pytest.raises(SelfProofError, match="σ_ν ≤ 0"):
         prove(faulty(strain=Prescribed(((1.0, -20 * pos(C - s, 2)),))), "prescribed")
 
 
 def test_a_lifting_that_would_end_with_a_kink_inside_the_body_is_refused() -> None:
-    from manufactured import PARABOLA
-
     with pytest.raises(ValueError, match="kink"):
         faulty(cutoff=PARABOLA, depth=0.5)
 

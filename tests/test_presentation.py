@@ -182,7 +182,8 @@ def write_data(directory: Path, cases: dict[str, tuple[float, float]], levels: S
     """All data files of a run; pictures at one level."""
     (directory / "data" / "pictures").mkdir(parents=True)
     frames = {"rates": rates(cases, levels), "claims": claims(), "equivalence": equivalence()}
-    frames["cases"] = pd.DataFrame([{"case": case, "expected_order": order} for case, (order, _) in cases.items()])
+    listed = [{"case": case, "expected_order": order} for case, (order, _) in cases.items()]
+    frames["cases"] = pd.DataFrame([*listed, {"case": "two-faces", "expected_order": 1.0}])
     for name, frame in frames.items():
         frame.to_csv(directory / "data" / f"{name}.csv", index=False)
     steps = round(8 * level ** (2 / 3))

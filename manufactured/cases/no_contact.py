@@ -30,5 +30,5 @@ def case() -> Case:
         regularity=Regularity(),
         order=1,
         reason="no front, u smooth in space and time: (5.36) and order 1 by Prop. 5.4",
-        pace=3,
+        pace=4,
     )

@@ -22,6 +22,9 @@ DEGREE = 4
 """Degree of the standard cell rule: exact for the square of a linear strain error, and two more for
 kinks that cross a cell. Every row of a rate table records what a rule raised by two would change."""
 
+FACET_POINTS = 8
+"""Gauss points on a contact facet, or on each side of a rough point of it."""
+
 
 @dataclass(frozen=True, eq=False)
 class Sample:
@@ -46,7 +49,7 @@ class Gauge:
     Args:
         solution: the exact solution.
         space: V^h.
-        raised: added to the degree of the rule on uncut cells.
+        raised: added to the degree of the cell rules and to the points of the facet rules.
     """
 
     def __init__(self, solution: ExactSolution, space: Space, raised: int = 0) -> None:
@@ -59,7 +62,7 @@ class Gauge:
         self._faces = []
         for face in solution.faces:
             facets = space.facets(face.part)
-            rule = facet_rule(space.mesh, facets, face.part, face.rough)
+            rule = facet_rule(space.mesh, facets, face.part, face.rough, FACET_POINTS + raised)
             self._faces.append((face, solution.on(face, rule.s), rule))
 
     def sample(self, time: float) -> Sample:

@@ -10,7 +10,7 @@ import numpy as np
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, full, mandel
-from study.fem.gauge import rough_lines
+from study.fem.gauge import FACET_POINTS, rough_lines
 from study.fem.quadrature import cell_rules, facet_rule
 from study.fem.space import Space
 
@@ -41,7 +41,7 @@ def load_from_forces(solution: ExactSolution, space: Space, time: float, degree:
         shapes[0] += 1
         nodal += space.scatter(mesh.t[:, rule.cells], np.einsum("dnq,inq->din", force, shapes))
     for part in space.body.of(Kind.LOADED):
-        edge = facet_rule(mesh, space.facets(part), part, ())
+        edge = facet_rule(mesh, space.facets(part), part, (), FACET_POINTS)
         load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
         nodal += space.scatter(mesh.facets[:, edge.facets], np.einsum("dnq,anq->dan", load, edge.shapes))
     return space.interpolate(nodal)

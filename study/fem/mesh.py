@@ -1,8 +1,8 @@
 """Families of triangulations of a polygonal body, and the check that they fit its boundary parts.
 
-A family turns a body and a level n into a mesh with about n cells along a unit length. None of
-them knows where a contact zone begins or ends; every point where the boundary condition changes
-must be a vertex (source, before (5.23)), otherwise the mesh is refused.
+A family turns a body and a level n into a mesh with about n cells along a side. None of them knows
+where a contact zone begins or ends; every point where the boundary condition changes must be a
+vertex (source, before (5.23)), otherwise the mesh is refused.
 """
 
 from __future__ import annotations
@@ -23,10 +23,15 @@ class MeshError(ValueError):
 
 
 class MeshFamily(Protocol):
-    """A regular family {T_h} of triangulations."""
+    """A regular family {T_h} of triangulations.
+
+    ``serves`` says whether it can mesh a body.
+    """
 
     @property
     def name(self) -> str: ...
+
+    def serves(self, body: Body) -> bool: ...
 
     def __call__(self, body: Body, n: int) -> MeshTri: ...
 
@@ -37,8 +42,11 @@ class OneDiagonal:
 
     name: str = "one-diagonal"
 
+    def serves(self, body: Body) -> bool:
+        return _is_quadrilateral(body)
+
     def __call__(self, body: Body, n: int) -> MeshTri:
-        points = _grid(body, n)
+        points = _map(body, _square(n))
         a, b, c, d = _quadrilaterals(n)
         return _mesh(points, np.hstack([[a, b, c], [a, c, d]]))
 
@@ -49,8 +57,11 @@ class CrissCross:
 
     name: str = "criss-cross"
 
+    def serves(self, body: Body) -> bool:
+        return _is_quadrilateral(body)
+
     def __call__(self, body: Body, n: int) -> MeshTri:
-        points = _grid(body, n)
+        points = _map(body, _square(n))
         a, b, c, d = _quadrilaterals(n)
         centres = (points[:, a] + points[:, b] + points[:, c] + points[:, d]) / 4
         m = points.shape[1] + np.arange(n * n)
@@ -59,9 +70,9 @@ class CrissCross:
 
 @dataclass(frozen=True)
 class Shaken:
-    """One-diagonal meshes with every vertex moved by a random vector of up to ``amplitude`` cells.
+    """One-diagonal meshes with every vertex moved by up to ``amplitude`` cells in each direction.
 
-    Vertices on a part slide along it; ends of parts stay. Levels are independent of each other,
+    Vertices on the boundary slide along it; ends of parts stay. Levels are independent of each other,
     so the meshes are neither nested nor symmetric.
     """
 
@@ -69,19 +80,19 @@ class Shaken:
     amplitude: float = 0.2
     name: str = "shaken"
 
+    def serves(self, body: Body) -> bool:
+        return _is_quadrilateral(body)
+
     def __call__(self, body: Body, n: int) -> MeshTri:
-        mesh = OneDiagonal()(body, n)
-        rng = np.random.default_rng([self.seed, n])
-        size = np.sqrt(body.area) / n
-        shift = rng.uniform(-1, 1, mesh.p.shape) * self.amplitude * size
-        fixed = np.zeros(mesh.p.shape[1], dtype=bool)
-        for part in body.parts:
-            on = part.contains(mesh.p, 1e-9 * size)
-            along = part.coordinates(mesh.p)[0][0]
-            fixed |= on & ((along < 1e-9 * size) | (along > part.length - 1e-9 * size))
-            shift[:, on] = np.outer(part.tangent, part.tangent) @ shift[:, on]
-        shift[:, fixed] = 0
-        return _mesh(mesh.p + shift, mesh.t)
+        # Shaken before it is mapped, so that stretched bodies are shaken by cells, too.
+        plain = _square(n)
+        shift = np.random.default_rng([self.seed, n]).uniform(-1, 1, plain.shape) * self.amplitude / n
+        shift[(plain == 0) | (plain == 1)] = 0
+        points = _map(body, plain + shift)
+        ends = np.linalg.norm(_map(body, plain)[:, :, None] - body.vertices[:, None, :], axis=0).argmin(axis=0)
+        points[:, ends] = _map(body, plain)[:, ends]
+        a, b, c, d = _quadrilaterals(n)
+        return _mesh(points, np.hstack([[a, b, c], [a, c, d]]))
 
 
 @dataclass(frozen=True)
@@ -97,8 +108,11 @@ class Unstructured:
     sweeps: int = 8
     name: str = "unstructured"
 
+    def serves(self, body: Body) -> bool:
+        return True
+
     def __call__(self, body: Body, n: int) -> MeshTri:
-        spacing = 1.15 / n
+        spacing = 1.15 * np.sqrt(body.area) / n
         fixed = np.hstack([_divide(part, spacing) for part in body.parts])
         free = self._lattice(body, spacing, np.random.default_rng([self.seed, n]))
         points = np.hstack([fixed, free])
@@ -126,16 +140,31 @@ class Unstructured:
 FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured())
 
 
-def _grid(body: Body, n: int) -> Array:
-    """Vertices of an n × n grid on a quadrilateral body by the bilinear map, (2, (n+1)²)."""
+def _is_quadrilateral(body: Body) -> bool:
+    """Four corners, all convex: the bilinear map of the square is then one-to-one."""
     corners = body.corners
     if corners.shape[1] != 4:
+        return False
+    sides = np.roll(corners, -1, axis=1) - corners
+    following = np.roll(sides, -1, axis=1)
+    return bool((sides[0] * following[1] - sides[1] * following[0] > 0).all())
+
+
+def _square(n: int) -> Array:
+    """Vertices of the n × n grid on the unit square, row by row, (2, (n+1)²)."""
+    x, y = (v.ravel() for v in np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1)))
+    return np.array([x, y])
+
+
+def _map(body: Body, reference: Array) -> Array:
+    """The bilinear map of the unit square onto a quadrilateral body, (2, ...) → (2, ...)."""
+    if not _is_quadrilateral(body):
         raise MeshError(
-            f"a structured mesh needs a quadrilateral body, this one has {corners.shape[1]} corners; "
+            f"a structured mesh needs a convex quadrilateral, this body has {body.corners.shape[1]} corners; "
             "use the unstructured family"
         )
-    x, y = (v.ravel() for v in np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1)))
-    return corners @ np.array([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y])
+    x, y = reference
+    return body.corners @ np.array([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y])
 
 
 def _quadrilaterals(n: int) -> tuple[Array, Array, Array, Array]:
@@ -178,6 +207,11 @@ def boundary_parts(mesh: MeshTri, body: Body) -> list[Array]:
         MeshError: an end of a part is not a vertex, or the facets do not cover the part exactly.
     """
     tolerance = 1e-8 * np.sqrt(body.area)
+    total = cell_volumes(mesh).sum()
+    if abs(total - body.area) > tolerance * np.sqrt(body.area):
+        raise MeshError(
+            f"the cells cover {total:.9g}, the body has the area {body.area:.9g}: cells overlap or are missing"
+        )
     facets = mesh.boundary_facets()
     ends = mesh.facets[:, facets]
     for part in body.parts:

@@ -16,10 +16,14 @@ from skfem.refdom import RefTri
 
 from manufactured.body import Part
 from manufactured.tensors import Array, Points
-from study.fem.mesh import cell_volumes
+from study.fem.mesh import MeshError, cell_volumes
 
 GRADING = 8
 """s = c + L ξ^8 turns (s − c)^{2(α−2)}, α > 3/2, into a power of ξ of 0 or more."""
+
+
+TOUCHING = 1e-9
+"""Relative distance below which a vertex lies on a line."""
 
 
 @dataclass(frozen=True)
@@ -46,15 +50,24 @@ class CellRule:
 
 
 def cell_rules(mesh: MeshTri, degree: int, lines: tuple[Line, ...], block: int = 4096) -> list[CellRule]:
-    """Rules of the given degree that cover every cell once, in blocks of cells that fit a cache."""
+    """Rules that cover every cell once, in blocks of cells that fit a cache.
+
+    The degree is that of the rule on ordinary cells; split cells have enough points for the same
+    accuracy away from the line.
+
+    Raises:
+        MeshError: two lines meet one cell.
+    """
     crossed = np.zeros(mesh.t.shape[1], dtype=bool)
     rules = []
     for line in lines:
         distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
-        here = np.flatnonzero((distance.min(axis=0) < 0) & (distance.max(axis=0) > 0) & ~crossed)
         # Cells that touch the line with an edge or a vertex are singular there too.
-        touching = np.flatnonzero((abs(distance).min(axis=0) == 0) & ~crossed)
-        here = np.union1d(here, touching)
+        near = TOUCHING * (distance.max(axis=0) - distance.min(axis=0))
+        meets = (distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near)
+        if (meets & crossed).any():
+            raise MeshError("a cell meets two lines along which the solution is rough; take a finer level")
+        here = np.flatnonzero(meets)
         crossed[here] = True
         if here.size:
             rules.append(_split(mesh, here, line, degree))
@@ -128,7 +141,7 @@ class FacetRule:
     weights: Array
 
 
-def facet_rule(mesh: MeshTri, facets: Array, part: Part, rough: tuple[float, ...], points: int = 8) -> FacetRule:
+def facet_rule(mesh: MeshTri, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
     """Gauss's rule on each facet, on both sides of the coordinates ``rough`` and graded to them."""
     ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
     low, high = ends.min(axis=0), ends.max(axis=0)
@@ -136,7 +149,7 @@ def facet_rule(mesh: MeshTri, facets: Array, part: Part, rough: tuple[float, ...
     xi, w = _gauss(points)
     s, weights = [], []
     for left, right in pairwise(nodes):
-        graded = [np.isin(end, rough)[:, None] for end in (left, right)]
+        graded = [_close(end, rough, high - low)[:, None] for end in (left, right)]
         length = (right - left)[:, None]
         power = np.where(graded[0] | graded[1], GRADING, 1)
         local, jacobian = xi**power, power * xi ** (power - 1.0) * w
@@ -146,6 +159,11 @@ def facet_rule(mesh: MeshTri, facets: Array, part: Part, rough: tuple[float, ...
     place = np.concatenate(s, axis=1)
     first = (ends[1][:, None] - place) / (ends[1] - ends[0])[:, None]
     return FacetRule(facets, place[None], np.stack([first, 1 - first]), np.concatenate(weights, axis=1))
+
+
+def _close(s: Array, rough: tuple[float, ...], length: Array) -> Array:
+    """Which coordinates lie at a rough one, up to rounding."""
+    return np.any([abs(s - c) <= TOUCHING * length for c in rough] or [np.zeros(s.shape, dtype=bool)], axis=0)
 
 
 def _gauss(count: int) -> tuple[Array, Array]:

@@ -119,9 +119,16 @@ class Space:
 
     @cached_property
     def contact(self) -> list[tuple[Part, Array]]:
-        """Each piece Γ3,i with its vertices off Γ1, in the order of the rows of ``N``."""
+        """Each piece Γ3,i with its vertices off Γ1, in the order of the rows of ``N``.
+
+        A vertex between two pieces of the same normal belongs to the first: one constraint is one row.
+        """
         fixed = np.setdiff1d(np.arange(self.mesh.p.shape[1]), self.free[:: self.dim] // self.dim)
-        return [(part, np.setdiff1d(self.vertices(part), fixed)) for part in self.body.of(Kind.CONTACT)]
+        found: list[tuple[Part, Array]] = []
+        for part in self.body.of(Kind.CONTACT):
+            same = [vertices for other, vertices in found if np.allclose(other.normal, part.normal)]
+            found.append((part, np.setdiff1d(self.vertices(part), np.concatenate([fixed, *same]))))
+        return found
 
     @cached_property
     def N(self) -> sps.csr_array:

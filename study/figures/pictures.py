@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from study.datafiles import DataError
+from study.datafiles import DataError, read_csv
 
 Array = NDArray[np.float64]
 CONTACT = 1e-8
@@ -111,7 +111,7 @@ class Picture:
 
 
 def read_pictures(directory: Path) -> list[Picture]:
-    """All pictures under ``directory/data/pictures``, by name of the case.
+    """The pictures of the cases of ``cases.csv``, in that order; files of other runs are left alone.
 
     Raises:
         DataError: there is no such directory, or a file in it is not a picture.
@@ -119,7 +119,8 @@ def read_pictures(directory: Path) -> list[Picture]:
     folder = directory / "data" / "pictures"
     if not folder.is_dir():
         raise DataError(f"{folder} is missing: make it with `study run --out {directory}`")
-    return [Picture.read(path) for path in sorted(folder.glob("*.json"))]
+    names = read_csv(directory, "cases.csv", ["case"])["case"]
+    return [Picture.read(path) for name in names if (path := folder / f"{name}.json").is_file()]
 
 
 def heading(picture: Picture) -> str:
