@@ -27,6 +27,7 @@ from study.figures import draw_figures
 from study.jobs import UsageError, choose
 from study.junit import write_junit
 from study.published import TableError, as_json, as_text, read_table, report
+from study.rates import RatesError
 from study.solve.evolution import SCHEMES
 from study.store import Store, StoreError
 from study.summary import ledger_text, rates_text
@@ -45,6 +46,7 @@ REFUSALS = (
     StoreError,
     DataError,
     TableError,
+    RatesError,
 )
 """Errors that say what was given, what was expected and how to mend it: printed without a traceback."""
 
@@ -78,7 +80,7 @@ def parser() -> argparse.ArgumentParser:
     size = sweep.add_mutually_exclusive_group()
     size.add_argument("--quick", dest="plan", action="store_const", const=run.quick, help="about a minute (default)")
     size.add_argument("--full", dest="plan", action="store_const", const=run.full, help="all levels")
-    sweep.add_argument("--case", action="append", metavar="NAME|FILE.py:NAME", help="only this case; may be repeated")
+    sweep.add_argument("--case", action="extend", nargs="+", metavar="NAME|FILE.py:NAME", help="only these cases")
     sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a unit length, increasing")
     sweep.add_argument("--scheme", default="midpoint", help="time scheme (default midpoint)")
     sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
@@ -152,8 +154,10 @@ def do_run(options: argparse.Namespace) -> int:
         run.execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
         run.collect(plan, store)
         verdicts = run.check(options.out)
-        bar.set_description("figures")
-        written = [*write_tables(options.out), *draw_figures(options.out, executor.map)]
+        written = write_tables(options.out)
+        written += draw_figures(
+            options.out, executor.map, lambda done, total, name: bar.set_description(f"figure {done} of {total}")
+        )
     print(f"\n{rates_text(options.out)}")
     print(ledger_text(options.out))
     print(f"data: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 from pathlib import Path
 
 import pandas as pd
@@ -11,7 +12,6 @@ import pytest
 
 from study.cli import main
 from study.jobs import resolve
-from study.solve.evolution import EvolutionError, Midpoint
 from study.store import FORMAT, Store, StoreError, write_text
 
 README = Path(__file__).parents[1] / "README.md"
@@ -66,6 +66,9 @@ def test_levels_below_2_or_not_increasing_are_refused(capsys, tmp_path, levels, 
         ("mine = isotropic(1, -5)", r"LawError.*not elliptic"),
         ("mine = 3", r"is a int, expected"),
         ("mine = undefined_name", r"NameError"),
+        ("raise SystemExit(0)", r"SystemExit"),
+        ("mine = replace(case, order=float('nan'))", r"state the predicted order"),
+        ("mine = changed(gap=t * sympy.Symbol('x'))", r"FormulaError.*has x"),
         ("other = case", r"defines no 'mine'"),
         (
             "b = polygon([(0,0),(.3,0),(1,0),(1,1),(0,1)], [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, "
@@ -109,13 +112,13 @@ def test_check_without_data_says_how_to_make_them(capsys, tmp_path) -> None:
     assert "study run" in refused(capsys, "check", "--out", str(tmp_path))
 
 
-def test_more_time_steps_than_none_are_needed() -> None:
-    with pytest.raises(EvolutionError, match="k > T"):
-        list(Midpoint().march(Problem_stub(), 0))
-
-
-class Problem_stub:
-    T = 1.0
+@pytest.mark.parametrize("step", ["2", "0", "-1", "nan"])
+def test_a_time_step_that_is_not_positive_or_exceeds_the_final_time_is_refused(capsys, tmp_path, step) -> None:
+    out = tmp_path / "r"
+    found = refused(capsys, "run", "--case", "full-contact", "--step", step, "--out", str(out))
+    assert f"k = {float(step):g}" in found
+    assert "at most T" in found
+    assert not out.exists()
 
 
 def test_the_catalogue_is_listed_as_text_and_as_json(capsys) -> None:
@@ -195,6 +198,39 @@ def test_the_number_of_steps_grows_slower_than_the_number_of_cells(finished: Pat
     for _, group in rates.groupby("family"):
         growth = group["steps"].iloc[-1] / group["steps"].iloc[0]
         assert growth < 0.8 * group["h"].iloc[0] / group["h"].iloc[-1]
+
+
+def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(capsys, finished: Path) -> None:
+    source = finished.parent / "pocket.py"
+    found = refused(capsys, "run", "--case", f"{source}:pocket", "--levels", "8", "16", "--out", str(finished))
+    assert "pocket criss-cross midpoint 32" in found
+    assert "--out" in found
+
+
+def spoil(data: Path, change) -> None:
+    table = pd.read_csv(data / "rates.csv")
+    change(table).to_csv(data / "rates.csv", index=False)
+
+
+@pytest.mark.parametrize(
+    ("damage", "code", "message"),
+    [
+        (lambda data: (data / "rates.csv").unlink(), 2, "rates.csv is missing"),
+        (lambda data: (data / "equivalence.csv").write_text(""), 2, "equivalence.csv is not a table"),
+        (lambda data: spoil(data, lambda t: t.drop(columns="time_share")), 2, "lacks the columns time_share"),
+        (lambda data: spoil(data, lambda t: t.assign(discrete_error=0.0)), 2, "must be positive"),
+        (lambda data: spoil(data, lambda t: t.assign(error=float("nan"))), 2, "must be positive"),
+        (lambda data: spoil(data, lambda t: t.assign(case="other")), 2, "lacks other"),
+        (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), 1, "rows of the plan that are missing"),
+        (lambda data: spoil(data, lambda t: t.head(0)), 1, "rows of the plan that are missing"),
+    ],
+)
+def test_damaged_or_incomplete_data_never_pass(finished: Path, tmp_path: Path, capsys, damage, code, message) -> None:
+    shutil.copytree(finished / "data", tmp_path / "data")
+    damage(tmp_path / "data")
+    assert main(["check", "--out", str(tmp_path)]) == code
+    printed = capsys.readouterr()
+    assert message in printed.out + printed.err
 
 
 def test_check_judges_the_data_on_disk_and_nothing_else(finished: Path, tmp_path: Path, capsys) -> None:
