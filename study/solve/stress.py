@@ -203,7 +203,8 @@ class _Programme:
         min Σ_T ½ Q x_T·x_T + q_T·x_T   subject to   Bᵀ x + Nᵀλ = F,   λ ≥ 0,   x_T in its cone,
 
     B = (√|T| stressᵀ E)_T. Stresses are measured in units that make the data of the step of order
-    one, strains in these units times the norm of A⁻¹ k; tolerances are then relative.
+    one, strains in these units times the norm of the flexibility (C⁻¹, or k A⁻¹ for law (3.3)); tolerances
+    are then relative.
     """
 
     def __init__(self, problem: StressProblem, potential: LinearPotential | YieldPotential) -> None:

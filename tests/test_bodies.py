@@ -1,0 +1,86 @@
+"""General bodies: turned axes, other sides, several contact faces, one long side, an end time other than 1."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sympy import Rational
+
+from manufactured import ContactFace, ExactSolution, Kind, catalogue, examine, polygon, pos, s, t, unit_square
+from study.fem.mesh import OneDiagonal, Unstructured
+from study.fem.space import Space
+from study.rates import orders
+from study.solve.evolution import Midpoint
+from study.sweep import Setup, measure
+
+CASES = {case.name: case for case in catalogue()}
+SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+
+
+def row(solution: ExactSolution, family, n: int, steps: int):
+    return measure(Setup.of(solution, family, n, Midpoint(), steps)).row("", family.name, n)
+
+
+def moved(solution: ExactSolution, corners: np.ndarray, T: float = 1.0) -> ExactSolution:
+    """The same contact data on another body with Γ3 first."""
+    body = polygon([tuple(c) for c in corners.T], SIDES, T)
+    (face,) = solution.faces
+    return ExactSolution(body, solution.law, (replace(face, part=body.of(Kind.CONTACT)[0]),))
+
+
+@pytest.mark.parametrize("angle", [0.3, 2.5])
+@pytest.mark.parametrize(
+    ("name", "rounding"), [("advance-recede", 1e-10), ("yield-on-a-part", 1e-9), ("rough-1.75", 1e-6)]
+)
+def test_a_turned_body_has_the_errors_of_the_unturned_one(name: str, rounding: float, angle: float) -> None:
+    """To round-off, which a singular strain magnifies near its front."""
+    solution = CASES[name].solution
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    turned = moved(solution, turn @ unit_square().vertices + np.array([[3.0], [-1.0]]))
+    assert all(finding.passes for finding in examine(turned))
+    plain, other = (row(item, OneDiagonal(), 8, 8) for item in (solution, turned))
+    for quantity in ("error", "interpolation_error", "discrete_error"):
+        assert getattr(other, quantity) == pytest.approx(getattr(plain, quantity), rel=rounding), quantity
+
+
+def two_faces() -> ExactSolution:
+    """A tilted quadrilateral pressed on two sides, with supports away from their common corner."""
+    law = CASES["full-contact"].solution.law
+    body = polygon([(0, 0), (2, 0.3), (2.2, 2.1), (-0.1, 1.9)], [Kind.CONTACT, Kind.CONTACT, Kind.CLAMPED, Kind.LOADED])
+    faces = []
+    for part, c in zip(body.of(Kind.CONTACT), (Rational(9, 10), Rational(4, 5)), strict=True):
+        level = (Rational(1, 10) + t / 10) - (s - c) ** 2
+        bump = pos((s - Rational(3, 10)) * (Rational(3, 2) - s), 4)
+        gap, pressure = 60 * t * pos(-level, 4) * bump, 300 * t * pos(level, 2) * bump
+        faces.append(ContactFace.linear(part, law, body.T, gap, pressure, level, depth=0.7))
+    return ExactSolution(body, law, tuple(faces))
+
+
+def test_two_faces_with_different_normals_converge_with_order_one() -> None:
+    """Beyond the supports w = p = 0: contact without pressure, a degenerate zone, and the corner is in it."""
+    solution = two_faces()
+    conditions = [f for f in examine(solution) if not f.passes and "off the stated zone" not in f.condition]
+    assert conditions == []
+    rows = [row(solution, Unstructured(), n, 24) for n in (8, 16, 32)]
+    found = orders(np.array([r.h for r in rows]), np.array([r.error for r in rows]))
+    assert abs(found[-1] - 1) < 0.15
+    assert rows[-1].residual < 1e-10
+
+
+def test_a_vertex_between_two_pieces_of_one_line_has_one_constraint() -> None:
+    kinds = [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    body = polygon([(0, 0), (0.5, 0), (1, 0), (1, 1), (0, 1)], kinds)
+    space = Space(OneDiagonal()(body, 8), body)
+    assert space.N.shape[0] == 9
+    assert np.linalg.matrix_rank(space.N.toarray()) == 9
+
+
+def test_an_end_time_other_than_one_needs_no_other_pace() -> None:
+    (face,) = CASES["no-contact"].solution.faces
+    solution = moved(CASES["no-contact"].solution, unit_square().vertices, T=2.0)
+    solution = replace(solution, faces=(replace(solution.faces[0], strain=replace(face.strain, T=2.0)),))
+    found = row(solution, OneDiagonal(), 8, 32)
+    assert found.k == pytest.approx(2.0 / 32)
+    assert found.time_share < 0.02
