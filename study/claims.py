@@ -88,7 +88,9 @@ DISCRETE_SHARE = Window(0.0, 0.6, "≤ 0.6 of the interpolation error")
 AGREEMENT = Window(0.0, 1e-7, "≤ 1e-7 at every step")
 ROUGH_ORDER = 0.15
 LATER = 0.99
-LIMIT = Window(-math.inf, 0.05, "e∞ ≤ 5 % of the finest error")
+LIMIT = Window(-math.inf, 0.1, "e∞ ≤ 10 % of the finest error")
+"""Over two refinements an order s − δ instead of s looks like e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}): for s = 1/4
+the window answers to δ = 0.02, as sharp as the place of a front within its cell lets orders be."""
 
 STATEMENTS = {
     "data": "every planned measurement is there",
