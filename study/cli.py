@@ -156,7 +156,9 @@ def do_run(options: argparse.Namespace) -> int:
         verdicts = run.check(options.out)
         written = write_tables(options.out)
         written += draw_figures(
-            options.out, executor.map, lambda done, total, name: bar.set_description(f"figure {done} of {total}")
+            options.out,
+            executor.map,
+            lambda done, total, name: bar.set_description(f"figure {done} of {total}", refresh=sys.stderr.isatty()),
         )
     print(f"\n{rates_text(options.out)}")
     print(ledger_text(options.out))
