@@ -7,7 +7,6 @@ steps of backward Euler, and nothing else.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import NamedTuple
@@ -23,8 +22,6 @@ from study.fem.mesh import MeshFamily
 from study.fem.space import Space
 from study.solve.evolution import BackwardEuler, Problem
 from study.solve.stress import StressProblem
-
-Progress = Callable[[], None]
 
 
 class Gaps(NamedTuple):
@@ -68,10 +65,8 @@ class EquivalenceRow:
     family: str
 
 
-def compare(
-    case: Case, family: MeshFamily, level: int, steps: int, progress: Progress = lambda: None
-) -> EquivalenceRow:
-    """Solve both problems for a case; ``progress`` is called once a step."""
+def compare(case: Case, family: MeshFamily, level: int, steps: int) -> EquivalenceRow:
+    """Solve both problems for a case."""
     solution = case.solution
     space = Space(family(solution.body, level), solution.body)
     gauge = Gauge(solution, space)
@@ -79,11 +74,11 @@ def compare(
     displacements = Problem.of(space, solution.law, gauge.load, u0)
     stresses = StressProblem.of(space, solution.law, gauge.load, u0)
     return EquivalenceRow(
-        case.name, "strains of V^h", level, space.h, steps, *gaps(displacements, stresses, steps, progress), family.name
+        case.name, "strains of V^h", level, space.h, steps, *gaps(displacements, stresses, steps), family.name
     )
 
 
-def gaps(displacements: Problem, stresses: StressProblem, steps: int, progress: Progress = lambda: None) -> Gaps:
+def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
     """March both problems in lockstep, holding no more than one step of either."""
     space, law, M = stresses.space, stresses.law, displacements.M
     k = displacements.T / steps
@@ -111,7 +106,6 @@ def gaps(displacements: Problem, stresses: StressProblem, steps: int, progress: 
             abs(dual.u).max(),
         ]
         worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
-        progress()
     return Gaps(*(float(value) for value in worst / sizes))
 
 

@@ -45,6 +45,11 @@ def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
     raise UsageError(f"unknown {kind} {name!r}; known: {', '.join(item.name for item in known)}")
 
 
+def family_named(name: str) -> MeshFamily:
+    """The mesh family with a name; UsageError if there is none."""
+    return choose("mesh family", name, FAMILIES)  # type: ignore[no-any-return]
+
+
 @lru_cache
 def resolve(reference: str) -> Case:
     """The case behind a catalogue name or FILE.py:NAME, where NAME is a Case or a function making one.
@@ -130,7 +135,7 @@ class RateJob:
     def parts(self) -> tuple[Case, MeshFamily, Scheme]:
         return (
             resolve(self.case),
-            choose("mesh family", self.family, FAMILIES),
+            family_named(self.family),
             choose("scheme", self.scheme, SCHEMES),
         )
 
@@ -161,12 +166,10 @@ class EquivalenceJob:
         return 200.0 * self.level**2 * self.steps / 16
 
     def fingerprint(self) -> str:
-        family = choose("mesh family", self.family, FAMILIES)
-        return fingerprint(resolve(self.case).solution, family, self.level, self.steps)
+        return fingerprint(resolve(self.case).solution, family_named(self.family), self.level, self.steps)
 
     def run(self) -> dict[str, Any]:
-        family = choose("mesh family", self.family, FAMILIES)
-        return asdict(compare(resolve(self.case), family, self.level, self.steps))
+        return asdict(compare(resolve(self.case), family_named(self.family), self.level, self.steps))
 
 
 @dataclass(frozen=True)

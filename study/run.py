@@ -22,7 +22,7 @@ from study.claims import Verdict, complete, judge
 from study.datafiles import SERIES, DataError, read_csv
 from study.equivalence import Gaps
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
-from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, UsageError, choose, resolve
+from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, UsageError, family_named, resolve
 from study.rates import orders
 from study.store import FORMAT, Store, require_format, write_text
 from study.sweep import Row, steps_for
@@ -89,7 +89,7 @@ class Plan:
             shape = tuple((part.kind, *part.start, *part.end) for part in body.parts)
             if (shape, job.family, job.level) not in seen:
                 seen.add((shape, job.family, job.level))
-                boundary_parts(choose("mesh family", job.family, FAMILIES)(body, job.level), body)
+                boundary_parts(family_named(job.family)(body, job.level), body)
 
     def steps(self, case: Case, level: int) -> int:
         """Time steps at a level: of the size asked for, or as many as the case's pace says."""

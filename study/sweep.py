@@ -9,7 +9,6 @@ nodes then bounds what time discretisation contributes to the row from above.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -94,11 +93,8 @@ def steps_for(case: Case, level: int) -> int:
     return math.ceil(case.pace * case.solution.body.T * level ** (2 / 3))
 
 
-Progress = Callable[[], None]
-
-
-def measure(setup: Setup, progress: Progress = lambda: None) -> Measurement:
-    """Advance both trajectories and collect errors; ``progress`` is called once per step of size k."""
+def measure(setup: Setup) -> Measurement:
+    """Advance both trajectories and collect errors."""
     gauge, problem, M = setup.gauge, setup.problem, setup.problem.M
     coarse = setup.scheme.march(problem, setup.steps)
     errors: list[tuple[float, float, float, float]] = []
@@ -118,8 +114,6 @@ def measure(setup: Setup, progress: Progress = lambda: None) -> Measurement:
             companion = next(coarse)
             difference = companion.u - state.u
             drift = max(drift, math.sqrt(difference @ (M @ difference)))
-            if n:
-                progress()
     assert worst is not None
     return Measurement(setup, np.array(errors).T, drift, residual, worst[1])
 
