@@ -19,63 +19,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
 from study.rates import fit, limit, orders
-
-HOLDS, FAILS, UNDECIDED = "holds", "fails", "undecided"
+from study.verdict import FAILS, HOLDS, UNDECIDED, Verdict, Window
 
 JUDGED = 3
 """Verdicts look at this many of the finest levels; fewer leave an order undecided."""
-
-
-@dataclass(frozen=True)
-class Verdict:
-    """One line of ``claims.csv``.
-
-    Attributes:
-        label: number of the statement.
-        statement: what is claimed, in words.
-        case: the exact solution it was measured on.
-        quantity: what was measured.
-        expected: the window, as text.
-        observed: the value farthest from the middle of the window over the mesh families.
-        low, high: range of the quantity over families and levels.
-        verdict: holds, fails or undecided.
-    """
-
-    label: str
-    statement: str
-    case: str
-    quantity: str
-    expected: str
-    observed: float
-    low: float
-    high: float
-    verdict: str
-
-
-@dataclass(frozen=True)
-class Window:
-    """[low, high] for a quantity, with the reason as text."""
-
-    low: float
-    high: float
-    text: str
-
-    def judge(self, observed: list[float], ranges: list[tuple[float, float]]) -> tuple[float, float, float, str]:
-        """(worst observed, low, high, verdict) of values with their ranges."""
-        # Without a positive lower end, only large values are bad.
-        middle = (self.low + self.high) / 2
-        distances = [abs(v - middle) if self.low > 0 else v for v in observed]
-        worst = observed[int(np.argmax(np.nan_to_num(distances, nan=np.inf)))]
-        low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
-        if not all(self.low <= value <= self.high for value in observed):
-            return worst, low, high, FAILS
-        return worst, low, high, HOLDS if self.low <= low and high <= self.high else UNDECIDED
 
 
 TIME_SHARE = Window(0.0, 0.02, "≤ 2 % of the error")

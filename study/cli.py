@@ -20,7 +20,6 @@ from manufactured.catalogue import catalogue
 from manufactured.law import LawError
 from manufactured.symbols import FormulaError
 from study import run
-from study.claims import HOLDS, Verdict
 from study.datafiles import DataError
 from study.fem.mesh import MeshError
 from study.figures import draw_figures
@@ -32,6 +31,7 @@ from study.solve.evolution import SCHEMES
 from study.store import Store, StoreError
 from study.summary import ledger_text, rates_text
 from study.tables import write_tables
+from study.verdict import HOLDS, Verdict
 
 OK, FAILED, USAGE = 0, 1, 2
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from xml.etree import ElementTree
 
-from study.claims import FAILS, HOLDS, Verdict
 from study.store import write_text
+from study.verdict import FAILS, HOLDS, Verdict
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:

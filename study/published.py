@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 
 from manufactured.tensors import Array
-from study.claims import FAILS, HOLDS, UNDECIDED
 from study.rates import fit, orders
+from study.verdict import FAILS, HOLDS, UNDECIDED
 
 CONSECUTIVE, FITTED = 0.15, 0.1
 """How far consecutive orders and the fitted one may lie from the expected order."""

@@ -18,7 +18,7 @@ from threadpoolctl import threadpool_limits
 from manufactured.admissibility import prove
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
-from study.claims import Verdict, complete, judge
+from study.claims import complete, judge
 from study.datafiles import SERIES, DataError, read_csv
 from study.equivalence import Gaps
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
@@ -26,6 +26,7 @@ from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, UsageError, fam
 from study.rates import orders
 from study.store import FORMAT, Store, require_format, write_text
 from study.sweep import Row, steps_for
+from study.verdict import Verdict
 
 
 @dataclass(frozen=True)

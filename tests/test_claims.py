@@ -6,7 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.claims import FAILS, HOLDS, UNDECIDED, Window, complete, judge, prop_5_3, prop_5_4, theorem_4_2
+from study.claims import complete, judge, prop_5_3, prop_5_4, theorem_4_2
+from study.verdict import FAILS, HOLDS, UNDECIDED, Window
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="shaken", **changes) -> pd.DataFrame:

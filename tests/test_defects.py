@@ -9,10 +9,11 @@ import pandas as pd
 import pytest
 
 from manufactured import catalogue
-from study.claims import FAILS, HOLDS, Verdict, prop_5_4
+from study.claims import prop_5_4
 from study.fem.mesh import OneDiagonal
 from study.solve.evolution import Midpoint
 from study.sweep import Setup, measure, steps_for
+from study.verdict import FAILS, HOLDS, Verdict
 
 LEVELS = (8, 16, 32)
 CASES = {case.name: case for case in catalogue()}

@@ -10,13 +10,13 @@ import pandas as pd
 import pytest
 
 from manufactured import catalogue
-from study.claims import HOLDS
 from study.equivalence import compare
 from study.fem.mesh import FAMILIES
 from study.jobs import resolve
 from study.run import check
 from study.solve.evolution import Midpoint
 from study.sweep import measure_case
+from study.verdict import HOLDS
 
 RESULTS = Path(__file__).parents[1] / "results"
 RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
