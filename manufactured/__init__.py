@@ -6,11 +6,12 @@ built from a gap and a pressure, formulas of the coordinate ``s`` along a face a
 """
 
 from manufactured.admissibility import SelfProofError, examine, prove
-from manufactured.body import Body, BodyError, Kind, Part, polygon, unit_square
+from manufactured.body import Body, BodyError, Kind, Part, box, polygon, unit_square
 from manufactured.case import Case, CaseError
 from manufactured.catalogue import catalogue
-from manufactured.contact import HERMITE, PARABOLA, ContactFace
+from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
+from manufactured.factor import Factor, x1, x2, x3
 from manufactured.law import (
     DeviatoricBall,
     FrobeniusBall,
@@ -21,8 +22,10 @@ from manufactured.law import (
     isotropic,
 )
 from manufactured.memory import Memory, Prescribed
+from manufactured.profile import HERMITE, PARABOLA, Profile, cutoff, layered, slab
 from manufactured.regularity import Regularity
-from manufactured.symbols import FormulaError, pos, s, t
+from manufactured.singular import Monomial, SingularFace, SingularField, kolosov
+from manufactured.symbols import FormulaError, pos, s, s1, s2, t
 
 __all__ = [
     "HERMITE",
@@ -34,6 +37,7 @@ __all__ = [
     "ContactFace",
     "DeviatoricBall",
     "ExactSolution",
+    "Factor",
     "FormulaError",
     "FrobeniusBall",
     "KelvinVoigt",
@@ -41,18 +45,32 @@ __all__ = [
     "LawError",
     "Linear",
     "Memory",
+    "Monomial",
     "Part",
     "Prescribed",
+    "Profile",
     "Regularity",
     "SelfProofError",
+    "SingularFace",
+    "SingularField",
     "Yield",
+    "box",
     "catalogue",
+    "cutoff",
     "examine",
     "isotropic",
+    "kolosov",
+    "layered",
     "polygon",
     "pos",
     "prove",
     "s",
+    "s1",
+    "s2",
+    "slab",
     "t",
     "unit_square",
+    "x1",
+    "x2",
+    "x3",
 ]

@@ -15,7 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from manufactured.body import Kind
+from manufactured.body import Kind, Part
+from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Fields
 from manufactured.tensors import Array, Points, basis, mandel, traction
 
@@ -99,7 +100,9 @@ def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int
         *_boundary(solution, rng, points, instants),
         *_contact(solution, rng, points, instants),
         *_signs(solution),
-        *_continuity(solution),
+        *_continuity(solution, rng),
+        *_layers(solution, rng, points, instants),
+        *_factors(solution, rng, points),
     ]
 
 
@@ -145,7 +148,8 @@ def _kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Fin
     rate_by_step = [mandel(_gradient(shifted, Fields.velocity, t)) for t in instants]
     velocity_by_step = [fields.displacement(t + 1j * STEP).imag / STEP for t in instants]
     stress = [fields.stress(t) for t in instants]
-    law = [solution.law.stress(r, e) for r, e in zip(rate_by_step, by_step, strict=True)]
+    at_points = solution.law.at(x)
+    law = [at_points.stress(r, e) for r, e in zip(rate_by_step, by_step, strict=True)]
     return [
         _worst("(2.10) ε(u) = sym ∇u", x, instants, _size(np.subtract(strain, by_step)), _size(strain)),
         _worst("(2.10) ε(u̇) = sym ∇u̇", x, instants, _size(np.subtract(rate, rate_by_step)), _size(rate)),
@@ -189,10 +193,10 @@ def _boundary(solution: ExactSolution, rng: np.random.Generator, count: int, ins
     for part in solution.body.of(Kind.LOADED):
         x = part.sample(rng, count)
         fields, shifted = solution.at(x), _shifted(solution, x)
-        load = [fields.surface_load(part, t) for t in instants]
+        load, law = [fields.surface_load(part, t) for t in instants], solution.law.at(x)
         expected = [
             traction(
-                solution.law.stress(
+                law.stress(
                     mandel(_gradient(shifted, Fields.velocity, t)),
                     mandel(_gradient(shifted, Fields.displacement, t)),
                 ),
@@ -235,7 +239,7 @@ def _signs(solution: ExactSolution) -> list[Finding]:
     findings = []
     for i, face in enumerate(solution.faces, start=1):
         # Not the ends of the face, where a formula may be singular; not a round number of cells.
-        s = face.part.length * (np.arange(GRID) + 0.5)[None] / GRID
+        s = face.part.measure * (np.arange(GRID) + 0.5)[None] / GRID
         fields = solution.on(face, s)
         gap = np.array([fields.gap(t) for t in instants])
         pressure = np.array([fields.pressure(t) for t in instants])
@@ -262,26 +266,69 @@ def _signs(solution: ExactSolution) -> list[Finding]:
     return findings
 
 
-def _continuity(solution: ExactSolution) -> list[Finding]:
-    """w, ∇_s w and q have no jumps along a face, as u ∈ H¹ needs: each changes by the integral of its derivative."""
+def _grid(part: Part) -> Array:
+    """Some GRID points along a segment, GRID^{3/2} or less on a plane part, none on its edges, (d−1, N)."""
+    # Not the ends of the face, where a formula may be singular; not a round number of cells.
+    low, high = part.outline.min(axis=1), part.outline.max(axis=1)
+    count = round(GRID ** (1 if part.dim == 2 else 0.75))
+    axes = [a + (b - a) * (np.arange(count) + 0.5) / count for a, b in zip(low, high, strict=True)]
+    points = np.array([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")])
+    return points[:, part.covers(points, 0.0)]
+
+
+def _continuity(solution: ExactSolution, rng: np.random.Generator) -> list[Finding]:
+    """w, ∇_s w and (q, r) have no jumps along a face, as u ∈ H¹ needs: each changes by the integral of its derivative.
+
+    Along a line through the face in the direction of each coordinate.
+    """
     nodes, weights = np.polynomial.legendre.leggauss(6)
     instants = np.linspace(0, solution.body.T, 9)
     findings = []
     for i, face in enumerate(solution.faces, start=1):
-        ends = np.linspace(0, face.part.length, 257)[None]
-        half = np.diff(ends[0])[:, None] / 2
-        inner = (ends[0, :-1, None] + half * (1 + nodes)).reshape(1, -1)
-        at_ends, at_inner = solution.on(face, ends), solution.on(face, inner)
-        for name, order in (("w", 0), ("∇_s w", 1), ("q", 2)):
-            value = np.array([at_ends.traces(t)[order] for t in instants])
-            slope = np.array([at_inner.traces(t)[order + 3] for t in instants]).reshape(len(instants), -1, len(nodes))
-            defect = abs(np.diff(value, axis=1) - slope @ weights * half[:, 0])
-            scale = np.maximum(np.ptp(value, axis=1, keepdims=True), TINY)
-            findings.append(
-                _worst(
-                    f"(2.9) {name} without jumps on Γ3,{i}", face.part.point(ends[:, 1:]), instants, defect, scale, JUMP
-                )
-            )
+        for axis, (low, high) in enumerate(
+            zip(face.part.outline.min(axis=1), face.part.outline.max(axis=1), strict=True)
+        ):
+            start = face.part.coordinates(face.part.sample(rng, 1))[0]
+            ends = np.linspace(low, high, 257)
+            half = np.diff(ends)[:, None] / 2
+            inner = (ends[:-1, None] + half * (1 + nodes)).ravel()
+            places = [np.tile(start, line.size) for line in (ends, inner)]
+            for place, line in zip(places, (ends, inner), strict=True):
+                place[axis] = line
+            at_ends, at_inner = (solution.on(face, place) for place in places)
+            traces = [(at_ends.traces(t, axis), at_inner.traces(t, axis)) for t in instants]
+            for name in traces[0][0]:
+                value = np.array([ends_now[name][0] for ends_now, _ in traces])
+                slope = np.array([inner_now[name][1] for _, inner_now in traces]).reshape(len(instants), -1, len(nodes))
+                defect = abs(np.diff(value, axis=1) - slope @ weights * half[:, 0])
+                scale = np.maximum(np.ptp(value, axis=1, keepdims=True), TINY)
+                x = face.part.point(places[0][:, 1:])
+                findings.append(_worst(f"(2.9) {name} without jumps on Γ3,{i}", x, instants, defect, scale, JUMP))
+    return findings
+
+
+def _layers(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
+    """Where the strain of a lifting jumps, at an interface of layers, the traction is continuous."""
+    findings = []
+    for i, face in enumerate(solution.faces, start=1):
+        for depth in face.profile.kinks if isinstance(face, ContactFace) else ():
+            x = face.part.sample(rng, count) - face.part.normal[:, None] * depth
+            sides = [solution.at(x - side * 1e-12 * depth * face.part.normal[:, None]) for side in (-1, 1)]
+            forces = [[traction(fields.stress(t), face.part.normal) for t in instants] for fields in sides]
+            scale = _size([sides[0].stress(t) for t in instants])
+            condition = f"(2.2) σν continuous at depth {depth:g} of Γ3,{i}"
+            findings.append(_worst(condition, x, instants, _size(np.subtract(*forces)), scale))
+    return findings
+
+
+def _factors(solution: ExactSolution, rng: np.random.Generator, count: int) -> list[Finding]:
+    """The factors of A and G lie between their stated bounds, on which m_A and L_G rest."""
+    x = solution.body.sample(rng, 50 * count)
+    findings = []
+    for number, name, factor in (("(3.1)", "A", solution.law.A.factor), ("(3.2)", "G", solution.law.G.factor)):
+        value = factor(x)
+        outside = np.maximum(np.maximum(factor.low - value, value - factor.high), 0)
+        findings.append(_worst(f"{number} bounds of the factor of {name}", x, np.zeros(1), outside[None], value[None]))
     return findings
 
 

@@ -1,16 +1,17 @@
 """Exact contact by lifting Cauchy data: gap + pressure on a face → displacement in the body.
 
 Near a flat piece of Γ3 use s along the face, y = distance into the body, n = −ν. Given a gap
-w(s, t) ≥ 0 (= −u_ν) and a pressure p(s, t) ≥ 0 (= −σ_ν) with w p = 0, let q be the normal strain
-that p produces (``manufactured.memory``) and
+w(s, t) ≥ 0 (= −u_ν) and a pressure p(s, t) ≥ 0 (= −σ_ν) with w p = 0, let (q, r) be the strain on the
+face that p produces (``manufactured.memory``) and
 
-    u_s = −y ∇_s w φ(y/ℓ),     u_n = (w + y q) φ(y/ℓ),
+    u_s = −y ∇_s w φ(y/ℓ) + y r φ(y/ℓ),     u_n = (w + y q) φ(y/ℓ),
 
-with a polynomial φ on [0, 1], zero beyond, φ(0) = 1, φ'(0) = 0, φ(1) = 0.
+with a polynomial φ on [0, 1], zero beyond, φ(0) = 1, φ'(0) = 0, φ(1) = 0, or other functions of y
+with the same values and slopes at y = 0 (``manufactured.profile``).
 
-On y = 0: u_n = w, u_s = 0, ε_ss = 0, ε_sn = (−∇_s w + ∇_s w)/2 = 0, ε_nn = q. A law that does not
-couple nn with sn then gives σ_τ = 0 and σ_ν = −p, so (2.5) holds exactly, whatever the zone.
-The solution vanishes from depth ℓ on, so (2.3) holds on a Γ1 at that depth.
+On y = 0: u_n = w, u_s = 0, ε_ss = 0, 2ε_sn = −∇_s w + r + ∇_s w = r, ε_nn = q, so σ_τ = 0 and
+σ_ν = −p: (2.5) holds exactly, whatever the zone. The solution vanishes from depth ℓ on, so (2.3)
+holds on a Γ1 at that depth.
 """
 
 from __future__ import annotations
@@ -20,19 +21,16 @@ from functools import cached_property
 
 import numpy as np
 import sympy as sp
-from numpy.polynomial.polynomial import polyder, polyval
 
 from manufactured.body import Part
 from manufactured.law import KelvinVoigt, LawError, Linear
-from manufactured.memory import Memory, NormalStrain
-from manufactured.symbols import FormulaError, Jet, Values, s
+from manufactured.memory import Components, Coupled, FaceStrain, Memory
+from manufactured.profile import ZERO, Profile, cutoff
+from manufactured.symbols import FormulaError, Jet, Values, s, s1, s2
 from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
 
-HERMITE = (1.0, 0.0, -3.0, 2.0)
-"""φ(η) = (1 − η)²(1 + 2η): φ(1) = φ'(1) = 0, so the lifting may end inside the body; no traction on Γ1."""
-
-PARABOLA = (1.0, 0.0, -1.0)
-"""φ(η) = 1 − η²: φ(1) = 0 only, for a Γ1 exactly at depth ℓ, which then carries a traction."""
+VARIABLES = {2: (s,), 3: (s1, s2)}
+"""The coordinates along a face of a body of dimension d."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,23 +39,20 @@ class ContactFace:
 
     Attributes:
         part: the piece Γ3,i.
-        gap: w(s, t), a SymPy formula of ``symbols.s`` and ``symbols.t``.
-        strain: q(s, t).
+        gap: w(s, t), a SymPy formula of ``symbols.s`` (of s1 and s2 in 3D) and ``symbols.t``.
+        strain: (q, r)(s, t).
         level: ψ(s, t); the contact zone is stated to be {ψ ≥ 0}.
-        depth: ℓ.
-        cutoff: coefficients of φ, lowest first.
+        profile: how the data fade into the body.
         rough: the coordinates s at which the strain is singular or kinked for all times, so that
             quadrature can split cells there.
     """
 
     part: Part
     gap: sp.Expr
-    strain: NormalStrain
+    strain: FaceStrain
     level: sp.Expr
-    depth: float = 1.0
-    cutoff: tuple[float, ...] = HERMITE
+    profile: Profile = cutoff()
     rough: tuple[float, ...] = ()
-    variables: tuple[sp.Symbol, ...] = (s,)
 
     def __post_init__(self) -> None:
         # Compiled here, so that a formula that cannot be used is refused where it is written.
@@ -75,20 +70,33 @@ class ContactFace:
         pressure: sp.Expr,
         level: sp.Expr,
         initial: sp.Expr | None = None,
-        depth: float = 1.0,
-        cutoff: tuple[float, ...] = HERMITE,
+        profile: Profile = cutoff(),  # noqa: B008
         rough: tuple[float, ...] = (),
     ) -> ContactFace:
         """The face for a linear law, where gap and pressure say everything (``memory.Memory``).
 
         Raises:
-            LawError: G is not linear; give q with ``memory.Prescribed`` instead.
+            LawError: G is not linear (give q with ``memory.Prescribed`` instead), or ``initial`` is
+                given for a law that couples nn with sn.
             FormulaError: the pressure is not piecewise polynomial in t.
         """
         if not isinstance(law.G, Linear):
             raise LawError(f"{law.name}: only a linear G turns a pressure into a strain; prescribe the strain")
-        a, g = law.A.normal_modulus(part.normal), law.G.normal_modulus(part.normal)
-        return cls(part, gap, Memory(sp.sympify(pressure), a, g, T, initial), level, depth, cutoff, rough)
+        pressure, variables = sp.sympify(pressure), VARIABLES[law.dim]
+        viscous, elastic = law.A.face_block(part.frame), law.G.face_block(part.frame)
+        scale, stiffness = (tensor.factor.along(part.start, part.frame[:, :-1], variables) for tensor in (law.A, law.G))
+        if max(abs(viscous[0, 1:]).max(), abs(elastic[0, 1:]).max()) <= 1e-14 * abs(viscous).max():
+            a, g = float(viscous[0, 0]) * scale, float(elastic[0, 0]) * stiffness
+            return cls(part, gap, Memory(pressure, a, g, T, initial, variables), level, profile, rough)
+        if initial is not None:
+            raise LawError(f"{law.name} couples nn with sn: it starts in elastic equilibrium, leave ``initial`` out")
+        coupled = Coupled.of(pressure, viscous, float(sp.simplify(stiffness / scale)) * elastic, scale, T, variables)
+        return cls(part, gap, coupled, level, profile, rough)
+
+    @property
+    def variables(self) -> tuple[sp.Symbol, ...]:
+        """The coordinates along the face."""
+        return VARIABLES[len(self.part.frame)]
 
     @cached_property
     def gap_jet(self) -> Jet:
@@ -102,76 +110,142 @@ class ContactFace:
     def level_jet(self) -> Jet:
         return Jet(sp.sympify(self.level), self.variables)
 
+    @cached_property
+    def pressure_jet(self) -> Jet | None:
+        """The jet of p as it was prescribed, None if it follows from the law."""
+        stated = getattr(self.strain, "pressure", None)
+        return None if stated is None else Jet(stated, self.variables)
+
+    @property
+    def exponents_in(self) -> sp.Expr:
+        """The formula with the truncated powers of the pressure side."""
+        return self.strain.formula
+
     def at(self, x: Points) -> Lifting:
         """The lifted fields at fixed points of Ω̄, (d, ...)."""
         return Lifting(self, x)
 
 
 class Lifting:
-    """u, u̇, ε, ε̇ and their gradients at fixed points; what time does not change is kept."""
+    """u, u̇, ε, ε̇ and their gradients at fixed points; what time does not change is kept.
+
+    Structured meshes have far fewer coordinates s than points: formulas are evaluated once for each.
+    """
 
     def __init__(self, face: ContactFace, x: Points) -> None:
         self.face = face
         self.frame = face.part.frame
-        self.rotation = rotation(self.frame)
-        self.s, y = face.part.coordinates(x)
+        turned = rotation(self.frame)
+        self.rotation = None if np.array_equal(turned, np.eye(len(turned))) else turned
+        places, self.y = face.part.coordinates(x)
+        self.s, self.where = _distinct(places)
         self.strain_on_face = face.strain.at(self.s)
-        eta, ell = y / face.depth, face.depth
-        phi = [np.where(np.real(eta) < 1, polyval(eta, polyder(face.cutoff, k)), 0.0) / ell**k for k in range(3)]
-        # f[k] is the k-th derivative of φ(y/ℓ), g[k] that of y φ(y/ℓ).
-        self.f = phi
-        self.g = [y * phi[0]] + [y * phi[k] + k * phi[k - 1] for k in range(1, 3)]
+        self._functions: dict[tuple[str, int], Array] = {}
 
-    def traces(self, time: complex, rate: bool, order: int) -> tuple[Values, Values]:
-        """(w, q), or (ẇ, q̇), with derivatives along the face: w up to order+1, q up to order."""
+    def _profile(self, name: str, derivative: int) -> Array:
+        """The derivative of a function of y at the points, computed once."""
+        if (name, derivative) not in self._functions:
+            self._functions[name, derivative] = sum(
+                getattr(self.face.profile, f)(self.y, derivative + k) for f, k in TERMS[name]
+            )
+        return self._functions[name, derivative]
+
+    def traces(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
+        """(w, (q, r)), or its rate, with derivatives along the face: w up to order+1, (q, r) up to order."""
         gap = self.face.gap_rate_jet if rate else self.face.gap_jet
-        return gap(self.s, time, order + 1), self.strain_on_face(time, order)[rate]
+        return self._spread(gap(self.s, time, order + 1)), tuple(
+            self._spread(values) for values in self.strain_on_face(time, order)[rate]
+        )
+
+    def _spread(self, values: Values) -> Values:
+        return values if self.where is None else {index: v[self.where] for index, v in values.items()}
 
     def displacement(self, time: complex, rate: bool = False) -> Vectors:
         """u (or u̇) in global axes, (d, ...)."""
-        w, q = self.traces(time, rate, 0)
-        zero, first = _indices(len(self.s))[:2]
-        local = [-w[i] * self.g[0] for i in first] + [w[zero] * self.f[0] + q[zero] * self.g[0]]
+        deep = self.face.profile.e is not ZERO
+        w, (q, *shear) = self.traces(time, rate, int(deep))
+        zero, first = _indices(len(self.s))
+        local = []
+        for i, index in enumerate(first):
+            component = w[index] * self._profile("a", 0)
+            if deep:
+                component = component + q[index] * self._profile("e", 0)
+            if shear:
+                component = component + shear[i][zero] * self._profile("c", 0)
+            local.append(component)
+        local.append(w[zero] * self._profile("b", 0) + q[zero] * self._profile("d", 0))
         return np.tensordot(self.frame, np.array(local), axes=1)
 
     def strain(self, time: complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)) in global axes, Mandel (D, ...)."""
-        w, q = self.traces(time, rate, 1)
-        return np.tensordot(self.rotation, self._local(w, q, (0,) * len(self.s), 0), axes=1)
+        w, strain = self.traces(time, rate, 1 + (self.face.profile.e is not ZERO))
+        local = self._local(w, strain, (0,) * len(self.s), 0)
+        return local if self.rotation is None else np.tensordot(self.rotation, local, axes=1)
 
     def strain_gradient(self, time: complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇) in global axes, (D, d, ...); exists almost everywhere."""
-        w, q = self.traces(time, rate, 2)
-        zero, first = _indices(len(self.s))[:2]
-        local = np.array([self._local(w, q, i, 0) for i in first] + [self._local(w, q, zero, 1)])
-        rotated = np.tensordot(self.frame, np.tensordot(self.rotation, local, axes=([1], [1])), axes=([1], [1]))
-        return np.moveaxis(rotated, 0, 1)
+        w, strain = self.traces(time, rate, 2 + (self.face.profile.e is not ZERO))
+        zero, first = _indices(len(self.s))
+        local = np.array([self._local(w, strain, i, 0) for i in first] + [self._local(w, strain, zero, 1)])
+        if self.rotation is not None:
+            local = np.moveaxis(np.tensordot(self.rotation, local, axes=([1], [1])), 0, 1)
+        return np.moveaxis(np.tensordot(self.frame, local, axes=1), 0, 1)
 
-    def _local(self, w: Values, q: Values, along: tuple[int, ...], into: int) -> Tensors:
+    def _local(self, w: Values, strain: Components, along: tuple[int, ...], into: int) -> Tensors:
         """∂_s^along ∂_y^into of the local strain, for into ∈ {0, 1}, in the axes (s, n)."""
-        variables = len(self.s)
-        first = _indices(variables)[1]
+        (q, *shear), n = strain, len(self.s)
+        first = _indices(n)[1]
+        deep = self.face.profile.e is not ZERO
 
         def d(*steps: tuple[int, ...]) -> tuple[int, ...]:
             return tuple(map(sum, zip(along, *steps, strict=True)))
 
-        f, g = self.f, self.g
-        n = variables
-        # f[into+1] needs the second derivative of φ at most.
-        shear = f[into] - g[into + 1]
-        root = np.sqrt(0.5)
-        components = []
-        for i, j in pairs(variables + 1):
+        def f(name: str) -> Array:
+            return self._profile(name, into)
+
+        components = np.empty((len(pairs(n + 1)), *self.y.shape), dtype=np.result_type(w[d()], q[d()], self.y))
+        for row, (i, j) in enumerate(pairs(n + 1)):
             if i == j == n:
-                components.append(w[d()] * f[into + 1] + q[d()] * g[into + 1])
+                components[row] = w[d()] * f("b'") + q[d()] * f("d'")
             elif j == n:
-                components.append(root * (w[d(first[i])] * shear + q[d(first[i])] * g[into]))
+                component = w[d(first[i])] * f("a'+b") + q[d(first[i])] * f("e'+d")
+                if shear:
+                    component += shear[i][d()] * f("c'")
+                components[row] = np.sqrt(0.5) * component
             else:
-                components.append((-1.0 if i == j else -2 * root) * w[d(first[i], first[j])] * g[into])
-        return np.array(components)
+                component = w[d(first[i], first[j])] * f("a")
+                if deep:
+                    component = component + q[d(first[i], first[j])] * f("e")
+                if shear:
+                    component = component + (shear[i][d(first[j])] + shear[j][d(first[i])]) * (f("c") / 2)
+                components[row] = component if i == j else np.sqrt(2.0) * component
+        return components
+
+
+TERMS: dict[str, tuple[tuple[str, int], ...]] = {
+    **{name: ((name, 0),) for name in "abcde"},
+    **{f"{name}'": ((name, 1),) for name in "bcd"},
+    "a'+b": (("a", 1), ("b", 0)),
+    "e'+d": (("e", 1), ("d", 0)),
+}
+"""Combinations of the profile's functions and derivatives that make strains."""
 
 
 def _indices(variables: int) -> tuple[tuple[int, ...], list[tuple[int, ...]]]:
     """The multi-index of the value and those of the first derivatives, coordinate by coordinate."""
     unit = np.eye(variables, dtype=int)
     return (0,) * variables, [tuple(int(i) for i in row) for row in unit]
+
+
+def _distinct(places: Array) -> tuple[Array, Array | None]:
+    """Different coordinates and where each point finds its own; (places, None) if few repeat.
+
+    Coordinates that differ by rounding count as one.
+    """
+    if np.iscomplexobj(places) or places[0].size < 64:
+        return places, None
+    flat = places.reshape(len(places), -1)
+    _, first, where = np.unique(np.round(flat, 13), axis=1, return_index=True, return_inverse=True)
+    if 2 * len(first) > flat.shape[1]:
+        return places, None
+    return flat[:, first], where.reshape(places.shape[1:])

@@ -3,35 +3,82 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from typing import Protocol
 
 import numpy as np
-from numpy.polynomial.polynomial import polyder, polyval
+import sympy as sp
 
 from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.law import KelvinVoigt
-from manufactured.memory import Memory
+from manufactured.symbols import Jet, Values
 from manufactured.tensors import Array, Points, Tensors, Vectors, basis, traction
+
+
+class ContributionAtPoints(Protocol):
+    """A displacement field at fixed points, as a function of time; with ``rate`` its time derivative."""
+
+    def displacement(self, time: complex, rate: bool = False) -> Vectors: ...
+    def strain(self, time: complex, rate: bool = False) -> Tensors: ...
+    def strain_gradient(self, time: complex, rate: bool = False) -> Array: ...
+
+
+class Contribution(Protocol):
+    """A displacement field; ``at`` fixes the points."""
+
+    def at(self, x: Points) -> ContributionAtPoints: ...
+
+
+class Face(Contribution, Protocol):
+    """A displacement field that makes contact on one piece of Γ3: ``ContactFace`` or ``SingularFace``.
+
+    ``gap``, ``level`` are formulas with the jets below; ``pressure_jet`` is that of p as it was
+    stated, None if it follows from the law; ``exponents_in`` has the truncated powers of the
+    pressure side; ``rough`` the coordinates s at which the strain is singular for all times.
+    """
+
+    @property
+    def part(self) -> Part: ...
+    @property
+    def gap(self) -> sp.Expr: ...
+    @property
+    def level(self) -> sp.Expr: ...
+    @property
+    def rough(self) -> tuple[float, ...]: ...
+    @property
+    def variables(self) -> tuple[sp.Symbol, ...]: ...
+    @property
+    def gap_jet(self) -> Jet: ...
+    @property
+    def level_jet(self) -> Jet: ...
+    @property
+    def pressure_jet(self) -> Jet | None: ...
+    @property
+    def exponents_in(self) -> sp.Expr: ...
 
 
 @dataclass(frozen=True, eq=False)
 class ExactSolution:
-    """u = Σ_i (lifting of the contact data on Γ3,i), σ = A ε(u̇) + G ε(u), f_0 = −Div σ, f_2 = σν.
+    """u = Σ_i (field of Γ3,i) + others, σ = A ε(u̇) + G ε(u), f_0 = −Div σ, f_2 = σν.
 
     Attributes:
         body: Ω, Γ1, Γ2, Γ3, T.
         law: A and G.
-        faces: one entry per piece of Γ3, in the order of ``body.of(Kind.CONTACT)``; the lifting of
-            one face must vanish near the others and on Γ1.
+        faces: one entry per piece of Γ3, in the order of ``body.of(Kind.CONTACT)``; the field of one
+            face must not disturb the contact on the others and must vanish on Γ1.
+        others: fields that make no contact, such as the singularity of a corner.
+        singular: vertices of the body at which the strain is singular.
 
     Raises:
-        ValueError: the law's dimension is not the body's, or the faces are not the pieces of Γ3.
+        ValueError: the law's dimension is not the body's, the faces are not the pieces of Γ3, or a
+            lifting ends with a kink inside the body.
     """
 
     body: Body
     law: KelvinVoigt
-    faces: tuple[ContactFace, ...]
+    faces: tuple[Face, ...]
+    others: tuple[Contribution, ...] = ()
+    singular: tuple[tuple[float, ...], ...] = ()
 
     def __post_init__(self) -> None:
         if self.law.dim != self.body.dim:
@@ -40,10 +87,12 @@ class ExactSolution:
         if [face.part for face in self.faces] != list(pieces):
             raise ValueError(f"the body has {len(pieces)} piece(s) Γ3,i, so give one contact face for each, in order")
         for face in self.faces:
+            if not isinstance(face, ContactFace):
+                continue
             deepest = float(face.part.coordinates(self.body.vertices)[1].max())
-            if deepest > face.depth * (1 + 1e-12) and abs(polyval(1.0, polyder(face.cutoff))) > 1e-12:
+            if deepest > face.profile.depth * (1 + 1e-12) and face.profile.ends_with_kink:
                 raise ValueError(
-                    f"the body is {deepest:g} deep, the lifting ends at {face.depth:g} with a kink (φ'(1) ≠ 0): "
+                    f"the body is {deepest:g} deep, the lifting ends at {face.profile.depth:g} with a kink (φ'(1) ≠ 0): "
                     "take the depth of Γ1 or a cut-off with φ'(1) = 0 such as HERMITE"
                 )
 
@@ -51,45 +100,49 @@ class ExactSolution:
         """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed."""
         return Fields(self, x)
 
-    def on(self, face: ContactFace, s: Array) -> FaceFields:
+    def on(self, face: Face, s: Array) -> FaceFields:
         """The solution at fixed points of a contact face."""
-        return FaceFields(face, self.law, s, self.body.T)
+        return FaceFields(self, face, s)
 
 
 class FaceFields:
-    """w, p and the contact zone at fixed points s (d−1, ...) of one face.
+    """w, p and the contact zone at fixed points s (d−1, ...) of one face."""
 
-    There ε = q n⊗n, so p = −(A (q̇ n⊗n) + G(q n⊗n))·(n⊗n) needs no lifting.
-    """
-
-    def __init__(self, face: ContactFace, law: KelvinVoigt, s: Array, T: float) -> None:
-        self.face, self.law, self.s, self.T = face, law, s, T
-        self.normal = np.tensordot(basis(law.dim), np.multiply.outer(face.part.normal, face.part.normal))
-        self._strain = face.strain.at(s)
+    def __init__(self, solution: ExactSolution, face: Face, s: Array) -> None:
+        self.solution, self.face, self.s = solution, face, s
+        self._fields = solution.at(face.part.point(s))
 
     def pressure(self, time: float) -> Array:
-        """p = −σ_ν, (...)."""
-        zero = (0,) * len(self.s)
-        q, rate = (np.multiply.outer(self.normal, values[zero]) for values in self._strain(time, 0))
-        return -np.tensordot(self.normal, self.law.stress(rate, q), axes=1)
+        """p = −σ_ν from the stress of all fields together, (...)."""
+        normal = self.face.part.normal
+        return -np.tensordot(normal, traction(self._fields.stress(time), normal), axes=1)
 
     def stated_pressure(self, time: float) -> Array:
         """p as it was prescribed, where it was; else as the law gives it, (...)."""
-        strain = self.face.strain
-        if isinstance(strain, Memory):
-            return strain.pressure_jet(self.s, time)[(0,) * len(self.s)]
-        return self.pressure(time)
+        jet = self.face.pressure_jet
+        return self.pressure(time) if jet is None else jet(self.s, time)[(0,) * len(self.s)]
 
     def stress_scale(self) -> float:
-        """The size of stresses that the largest strains on the face would cause, for tolerances."""
-        strains = [abs(self._strain(t, 0)[0][(0,) * len(self.s)]).max() for t in np.linspace(0, self.T, 9)]
-        gaps = [abs(self.gap(t)).max() for t in np.linspace(0, self.T, 9)]
-        return (self.law.A.lipschitz + self.law.G.lipschitz) * float(max(*strains, *gaps, 0.0))
+        """The size of stresses that the largest strains and gaps on the face would cause, for tolerances."""
+        instants = np.linspace(0, self.solution.body.T, 9)
+        sizes = [abs(part).max() for t in instants for part in (self._fields.strain(t), self.gap(t))]
+        return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
 
-    def traces(self, time: float) -> tuple[Array, ...]:
-        """w, ∂_s w, q and their derivatives ∂_s w, ∂_s² w, ∂_s q along a face of one dimension, (...) each."""
-        w, q = self.face.gap_jet(self.s, time, 2), self._strain(time, 1)[0]
-        return w[0,], w[1,], q[0,], w[1,], w[2,], q[1,]
+    def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
+        """What must be continuous along a face, with its derivative along one axis: w, ∇_s w, and (q, r) of a lifting."""
+        unit = np.eye(len(self.s), dtype=int)
+
+        def pair(values: Values, *index: int) -> tuple[Array, Array]:
+            base = unit[list(index)].sum(axis=0)
+            return values[tuple(map(int, base))], values[tuple(map(int, base + unit[axis]))]
+
+        w = self.face.gap_jet(self.s, time, 2)
+        found = {"w": pair(w)}
+        if isinstance(self.face, ContactFace):
+            strain = self.face.strain.at(self.s)(time, 1)[0]
+            found |= {f"∂_{i + 1} w": pair(w, i) for i in range(len(self.s))}
+            found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
+        return found
 
     def gap(self, time: float) -> Array:
         """w = −u_ν, (...)."""
@@ -104,32 +157,28 @@ class Fields:
     """The fields of an exact solution at fixed points x (d, ...), as functions of time."""
 
     def __init__(self, solution: ExactSolution, x: Points) -> None:
-        self.law = solution.law
-        self._liftings = [face.at(x) for face in solution.faces]
-
-    @cached_property
-    def _first(self) -> Array:
-        return basis(self.law.dim)
+        self.law = solution.law.at(x)
+        self._parts: list[ContributionAtPoints] = [part.at(x) for part in (*solution.faces, *solution.others)]
 
     def displacement(self, time: complex) -> Vectors:
         """u, (d, ...)."""
-        return _sum([lifting.displacement(time) for lifting in self._liftings])
+        return _sum([part.displacement(time) for part in self._parts])
 
     def velocity(self, time: complex) -> Vectors:
         """u̇, (d, ...)."""
-        return _sum([lifting.displacement(time, rate=True) for lifting in self._liftings])
+        return _sum([part.displacement(time, rate=True) for part in self._parts])
 
     def strain(self, time: complex) -> Tensors:
         """ε(u), (D, ...)."""
-        return _sum([lifting.strain(time) for lifting in self._liftings])
+        return _sum([part.strain(time) for part in self._parts])
 
     def strain_rate(self, time: complex) -> Tensors:
         """ε(u̇), (D, ...)."""
-        return _sum([lifting.strain(time, rate=True) for lifting in self._liftings])
+        return _sum([part.strain(time, rate=True) for part in self._parts])
 
     def strain_gradient(self, time: complex) -> Array:
         """∂_j ε(u), (D, d, ...)."""
-        return _sum([lifting.strain_gradient(time) for lifting in self._liftings])
+        return _sum([part.strain_gradient(time) for part in self._parts])
 
     def stress(self, time: complex) -> Tensors:
         """σ = A ε(u̇) + G ε(u), (2.1), (D, ...)."""
@@ -138,21 +187,26 @@ class Fields:
     def body_force(self, time: complex) -> Vectors:
         """f_0 = −Div σ, (2.2): −∂_j σ_ij with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
         strain, gradient = self.strain(time), self.strain_gradient(time)
-        rate_gradient = _sum([lifting.strain_gradient(time, rate=True) for lifting in self._liftings])
-        return -_sum(
+        rate_gradient = _sum([part.strain_gradient(time, rate=True) for part in self._parts])
+        A, G = self.law.A, self.law.G
+        slope = A.drift(self.strain_rate(time)) + G.drift(strain)
+        slope = slope + np.stack(
             [
-                np.tensordot(
-                    self._first[:, :, j], self.law.A(rate) + self.law.G.derivative(strain, change), ((0,), (0,))
-                )
-                for j, (rate, change) in enumerate(
-                    zip(np.moveaxis(rate_gradient, 1, 0), np.moveaxis(gradient, 1, 0), strict=True)
-                )
-            ]
+                A(rate) + G.derivative(strain, change)
+                for rate, change in zip(_each(rate_gradient), _each(gradient), strict=True)
+            ],
+            axis=1,
         )
+        return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
 
     def surface_load(self, part: Part, time: complex) -> Vectors:
         """f_2 = σν, (2.4), for points on ``part``, (d, ...)."""
         return traction(self.stress(time), part.normal)
+
+
+def _each(gradient: Array) -> Array:
+    """The derivatives ∂_j of tensors, one after the other: (D, d, ...) → (d, D, ...)."""
+    return np.moveaxis(gradient, 1, 0)
 
 
 def _sum(terms: list[Array]) -> Array:

@@ -1,7 +1,8 @@
 """The Kelvin–Voigt law σ = A ε(u̇) + G ε(u), equation (2.1), and its two ingredients.
 
 A is a viscosity tensor with (3.1), G an elasticity operator with (3.2): linear, or the law (3.3)
-G(ε) = β (ε − P_K ε) with a closed convex set K ∋ 0 of S^d. Tensors are Mandel vectors (D, ...).
+G(ε) = β (ε − P_K ε) with a closed convex set K ∋ 0 of S^d. Linear ones may vary in space through a
+scalar factor, C(x) = α(x) C. Tensors are Mandel vectors (D, ...).
 """
 
 from __future__ import annotations
@@ -12,11 +13,28 @@ from typing import Protocol
 
 import numpy as np
 
-from manufactured.tensors import Array, Tensors, dyad, identity, size
+from manufactured.factor import UNIFORM, Factor
+from manufactured.tensors import Array, Points, Tensors, dyad, identity, size
 
 
 class LawError(ValueError):
     """A constitutive law violates (3.1) or (3.2)."""
+
+
+class AtPoints(Protocol):
+    """A constitutive operator at fixed points: tensors (D, ...) over these points."""
+
+    def __call__(self, strain: Tensors) -> Tensors:
+        """C(x) ε or G(x, ε): (D, ...) → (D, ...)."""
+        ...
+
+    def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
+        """Its derivative in ε where it exists: (D, ...), (D, ...) → (D, ...)."""
+        ...
+
+    def drift(self, strain: Tensors) -> Array | float:
+        """Its derivatives in x_j at fixed ε, (D, d, ...); 0 for a homogeneous one."""
+        ...
 
 
 class Elasticity(Protocol):
@@ -36,18 +54,27 @@ class Elasticity(Protocol):
     @property
     def reference(self) -> Array: ...
 
-    def __call__(self, strain: Tensors) -> Tensors:
-        """G(ε): (D, ...) → (D, ...)."""
+    @property
+    def factor(self) -> Factor:
+        """The scalar field α of α(x) G(ε)."""
         ...
 
-    def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
-        """G'(ε)[δ] where G is differentiable: (D, ...), (D, ...) → (D, ...)."""
+    def __call__(self, strain: Tensors) -> Tensors:
+        """G(ε) of a homogeneous operator, (D, ...) → (D, ...)."""
+        ...
+
+    def at(self, x: Points) -> AtPoints:
+        """G at fixed points, (d, ...)."""
+        ...
+
+    def scaled(self, factor: Array) -> AtPoints:
+        """α G for given values of α, (...): what ``at`` is for α = ``factor`` at points, or for its means on cells."""
         ...
 
 
 @dataclass(frozen=True, eq=False)
 class Linear:
-    """τ ↦ C τ with a symmetric positive definite matrix C (D, D) in Mandel form.
+    """τ ↦ α(x) C τ with a symmetric positive definite matrix C (D, D) in Mandel form and a factor α > 0.
 
     Serves as viscosity A, (3.1), and as linear elasticity G, (2.7).
 
@@ -57,6 +84,7 @@ class Linear:
     """
 
     matrix: Array
+    factor: Factor = UNIFORM
 
     def __post_init__(self) -> None:
         matrix = np.asarray(self.matrix, dtype=float)
@@ -80,13 +108,13 @@ class Linear:
 
     @cached_property
     def ellipticity(self) -> float:
-        """m_A, the smallest eigenvalue of C."""
-        return float(np.linalg.eigvalsh(self.matrix)[0])
+        """m_A, the smallest eigenvalue of α C."""
+        return self.factor.low * float(np.linalg.eigvalsh(self.matrix)[0])
 
     @cached_property
     def lipschitz(self) -> float:
-        """L_G, the largest eigenvalue of C."""
-        return float(np.linalg.eigvalsh(self.matrix)[-1])
+        """L_G, the largest eigenvalue of α C."""
+        return self.factor.high * float(np.linalg.eigvalsh(self.matrix)[-1])
 
     @property
     def monotonicity(self) -> float:
@@ -96,26 +124,74 @@ class Linear:
     def reference(self) -> Array:
         return self.matrix
 
+    def normal_modulus(self, normal: Array) -> float:
+        """C_nnnn = (n⊗n)·C(n⊗n), without the factor."""
+        direction = dyad(normal, normal)
+        return float(direction @ self.matrix @ direction)
+
     def __call__(self, strain: Tensors) -> Tensors:
+        """C ε of a homogeneous tensor.
+
+        Raises:
+            LawError: the tensor is heterogeneous and needs points: use ``at`` or ``scaled``.
+        """
+        if self.factor is not UNIFORM:
+            raise LawError("a heterogeneous tensor acts at points: use at(x) or scaled(factors)")
         return np.tensordot(self.matrix, strain, axes=1)
+
+    def at(self, x: Points) -> AtPoints:
+        if self.factor is UNIFORM:
+            return Scaled(self.matrix)
+        return Scaled(self.matrix, self.factor(x), self.factor.gradient(x))
+
+    def scaled(self, factor: Array) -> AtPoints:
+        return Scaled(self.matrix, factor)
+
+    def face_block(self, frame: Array) -> Array:
+        """Moduli between the strains a contact face can have, d_a·C d_b, (d, d).
+
+        d_0 = n⊗n and d_i = (n⊗t_i + t_i⊗n)/2 for a frame with the columns (t_1, …, n).
+        """
+        n = frame[:, -1]
+        directions = np.array([dyad(n, n), *(dyad(n, tangent) for tangent in frame[:, :-1].T)])
+        return directions @ self.matrix @ directions.T
+
+
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """ε ↦ α C ε at fixed points.
+
+    Attributes:
+        matrix: C, (D, D).
+        factor: α, (...).
+        slopes: ∂_j α, (d, ...).
+    """
+
+    matrix: Array
+    factor: Array | float = 1.0
+    slopes: Array | None = None
+
+    def __call__(self, strain: Tensors) -> Tensors:
+        product = np.tensordot(self.matrix, strain, axes=1)
+        return product if isinstance(self.factor, float) else self.factor * product
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
         return self(direction)
 
-    def normal_modulus(self, normal: Array) -> float:
-        """C_nnnn = (n⊗n)·C(n⊗n)."""
-        direction = dyad(normal, normal)
-        return float(direction @ self.matrix @ direction)
+    def drift(self, strain: Tensors) -> Array | float:
+        if self.slopes is None:
+            return 0.0
+        return self.slopes * np.tensordot(self.matrix, strain, axes=1)[:, None]
 
 
-def isotropic(mu: float, lam: float, dim: int = 2) -> Linear:
-    """C τ = 2μ τ + λ (tr τ) I.
+def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> Linear:
+    """C τ = α(x) (2μ τ + λ (tr τ) I).
 
     Raises:
         LawError: not elliptic, that is 2μ ≤ 0 or 2μ + dλ ≤ 0.
     """
     unit = identity(dim)
-    return Linear(2 * mu * np.eye(size(dim)) + lam * np.multiply.outer(unit, unit))
+    return Linear(2 * mu * np.eye(size(dim)) + lam * np.multiply.outer(unit, unit), factor)
 
 
 class ConvexSet(Protocol):
@@ -209,6 +285,19 @@ class Yield:
         radial = self.convex.radius * np.sum(part * change, axis=0) / norm**3
         return self.beta * np.where(outside, (1 - self.convex.radius / norm) * change + radial * part, 0.0)
 
+    @property
+    def factor(self) -> Factor:
+        return UNIFORM
+
+    def at(self, x: Points) -> AtPoints:
+        return self
+
+    def scaled(self, factor: Array) -> AtPoints:
+        return self
+
+    def drift(self, strain: Tensors) -> float:
+        return 0.0
+
     def normal_response(self, normal: Array) -> tuple[float, float]:
         """(b, ρ) such that G(−Q n⊗n)_nn = −b (Q − ρ)_+ for Q ≥ 0: b = β |P(n⊗n)|², ρ = r/|P(n⊗n)|."""
         length = float(np.linalg.norm(self.convex.projector @ dyad(normal, normal)))
@@ -234,6 +323,26 @@ class KelvinVoigt:
     @property
     def dim(self) -> int:
         return self.A.dim
+
+    def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
+        """σ = A ε̇ + G(ε) of a homogeneous law: (D, ...), (D, ...) → (D, ...)."""
+        return self.A(strain_rate) + self.G(strain)
+
+    def at(self, x: Points) -> PointLaw:
+        """The law at fixed points, (d, ...)."""
+        return PointLaw(self.A.at(x), self.G.at(x))
+
+    def scaled(self, viscous: Array, elastic: Array) -> PointLaw:
+        """The law for given values of the factors of A and G, (...) each."""
+        return PointLaw(self.A.scaled(viscous), self.G.scaled(elastic))
+
+
+@dataclass(frozen=True)
+class PointLaw:
+    """A Kelvin–Voigt law at fixed points."""
+
+    A: AtPoints
+    G: AtPoints
 
     def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
         """σ = A ε̇ + G(ε): (D, ...), (D, ...) → (D, ...)."""

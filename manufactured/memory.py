@@ -1,9 +1,14 @@
-"""The normal strain q(s, t) = ε_nn on a contact face, from the pressure p(s, t) = −σ_ν.
+"""The strain (q, r) on a contact face, q = ε_nn and r = 2ε_sn, from the pressure p(s, t) = −σ_ν.
 
-Linear law: on the face only ε_nn is not zero, so σ_ν = a q̇ + g q with a = A_nnnn, g = G_nnnn, and
+Linear law: where it does not couple nn with sn, only ε_nn is not zero on the face, so
+σ_ν = a q̇ + g q with a = A_nnnn, g = G_nnnn, and
 
     a q̇ + g q = −p,   q(s, 0) = q_0(s)
     q(s, t) = e^{−λt} q_0(s) − ∫_0^t e^{−λ(t−r)} p(s, r)/a dr,   λ = g/a.
+
+In a heterogeneous body a and g are formulas of s with a constant ratio λ. A law that couples nn
+with sn needs a shear r that keeps σ_τ = 0: with y = (q, r) and the blocks of moduli 𝒜, 𝒢,
+𝒜 ẏ + 𝒢 y = (−p, 0), which falls apart into d such equations in the basis of its modes.
 
 The pressure must be chosen first: a strain prescribed under a receding front would pull (σ_ν > 0).
 After release p = 0 and q decays like e^{−λt}: the material remembers the contact.
@@ -25,15 +30,18 @@ import sympy as sp
 from manufactured.symbols import FormulaError, Index, Jet, Values, differentiate, function, pos, s, t
 from manufactured.tensors import Array
 
+Components = tuple[Values, ...]
+"""(q,) where there is no shear on the face, else (q, r_1, …, r_{d−1}), with derivatives along the face."""
+
 
 class StrainAtPoints(Protocol):
-    """q and q̇ at fixed points of the face, with derivatives along the face up to an order."""
+    """(q, r) and its rate at fixed points of the face, with derivatives along the face up to an order."""
 
-    def __call__(self, time: complex, order: int) -> tuple[Values, Values]: ...
+    def __call__(self, time: complex, order: int) -> tuple[Components, Components]: ...
 
 
-class NormalStrain(Protocol):
-    """q(s, t) on a face; ``at`` fixes the points s (d−1, ...) and keeps what time does not change.
+class FaceStrain(Protocol):
+    """(q, r)(s, t) on a face; ``at`` fixes the points s (d−1, ...) and keeps what time does not change.
 
     ``formula`` has the truncated powers that q, or the pressure it comes from, is made of.
     """
@@ -60,7 +68,7 @@ class Memory:
 
     Attributes:
         pressure: p(s, t).
-        viscosity, elasticity: a and g, positive.
+        viscosity, elasticity: a and g, positive numbers, or formulas of s with a constant ratio.
         T: final time.
         initial: q_0(s); without it −p(s, 0)/g, the elastic equilibrium.
 
@@ -69,8 +77,8 @@ class Memory:
     """
 
     pressure: sp.Expr
-    viscosity: float
-    elasticity: float
+    viscosity: sp.Expr | float
+    elasticity: sp.Expr | float
     T: float
     initial: sp.Expr | None = None
     variables: tuple[sp.Symbol, ...] = (s,)
@@ -80,10 +88,21 @@ class Memory:
         """The pressure and the initial strain: what q is made of."""
         return self.pressure + (0 if self.initial is None else self.initial)
 
-    @property
+    @cached_property
     def decay(self) -> float:
         """λ = g/a."""
-        return self.elasticity / self.viscosity
+        ratio = sp.simplify(sp.sympify(self.elasticity) / self.viscosity)
+        if ratio.free_symbols:
+            raise FormulaError(
+                f"the relaxation rate g/a = {ratio} varies along the face; let the factors of A and G agree on the "
+                "contact face up to a constant, and differ inside"
+            )
+        return float(ratio)
+
+    @property
+    def source(self) -> sp.Expr:
+        """p/a."""
+        return self.pressure / self.viscosity
 
     @cached_property
     def start(self) -> Jet:
@@ -92,15 +111,14 @@ class Memory:
         return Jet(elastic if self.initial is None else self.initial, self.variables)
 
     @cached_property
-    def pressure_jet(self) -> Jet:
-        return Jet(self.pressure, self.variables)
+    def source_jet(self) -> Jet:
+        return Jet(self.source, self.variables)
 
     @cached_property
     def terms(self) -> tuple[Term, ...]:
-        expanded = sp.expand(self.pressure)
         return tuple(
-            Term.of(term, self.variables, self.viscosity, self.decay, self.T)
-            for term in sp.Add.make_args(expanded)
+            Term.of(term / self.viscosity, self.variables, self.decay, self.T)
+            for term in sp.Add.make_args(sp.expand(self.pressure))
             if term != 0
         )
 
@@ -109,17 +127,17 @@ class Memory:
 
 
 class Convolution(Protocol):
-    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r)/η dr for a smooth branch P of the pressure, η the viscosity."""
+    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth branch P of p/a."""
 
     def __call__(self, points: Array, lower: Array, upper: Array | complex, index: Index) -> Array: ...
 
 
 class Closed:
-    """In closed form, P polynomial in t: R(s, b) − e^{−λ(b−a)} R(s, a), R = Σ_j (−1)^j ∂_r^j P/(η λ^{j+1})."""
+    """In closed form, P polynomial in t: R(s, b) − e^{−λ(b−a)} R(s, a), R = Σ_j (−1)^j ∂_r^j P/λ^{j+1}."""
 
-    def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], viscosity: float, decay: float) -> None:
+    def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], decay: float) -> None:
         self.decay = decay
-        scale, total = 1 / sp.Float(decay * viscosity), sp.Integer(0)
+        scale, total = 1 / sp.Float(decay), sp.Integer(0)
         while not smooth.is_zero:
             total += scale * smooth.as_expr()
             smooth, scale = smooth.diff(t), -scale / decay
@@ -138,9 +156,9 @@ class Closed:
 class Gauss:
     """By Gauss–Legendre quadrature, for slow decay, where the terms of the closed form cancel."""
 
-    def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], viscosity: float, decay: float) -> None:
+    def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], decay: float) -> None:
         self.decay = decay
-        self.formula = _Derivatives(_nested(smooth) / viscosity, variables)
+        self.formula = _Derivatives(_nested(smooth), variables)
         # Exact for the polynomial, with more points for the exponential.
         self.rule = np.polynomial.legendre.leggauss(smooth.degree() // 2 + 1 + EXTRA)
 
@@ -183,7 +201,7 @@ def _nested(polynomial: sp.Poly) -> sp.Expr:
 
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One additive term of the pressure.
+    """One additive term of p/a.
 
     Attributes:
         moving: coefficient functions (s) ↦ [ψ's coefficients in t, highest first] of each moving ψ.
@@ -194,12 +212,13 @@ class Term:
     convolution: Convolution
 
     @classmethod
-    def of(cls, term: sp.Expr, variables: tuple[sp.Symbol, ...], viscosity: float, decay: float, T: float) -> Term:
+    def of(cls, term: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float, T: float) -> Term:
         fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
         smooth = term.subs({p: p.args[0] ** p.args[1] for p in fronts})
         for front in fronts:
-            # With m = 1 the second derivative along the face would have a term at the front.
-            if not (front.args[0].is_polynomial(t) and front.args[1].is_integer and front.args[1] >= 2):
+            # With m = 1 the second derivative along the face would have a term at the front; a switch in time has no front.
+            lowest = 2 if front.args[0].free_symbols & set(variables) else 0
+            if not (front.args[0].is_polynomial(t) and front.args[1].is_integer and front.args[1] >= lowest):
                 raise FormulaError(
                     f"{front}: a front that moves needs pos(ψ, m) with ψ polynomial in t and an integer m ≥ 2; "
                     "replace other motions by a polynomial, the contact zone is yours to choose"
@@ -212,7 +231,7 @@ class Term:
         moving = tuple(function(variables, sp.Poly(front.args[0], t).all_coeffs()) for front in fronts)
         polynomial = sp.Poly(smooth, t)
         exact = Closed.cancellation(polynomial.degree(), decay, T) <= ACCEPTED
-        return cls(moving, (Closed if exact else Gauss)(polynomial, variables, viscosity, decay))
+        return cls(moving, (Closed if exact else Gauss)(polynomial, variables, decay))
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
         """Entry and exit times of contact at each point: two arrays (J, N), equal where unused."""
@@ -278,19 +297,19 @@ class _MemoryAtPoints:
             if (entry < exit_).any()
         ]
         self._start: dict[int, Values] = {}
-        self._last: tuple[complex, int, tuple[Values, Values]] | None = None
+        self._last: tuple[complex, int, tuple[Components, Components]] | None = None
 
-    def __call__(self, time: complex, order: int) -> tuple[Values, Values]:
+    def __call__(self, time: complex, order: int) -> tuple[Components, Components]:
         # A stress asks for strain and strain rate at the same time, which are found together.
         if self._last is None or self._last[:2] != (time, order):
             self._last = time, order, self._evaluate(time, order)
         return self._last[2]
 
-    def _evaluate(self, time: complex, order: int) -> tuple[Values, Values]:
+    def _evaluate(self, time: complex, order: int) -> tuple[Components, Components]:
         memory, shape = self.memory, self.points.shape[1:]
         if order not in self._start:
             self._start[order] = memory.start(self.flat, 0.0, order)
-        pressure = memory.pressure_jet(self.points, time, order)
+        source = memory.source_jet(self.points, time, order)
         strain, rate = {}, {}
         fading = np.exp(-memory.decay * time)
         for index, start in self._start[order].items():
@@ -298,12 +317,12 @@ class _MemoryAtPoints:
             for contact in self.contacts:
                 contact.subtract(total, time, index)
             strain[index] = total.reshape(shape)
-            rate[index] = (pressure[index] + memory.elasticity * strain[index]) / -memory.viscosity
-        return strain, rate
+            rate[index] = -source[index] - memory.decay * strain[index]
+        return (strain,), (rate,)
 
 
 class _Contact:
-    """∫ e^{−λ(t−r)} ∂^i P/η dr over one interval of contact per point, from its entry to now or its exit."""
+    """∫ e^{−λ(t−r)} ∂^i P dr over one interval of contact per point, from its entry to now or its exit."""
 
     def __init__(self, term: Term, points: Array, entry: Array, exit_: Array, decay: float) -> None:
         self.convolution, self.decay = term.convolution, decay
@@ -321,6 +340,63 @@ class _Contact:
         touching = np.flatnonzero((self.entry < now) & (self.exit > now))
         total[self.touched[over]] -= np.exp(-self.decay * (time - self.exit[over])) * self._whole[index][over]
         total[self.touched[touching]] -= self.convolution(self.points[:, touching], self.entry[touching], time, index)
+
+
+@dataclass(frozen=True, eq=False)
+class Coupled:
+    """(q, r) of a linear law that couples nn with sn: y = Σ_i x_i η_i over the modes of 𝒜 ẏ + 𝒢 y = (−p, 0).
+
+    With XᵀAX = I and 𝒢 x_i = λ_i 𝒜 x_i, η̇_i + λ_i η_i = −(x_i)_0 p is a ``Memory`` of its own.
+
+    Attributes:
+        pressure: p(s, t).
+        modes: the memories of the η_i.
+        vectors: the x_i as columns, (d, d).
+    """
+
+    pressure: sp.Expr
+    modes: tuple[Memory, ...]
+    vectors: Array
+
+    @classmethod
+    def of(
+        cls,
+        pressure: sp.Expr,
+        viscous: Array,
+        elastic: Array,
+        scale: sp.Expr,
+        T: float,
+        variables: tuple[sp.Symbol, ...],
+    ) -> Coupled:
+        """From the blocks 𝒜 and 𝒢, (d, d), both times a formula of s; in elastic equilibrium at t = 0."""
+        inverse = np.linalg.inv(np.linalg.cholesky(viscous))
+        rates, basis = np.linalg.eigh(inverse @ elastic @ inverse.T)
+        vectors = inverse.T @ basis
+        modes = tuple(
+            Memory(sp.Float(x) * pressure, scale, float(rate) * scale, T, variables=variables)
+            for rate, x in zip(rates, vectors[0], strict=True)
+        )
+        return cls(pressure, modes, vectors)
+
+    @property
+    def formula(self) -> sp.Expr:
+        """The pressure."""
+        return self.pressure
+
+    def at(self, points: Array) -> StrainAtPoints:
+        modes = [mode.at(points) for mode in self.modes]
+
+        def combine(values: list[Values]) -> Components:
+            return tuple(
+                {index: sum(x * v[index] for x, v in zip(row, values, strict=True)) for index in values[0]}
+                for row in self.vectors
+            )
+
+        def strain(time: complex, order: int) -> tuple[Components, Components]:
+            found = [mode(time, order) for mode in modes]
+            return combine([s for (s,), _ in found]), combine([r for _, (r,) in found])
+
+        return strain
 
 
 @dataclass(frozen=True, eq=False)
@@ -345,8 +421,8 @@ class Prescribed:
         return tuple((end, jet, jet.rate()) for end, jet in jets)
 
     def at(self, points: Array) -> StrainAtPoints:
-        def strain(time: complex, order: int) -> tuple[Values, Values]:
+        def strain(time: complex, order: int) -> tuple[Components, Components]:
             jet, rate = next(((jet, rate) for end, jet, rate in self._jets if np.real(time) <= end), self._jets[-1][1:])
-            return jet(points, time, order), rate(points, time, order)
+            return (jet(points, time, order),), (rate(points, time, order),)
 
         return strain

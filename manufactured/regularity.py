@@ -12,8 +12,15 @@ Near a front c(t) let w ~ (s − c)_+^α and p ~ (c − s)_+^m. The lifting has 
 * fixed front: u ∈ H^{1+s}(Ω) for s < min(α − 3/2, m − 1/2), from w' and q in H^{1+s}; (5.36) and
   (3.4) for α > 5/2 and m > 3/2.
 
-The predicted order of ‖u − u^h‖_{L∞(0,T;V)} for P1 on meshes that do not know the front is
-min(1, α − 3/2, m − 1/2), the order of interpolation (5.23) of a function in H^{1+s}.
+A field of the form r^λ at a point (corner, junction of two conditions, natural front, extension of a
+trace s_+^λ) lies in H^{1+s}(Ω) for s < λ; if the point is on Γ3 its trace lies in H^τ(Γ3) for τ < λ + 1/2
+and σ_ν ~ r^{λ−1} in L²(Γ3) iff λ > 1/2. A strain that jumps across a line which the mesh does not
+follow gives s < 1/2.
+
+The predicted order of ‖u − u^h‖_{L∞(0,T;V)} for P1 on meshes that do not know the rough place is that
+of interpolation, (5.23) between H¹ and H²: min(1, s) for u(t) ∈ H^{1+s}. What the proof of Prop. 5.4
+gives is ``proved_order``: min(1, s', τ/2) from ‖u̇ − Π^h u̇‖_V and ‖u_ν − Π^h u_ν‖^{1/2}_{L²(Γ3)} in
+(5.42), for u̇ ∈ H^{1+s'} and u_ν ∈ H^τ(Γ3), or min(1, s', s/2) from (5.28) where σ_ν ∉ L²(Γ3).
 """
 
 from __future__ import annotations
@@ -23,7 +30,7 @@ from dataclasses import dataclass
 
 import sympy as sp
 
-from manufactured.symbols import pos, t
+from manufactured.symbols import pos, s, s1, s2, t
 
 
 @dataclass(frozen=True)
@@ -34,23 +41,41 @@ class Regularity:
         gap: α; math.inf without a front.
         pressure: m; math.inf without a front.
         moving: whether the front moves.
+        corner: λ of the least regular r^λ inside or on Γ1 and Γ2; math.inf without one.
+        on_contact: λ of the least regular r^λ on Γ3; math.inf without one.
+        kink: whether the strain jumps across a line that meshes do not follow.
 
     Raises:
-        ValueError: α ≤ 3/2 or m ≤ 1/2, so that u(t) lies in no H^{1+s}, s > 0.
+        ValueError: α ≤ 3/2, m ≤ 1/2 or λ ≤ 0, so that u(t) lies in no H^{1+s}, s > 0.
     """
 
     gap: float = math.inf
     pressure: float = math.inf
     moving: bool = False
+    corner: float = math.inf
+    on_contact: float = math.inf
+    kink: bool = False
 
     def __post_init__(self) -> None:
         if not (self.gap > 1.5 and self.pressure > 0.5):
             raise ValueError(f"α = {self.gap}, m = {self.pressure}: H^(1+s) with s > 0 needs α > 3/2 and m > 1/2")
+        if not min(self.corner, self.on_contact) > 0:
+            raise ValueError(f"λ = {min(self.corner, self.on_contact)}: H^(1+s) with s > 0 needs λ > 0")
 
     @property
     def smoothness(self) -> float:
-        """sup of the s with u(t) ∈ H^{1+s}(Ω) near the front."""
-        return min(self.gap - 1.5, self.pressure - 0.5)
+        """sup of the s with u(t) ∈ H^{1+s}(Ω)."""
+        return min(self.gap - 1.5, self.pressure - 0.5, self.corner, self.on_contact, 0.5 if self.kink else math.inf)
+
+    @property
+    def rate_smoothness(self) -> float:
+        """sup of the s with u̇(t) ∈ H^{1+s}(Ω): a front that moves costs w one power."""
+        return min(self.smoothness, self.gap - 2.5) if self.moving else self.smoothness
+
+    @property
+    def trace(self) -> float:
+        """sup of the τ with u_ν(t) ∈ H^τ(Γ3,i)."""
+        return min(self.gap, self.on_contact) + 0.5
 
     @property
     def order(self) -> float:
@@ -58,9 +83,15 @@ class Regularity:
         return min(1.0, self.smoothness)
 
     @property
+    def proved_order(self) -> float:
+        """What the proof of Prop. 5.4 gives: min(1, s', τ/2), or min(1, s', s/2) for σ_ν ∉ L²(Γ3)."""
+        contact = self.trace / 2 if self.on_contact > 0.5 else self.smoothness / 2
+        return min(1.0, self.rate_smoothness, contact)
+
+    @property
     def satisfies_5_36(self) -> bool:
         """u ∈ W^{1,2}(0,T;H²) and u_ν|Γ3,i ∈ L¹(0,T;H²)."""
-        return self.gap > (3.5 if self.moving else 2.5) and self.pressure > 1.5
+        return self.rate_smoothness > 1 and self.trace > 2
 
     @property
     def proposition(self) -> str:
@@ -70,21 +101,33 @@ class Regularity:
     @property
     def satisfies_4_1(self) -> bool:
         """u ∈ W^{1,∞}(0,T;V)."""
-        return not self.moving or (self.gap > 2.5 and self.pressure > 0.5)
+        return self.rate_smoothness > 0
 
     @property
     def satisfies_3_4(self) -> bool:
         """f_0 ∈ W^{1,1}(0,T;L²), read literally."""
-        return self.gap > (4.5 if self.moving else 2.5) and self.pressure > (2.5 if self.moving else 1.5)
+        front = self.gap > (4.5 if self.moving else 2.5) and self.pressure > (2.5 if self.moving else 1.5)
+        return front and min(self.corner, self.on_contact) > 1
 
     def __str__(self) -> str:
-        if math.isinf(self.gap) and math.isinf(self.pressure):
-            return "smooth"
-        front = "moving" if self.moving else "fixed"
-        return f"{front} front, α = {self.gap:g}, m = {self.pressure:g}"
+        found = []
+        if not (math.isinf(self.gap) and math.isinf(self.pressure)):
+            front = "moving" if self.moving else "fixed"
+            found.append(f"{front} front, α = {self.gap:g}, m = {self.pressure:g}")
+        if not math.isinf(self.corner):
+            found.append(f"r^{self.corner:.4g} at a corner")
+        if not math.isinf(self.on_contact):
+            found.append(f"r^{self.on_contact:.4g} on Γ3")
+        if self.kink:
+            found.append("strain with a jump inside cells")
+        return ", ".join(found) or "smooth"
 
 
-def fronts(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[float, bool]:
+FACE = frozenset({s, s1, s2})
+"""The coordinates along contact faces."""
+
+
+def fronts(formula: sp.Expr) -> tuple[float, bool]:
     """(lowest exponent, whether any moves) of the truncated powers along the face in a formula.
 
     (inf, False) without any; a power of a truncated power counts with the product of the exponents.
@@ -92,16 +135,14 @@ def fronts(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[float, b
     exponents, moving = [math.inf], False
     powers = {base: float(e) for base, e in (p.as_base_exp() for p in formula.atoms(sp.Pow)) if isinstance(base, pos)}
     for front in formula.atoms(pos):
-        if front.args[0].free_symbols & set(variables):
+        if front.args[0].free_symbols & FACE:
             exponents.append(float(front.args[1]) * powers.get(front, 1.0))
             moving |= front.args[0].has(t)
     return min(exponents), moving
 
 
-def read_off(
-    gaps: list[sp.Expr], pressures: list[sp.Expr], variables: tuple[sp.Symbol, ...]
-) -> tuple[float, float, bool]:
-    """(α, m, moving) of the formulas of a solution: the lowest exponents over its faces."""
-    found = [[fronts(sp.sympify(f), variables) for f in formulas] for formulas in (gaps, pressures)]
-    (alpha, m), moving = ([min(e for e, _ in side) for side in found]), any(move for side in found for _, move in side)
-    return alpha, m, moving
+def read_off(gaps: list[sp.Expr], pressures: list[sp.Expr]) -> tuple[float, float, bool]:
+    """(α, m, moving) of the formulas of a solution: the lowest exponents over its faces, (inf, inf, False) without any."""
+    sides = [[fronts(sp.sympify(f)) for f in formulas] for formulas in (gaps, pressures)]
+    alpha, m = (min((e for e, _ in side), default=math.inf) for side in sides)
+    return alpha, m, any(move for side in sides for _, move in side)

@@ -1,7 +1,7 @@
 """Formulas of (s, t): the truncated power, and fast derivatives of a SymPy expression.
 
-Cases are written in SymPy with the symbols ``s`` (coordinate along a contact face) and ``t``
-(time); every derivative is taken symbolically and evaluated by NumPy.
+Cases are written in SymPy with the symbols ``s`` (coordinate along a contact face; ``s1`` and ``s2``
+in 3D) and ``t`` (time); every derivative is taken symbolically and evaluated by NumPy.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ import sympy as sp
 
 from manufactured.tensors import Array
 
-s, t = sp.symbols("s t", real=True)
+s, s1, s2, t = sp.symbols("s s1 s2 t", real=True)
+"""Coordinate along a face of a polygon; the two coordinates along a face of a polyhedron; time."""
 
 Index = tuple[int, ...]
 """A multi-index of derivatives along the face, one entry per coordinate."""
@@ -117,7 +118,7 @@ class Jet:
         strange = sorted(map(str, self.expression.free_symbols - {*self.variables, t}))
         if strange:
             raise FormulaError(
-                f"{self.expression} has {', '.join(strange)}; use the symbols s and t of ``manufactured``, "
+                f"{self.expression} has {', '.join(strange)}; use the symbols s (s1, s2 in 3D) and t of ``manufactured``, "
                 "and numbers for everything else"
             )
         if self.expression.has(sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign):

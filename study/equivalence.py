@@ -18,6 +18,7 @@ from scipy.optimize import nnls
 from manufactured.case import Case
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
+from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
 from study.solve.evolution import BackwardEuler, Problem
@@ -80,14 +81,15 @@ def compare(case: Case, family: MeshFamily, level: int, steps: int) -> Equivalen
 
 def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
     """March both problems in lockstep, holding no more than one step of either."""
-    space, law, M = stresses.space, stresses.law, displacements.M
+    space, M = stresses.space, displacements.M
+    cells = on_cells(space, stresses.law)
     k = displacements.T / steps
     root = np.sqrt(space.volumes)
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
     pairs = zip(BackwardEuler().march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
         strain = space.strain(primal.u)
-        stress = law.stress((strain - space.strain(before.u)) / k, strain)
+        stress = cells.stress((strain - space.strain(before.u)) / k, strain)
         load = displacements.load(primal.time)
         defect = load - space.functional(dual.stress)
         difference = dual.u - primal.u

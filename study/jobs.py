@@ -88,8 +88,9 @@ def fingerprint(solution: ExactSolution, *settings: object) -> str:
     parts: list[object] = [METHOD, solution.body.T, *settings, solution.law.A.matrix.tolist(), solution.law.name]
     G = solution.law.G
     parts += [G.matrix.tolist()] if isinstance(G, Linear) else [G.reference.tolist(), repr(G.__dict__)]
-    for part in solution.body.parts:
-        parts += [part.kind.value, part.start.tolist(), part.end.tolist()]
+    for part in (*solution.body.parts, *solution.body.interfaces):
+        parts += [part.kind.value, *part.corners.T.tolist()]
+    parts += [list(point) for point in solution.body.refine]
     for face in solution.faces:
         parts += [sp.srepr(sp.sympify(f)) for f in (face.gap, face.level)] + [face.depth, face.cutoff, face.rough]
         q = face.strain

@@ -72,7 +72,7 @@ def _faces(solution: ExactSolution, space: Space, times: Array, normal: Array, p
         order = np.argsort(s[0])
         s = s[:, order]
         exact = solution.on(face, s)
-        fine = np.linspace(0, part.length, FINE + 1)[None]
+        fine = np.linspace(0, part.measure, FINE + 1)[None]
         on_fine = solution.on(face, fine)
         instants = np.linspace(0, solution.body.T, 101)
         faces.append(

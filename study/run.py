@@ -87,7 +87,7 @@ class Plan:
             if not isinstance(job, RateJob | EquivalenceJob):
                 continue
             body = resolve(job.case).solution.body
-            shape = tuple((part.kind, *part.start, *part.end) for part in body.parts)
+            shape = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
             if (shape, job.family, job.level) not in seen:
                 seen.add((shape, job.family, job.level))
                 boundary_parts(family_named(job.family)(body, job.level), body)

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from sympy import Rational
 
-from manufactured import ContactFace, ExactSolution, Kind, catalogue, examine, polygon, pos, s, t, unit_square
+from manufactured import ContactFace, ExactSolution, Kind, catalogue, cutoff, examine, polygon, pos, s, t, unit_square
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.space import Space
 from study.rates import orders
@@ -54,7 +54,7 @@ def two_faces() -> ExactSolution:
         level = (Rational(1, 10) + t / 10) - (s - c) ** 2
         bump = pos((s - Rational(3, 10)) * (Rational(3, 2) - s), 4)
         gap, pressure = 60 * t * pos(-level, 4) * bump, 300 * t * pos(level, 2) * bump
-        faces.append(ContactFace.linear(part, law, body.T, gap, pressure, level, depth=0.7))
+        faces.append(ContactFace.linear(part, law, body.T, gap, pressure, level, profile=cutoff(0.7)))
     return ExactSolution(body, law, tuple(faces))
 
 

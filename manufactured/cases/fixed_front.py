@@ -11,8 +11,9 @@ from sympy import Expr, Rational
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import PARABOLA, ContactFace
+from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
+from manufactured.profile import PARABOLA, cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
@@ -22,7 +23,7 @@ def _case(name: str, where: str, c: Expr) -> Case:
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
     gap, pressure = 10 * t * pos(s - c, 3), 400 * t * pos(c - s, 2)
-    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, cutoff=PARABOLA, rough=(float(c),))
+    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, profile=cutoff(phi=PARABOLA), rough=(float(c),))
     return Case(
         name=name,
         summary=f"zone [0, {c}] that stays, front {where}",

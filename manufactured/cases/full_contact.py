@@ -11,8 +11,9 @@ from sympy import Integer
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
-from manufactured.contact import PARABOLA, ContactFace
+from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
+from manufactured.profile import PARABOLA, cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import s, t
 
@@ -22,7 +23,7 @@ def case() -> Case:
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
     pressure = 20 * t * (1 + 4 * s * (1 - s))
-    face = ContactFace.linear(part, law, body.T, Integer(0), pressure, Integer(1), cutoff=PARABOLA)
+    face = ContactFace.linear(part, law, body.T, Integer(0), pressure, Integer(1), profile=cutoff(phi=PARABOLA))
     return Case(
         name="full-contact",
         summary="all of Γ3 in contact at all times, pressure growing from zero",

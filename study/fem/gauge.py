@@ -13,9 +13,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from manufactured.exact import ExactSolution
+from skfem import Mesh
+
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution, Fields
+from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors
-from study.fem.quadrature import Line, cell_rules, facet_rule
+from study.fem.material import lines
+from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
 DEGREE = 4
@@ -43,8 +48,26 @@ class Sample:
     interpolant: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Block:
+    """Some cells with their quadrature.
+
+    Attributes:
+        cells: indices, (n,).
+        viscous, elastic: quadrature weights times the factors of A and of G, (n, q).
+        fields: the exact solution at the points.
+    """
+
+    cells: Array
+    viscous: Array
+    elastic: Array
+    fields: Fields
+
+
 class Gauge:
     """Measures functions of V^h against an exact solution.
+
+    Where A varies within a cell, ε̄ is the mean of the exact strain weighted by A's factor.
 
     Args:
         solution: the exact solution.
@@ -56,8 +79,8 @@ class Gauge:
         self.solution, self.space = solution, space
         self.A = solution.law.A
         self.degree = DEGREE + raised
-        rules = cell_rules(space.mesh, self.degree, rough_lines(solution))
-        self._blocks = [(rule.cells, rule.weights, solution.at(rule.points)) for rule in rules]
+        self.viscous, self.elastic = np.empty((2, len(space.volumes)))
+        self._blocks = [self._block(rule) for rule in rules(solution, space.mesh, self.degree)]
         self._nodes = solution.at(space.mesh.p)
         self._faces = []
         for face in solution.faces:
@@ -65,26 +88,29 @@ class Gauge:
             rule = facet_rule(space.mesh, facets, face.part, face.rough, FACET_POINTS + raised)
             self._faces.append((face, solution.on(face, rule.s), rule))
 
+    def _block(self, rule: CellRule) -> Block:
+        law = self.solution.law
+        viscous, elastic = (rule.weights * tensor.factor(rule.points) for tensor in (law.A, law.G))
+        self.viscous[rule.cells], self.elastic[rule.cells] = viscous.sum(axis=1), elastic.sum(axis=1)
+        return Block(rule.cells, viscous, elastic, self.solution.at(rule.points))
+
     def sample(self, time: float) -> Sample:
         """Means, oscillation and interpolant of u(t)."""
         means = np.empty((self.A.matrix.shape[0], len(self.space.volumes)))
         oscillation = 0.0
-        for cells, weights, fields in self._blocks:
-            strain = fields.strain(time)
-            mean = np.einsum("Inq,nq->In", strain, weights) / self.space.volumes[cells]
-            means[:, cells] = mean
-            deviation = strain - mean[..., None]
-            oscillation += float(
-                np.einsum(
-                    "Inq,Inq,nq->", self.A(deviation), deviation, weights, optimize=["einsum_path", (0, 1), (0, 1)]
-                )
-            )
+        for block in self._blocks:
+            strain = block.fields.strain(time)
+            mean = np.einsum("Inq,nq->In", strain, block.viscous) / self.viscous[block.cells]
+            means[:, block.cells] = mean
+            strain -= mean[..., None]
+            size = np.einsum("Inq,Inq->nq", np.tensordot(self.A.matrix, strain, axes=1), strain)
+            oscillation += float(np.vdot(size, block.viscous))
         return Sample(time, means, oscillation, self.space.interpolate(self._nodes.displacement(time)))
 
     def distance(self, sample: Sample, v: Array) -> float:
         """‖u(t) − v‖_V for v ∈ V^h."""
         difference = sample.means - self.space.strain(v)
-        between = float(np.einsum("Ic,Ic,c->", self.A(difference), difference, self.space.volumes))
+        between = float(np.einsum("Ic,Ic,c->", self.A.matrix @ difference, difference, self.viscous))
         return float(np.sqrt(sample.oscillation + between))
 
     def load(self, time: float) -> Array:
@@ -93,10 +119,16 @@ class Gauge:
         Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this
         serves solutions whose f_0 is not in L² as well.
         """
-        stress = np.empty((self.solution.law.A.matrix.shape[0], len(self.space.volumes)))
-        for cells, weights, fields in self._blocks:
-            stress[:, cells] = np.einsum("Inq,nq->In", fields.stress(time), weights) / self.space.volumes[cells]
-        return self.space.functional(stress) + self._contact_work(time)
+        G = self.solution.law.G
+        rate, elastic = np.empty((2, self.A.matrix.shape[0], len(self.space.volumes)))
+        for block in self._blocks:
+            rate[:, block.cells] = np.einsum("Inq,nq->In", block.fields.strain_rate(time), block.viscous)
+            # The mean of a linear G is G of the mean.
+            strain = block.fields.strain(time)
+            response = strain if isinstance(G, Linear) else G(strain)
+            elastic[:, block.cells] = np.einsum("Inq,nq->In", response, block.elastic)
+        stress = self.solution.law.A.matrix @ rate + (G.matrix @ elastic if isinstance(G, Linear) else elastic)
+        return self.space.functional(stress / self.space.volumes) + self._contact_work(time)
 
     def _contact_work(self, time: float) -> Array:
         """∫_{Γ3} p v_ν, (n_dofs,)."""
@@ -108,10 +140,17 @@ class Gauge:
         return self.space.interpolate(nodal)
 
 
+def rules(solution: ExactSolution, mesh: Mesh, degree: int) -> list[CellRule]:
+    """Cell rules that respect where the strain of a solution is rough for all times."""
+    return cell_rules(mesh, degree, rough_lines(solution), *([solution.singular] if solution.singular else []))
+
+
 def rough_lines(solution: ExactSolution) -> tuple[Line, ...]:
-    """Where the strains are rough for all times: {s = c} for every c ∈ ``rough`` of every face."""
-    return tuple(
-        Line(tuple(face.part.tangent), float(face.part.tangent @ face.part.start) + c)
-        for face in solution.faces
-        for c in face.rough
-    )
+    """{s = c} for every c ∈ ``rough`` of every lifting, and where the factors of A and G jump."""
+    found = []
+    for face in solution.faces:
+        if isinstance(face, ContactFace):
+            tangent = face.part.tangent
+            found += [Line(tuple(tangent), float(tangent @ face.part.start) + c) for c in face.rough]
+    steps = {line for tensor in (solution.law.A, solution.law.G) for line in lines(tensor.factor)}
+    return (*found, *sorted(steps, key=repr))

@@ -112,7 +112,7 @@ class Unstructured:
         return True
 
     def __call__(self, body: Body, n: int) -> MeshTri:
-        spacing = 1.15 * np.sqrt(body.area) / n
+        spacing = 1.15 * np.sqrt(body.measure) / n
         fixed = np.hstack([_divide(part, spacing) for part in body.parts])
         free = self._lattice(body, spacing, np.random.default_rng([self.seed, n]))
         points = np.hstack([fixed, free])
@@ -132,7 +132,7 @@ class Unstructured:
         keep = body.contains(points)
         for part in body.parts:
             s, depth = part.coordinates(points)
-            near = (s[0] > -spacing) & (s[0] < part.length + spacing) & (abs(depth) < 0.55 * spacing)
+            near = (s[0] > -spacing) & (s[0] < part.measure + spacing) & (abs(depth) < 0.55 * spacing)
             keep &= ~near
         return points[:, keep]
 
@@ -176,8 +176,8 @@ def _quadrilaterals(n: int) -> tuple[Array, Array, Array, Array]:
 
 def _divide(part: Part, spacing: float) -> Array:
     """Evenly spaced points of a part from its start, without its end."""
-    count = max(1, round(part.length / spacing))
-    return part.point((np.arange(count) * part.length / count)[None])
+    count = max(1, round(part.measure / spacing))
+    return part.point((np.arange(count) * part.measure / count)[None])
 
 
 def _delaunay(body: Body, points: Array) -> Array:
@@ -206,11 +206,11 @@ def boundary_parts(mesh: MeshTri, body: Body) -> list[Array]:
     Raises:
         MeshError: an end of a part is not a vertex, or the facets do not cover the part exactly.
     """
-    tolerance = 1e-8 * np.sqrt(body.area)
+    tolerance = 1e-8 * np.sqrt(body.measure)
     total = cell_volumes(mesh).sum()
-    if abs(total - body.area) > tolerance * np.sqrt(body.area):
+    if abs(total - body.measure) > tolerance * np.sqrt(body.measure):
         raise MeshError(
-            f"the cells cover {total:.9g}, the body has the area {body.area:.9g}: cells overlap or are missing"
+            f"the cells cover {total:.9g}, the body has the area {body.measure:.9g}: cells overlap or are missing"
         )
     facets = mesh.boundary_facets()
     ends = mesh.facets[:, facets]
@@ -226,10 +226,10 @@ def boundary_parts(mesh: MeshTri, body: Body) -> list[Array]:
         on = part.contains(mesh.p, tolerance)
         mine = facets[on[ends].all(axis=0)]
         covered = np.linalg.norm(mesh.p[:, mesh.facets[0, mine]] - mesh.p[:, mesh.facets[1, mine]], axis=0).sum()
-        if abs(covered - part.length) > tolerance:
+        if abs(covered - part.measure) > tolerance:
             raise MeshError(
                 f"facets of total length {covered:.9g} lie on the part {part.kind.value} from {part.start.tolist()} "
-                f"to {part.end.tolist()}, whose length is {part.length:.9g}: the mesh is not one of this body"
+                f"to {part.end.tolist()}, whose length is {part.measure:.9g}: the mesh is not one of this body"
             )
         found.append(mine)
     if sum(map(len, found)) != len(facets):

@@ -88,9 +88,9 @@ class Space:
         )
         return sps.csr_array(full[:, self.free])
 
-    def form(self, C: Array) -> sps.csc_array:
-        """The matrix of (C ε(u), ε(v))_Q for a constant tensor C, Mandel (D, D)."""
-        weighted = sps.kron(sps.diags_array(self.volumes), C, format="csr")
+    def form(self, C: Array, factor: Array | float = 1.0) -> sps.csc_array:
+        """The matrix of (α C ε(u), ε(v))_Q for a tensor C, Mandel (D, D), and the means of α on the cells."""
+        weighted = sps.kron(sps.diags_array(self.volumes * factor), C, format="csr")
         matrix = sps.csc_array(self.E.T @ (weighted @ self.E))
         return sps.csc_array((matrix + matrix.T) / 2)
 

@@ -17,6 +17,7 @@ import scipy.sparse as sps
 
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array
+from study.fem.material import form
 from study.fem.space import Space
 from study.solve.signorini import ContactSolver, Signorini
 
@@ -59,8 +60,8 @@ class Problem:
     def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> Problem:
         """The problem for a law, a load and a start on a space."""
         return cls(
-            M=space.form(law.A.matrix),
-            reference=space.form(law.G.reference),
+            M=form(space, law.A),
+            reference=form(space, law.G),
             remainder=None if isinstance(law.G, Linear) else _remainder(space, law.G),
             N=space.N,
             load=load,

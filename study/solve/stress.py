@@ -41,6 +41,7 @@ import scipy.sparse as sps
 
 from manufactured.law import KelvinVoigt, Linear, Yield
 from manufactured.tensors import Array, Tensors
+from study.fem.material import means
 from study.fem.space import Space
 
 GAP, FEASIBILITY = 1e-15, 1e-11
@@ -78,31 +79,36 @@ class StressState:
 
 
 class LinearPotential:
-    """½ C⁻¹τ·τ + C⁻¹(A/k) ε_{n−1}·τ in the unknown y = τ, C = A/k + G.
+    """½ C⁻¹τ·τ + C⁻¹(A/k) ε_{n−1}·τ in the unknown y = τ, C = A/k + G with the means of A and G on the cells.
 
     Potentials are densities in an unknown y of a cell, ½ Q y·y + g(ε_{n−1})·y.
 
     Attributes:
-        quadratic: Q, (p, p).
+        quadratic: Q of every cell, (cells, p, p).
         stress: y ↦ τ, (D, p).
         cone: the last so many entries of y are (ρ, z) with ρ ≥ |z|.
     """
 
     cone = 0
 
-    def __init__(self, A: Linear, G: Linear, k: float) -> None:
-        self.quadratic = np.linalg.inv(A.matrix / k + G.matrix)
-        self.quadratic = (self.quadratic + self.quadratic.T) / 2
+    def __init__(self, space: Space, A: Linear, G: Linear, k: float) -> None:
+        self.viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
+        self.quadratic = np.linalg.inv(self.viscosity + np.multiply.outer(means(space, G.factor), G.matrix))
+        self.quadratic = (self.quadratic + self.quadratic.swapaxes(1, 2)) / 2
         self.stress = np.eye(len(A.matrix))
-        self.viscosity = A.matrix / k
 
     def linear(self, strain: Tensors) -> Array:
         """g(ε_{n−1}), (p, cells)."""
-        return self.quadratic @ (self.viscosity @ strain)
+        return _act(self.quadratic, _act(self.viscosity, strain))
 
     def strain(self, y: Array, old: Tensors) -> Tensors:
         """ε_n = C⁻¹ (σ_n + (A/k) ε_{n−1}), (D, cells)."""
-        return self.quadratic @ (y + self.viscosity @ old)
+        return _act(self.quadratic, y + _act(self.viscosity, old))
+
+
+def _act(blocks: Array, values: Array) -> Array:
+    """A matrix for every cell times a vector for every cell: (cells, p, r), (r, cells) → (p, cells)."""
+    return np.einsum("cpr,rc->pc", blocks, values)
 
 
 class YieldPotential:
@@ -112,16 +118,16 @@ class YieldPotential:
     Attributes as for ``LinearPotential``.
     """
 
-    def __init__(self, A: Linear, G: Yield, k: float) -> None:
+    def __init__(self, space: Space, A: Linear, G: Yield, k: float) -> None:
         values, vectors = np.linalg.eigh(G.convex.projector)
         R = vectors[:, values > 0.5]
         D, rank = R.shape
-        self.compliance = k * np.linalg.inv(A.matrix)
-        self.compliance = (self.compliance + self.compliance.T) / 2
+        compliance = k * np.linalg.inv(A.matrix)
+        self.compliance = np.multiply.outer(1 / means(space, A.factor), (compliance + compliance.T) / 2)
         self.cone = 1 + rank
-        self.quadratic = np.zeros((D + 1 + rank, D + 1 + rank))
-        self.quadratic[:D, :D] = self.compliance
-        self.quadratic[D + 1 :, D + 1 :] = np.eye(rank) / G.beta
+        self.quadratic = np.zeros((len(space.volumes), D + 1 + rank, D + 1 + rank))
+        self.quadratic[:, :D, :D] = self.compliance
+        self.quadratic[:, D + 1 :, D + 1 :] = np.eye(rank) / G.beta
         self.stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
         self.radius = G.convex.radius
 
@@ -133,19 +139,19 @@ class YieldPotential:
 
     def strain(self, y: Array, old: Tensors) -> Tensors:
         """ε_n = ε_{n−1} + k A⁻¹ s₁, (D, cells)."""
-        return old + self.compliance @ y[: len(old)]
+        return old + _act(self.compliance, y[: len(old)])
 
 
-def potential(law: KelvinVoigt, k: float) -> LinearPotential | YieldPotential:
+def potential(space: Space, law: KelvinVoigt, k: float) -> LinearPotential | YieldPotential:
     """The potential of one backward Euler step of a law.
 
     Raises:
         StressError: the elasticity operator is neither linear nor (3.3), so its potential is unknown.
     """
     if isinstance(law.G, Linear):
-        return LinearPotential(law.A, law.G, k)
+        return LinearPotential(space, law.A, law.G, k)
     if isinstance(law.G, Yield):
-        return YieldPotential(law.A, law.G, k)
+        return YieldPotential(space, law.A, law.G, k)
     raise StressError(
         f"Problem 3.2 needs a complementary potential, known for Linear and Yield, not for {type(law.G).__name__}"
     )
@@ -184,7 +190,7 @@ class StressProblem:
         if steps < 1:
             raise StressError(f"{steps} steps cannot reach T = {self.space.body.T:g}; take one step or more")
         k = self.space.body.T / steps
-        programme = _Programme(self, potential(self.law, k))
+        programme = _Programme(self, potential(self.space, self.law, k))
         strain = self.space.strain(self.u0)
         nan = np.full(self.N.shape[0], np.nan)
         yield StressState(0.0, np.full_like(strain, np.nan), strain, self.u0, nan)
@@ -213,15 +219,18 @@ class _Programme:
         D, p = potential.stress.shape
         self.problem, self.potential = problem, potential
         self.root = np.sqrt(space.volumes)
-        self.flexibility = float(np.linalg.norm(potential.quadratic[:D, :D], 2))
+        self.flexibility = float(np.linalg.norm(potential.quadratic[:, :D, :D], 2, axis=(1, 2)).max())
 
         def every_cell(matrix: Array) -> sps.csr_array:
             return sps.csr_array(sps.kron(sps.eye_array(cells), matrix))
 
+        def cell_by_cell(blocks: Array) -> sps.csr_array:
+            return sps.csr_array(sps.bsr_array((blocks, np.arange(cells), np.arange(cells + 1))))
+
         self.B = sps.csr_array(sps.diags_array(np.repeat(self.root, D)) @ space.E)
         equilibrium = every_cell(potential.stress).T @ self.B
         in_cones = every_cell(np.eye(p)[p - potential.cone :])
-        hessian = sps.block_diag([every_cell(potential.quadratic / self.flexibility), sps.csr_array((m, m))])
+        hessian = sps.block_diag([cell_by_cell(potential.quadratic / self.flexibility), sps.csr_array((m, m))])
         # Clarabel: min ½ xᵀPx + qᵀx, Ax + s = b, s in a product of cones.
         constraints = sps.block_array([[equilibrium.T, problem.N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
         cones = [clarabel.ZeroConeT(space.dofs)]

@@ -1,0 +1,74 @@
+"""Scalar fields α(x) > 0 that make a material heterogeneous."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import sympy as sp
+
+from manufactured.symbols import FormulaError, function, pos
+from manufactured.tensors import Array, Points, Vectors
+
+x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
+"""Cartesian coordinates, for formulas of α."""
+
+
+@dataclass(frozen=True, eq=False)
+class Factor:
+    """α(x), a formula of x1, x2, x3.
+
+    Attributes:
+        formula: α; steps between layers are written with ``pos(·, 0)``.
+        low, high: bounds, 0 < low ≤ α ≤ high on the body; m_A and L_G rest on them, and the
+            self-proof of a case looks whether they hold.
+        steps: planes {x : direction·x = offset} across which α jumps, as pairs (direction, offset).
+
+    Raises:
+        FormulaError: other symbols than the coordinates, or bounds that are not positive.
+    """
+
+    formula: sp.Expr
+    low: float
+    high: float
+    steps: tuple[tuple[tuple[float, ...], float], ...] = ()
+
+    def __post_init__(self) -> None:
+        strange = sorted(map(str, self.formula.free_symbols - {x1, x2, x3}))
+        if strange:
+            raise FormulaError(f"{self.formula} has {', '.join(strange)}; a factor is a formula of x1, x2 and x3")
+        if not 0 < self.low <= self.high < float("inf"):
+            raise FormulaError(f"a factor needs bounds 0 < low ≤ high < ∞, got {self.low} and {self.high}")
+
+    @cached_property
+    def _compiled(self) -> Callable[..., list[Array]]:
+        return function([x1, x2, x3], [self.formula, *(sp.diff(self.formula, x) for x in (x1, x2, x3))])
+
+    def _evaluate(self, x: Points) -> list[Array]:
+        coordinates = [*x, *[0.0] * (3 - len(x))]
+        return [np.broadcast_to(value, x.shape[1:]) for value in self._compiled(*coordinates)]
+
+    def __call__(self, x: Points) -> Array:
+        """α(x): (d, ...) → (...)."""
+        return self._evaluate(x)[0]
+
+    def gradient(self, x: Points) -> Vectors:
+        """∂_j α(x) away from steps: (d, ...) → (d, ...)."""
+        return np.array(self._evaluate(x)[1 : 1 + len(x)])
+
+    def along(self, start: Array, tangents: Array, variables: tuple[sp.Symbol, ...]) -> sp.Expr:
+        """α on a plane start + Σ s_i t_i, a formula of the s_i; start (d,), tangents (d, d−1)."""
+        place = sp.Matrix(start) + sp.Matrix(tangents) * sp.Matrix(variables)
+        return self.formula.subs(dict(zip((x1, x2, x3), [sp.nsimplify(c, rational=True) for c in place], strict=False)))
+
+
+def layers(direction: tuple[float, ...], offset: float, ratio: float) -> Factor:
+    """α = 1 where direction·x < offset, ``ratio`` beyond."""
+    beyond = pos(sum(c * x for c, x in zip(direction, (x1, x2, x3), strict=False)) - offset, 0)
+    return Factor(1 + (ratio - 1) * beyond, min(1.0, ratio), max(1.0, ratio), ((direction, offset),))
+
+
+UNIFORM = Factor(sp.Integer(1), 1.0, 1.0)
+"""α = 1, a homogeneous material."""

@@ -1,0 +1,43 @@
+"""What V^h sees of a heterogeneous law: the means of its factors on the cells.
+
+Strains of V^h are constant on cells, so (α C ε(u), ε(v))_Q is exact with the mean of α.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sps
+
+from manufactured.factor import UNIFORM, Factor
+from manufactured.law import Elasticity, KelvinVoigt, PointLaw
+from manufactured.tensors import Array
+from study.fem.quadrature import Line, cell_rules
+from study.fem.space import Space
+
+DEGREE = 6
+"""Degree of the rule for the mean of a factor; cells are cut where it jumps."""
+
+
+def lines(factor: Factor) -> tuple[Line, ...]:
+    """Where a factor jumps."""
+    return tuple(Line(direction, offset) for direction, offset in factor.steps)
+
+
+def means(space: Space, factor: Factor) -> Array:
+    """The mean of α on every cell, (cells,)."""
+    if factor is UNIFORM:
+        return np.ones(len(space.volumes))
+    found = np.empty(len(space.volumes))
+    for rule in cell_rules(space.mesh, DEGREE, lines(factor)):
+        found[rule.cells] = np.sum(factor(rule.points) * rule.weights, axis=1) / space.volumes[rule.cells]
+    return found
+
+
+def form(space: Space, tensor: Elasticity) -> sps.csc_array:
+    """The matrix of (α C ε(u), ε(v))_Q on V^h, C the constant reference tensor, (n_dofs, n_dofs)."""
+    return space.form(tensor.reference, means(space, tensor.factor))
+
+
+def on_cells(space: Space, law: KelvinVoigt) -> PointLaw:
+    """The law between strains and stresses that are constant on cells, (D, cells) each."""
+    return law.scaled(means(space, law.A.factor), means(space, law.G.factor))
