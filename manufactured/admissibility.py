@@ -14,10 +14,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import sympy as sp
 
 from manufactured.body import Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Fields
+from manufactured.symbols import pos
+from manufactured.symbols import t as clock
 from manufactured.tensors import Array, Points, basis, mandel, traction
 
 STEP = 1e-30
@@ -166,7 +169,8 @@ def _history(solution: ExactSolution, x: Points) -> Finding:
     u = [fields.displacement(t) for t in ends]
     defects = []
     for start, stop, before, after in zip(ends[:-1], ends[1:], u[:-1], u[1:], strict=True):
-        panels = np.linspace(start, stop, 9)
+        inner = [time for time in _switches(solution) if start < time < stop]
+        panels = np.unique([*np.linspace(start, stop, 9), *inner])
         half = np.diff(panels)[:, None] / 2
         instants = (panels[:-1, None] + half * (1 + nodes)).ravel()
         integral = sum(w * fields.velocity(t) for w, t in zip((half * weights).ravel(), instants, strict=True))
@@ -174,12 +178,20 @@ def _history(solution: ExactSolution, x: Points) -> Finding:
     return _worst("(2.6) u(t) = u_0 + ∫u̇ dt", x, ends[1:], _size(defects), _size(u), INTEGRATION)
 
 
+def _switches(solution: ExactSolution) -> list[float]:
+    """Times at which a truncated power of t alone sets in: there u̇ may jump."""
+    formulas = [sp.sympify(f) for face in solution.faces for f in (face.gap, face.exponents_in)]
+    switches = {front.args[0] for f in formulas for front in f.atoms(pos) if front.args[0].free_symbols == {clock}}
+    return [float(root) for switch in switches for root in sp.real_roots(switch, clock)]
+
+
 def _equilibrium(solution: ExactSolution, x: Points, instants: Array) -> Finding:
     fields, shifted = solution.at(x), _shifted(solution, x)
     force = [fields.body_force(t) for t in instants]
-    matrices = basis(solution.law.dim)
-    divergence = [np.tensordot(matrices, _gradient(shifted, Fields.stress, t), axes=([0, 2], [0, 1])) for t in instants]
-    return _worst("(2.2) Div σ + f_0 = 0", x, instants, _size(np.add(divergence, force)), _size(force))
+    gradient = [_gradient(shifted, Fields.stress, t) for t in instants]
+    divergence = [np.tensordot(basis(solution.law.dim), g, axes=([0, 2], [0, 1])) for g in gradient]
+    scale = np.linalg.norm(gradient, axis=(1, 2))
+    return _worst("(2.2) Div σ + f_0 = 0", x, instants, _size(np.add(divergence, force)), scale)
 
 
 def _boundary(solution: ExactSolution, rng: np.random.Generator, count: int, instants: Array) -> list[Finding]:
@@ -238,8 +250,7 @@ def _signs(solution: ExactSolution) -> list[Finding]:
     instants = np.linspace(0, solution.body.T, GRID)
     findings = []
     for i, face in enumerate(solution.faces, start=1):
-        # Not the ends of the face, where a formula may be singular; not a round number of cells.
-        s = face.part.measure * (np.arange(GRID) + 0.5)[None] / GRID
+        s = _grid(face.part)
         fields = solution.on(face, s)
         gap = np.array([fields.gap(t) for t in instants])
         pressure = np.array([fields.pressure(t) for t in instants])

@@ -8,7 +8,7 @@ back; where it has passed, q decays from what the pressure has left behind.
 
 from sympy import Rational
 
-from manufactured.body import Kind, unit_square
+from manufactured.body import Body, Kind, unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import proportional
 from manufactured.contact import ContactFace
@@ -17,16 +17,20 @@ from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 
-def case() -> Case:
-    body = unit_square()
+def on(body: Body) -> ExactSolution:
+    """The solution on a unit square in any position."""
     law = proportional()
     c = Rational(1, 4) + 2 * t * (1 - t)
     (part,) = body.of(Kind.CONTACT)
     face = ContactFace.linear(part, law, body.T, 20 * pos(s - c, 4), 20 * pos(c - s, 2), c - s)
+    return ExactSolution(body, law, (face,))
+
+
+def case() -> Case:
     return Case(
         name="advance-recede",
         summary="front advances to 3/4, recedes, and the material remembers",
-        solution=ExactSolution(body, law, (face,)),
+        solution=on(unit_square()),
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by Prop. 5.4",

@@ -1,17 +1,53 @@
 """Laws shared by several cases."""
 
-from manufactured.law import KelvinVoigt, isotropic
+import numpy as np
+
+from manufactured.factor import UNIFORM, Factor
+from manufactured.law import KelvinVoigt, Linear, isotropic
+from manufactured.tensors import Array, rotation
 
 
-def proportional() -> KelvinVoigt:
-    """A = G: τ ↦ 2τ + (tr τ) I; a = g = 3."""
-    return KelvinVoigt(isotropic(1, 1), isotropic(1, 1), "linear, A = G")
+def proportional(ratio: float = 1.0, factor: Factor = UNIFORM) -> KelvinVoigt:
+    """A: τ ↦ 2τ + (tr τ) I and G = ratio · A, times a common factor; a = 3."""
+    name = "linear, A = G" if ratio == 1 else f"linear, G = {ratio:g} A"
+    return KelvinVoigt(
+        isotropic(1, 1, factor=factor),
+        isotropic(ratio, ratio, factor=factor),
+        name if factor is UNIFORM else f"{name}, heterogeneous",
+    )
 
 
-def not_proportional() -> KelvinVoigt:
-    """A τ = 2τ + (tr τ)/2 I and G τ = 4τ + 3(tr τ) I; a = 5/2, g = 7.
+def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = UNIFORM) -> KelvinVoigt:
+    """A τ = α(2τ + (tr τ)/2 I) and G τ = γ(4τ + 3(tr τ) I); a = 5/2, g = 7 where α = γ = 1.
 
     Norms, relaxation and the ratio of shear to compression differ between A and G, so a verdict
     notices when one takes the place of the other.
     """
-    return KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear, A and G not proportional")
+    name = "linear, A and G not proportional"
+    return KelvinVoigt(
+        isotropic(1, 0.5, dim, viscous),
+        isotropic(2, 3, dim, elastic),
+        name if viscous is UNIFORM and elastic is UNIFORM else f"{name}, heterogeneous",
+    )
+
+
+def anisotropic() -> KelvinVoigt:
+    """Two orthotropic tensors whose axes are those of neither the other nor the face: nn and sn are coupled."""
+    A = _turned([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]], 0.5)
+    G = _turned([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]], -0.3)
+    return KelvinVoigt(Linear(A), Linear(G), "linear, A and G anisotropic")
+
+
+def _turned(matrix: list[list[float]], angle: float) -> Array:
+    turn = rotation(np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]]))
+    C = turn @ np.array(matrix) @ turn.T
+    return (C + C.T) / 2
+
+
+def without_contraction(dim: int = 2) -> KelvinVoigt:
+    """Orthotropic tensors along the axes that do not couple normal strains: what one face does to the pressure on a
+    face at right angles to it is nothing, so that two of them may meet in a corner under pressure."""
+    shear = dim * (dim - 1) // 2
+    A = np.diag([2.0, 3.0, 2.5][:dim] + [1.5, 2.0, 1.8][:shear])
+    G = np.diag([5.0, 4.0, 6.0][:dim] + [3.0, 2.5, 4.0][:shear])
+    return KelvinVoigt(Linear(A), Linear(G), "linear, orthotropic without contraction")

@@ -1,0 +1,42 @@
+"""The whole face lifts off and lands again, with a jump of the velocity.
+
+    w = 40 (t − t_1)_+² (t_2 − t)_+,   t_1 = 3/10, t_2 = 7/10
+    p = 150 (1 + 4x(1 − x)) (t_1 − t)_+² + [a·40 (t_2 − t_1)² + 60 (t − t_2) (1 + 4x(1 − x))] H(t − t_2)
+
+on the unit square, A without lateral contraction (λ_A = 0, a = 2). At the landing u̇ jumps by
+−ẇ(t_2^−) (1 − y) n. For this A that is an elastic state with no forces but the pressure a ẇ(t_2^−) on
+Γ3, by which p jumps: the loads f_0 and f_2 stay continuous, f ∈ W^{1,1}(0,T;V), and u ∈ W^{1,∞}(0,T;V)
+only. The lifting with u_n = w (1 − y) + … (``profile.slab``) carries this state.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt, isotropic
+from manufactured.profile import slab
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+LIFT, LAND = Rational(3, 10), Rational(7, 10)
+
+
+def case() -> Case:
+    body = unit_square()
+    law = KelvinVoigt(isotropic(1, 0), isotropic(1, 1), "linear, A without contraction")
+    (part,) = body.of(Kind.CONTACT)
+    swell = 1 + 4 * s * (1 - s)
+    gap = 40 * pos(t - LIFT, 2) * pos(LAND - t, 1)
+    impact = 2 * 40 * (LAND - LIFT) ** 2
+    pressure = 150 * swell * pos(LIFT - t, 2) + (impact + 60 * (t - LAND) * swell) * pos(t - LAND, 0)
+    face = ContactFace.linear(part, law, body.T, gap, pressure, (t - LIFT) * (t - LAND), profile=slab())
+    return Case(
+        name="lift-and-land",
+        summary="the whole face lifts off and lands with a jump of the velocity",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(),
+        order=1,
+        reason="w and q smooth in space, u̇ bounded with one jump: u ∈ W^{1,∞}(0,T;H²), (5.36), order 1 by Prop. 5.4",
+    )

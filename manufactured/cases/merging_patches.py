@@ -1,0 +1,33 @@
+"""Two patches of contact are born, merge into one and part again; A and G are not proportional.
+
+    ψ = −1/50 + (16/25) t(1 − t) − 25 ((x − 1/4)(x − 7/10))²,   w = 3 (−ψ)_+^4,   p = 1500 ψ_+²
+
+on the unit square. The patches are born at x = 1/4 and x = 7/10, touch each other at x = 19/40 when
+ψ(19/40) = 0, at t ≈ 0.16, and come apart again at t ≈ 0.84: the number of fronts goes 0, 4, 2, 4, 0.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+
+def case() -> Case:
+    body = unit_square()
+    law = not_proportional()
+    (part,) = body.of(Kind.CONTACT)
+    level = -Rational(1, 50) + Rational(16, 25) * t * (1 - t) - 25 * ((s - Rational(1, 4)) * (s - Rational(7, 10))) ** 2
+    face = ContactFace.linear(part, law, body.T, 3 * pos(-level, 4), 1500 * pos(level, 2), level)
+    return Case(
+        name="merging-patches",
+        summary="two patches are born, merge, part again and vanish",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="α = 4 > 7/2 and m = 2 > 3/2 at all four fronts give (5.36): order 1 by Prop. 5.4",
+    )
