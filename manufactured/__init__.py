@@ -22,7 +22,7 @@ from manufactured.law import (
     isotropic,
 )
 from manufactured.memory import Memory, Prescribed
-from manufactured.profile import HERMITE, PARABOLA, Profile, cutoff, layered, slab
+from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, layered, slab
 from manufactured.regularity import Regularity
 from manufactured.singular import Monomial, SingularFace, SingularField, kolosov
 from manufactured.symbols import FormulaError, pos, s, s1, s2, t
@@ -30,6 +30,7 @@ from manufactured.symbols import FormulaError, pos, s, s1, s2, t
 __all__ = [
     "HERMITE",
     "PARABOLA",
+    "QUARTIC",
     "Body",
     "BodyError",
     "Case",

@@ -204,8 +204,10 @@ class Body:
             raise BodyError(f"the final time must be positive, got T = {self.T}")
         for point in self.refine:
             self._check_refined(point)
-        for interface in self.interfaces:
+        for i, interface in enumerate(self.interfaces):
             self._check_interface(interface)
+            for other in self.interfaces[:i]:
+                _check_apart(interface, other)
 
     def _check_parts(self) -> None:
         """Whether the parts bound a set from outside."""
@@ -322,6 +324,16 @@ class Body:
     def sample(self, rng: np.random.Generator, count: int) -> Points:
         """Random points of Ω, (d, count)."""
         return _scatter(rng, self.vertices, self.contains, count)
+
+
+def _check_apart(interface: Part, other: Part) -> None:
+    """Refuse interfaces of which each has its ends on different sides of the other."""
+    sides = [one.coordinates(two.corners)[1] for one, two in ((interface, other), (other, interface))]
+    if all(np.prod(side) < -ROUNDING * abs(side).max() ** 2 for side in sides):
+        raise BodyError(
+            f"the interfaces from {interface.start.tolist()} and from {other.start.tolist()} cross; "
+            "they may meet on the boundary only"
+        )
 
 
 def fan_vector(simplex: Array) -> Array:

@@ -12,6 +12,9 @@ from manufactured.tensors import Array
 HERMITE = (1.0, 0.0, -3.0, 2.0)
 """φ(η) = (1 − η)²(1 + 2η): φ(1) = φ'(1) = 0, so the lifting may end inside the body; no traction on Γ1."""
 
+QUARTIC = (1.0, 0.0, -6.0, 8.0, -3.0)
+"""φ(η) = (1 − η)³(1 + 3η): φ(1) = φ'(1) = φ''(1) = 0, so that strains have no kink where the lifting ends."""
+
 PARABOLA = (1.0, 0.0, -1.0)
 """φ(η) = 1 − η²: φ(1) = 0 only, for a Γ1 exactly at depth ℓ, which then carries a traction."""
 
@@ -117,46 +120,37 @@ def slab(depth: float = 1.0, phi: tuple[float, ...] = HERMITE) -> Profile:
 
 
 def layered(interface: float, ratio: float, depth: float = 1.0) -> Profile:
-    """Two layers, the upper one ``ratio`` = κ times as stiff and viscous as the one at the face.
+    """Two layers, the upper one ``ratio`` = κ times as stiff and viscous as the one at the face; Γ1 at y = ℓ.
 
     On the interface y = y_0 the tangential displacement vanishes, so ε = sym(β ⊗ n) there, and with
     ε⁺ = ε⁻/κ the traction is continuous for any A and G, and at all times:
 
         ∂_y u_n⁺ = ∂_y u_n⁻/κ,      ∂_y u_s⁺ + ∇_s u_n = (∂_y u_s⁻ + ∇_s u_n)/κ.
 
-    Lower layer: a = −y(1 − y/y_0), b = 1 − y²/(2ℓ²), c = −a, d = y(1 − y/(2ℓ)), e = 0; upper layer: cubics with
-    these values and slopes at y_0 that end with value and slope 0 at y = ℓ.
+    b and d are quadratic in the lower layer, b = 1 + γ y² and d = y + δ y², and linear in the upper one, with γ
+    and δ such that they end with 0 at y = ℓ; c = −a = y(1 − y/y_0) and e = 0 in the lower layer, cubics
+    with the slopes that follow in the upper one.
     """
-    y0 = interface
-    a, c = (0.0, -1.0, 1 / y0), (0.0, 1.0, -1 / y0)
-    b, d = (1.0, 0.0, -0.5 / depth**2), (0.0, 1.0, -0.5 / depth)
+    y0, rest = interface, depth - interface
+    gamma = -ratio / (2 * y0 * rest + ratio * y0**2)
+    delta = -(rest + ratio * y0) / (2 * y0 * rest + ratio * y0**2)
+    b, d = 1 + gamma * y0**2, y0 + delta * y0**2
+    a_slope, c_slope = 1.0, -1.0
+    softer = 1 / ratio - 1
 
-    def value(f: tuple[float, ...]) -> float:
-        return float(polyval(y0, f))
+    def bulge(slope: float) -> tuple[float, ...]:
+        """slope · (y − y_0)(ℓ − y)²/(ℓ − y_0)²."""
+        return tuple(float(x) * slope / rest**2 for x in polymul((-y0, 1.0), polymul((depth, -1.0), (depth, -1.0))))
 
-    def slope(f: tuple[float, ...]) -> float:
-        return float(polyval(y0, polyder(f)))
-
-    def upper(start: float, rise: float) -> tuple[float, ...]:
-        return _hermite(y0, depth, start, rise)
+    def line(value: float) -> tuple[float, ...]:
+        return (value * depth / rest, -value / rest)
 
     ends = (y0, depth)
-    softer = 1 / ratio - 1
     return Profile(
-        a=Piecewise(ends, (a, upper(0.0, slope(a) / ratio + softer * value(b)))),
-        b=Piecewise(ends, (b, upper(value(b), slope(b) / ratio))),
-        c=Piecewise(ends, (c, upper(0.0, slope(c) / ratio))),
-        d=Piecewise(ends, (d, upper(value(d), slope(d) / ratio))),
-        e=Piecewise(ends, ((0.0,), upper(0.0, softer * value(d)))),
+        a=Piecewise(ends, ((0.0, -1.0, 1 / y0), bulge(a_slope / ratio + softer * b))),
+        b=Piecewise(ends, ((1.0, 0.0, gamma), line(b))),
+        c=Piecewise(ends, ((0.0, 1.0, -1 / y0), bulge(c_slope / ratio))),
+        d=Piecewise(ends, ((0.0, 1.0, delta), line(d))),
+        e=Piecewise(ends, ((0.0,), bulge(softer * d))),
         kinks=(y0,),
     )
-
-
-def _hermite(left: float, right: float, value: float, slope: float) -> tuple[float, ...]:
-    """The cubic with a value and a slope at ``left`` and zeros of order two at ``right``."""
-    # (right − y)² (α + β (y − left)), in powers of y.
-    length = right - left
-    alpha = value / length**2
-    beta = slope / length**2 + 2 * value / length**3
-    square = polymul((right, -1.0), (right, -1.0))
-    return tuple(float(x) for x in polymul(square, (alpha - beta * left, beta)))

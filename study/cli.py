@@ -20,6 +20,8 @@ from manufactured.catalogue import catalogue
 from manufactured.law import LawError
 from manufactured.symbols import FormulaError
 from study import run
+from study.controls import register
+from study.controls.judge import controls_text, run_controls, settings, write_controls
 from study.datafiles import DataError
 from study.fem.mesh import MeshError
 from study.figures import draw_figures
@@ -84,7 +86,7 @@ def parser() -> argparse.ArgumentParser:
     sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a unit length, increasing")
     sweep.add_argument("--scheme", default="midpoint", help="time scheme (default midpoint)")
     sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
-    sweep.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
+    _jobs(sweep)
     _out(sweep)
     sweep.set_defaults(command=do_run, plan=run.quick)
 
@@ -92,6 +94,13 @@ def parser() -> argparse.ArgumentParser:
     check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
     _out(check)
     check.set_defaults(command=do_check)
+
+    controls = commands.add_parser(
+        "controls", help="deliberate defects that the verdicts must catch; exit 0 all caught"
+    )
+    _jobs(controls)
+    _out(controls)
+    controls.set_defaults(command=do_controls)
 
     published = commands.add_parser("rates", help="orders of a published or foreign error table")
     published.add_argument("file", type=Path, metavar="FILE.csv", help="columns h or n, and one or more of errors")
@@ -104,6 +113,10 @@ def parser() -> argparse.ArgumentParser:
         _out(present)
         present.set_defaults(command=command)
     return top
+
+
+def _jobs(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
 
 
 def _out(command: argparse.ArgumentParser) -> None:
@@ -126,8 +139,7 @@ def do_run(options: argparse.Namespace) -> int:
     """``study run``: refuse bad input, compute, write data, judge, present."""
     plan = options.plan()
     choose("scheme", options.scheme, SCHEMES)
-    if options.jobs < 1:
-        raise UsageError(f"--jobs must be 1 or more, got {options.jobs}")
+    _check_jobs(options.jobs)
     plan = replace(plan, scheme=options.scheme, k=options.step)
     if options.case:
         plan = replace(plan, cases=tuple(options.case))
@@ -143,12 +155,7 @@ def do_run(options: argparse.Namespace) -> int:
     jobs = plan.jobs()
     with (
         ProcessPoolExecutor(options.jobs) as executor,
-        tqdm(
-            total=round(sum(job.cost for job in jobs)),
-            unit="",
-            bar_format="{l_bar}{bar}| {elapsed}<{remaining}",
-            mininterval=0.5 if sys.stderr.isatty() else 10,
-        ) as bar,
+        _bar(round(sum(job.cost for job in jobs))) as bar,
     ):
         bar.set_description(f"{len(jobs)} jobs")
         run.execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
@@ -176,6 +183,20 @@ def do_check(options: argparse.Namespace) -> int:
     return _exit(verdicts)
 
 
+def do_controls(options: argparse.Namespace) -> int:
+    """``study controls``: measure with every defect and without one, write what caught it."""
+    _check_jobs(options.jobs)
+    Store(options.out).check()
+    controls = register.CONTROLS
+    with ProcessPoolExecutor(options.jobs) as executor, _bar(len(settings(controls)) + len(controls)) as bar:
+        bar.set_description(f"{len(controls)} defects")
+        findings = run_controls(controls, executor, bar.update)
+    written = write_controls(options.out, findings)
+    print(f"\n{controls_text(findings)}")
+    print(f"data: {written}")
+    return OK if all(finding.passes for finding in findings) else FAILED
+
+
 def do_rates(options: argparse.Namespace) -> int:
     """``study rates``."""
     h, columns = read_table(options.file)
@@ -201,6 +222,21 @@ def do_figures(options: argparse.Namespace) -> int:
     for path in draw_figures(options.out):
         print(path)
     return OK
+
+
+def _check_jobs(jobs: int) -> None:
+    if jobs < 1:
+        raise UsageError(f"--jobs must be 1 or more, got {jobs}")
+
+
+def _bar(total: int) -> tqdm:
+    """Progress on standard error, with fewer lines where nobody watches."""
+    return tqdm(
+        total=total,
+        unit="",
+        bar_format="{l_bar}{bar}| {elapsed}<{remaining}",
+        mininterval=0.5 if sys.stderr.isatty() else 10,
+    )
 
 
 def _exit(verdicts: list[Verdict]) -> int:

@@ -10,7 +10,7 @@ from manufactured.case import Case
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
-from study.fem.mesh import Unstructured
+from study.fem.mesh import Unstructured, facet_measures
 from study.fem.space import Space
 from study.solve.evolution import BDF2, Problem
 
@@ -56,10 +56,10 @@ def contact_weights(space: Space) -> Array:
     weights = []
     for part, vertices in space.contact:
         aligned = [other for other, _ in space.contact if np.allclose(other.normal, part.normal)]
-        ends = space.mesh.facets[:, np.concatenate([space.facets(other) for other in aligned])]
-        lengths = np.linalg.norm(space.mesh.p[:, ends[0]] - space.mesh.p[:, ends[1]], axis=0)
-        nodal = np.bincount(ends.ravel(), np.tile(lengths / 2, 2), space.mesh.p.shape[1])
-        weights.append(nodal[vertices])
+        facets = np.concatenate([space.facets(other) for other in aligned])
+        ends = space.mesh.facets[:, facets]
+        shares = np.tile(facet_measures(space.mesh, facets) / space.dim, (space.dim, 1))
+        weights.append(space.scatter(ends, shares[None])[0, vertices])
     return np.concatenate(weights)
 
 

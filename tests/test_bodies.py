@@ -3,12 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from sympy import Rational
 
-from manufactured import ContactFace, ExactSolution, Kind, catalogue, cutoff, examine, polygon, pos, s, t, unit_square
+from manufactured import (
+    Body,
+    BodyError,
+    ContactFace,
+    ExactSolution,
+    Kind,
+    catalogue,
+    cutoff,
+    examine,
+    polygon,
+    pos,
+    s,
+    t,
+    unit_square,
+)
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.space import Space
 from study.rates import orders
@@ -84,3 +99,50 @@ def test_an_end_time_other_than_one_needs_no_other_pace() -> None:
     found = row(solution, OneDiagonal(), 8, 32)
     assert found.k == pytest.approx(2.0 / 32)
     assert found.time_share < 0.02
+
+
+@pytest.mark.parametrize(
+    ("kwargs", "message"),
+    [
+        ({"refine": [(0.5, 0.5)]}, "none of the vertices"),
+        ({"interfaces": [((0, 0.5), (0.8, 0.5))]}, "expected a point of the boundary"),
+        ({"interfaces": [((0, 0.5), (0, 1))]}, "touches its boundary"),
+        ({"interfaces": [((0, 0.5), (1, 0.5)), ((0.5, 0), (0.5, 1))]}, "cross"),
+        ({"T": float("inf")}, "final time"),
+    ],
+)
+def test_a_body_that_no_mesh_could_serve_is_refused(kwargs: dict[str, Any], message: str) -> None:
+    with pytest.raises(BodyError, match=message):
+        polygon([(0, 0), (1, 0), (1, 1), (0, 1)], SIDES, **kwargs)
+
+
+def test_an_interface_that_leaves_a_body_with_a_re_entrant_corner_is_refused() -> None:
+    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    with pytest.raises(BodyError, match="leaves the body"):
+        polygon(corners, kinds, interfaces=[((2, 0.9), (0.9, 2))])
+    assert polygon(corners, kinds, interfaces=[((1, 1), (0, 0))]).measure == pytest.approx(3)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: Body(unit_square().parts[:2]), "three boundary parts"),
+        (lambda: Body(unit_square().parts[::-1]), "but the next starts at"),
+        (lambda: polygon([(0, 0), (1, 0), (1, 0), (0, 1)], SIDES), "list every vertex once"),
+        (lambda: polygon([(0, 0), (1, 0), (1, float("nan")), (0, 1)], SIDES), "not a finite number"),
+        (lambda: polygon([(0, 0), (1, 0), (0, 1)], SIDES), "need 3 kinds, got 4"),
+        (lambda: Body((replace(unit_square().parts[0], kind=Kind.INTERFACE), *unit_square().parts[1:])), "lies inside"),
+        (lambda: Body(unit_square().parts, interfaces=(unit_square().parts[0],)), "has the kind"),
+    ],
+)
+def test_boundaries_that_bound_nothing_are_refused(make, message: str) -> None:
+    with pytest.raises(BodyError, match=message):
+        make()
+
+
+def test_the_corners_of_a_polygon_are_where_its_boundary_turns() -> None:
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    body = polygon([(0, 0), (0.5, 0), (1, 0), (1, 1), (0, 1)], kinds)
+    assert np.array_equal(body.vertices, [[0, 0.5, 1, 1, 0], [0, 0, 0, 1, 1]])
+    assert np.array_equal(body.corners, [[0, 1, 1, 0], [0, 0, 1, 1]])

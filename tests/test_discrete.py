@@ -14,33 +14,52 @@ from skfem.helpers import ddot, sym_grad, trace
 from manufactured import Kind, catalogue, polygon, unit_square
 from study.fem.gauge import Gauge
 from study.fem.independent import load_from_forces, predicted_interpolation
-from study.fem.mesh import FAMILIES, CrissCross, MeshError, OneDiagonal, Shaken, Unstructured
+from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshError, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, Problem
 from study.solve.signorini import Signorini
 
+FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
 CASES = {case.name: case for case in catalogue()}
 TURNED = polygon([(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT])
 PENTAGON = polygon(
     [(0, 0), (1, 0), (1.3, 0.7), (0.5, 1.2), (-0.2, 0.6)],
     [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED, Kind.CONTACT],
 )
+ANGLE = polygon(
+    [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)],
+    [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED],
+    refine=[(1, 1), (0, 2)],
+)
+LAYERED = {
+    name: polygon(
+        [(0, 0), (1, 0), (1, 1), (0, 1)],
+        [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED],
+        refine=[(1, 1)],
+        interfaces=interfaces,
+    )
+    for name, interfaces in (
+        ("level", [((0, 0.25), (1, 0.25)), ((1, 0.5), (0, 0.5))]),
+        ("slanted", [((0, 0.3), (1, 0.7))]),
+        ("branching", [((0, 0.3), (1, 0.7)), ((0, 0.3), (1, 0.25)), ((0.2, 1), (1, 0.7))]),
+    )
+}
 
 
-@pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.name)
+@pytest.mark.parametrize("family", FOR_SQUARES, ids=lambda f: f.name)
 @pytest.mark.parametrize("body", [unit_square(), TURNED], ids=["square", "turned"])
 def test_a_mesh_covers_the_body_and_its_parts_and_is_regular(family, body) -> None:
     for n in (4, 9):
         space = Space(family(body, n), body)
-        assert space.volumes.sum() == pytest.approx(body.area)
+        assert space.volumes.sum() == pytest.approx(body.measure)
         corners = space.mesh.p[:, space.mesh.t]
         sides = [np.linalg.norm(corners[:, i] - corners[:, j], axis=0) for i, j in ((0, 1), (1, 2), (0, 2))]
         assert (4 * np.sqrt(3) * space.volumes / np.sum(np.square(sides), axis=0)).min() > 0.3
 
 
 def test_unstructured_meshes_serve_any_polygon_and_structured_ones_refuse_it() -> None:
-    assert Space(Unstructured()(PENTAGON, 8), PENTAGON).volumes.sum() == pytest.approx(PENTAGON.area)
+    assert Space(Unstructured()(PENTAGON, 8), PENTAGON).volumes.sum() == pytest.approx(PENTAGON.measure)
     with pytest.raises(MeshError, match="5 corners"):
         OneDiagonal()(PENTAGON, 8)
 
@@ -59,7 +78,7 @@ def test_a_mesh_of_another_body_is_refused() -> None:
         Space(OneDiagonal()(unit_square(), 4), TURNED)
 
 
-@pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.name)
+@pytest.mark.parametrize("family", FOR_SQUARES, ids=lambda f: f.name)
 def test_the_matrix_of_a_form_is_the_one_scikit_fem_assembles(family) -> None:
     body, mu, lam = TURNED, 1.3, 0.7
     space = Space(family(body, 5), body)
@@ -78,7 +97,7 @@ def test_the_matrix_of_a_form_is_the_one_scikit_fem_assembles(family) -> None:
     assert abs(space.form(C) - expected).max() < 1e-12 * abs(expected).max()
 
 
-@pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.name)
+@pytest.mark.parametrize("family", FOR_SQUARES, ids=lambda f: f.name)
 def test_the_normal_displacement_at_contact_vertices_is_v_dot_nu_on_every_piece(family) -> None:
     space = Space(family(TURNED, 6), TURNED)
     rng = np.random.default_rng(3)
@@ -135,10 +154,111 @@ def test_split_cells_integrate_powers_of_the_distance_to_a_line(exponent: float)
     assert total == pytest.approx(1.5 * (1 - c) ** (exponent + 1) / (exponent + 1), rel=2e-4)
 
 
+@pytest.mark.parametrize("exponent", [-0.5, 0.5, 2.0])
+def test_a_line_may_have_any_direction(exponent: float) -> None:
+    """∫_Ω (direction·x − c)_+^e over the unit square, against the integral over the slices direction·x = const."""
+    direction, c = np.array([0.6, 0.8]), 0.55
+    total = 0.0
+    for rule in cell_rules(Shaken()(unit_square(), 6), 6, (Line((0.6, 0.8), c),)):
+        depth = np.tensordot(direction, rule.points, axes=1) - c
+        total += float(np.sum(np.where(depth > 0, np.where(depth > 0, depth, 1.0) ** exponent, 0.0) * rule.weights))
+    # The slice at distance r from the origin has a length linear in r between r = 0, 0.6, 0.8 and 1.4.
+    e, slices = exponent + 1, 0.0
+    for low, high, at_low, at_high in ((c, 0.6, c / 0.48, 1.25), (0.6, 0.8, 1.25, 1.25), (0.8, 1.4, 1.25, 0.0)):
+        slope = (at_high - at_low) / (high - low)
+        start = at_low + slope * (c - low)
+        powers = [(high - c) ** k - (low - c) ** k for k in (e, e + 1)]
+        slices += start * powers[0] / e + slope * powers[1] / (e + 1)
+    assert total == pytest.approx(slices, rel=1e-5)
+
+
+def test_a_line_needs_a_unit_direction() -> None:
+    with pytest.raises(MeshError, match="expected 1"):
+        Line((1.0, 1.0), 0.5)
+
+
+@pytest.mark.parametrize("exponent", [-1.0, -0.9, 0.0, 1.0])
+def test_cells_at_a_singular_point_integrate_powers_of_the_distance_to_it(exponent: float) -> None:
+    """∫ r^e over the triangle (0,0), (1,0), (1,1) is ∫_0^{π/4} (cos θ)^{−e−2} dθ/(e+2); twice this for the square."""
+    nodes, weights = np.polynomial.legendre.leggauss(30)
+    exact = 2 * float(np.sum(weights * np.cos(np.pi / 8 * (nodes + 1)) ** (-exponent - 2))) * np.pi / 8 / (exponent + 2)
+    (rule,) = cell_rules(OneDiagonal()(unit_square(), 1), 4, (), [(0.0, 0.0)])
+    assert np.sum(np.hypot(*rule.points) ** exponent * rule.weights) == pytest.approx(exact, rel=1e-12)
+    assert np.sum(np.prod(rule.points**2, axis=0) * rule.weights) == pytest.approx(1 / 9, rel=1e-12)
+    # With ordinary cells around them, their degree limits the accuracy.
+    rules = cell_rules(Unstructured()(unit_square(), 8), 6, (), [(0.0, 0.0)])
+    total = sum(float(np.sum(np.hypot(*rule.points) ** exponent * rule.weights)) for rule in rules)
+    assert total == pytest.approx(exact, rel=1e-5)
+
+
+def test_rough_places_that_no_rule_serves_are_refused() -> None:
+    mesh = OneDiagonal()(unit_square(), 4)
+    with pytest.raises(MeshError, match="not a vertex of the mesh"):
+        cell_rules(mesh, 4, (), [(0.3, 0.3)])
+    with pytest.raises(MeshError, match="two lines or points"):
+        cell_rules(mesh, 4, (Line((1.0, 0.0), 0.1),), [(0.0, 0.0)])
+    with pytest.raises(MeshError, match="two lines or points"):
+        cell_rules(mesh, 4, (Line((1.0, 0.0), 0.1), Line((0.0, 1.0), 0.1)))
+
+
+def test_graded_meshes_shrink_towards_their_points_and_keep_the_boundary() -> None:
+    """The cells at c have diameters of the order n^{-5/2}, those elsewhere 1/n."""
+    nearest, largest = [], []
+    for n in (16, 32, 64):
+        space = Space(Graded()(ANGLE, n), ANGLE)
+        assert space.volumes.sum() == pytest.approx(ANGLE.measure)
+        assert space.mesh.t.shape[1] == Unstructured()(ANGLE, n).t.shape[1]
+        distance = np.linalg.norm(space.mesh.p - 1, axis=0)
+        nearest.append(np.sort(distance)[1])
+        largest.append(np.sqrt(space.volumes.max()))
+    assert np.allclose(np.log2(np.divide(nearest[:-1], nearest[1:])), 2.5, atol=0.25)
+    assert np.allclose(np.log2(np.divide(largest[:-1], largest[1:])), 1, atol=0.2)
+
+
+def test_graded_meshes_differ_from_unstructured_ones_near_their_points_only() -> None:
+    plain, graded = Unstructured()(ANGLE, 16).p, Graded()(ANGLE, 16).p
+    moved = abs(graded - plain).max(axis=0) > 0
+    near = [np.linalg.norm(plain - np.array(c)[:, None], axis=0) < Graded().radius(ANGLE, c) for c in ANGLE.refine]
+    assert (moved <= np.any(near, axis=0)).all()
+    assert moved.any()
+    with pytest.raises(MeshError, match="list them in `refine`"):
+        Graded()(unit_square(), 8)
+
+
+@pytest.mark.parametrize("name", ["level", "slanted", "branching"])
+def test_every_family_that_serves_a_layered_body_respects_its_interfaces(name: str) -> None:
+    body = LAYERED[name]
+    served = [family for family in FAMILIES if family.serves(body)]
+    assert [family.name for family in served] == [
+        *(["one-diagonal", "criss-cross", "shaken"] if name == "level" else []),
+        "unstructured",
+        "graded",
+    ]
+    for family in served:
+        for n in (4, 12, 24):
+            space = Space(family(body, n), body)
+            for interface in body.interfaces:
+                sides = interface.coordinates(space.mesh.p[:, space.mesh.t])[1]
+                assert (sides.max(axis=0) * sides.min(axis=0) > -1e-9 * space.volumes).all(), family.name
+
+
+def test_shaken_vertices_slide_along_interfaces() -> None:
+    plain, shaken = (family(LAYERED["level"], 8).p for family in (OneDiagonal(), Shaken()))
+    on = np.flatnonzero(plain[1] == 0.25)[1:-1]
+    assert len(on) == 7
+    assert np.allclose(shaken[1, on], 0.25, rtol=0, atol=1e-15)
+    assert (shaken[0, on] != plain[0, on]).all()
+
+
+def test_a_mesh_that_crosses_an_interface_is_refused() -> None:
+    with pytest.raises(MeshError, match="edges of the mesh follow it"):
+        Space(OneDiagonal()(LAYERED["level"], 6), LAYERED["level"])
+
+
 def test_the_predicted_interpolation_error_is_the_measured_one_for_quadratics() -> None:
     """The leading term is the whole error as h → 0: ratio 1 + O(h²) on a smooth case."""
     solution = CASES["full-contact"].solution
-    for family in FAMILIES:
+    for family in FOR_SQUARES:
         gauge = Gauge(solution, Space(family(solution.body, 24), solution.body))
         sample = gauge.sample(1.0)
         assert gauge.distance(sample, sample.interpolant) == pytest.approx(

@@ -19,7 +19,7 @@ from manufactured.case import Case
 from manufactured.cases.laws import proportional
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
-from manufactured.profile import Piecewise, cutoff
+from manufactured.profile import QUARTIC, Piecewise, cutoff
 from manufactured.regularity import Regularity
 from manufactured.singular import SingularFace, SingularField, kolosov
 from manufactured.symbols import pos, s, t
@@ -40,7 +40,7 @@ def reentrant() -> Case:
     law = proportional(2.0)
     (part,) = body.of(Kind.CONTACT)
     c = Rational(3, 5) + t / 2
-    face = ContactFace.linear(part, law, body.T, pos(s - c, 4), 5 * pos(c - s, 2), c - s, profile=cutoff(0.9))
+    face = ContactFace.linear(part, law, body.T, pos(s - c, 4), 5 * pos(c - s, 2), c - s, profile=cutoff(0.9, QUARTIC))
     lam, omega = exponent(), 1.5 * np.pi
     x, y = kolosov(KAPPA, 1.0, -(np.cos(lam * omega) + lam * np.cos(omega)), lam)
     # The axis of symmetry points into the body.

@@ -1,7 +1,7 @@
 """The whole face lifts off and lands again, with a jump of the velocity.
 
     w = 40 (t − t_1)_+² (t_2 − t)_+,   t_1 = 3/10, t_2 = 7/10
-    p = 150 (1 + 4x(1 − x)) (t_1 − t)_+² + [a·40 (t_2 − t_1)² + 60 (t − t_2) (1 + 4x(1 − x))] H(t − t_2)
+    p = 3000 t (1 + 4x(1 − x)) (t_1 − t)_+² + [a·40 (t_2 − t_1)² + 60 (t − t_2) (1 + 4x(1 − x))] H(t − t_2)
 
 on the unit square, A without lateral contraction (λ_A = 0, a = 2). At the landing u̇ jumps by
 −ẇ(t_2^−) (1 − y) n. For this A that is an elastic state with no forces but the pressure a ẇ(t_2^−) on
@@ -30,7 +30,7 @@ def case() -> Case:
     swell = 1 + 4 * s * (1 - s)
     gap = 40 * pos(t - LIFT, 2) * pos(LAND - t, 1)
     impact = 2 * 40 * (LAND - LIFT) ** 2
-    pressure = 150 * swell * pos(LIFT - t, 2) + (impact + 60 * (t - LAND) * swell) * pos(t - LAND, 0)
+    pressure = 3000 * t * swell * pos(LIFT - t, 2) + (impact + 60 * (t - LAND) * swell) * pos(t - LAND, 0)
     face = ContactFace.linear(part, law, body.T, gap, pressure, (t - LIFT) * (t - LAND), profile=slab())
     return Case(
         name="lift-and-land",

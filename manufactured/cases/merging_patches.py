@@ -1,9 +1,10 @@
 """Two patches of contact are born, merge into one and part again; A and G are not proportional.
 
-    ψ = −1/50 + (16/25) t(1 − t) − 25 ((x − 1/4)(x − 7/10))²,   w = 3 (−ψ)_+^4,   p = 1500 ψ_+²
+    ψ = −1/50 + (2/5) t(1 − t) − h(x),   h = 16 ((x − 1/4)(x − 7/10))²,
+    w = 8 (1/4 + 3t(1 − t)) (−ψ)_+^4 / (1/5 − ψ)³,   p = 3000 ψ_+²
 
-on the unit square. The patches are born at x = 1/4 and x = 7/10, touch each other at x = 19/40 when
-ψ(19/40) = 0, at t ≈ 0.16, and come apart again at t ≈ 0.84: the number of fronts goes 0, 4, 2, 4, 0.
+on the unit square. The patches are born at x = 1/4 and x = 7/10, merge into one and come apart again: the
+number of fronts goes 0, 4, 2, 4, 0. The denominator flattens the gap away from the fronts.
 """
 
 from sympy import Rational
@@ -21,8 +22,10 @@ def case() -> Case:
     body = unit_square()
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
-    level = -Rational(1, 50) + Rational(16, 25) * t * (1 - t) - 25 * ((s - Rational(1, 4)) * (s - Rational(7, 10))) ** 2
-    face = ContactFace.linear(part, law, body.T, 3 * pos(-level, 4), 1500 * pos(level, 2), level)
+    landscape = 16 * ((s - Rational(1, 4)) * (s - Rational(7, 10))) ** 2
+    level = -Rational(1, 50) + Rational(2, 5) * t * (1 - t) - landscape
+    gap = 8 * (Rational(1, 4) + 3 * t * (1 - t)) * pos(-level, 4) / (Rational(1, 5) - level) ** 3
+    face = ContactFace.linear(part, law, body.T, gap, 3000 * pos(level, 2), level)
     return Case(
         name="merging-patches",
         summary="two patches are born, merge, part again and vanish",

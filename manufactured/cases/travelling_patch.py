@@ -1,9 +1,9 @@
 """A contact patch that is born, travels and vanishes; A and G are not proportional.
 
-    ψ = (4/9)(t − 1/8)(7/8 − t) − (x − b(t))²,   b(t) = 3/10 + 2t/5
-    w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 8000 ψ_+²,   q(0) = 0
+    ψ = (3/4)(t − 1/8)(7/8 − t) − (x − b(t))²,   b(t) = 3/10 + 2t/5
+    w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 3000 ψ_+²,   q(0) = 0
 
-on the unit square. The patch is born at t = 1/8, grows to the half-width 1/4, travels from left to
+on the unit square. The patch is born at t = 1/8, grows to the half-width 0.32, travels from left to
 right and vanishes at t = 7/8. Its fronts start and end with infinite speed. The gap is
 largest in between, so that the error is worst while the zone moves.
 """
@@ -24,9 +24,9 @@ def case() -> Case:
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
     b = Rational(3, 10) + 2 * t / 5
-    level = Rational(4, 9) * (t - Rational(1, 8)) * (Rational(7, 8) - t) - (s - b) ** 2
+    level = Rational(3, 4) * (t - Rational(1, 8)) * (Rational(7, 8) - t) - (s - b) ** 2
     gap = 60 * (Rational(1, 4) + 3 * t * (1 - t)) * pos(-level, 4)
-    pressure = 8000 * pos(level, 2)
+    pressure = 3000 * pos(level, 2)
     return Case(
         name="travelling-patch",
         summary="patch is born at t = 1/8, travels, vanishes at t = 7/8",
@@ -34,4 +34,5 @@ def case() -> Case:
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by Prop. 5.4",
+        pace=10,
     )

@@ -5,25 +5,17 @@ Nothing here passes through the quadrature of strains or the norm of the measure
 
 from __future__ import annotations
 
+from itertools import combinations
+
 import numpy as np
 
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
-from manufactured.tensors import Array, full, mandel
-from study.fem.gauge import FACET_POINTS, rough_lines
-from study.fem.quadrature import cell_rules, facet_rule
+from manufactured.tensors import Array, Points, full, mandel
+from study.fem.gauge import FACET_POINTS, rules
+from study.fem.mesh import barycentric_gradients
+from study.fem.quadrature import facet_rule, simplex_rule
 from study.fem.space import Space
-
-EDGES = ((0, 1), (0, 2), (1, 2))
-MIDPOINTS = ((0.5, 0.5, 0.0), (0.5, 0.0, 0.5), (0.0, 0.5, 0.5))
-"""Barycentric coordinates of the edge midpoints, whose mean is exact for quadratics."""
-
-
-def barycentric_gradients(corners: Array) -> Array:
-    """∇λ_i on triangles: (d, 3, cells) → (3, cells, d)."""
-    sides = np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)
-    inverse = np.linalg.inv(sides)
-    return np.stack([-inverse.sum(axis=1), inverse[:, 0], inverse[:, 1]])
 
 
 def load_from_forces(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
@@ -33,11 +25,12 @@ def load_from_forces(solution: ExactSolution, space: Space, time: float, degree:
     """
     mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
-    for rule in cell_rules(mesh, degree, rough_lines(solution)):
+    gradients = barycentric_gradients(mesh)
+    for rule in rules(solution, mesh, degree):
         force = solution.at(rule.points).body_force(time) * rule.weights
         corners = mesh.p[:, mesh.t[:, rule.cells]]
         offset = rule.points - corners[:, :1].swapaxes(1, 2)
-        shapes = np.einsum("ind,dnq->inq", barycentric_gradients(corners), offset)
+        shapes = np.einsum("nid,dnq->inq", gradients[rule.cells], offset)
         shapes[0] += 1
         nodal += space.scatter(mesh.t[:, rule.cells], np.einsum("dnq,inq->din", force, shapes))
     for part in space.body.of(Kind.LOADED):
@@ -51,25 +44,34 @@ def predicted_interpolation(solution: ExactSolution, space: Space, time: float) 
     """‖u − Π^h u‖_V to leading order, from second derivatives of u at the centres of the cells.
 
     On a cell the interpolation error of a quadratic with Hessian H is −½ Σ_{i<j} λ_i λ_j l_ijᵀ H l_ij,
-    l_ij the edge from vertex i to j, so its gradient is linear and its energy exact by the
-    edge-midpoint rule.
+    l_ij the edge from vertex i to j, so its gradient is linear and its energy exact by a rule of degree 2.
 
     Source: J. R. Shewchuk, What is a good linear finite element?, 2002, for the error function.
     """
     corners = space.mesh.p[:, space.mesh.t]
-    strains = solution.at(corners.mean(axis=1)).strain_gradient(time)
-    gradient = np.stack([full(strains[:, k]) for k in range(space.dim)], axis=2)
-    # u_k,ij = ε_ki,j + ε_kj,i − ε_ij,k, with gradient[i, j, k] = ε_ij,k.
-    hessian = gradient + gradient.swapaxes(1, 2) - np.moveaxis(gradient, 2, 0)
-    edges = [corners[:, j] - corners[:, i] for i, j in EDGES]
+    hessian = _hessian(solution, corners.mean(axis=1), time)
+    pairs = list(combinations(range(space.dim + 1), 2))
+    edges = [corners[:, j] - corners[:, i] for i, j in pairs]
     bend = [np.einsum("ic,kijc,jc->kc", edge, hessian, edge) / 2 for edge in edges]
-    slopes = barycentric_gradients(corners)
+    slopes = barycentric_gradients(space.mesh)
+    barycentric, weights = simplex_rule(space.dim, 2)
     total = 0.0
-    for place in MIDPOINTS:
-        error = -sum(
-            np.einsum("kc,cd->kdc", b, place[i] * slopes[j] + place[j] * slopes[i])
-            for (i, j), b in zip(EDGES, bend, strict=True)
+    for place, weight in zip(barycentric.T, weights, strict=True):
+        error = -np.sum(
+            [
+                np.einsum("kc,cd->kdc", b, place[i] * slopes[:, j] + place[j] * slopes[:, i])
+                for (i, j), b in zip(pairs, bend, strict=True)
+            ],
+            axis=0,
         )
         strain = mandel(error)
-        total += float(np.sum(solution.law.A(strain) * strain * space.volumes)) / len(MIDPOINTS)
+        stress = solution.law.A.at(np.tensordot(corners, place, axes=([1], [0])))(strain)
+        total += weight * float(np.sum(stress * strain * space.volumes))
     return float(np.sqrt(total))
+
+
+def _hessian(solution: ExactSolution, x: Points, time: float) -> Array:
+    """∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, indices (k, i, j), (d, d, d, ...)."""
+    strains = solution.at(x).strain_gradient(time)
+    gradient = np.stack([full(strains[:, k]) for k in range(len(x))], axis=2)
+    return gradient + gradient.swapaxes(1, 2) - np.moveaxis(gradient, 2, 0)

@@ -1,21 +1,24 @@
-"""Families of triangulations of a polygonal body, and the check that they fit its boundary parts.
+"""Families of triangulations of a body of any dimension, and the check that they fit its boundary parts.
 
 A family turns a body and a level n into a mesh with about n cells along a side. None of them knows
 where a contact zone begins or ends; every point where the boundary condition changes must be a
-vertex (source, before (5.23)), otherwise the mesh is refused.
+vertex (source, before (5.23)), and every interface a union of facets, otherwise the mesh is refused.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import pairwise, permutations
+from math import factorial
 from typing import Protocol
 
 import numpy as np
 from scipy.spatial import Delaunay
-from skfem import MeshTri
+from skfem import Mesh, MeshTet, MeshTri
 
-from manufactured.body import Body, Part
-from manufactured.tensors import Array
+from manufactured.body import Body, Kind, Part
+from manufactured.tensors import Array, Points
 
 
 class MeshError(ValueError):
@@ -33,22 +36,23 @@ class MeshFamily(Protocol):
 
     def serves(self, body: Body) -> bool: ...
 
-    def __call__(self, body: Body, n: int) -> MeshTri: ...
+    def __call__(self, body: Body, n: int) -> Mesh: ...
 
 
 @dataclass(frozen=True)
 class OneDiagonal:
-    """n × n quadrilaterals, each cut by the same diagonal."""
+    """n^d parallelepipeds, each cut into d! simplices along the same diagonal.
+
+    Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
+    """
 
     name: str = "one-diagonal"
 
     def serves(self, body: Body) -> bool:
-        return _is_quadrilateral(body)
+        return _has_grids(body)
 
-    def __call__(self, body: Body, n: int) -> MeshTri:
-        points = _map(body, _square(n))
-        a, b, c, d = _quadrilaterals(n)
-        return _mesh(points, np.hstack([[a, b, c], [a, c, d]]))
+    def __call__(self, body: Body, n: int) -> Mesh:
+        return _mesh(_map(body, _grid(n, body.dim)), _kuhn(n, body.dim))
 
 
 @dataclass(frozen=True)
@@ -58,11 +62,13 @@ class CrissCross:
     name: str = "criss-cross"
 
     def serves(self, body: Body) -> bool:
-        return _is_quadrilateral(body)
+        return body.dim == 2 and _has_grids(body)
 
-    def __call__(self, body: Body, n: int) -> MeshTri:
-        points = _map(body, _square(n))
-        a, b, c, d = _quadrilaterals(n)
+    def __call__(self, body: Body, n: int) -> Mesh:
+        _only_plane(self, body)
+        points = _map(body, _grid(n, 2))
+        a = _first_corners(n, 2)
+        b, c, d = a + 1, a + n + 2, a + n + 1
         centres = (points[:, a] + points[:, b] + points[:, c] + points[:, d]) / 4
         m = points.shape[1] + np.arange(n * n)
         return _mesh(np.hstack([points, centres]), np.hstack([[a, b, m], [b, c, m], [c, d, m], [d, a, m]]))
@@ -70,10 +76,11 @@ class CrissCross:
 
 @dataclass(frozen=True)
 class Shaken:
-    """One-diagonal meshes with every vertex moved by up to ``amplitude`` cells in each direction.
+    """One-diagonal meshes with every vertex moved by up to 2/d ``amplitude`` cells in each direction.
 
-    Vertices on the boundary slide along it; ends of parts stay. Levels are independent of each other,
-    so the meshes are neither nested nor symmetric.
+    Vertices slide in the faces, on the edges between parts and on the interfaces they lie on; corners
+    of parts stay. Levels are independent of each other, so the meshes are neither nested nor symmetric.
+    A simplex of the unit lattice keeps 1 − 4 ``amplitude`` of its volume at least, in every dimension.
     """
 
     seed: int = 2002
@@ -81,18 +88,27 @@ class Shaken:
     name: str = "shaken"
 
     def serves(self, body: Body) -> bool:
-        return _is_quadrilateral(body)
+        return _has_grids(body)
 
-    def __call__(self, body: Body, n: int) -> MeshTri:
+    def __call__(self, body: Body, n: int) -> Mesh:
         # Shaken before it is mapped, so that stretched bodies are shaken by cells, too.
-        plain = _square(n)
-        shift = np.random.default_rng([self.seed, n]).uniform(-1, 1, plain.shape) * self.amplitude / n
+        plain = _grid(n, body.dim)
+        amplitude = self.amplitude * 2 / body.dim
+        shift = np.random.default_rng([self.seed, n]).uniform(-1, 1, plain.shape) * amplitude / n
         shift[(plain == 0) | (plain == 1)] = 0
+        resting = _map(body, plain)
+        ends = [*body.vertices.T]
+        for line in _lines(body):
+            ends += [*line.T]
+            on = np.flatnonzero(_on_segment(resting, line))
+            if on.size > 1:
+                along = plain[:, on[-1]] - plain[:, on[0]]
+                along /= np.linalg.norm(along)
+                shift[:, on] = np.multiply.outer(along, along @ shift[:, on])
         points = _map(body, plain + shift)
-        ends = np.linalg.norm(_map(body, plain)[:, :, None] - body.vertices[:, None, :], axis=0).argmin(axis=0)
-        points[:, ends] = _map(body, plain)[:, ends]
-        a, b, c, d = _quadrilaterals(n)
-        return _mesh(points, np.hstack([[a, b, c], [a, c, d]]))
+        fixed = [np.linalg.norm(resting - end[:, None], axis=0).argmin() for end in ends]
+        points[:, fixed] = resting[:, fixed]
+        return _mesh(points, _kuhn(n, body.dim))
 
 
 @dataclass(frozen=True)
@@ -101,7 +117,8 @@ class Unstructured:
 
     Points start on a jittered triangular lattice and are moved to the area-weighted mean of the
     centroids of the cells around them, ``sweeps`` times (Lloyd's iteration in the form of Du,
-    Faber, Gunzburger, SIAM Review 41 (1999) 637–676, with centroids of the star).
+    Faber, Gunzburger, SIAM Review 41 (1999) 637–676, with centroids of the star). Points on the
+    boundary and on interfaces are evenly spaced and stay.
     """
 
     seed: int = 2002
@@ -109,11 +126,16 @@ class Unstructured:
     name: str = "unstructured"
 
     def serves(self, body: Body) -> bool:
-        return True
+        return body.dim == 2
 
-    def __call__(self, body: Body, n: int) -> MeshTri:
+    def __call__(self, body: Body, n: int) -> Mesh:
+        _only_plane(self, body)
         spacing = 1.15 * np.sqrt(body.measure) / n
-        fixed = np.hstack([_divide(part, spacing) for part in body.parts])
+        fixed = np.hstack(
+            [_divide(part, spacing, _stops(part, body)) for part in body.parts]
+            # The start of an interface lies on the boundary.
+            + [_divide(interface, spacing, _stops(interface, body))[:, 1:] for interface in body.interfaces]
+        )
         free = self._lattice(body, spacing, np.random.default_rng([self.seed, n]))
         points = np.hstack([fixed, free])
         for _ in range(self.sweeps):
@@ -130,63 +152,217 @@ class Unstructured:
         points = np.vstack([x.ravel(), y.ravel()])
         points += rng.uniform(-0.3, 0.3, points.shape) * spacing
         keep = body.contains(points)
-        for part in body.parts:
+        for part in (*body.parts, *body.interfaces):
             s, depth = part.coordinates(points)
             near = (s[0] > -spacing) & (s[0] < part.measure + spacing) & (abs(depth) < 0.55 * spacing)
             keep &= ~near
         return points[:, keep]
 
 
-FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured())
+@dataclass(frozen=True)
+class Graded:
+    """Unstructured meshes drawn towards the points c of ``body.refine``.
+
+    x ↦ c + (x − c)(|x − c|/R)^{e−1} for |x − c| < R makes cells of the size h ϱ^{1−1/e} at the distance ϱ from c and
+    h^e at c itself. P1 functions then approximate |x − c|^λ in H¹ with the order 1 if 1/e < λ: e = 5/2 serves the
+    exponents λ ≥ 1/2 of re-entrant corners and of changes of the boundary condition.
+
+    Sources: I. Babuška, R. B. Kellogg, J. Pitkäranta, Direct and inverse error estimates for finite elements with
+    mesh refinements, Numer. Math. 33 (1979) 447–471; T. Apel, Anisotropic finite elements: local estimates and
+    applications, Teubner 1999.
+    """
+
+    exponent: float = 2.5
+    reach: float = 0.5
+    name: str = "graded"
+
+    def serves(self, body: Body) -> bool:
+        return body.dim == 2 and len(body.refine) > 0
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        if not self.serves(body):
+            raise MeshError(
+                "a graded mesh needs a 2D body with points to refine towards; list them in `refine`, "
+                "or use the unstructured family"
+            )
+        mesh = Unstructured()(body, n)
+        points = mesh.p.copy()
+        for point in body.refine:
+            centre, radius = np.array(point)[:, None], self.radius(body, point)
+            share = np.linalg.norm(mesh.p - centre, axis=0) / radius
+            inside = share < 1
+            points[:, inside] = centre + (mesh.p - centre)[:, inside] * share[inside] ** (self.exponent - 1)
+        if (_determinants(points, mesh.t) * _determinants(mesh.p, mesh.t) <= 0).any():
+            raise MeshError(f"grading turns cells over at the level {n}; take a finer one")
+        return _mesh(points, mesh.t)
+
+    def radius(self, body: Body, point: tuple[float, ...]) -> float:
+        """R = ``reach`` × the distance to the parts and interfaces that c is not on, and to other points."""
+        centre = np.array(point)
+        tolerance = 1e-8 * np.sqrt(body.measure)
+        lines = [part for part in (*body.parts, *body.interfaces) if not part.contains(centre, tolerance)]
+        distances = [_distance(centre[:, None], part.corners)[0] for part in lines]
+        distances += [np.linalg.norm(centre - other) for other in body.refine if other != point]
+        return self.reach * float(min(distances))
 
 
-def _is_quadrilateral(body: Body) -> bool:
-    """Four corners, all convex: the bilinear map of the square is then one-to-one."""
+FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured(), Graded())
+
+
+def _only_plane(family: MeshFamily, body: Body) -> None:
+    if body.dim != 2:
+        raise MeshError(f"the family {family.name} meshes 2D bodies, got dimension {body.dim}; use one-diagonal")
+
+
+def _has_grids(body: Body) -> bool:
+    """Whether a grid of the unit cube can be mapped onto the body so that its lines follow the interfaces."""
+    images = _images(body)
+    return images is not None and all(_is_grid_line(images, interface) for interface in body.interfaces)
+
+
+def _is_grid_line(images: Points, interface: Part) -> bool:
+    """Whether an interface joins two opposite sides of a quadrilateral, dividing both in the same ratio."""
+    for low, high in ((images[:, :2], images[:, 2:]), (images[:, ::2], images[:, 1::2])):
+        for ends in (interface.corners, interface.corners[:, ::-1]):
+            shares = [_nearest(ends[:, [i]], side) for i, side in enumerate((low, high))]
+            if abs(shares[0] - shares[1]) < 1e-9 and all(
+                _on_segment(ends[:, [i]], side) for i, side in enumerate((low, high))
+            ):
+                return True
+    return False
+
+
+def _images(body: Body) -> Points | None:
+    """Images (d, 2^d) of the corners of the unit cube, the first axis fastest, under a map onto the body.
+
+    The map is linear in every coordinate and one-to-one: the body is a convex quadrilateral or a
+    parallelepiped. None if it is neither.
+    """
+    return _quadrilateral(body) if body.dim == 2 else _parallelepiped(body)
+
+
+def _quadrilateral(body: Body) -> Points | None:
     corners = body.corners
     if corners.shape[1] != 4:
-        return False
+        return None
     sides = np.roll(corners, -1, axis=1) - corners
     following = np.roll(sides, -1, axis=1)
-    return bool((sides[0] * following[1] - sides[1] * following[0] > 0).all())
+    convex = (sides[0] * following[1] - sides[1] * following[0] > 0).all()
+    return corners[:, [0, 1, 3, 2]] if convex else None
 
 
-def _square(n: int) -> Array:
-    """Vertices of the n × n grid on the unit square, row by row, (2, (n+1)²)."""
-    x, y = (v.ravel() for v in np.meshgrid(np.linspace(0, 1, n + 1), np.linspace(0, 1, n + 1)))
-    return np.array([x, y])
+def _parallelepiped(body: Body) -> Points | None:
+    corners, tolerance = body.corners, 1e-9 * float(np.ptp(body.vertices, axis=1).max())
+    if corners.shape[1] != 8:
+        return None
+    first = corners[:, :1]
+    normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
+    normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
+    if len(normals) != 3:
+        return None
+    # An edge runs from the first corner to the only other one in the planes of two faces.
+    off = abs(normals @ (corners - first)) > tolerance
+    ends = [np.flatnonzero(~np.delete(off, k, axis=0).any(axis=0))[1:] for k in range(3)]
+    if any(end.size != 1 for end in ends):
+        return None
+    edges = (corners - first)[:, [int(end[0]) for end in ends]]
+    if np.linalg.det(edges) < 0:
+        edges = edges[:, [1, 0, 2]]
+    images = first + edges @ _grid(1, 3)
+    return images if _fill(images, body, tolerance) else None
 
 
-def _map(body: Body, reference: Array) -> Array:
-    """The bilinear map of the unit square onto a quadrilateral body, (2, ...) → (2, ...)."""
-    if not _is_quadrilateral(body):
-        raise MeshError(
-            f"a structured mesh needs a convex quadrilateral, this body has {body.corners.shape[1]} corners; "
-            "use the unstructured family"
-        )
-    x, y = reference
-    return body.corners @ np.array([(1 - x) * (1 - y), x * (1 - y), x * y, (1 - x) * y])
+def _fill(images: Points, body: Body, tolerance: float) -> bool:
+    """Whether a parallelepiped is the body."""
+    apart = np.linalg.norm(images[:, :, None] - body.corners[:, None, :], axis=0)
+    volume = np.linalg.det(images[:, [1, 2, 4]] - images[:, :1])
+    return bool(apart.min(axis=1).max() <= tolerance and abs(volume - body.measure) <= 1e-9 * volume)
 
 
-def _quadrilaterals(n: int) -> tuple[Array, Array, Array, Array]:
-    """Counter-clockwise corners of the n² cells of the grid."""
-    i, j = (v.ravel() for v in np.meshgrid(np.arange(n), np.arange(n)))
-    a = j * (n + 1) + i
-    return a, a + 1, a + n + 2, a + n + 1
+def _map(body: Body, reference: Points) -> Points:
+    """The map of the unit cube onto the body that is linear in every coordinate, (d, ...) → (d, ...)."""
+    images = _images(body)
+    if images is None:
+        wanted = "convex quadrilateral" if body.dim == 2 else "parallelepiped"
+        mend = "use the unstructured family" if body.dim == 2 else "no family meshes other polyhedra"
+        raise MeshError(f"a structured mesh needs a {wanted}, this body has {body.corners.shape[1]} corners; {mend}")
+    shapes = np.ones((1, *reference.shape[1:]))
+    for x in reference:
+        shapes = np.concatenate([shapes * (1 - x), shapes * x])
+    return images @ shapes
 
 
-def _divide(part: Part, spacing: float) -> Array:
-    """Evenly spaced points of a part from its start, without its end."""
-    count = max(1, round(part.measure / spacing))
-    return part.point((np.arange(count) * part.measure / count)[None])
+def _grid(n: int, dim: int) -> Points:
+    """Vertices of the grid of n^d cubes on the unit cube, the first axis fastest, (d, (n+1)^d)."""
+    return np.array([x.ravel("F") for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * dim, indexing="ij")])
+
+
+def _first_corners(n: int, dim: int) -> Array:
+    """The vertices of the grid at the lowest corners of the n^d cubes, the first axis fastest."""
+    steps = (n + 1) ** np.arange(dim)
+    return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
+
+
+def _kuhn(n: int, dim: int) -> Array:
+    """Positively oriented simplices of the grid, (d+1, d! n^d): paths from corner to corner along the axes."""
+    first, steps = _first_corners(n, dim), (n + 1) ** np.arange(dim)
+    cells = []
+    for order in permutations(range(dim)):
+        path = np.concatenate([[0], np.cumsum(steps[list(order)])])
+        if np.linalg.det(np.eye(dim)[list(order)]) < 0:
+            path[[-2, -1]] = path[[-1, -2]]
+        cells.append(first + path[:, None])
+    return np.hstack(cells)
+
+
+def _lines(body: Body) -> Iterator[Array]:
+    """Segments (d, 2) that meshes have to keep: edges of parts in 3D, interfaces in 2D."""
+    if body.dim == 3:
+        for part in body.parts:
+            yield from (part.corners[:, [i - 1, i]] for i in range(part.corners.shape[1]))
+    yield from (interface.corners for interface in body.interfaces)
+
+
+def _nearest(points: Points, segment: Array) -> Array:
+    """Where on a segment (d, 2), from 0 at its start to 1, the nearest points to others (d, n) lie, (n,)."""
+    along = segment[:, 1] - segment[:, 0]
+    return np.clip(along @ (points - segment[:, :1]) / (along @ along), 0, 1)
+
+
+def _distance(points: Points, segment: Array) -> Array:
+    """Distances of points (d, n) to a segment (d, 2), (n,)."""
+    foot = segment[:, :1] + np.multiply.outer(segment[:, 1] - segment[:, 0], _nearest(points, segment))
+    return np.linalg.norm(points - foot, axis=0)
+
+
+def _on_segment(points: Points, segment: Array) -> Array:
+    return _distance(points, segment) <= 1e-9 * np.linalg.norm(segment[:, 1] - segment[:, 0])
+
+
+def _stops(part: Part, body: Body) -> list[float]:
+    """Coordinates inside a part at which an interface ends."""
+    ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
+    tolerance = 1e-9 * part.measure
+    found = sorted(float(part.coordinates(end)[0][0]) for end in ends if part.contains(end, tolerance))
+    inner = [s for s in found if tolerance < s < part.measure - tolerance]
+    return [s for i, s in enumerate(inner) if i == 0 or s - inner[i - 1] > tolerance]
+
+
+def _divide(part: Part, spacing: float, stops: list[float]) -> Array:
+    """Points of a part from its start, without its end, evenly spaced between its ends and stops."""
+    pieces = []
+    for low, high in pairwise([0.0, *stops, part.measure]):
+        count = max(1, round((high - low) / spacing))
+        pieces.append(low + np.arange(count) * (high - low) / count)
+    return part.point(np.concatenate(pieces)[None])
 
 
 def _delaunay(body: Body, points: Array) -> Array:
     """Cells of the Delaunay triangulation that lie in Ω, (3, cells)."""
     cells = Delaunay(points.T).simplices.T
-    a, b, c = (points[:, v] for v in cells)
-    area = ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0]) / 2
+    area = abs(_determinants(points, cells)) / 2
     # Rounding may leave slivers between points of one straight part; they are not cells of Ω.
-    keep = (abs(area) > 1e-6 * abs(area).mean()) & body.contains((a + b + c) / 3)
+    keep = (area > 1e-6 * area.mean()) & body.contains(points[:, cells].mean(axis=1))
     return cells[:, keep]
 
 
@@ -200,57 +376,98 @@ def _star_centroids(points: Array, cells: Array) -> Array:
     return np.array(moments) / np.maximum(weight, np.finfo(float).tiny)
 
 
-def boundary_parts(mesh: MeshTri, body: Body) -> list[Array]:
+def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     """The facets of the mesh on each part of the body, in the order of ``body.parts``.
 
     Raises:
-        MeshError: an end of a part is not a vertex, or the facets do not cover the part exactly.
+        MeshError: a corner of a part is not a vertex, the facets do not cover a part exactly, or an
+            interface is not a union of facets.
     """
-    tolerance = 1e-8 * np.sqrt(body.measure)
+    if mesh.dim() != body.dim:
+        raise MeshError(f"a mesh of dimension {mesh.dim()} was given for a body of dimension {body.dim}")
+    length = body.measure ** (1 / body.dim)
+    tolerance = 1e-8 * length
     total = cell_volumes(mesh).sum()
-    if abs(total - body.measure) > tolerance * np.sqrt(body.measure):
+    if abs(total - body.measure) > 1e-8 * body.measure:
+        what = "area" if body.dim == 2 else "volume"
         raise MeshError(
-            f"the cells cover {total:.9g}, the body has the area {body.measure:.9g}: cells overlap or are missing"
+            f"the cells cover {total:.9g}, the body has the {what} {body.measure:.9g}: cells overlap or are missing"
         )
     facets = mesh.boundary_facets()
-    ends = mesh.facets[:, facets]
-    for part in body.parts:
-        distance = np.linalg.norm(mesh.p[:, np.unique(ends)] - part.start[:, None], axis=0).min()
+    border = mesh.p[:, np.unique(mesh.facets[:, facets])]
+    mend = "take a level at which it is" + (", or the unstructured family" if body.dim == 2 else "")
+    for vertex in body.vertices.T:
+        distance = np.linalg.norm(border - vertex[:, None], axis=0).min()
         if distance > tolerance:
             raise MeshError(
-                f"the boundary condition changes at {part.start.tolist()}, which is not a vertex of the mesh "
-                f"(the nearest is {distance:.3g} away); take a level at which it is, or the unstructured family"
+                f"the boundary condition changes at {vertex.tolist()}, which is not a vertex of the mesh "
+                f"(the nearest is {distance:.3g} away); {mend}"
             )
-    found = []
-    for part in body.parts:
-        on = part.contains(mesh.p, tolerance)
-        mine = facets[on[ends].all(axis=0)]
-        covered = np.linalg.norm(mesh.p[:, mesh.facets[0, mine]] - mesh.p[:, mesh.facets[1, mine]], axis=0).sum()
-        if abs(covered - part.measure) > tolerance:
-            raise MeshError(
-                f"facets of total length {covered:.9g} lie on the part {part.kind.value} from {part.start.tolist()} "
-                f"to {part.end.tolist()}, whose length is {part.measure:.9g}: the mesh is not one of this body"
-            )
-        found.append(mine)
+    found = [_covering(mesh, facets, part, length) for part in body.parts]
     if sum(map(len, found)) != len(facets):
         raise MeshError(f"{len(facets) - sum(map(len, found))} boundary facets lie on no part of the body")
+    for interface in body.interfaces:
+        _covering(mesh, np.arange(mesh.facets.shape[1]), interface, length)
     return found
 
 
-def size(mesh: MeshTri) -> float:
-    """h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit square.
+def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
+    """Those of some facets that lie on a part; MeshError if they do not cover it."""
+    on = part.contains(mesh.p, 1e-8 * length)
+    mine = facets[on[mesh.facets[:, facets]].all(axis=0)]
+    covered = facet_measures(mesh, mine).sum()
+    if abs(covered - part.measure) > 1e-8 * length ** (mesh.dim() - 1):
+        what = "length" if mesh.dim() == 2 else "area"
+        mend = (
+            "take a level at which edges of the mesh follow it, or the unstructured family"
+            if part.kind is Kind.INTERFACE
+            else "the mesh is not one of this body, or its facets do not end where the part does"
+        )
+        raise MeshError(
+            f"facets of total {what} {covered:.9g} lie on the part {part.kind.value} with the corners "
+            f"{part.corners.T.tolist()}, whose {what} is {part.measure:.9g}: {mend}"
+        )
+    return mine
+
+
+def size(mesh: Mesh) -> float:
+    """h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
 
     In a quasi-uniform family it is equivalent to the largest diameter, whose random part on shaken
     meshes would otherwise bend every observed order.
     """
-    return float((2 * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** 0.5)
+    return float((factorial(mesh.dim()) * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** (1 / mesh.dim()))
 
 
-def cell_volumes(mesh: MeshTri) -> Array:
+def cell_volumes(mesh: Mesh) -> Array:
     """|T| of every cell, (cells,)."""
-    a, b, c = (mesh.p[:, v] for v in mesh.t)
-    return abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0]) / 2
+    return abs(_determinants(mesh.p, mesh.t)) / factorial(mesh.dim())
 
 
-def _mesh(points: Array, cells: Array) -> MeshTri:
-    return MeshTri(np.ascontiguousarray(points), np.ascontiguousarray(cells))
+def facet_measures(mesh: Mesh, facets: Array) -> Array:
+    """Lengths or areas of some facets, (n,): the root of Gram's determinant over (d−1)!."""
+    edges = _edges(mesh.p, mesh.facets[:, facets])
+    gram = edges @ edges.swapaxes(1, 2)
+    return np.sqrt(np.linalg.det(gram)) / factorial(mesh.dim() - 1)
+
+
+def barycentric_gradients(mesh: Mesh) -> Array:
+    """∇λ_i on every cell, (cells, d+1, d)."""
+    inverse = np.linalg.inv(_edges(mesh.p, mesh.t)).swapaxes(1, 2)
+    return np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
+
+
+def _edges(points: Points, simplices: Array) -> Array:
+    """The edges from the first vertex of simplices (k+1, n), (n, k, d)."""
+    corners = points[:, simplices]
+    return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0).swapaxes(1, 2)
+
+
+def _determinants(points: Points, cells: Array) -> Array:
+    """d! times the signed volume of cells, (cells,)."""
+    return np.linalg.det(_edges(points, cells))
+
+
+def _mesh(points: Points, cells: Array) -> Mesh:
+    kind = MeshTri if len(points) == 2 else MeshTet
+    return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))

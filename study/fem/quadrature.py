@@ -1,26 +1,28 @@
-"""Quadrature on the cells of a mesh and on its contact facets, split where the solution is rough.
+"""Quadrature on the cells of a mesh and on its contact facets, adapted to where the solution is rough.
 
-Cells crossed by a line along which the exact strain is singular or kinked for all times are cut
-along it, and the rule is graded towards it; all others carry a standard rule.
+Cells crossed by a line along which the exact strain is singular or kinked for all times are cut along it, and the
+rule is graded towards it; cells at a singular point carry Duffy's rule, graded towards the point; all others a
+standard rule.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 
 import numpy as np
-from skfem import MeshTri
+from skfem import Mesh
 from skfem.quadrature import get_quadrature
-from skfem.refdom import RefTri
+from skfem.refdom import RefTet, RefTri
 
 from manufactured.body import Part
 from manufactured.tensors import Array, Points
-from study.fem.mesh import MeshError, cell_volumes
+from study.fem.mesh import MeshError, cell_volumes, facet_measures
 
 GRADING = 8
 """s = c + L ξ^8 turns (s − c)^{2(α−2)}, α > 3/2, into a power of ξ of 0 or more."""
-
 
 TOUCHING = 1e-9
 """Relative distance below which a vertex lies on a line."""
@@ -28,10 +30,22 @@ TOUCHING = 1e-9
 
 @dataclass(frozen=True)
 class Line:
-    """The line {x : direction·x = offset} (a plane in 3D) along which a strain is rough."""
+    """The line {x : direction·x = offset} along which a strain is rough, in 2D; the direction is a unit vector.
+
+    Raises:
+        MeshError: it is not.
+    """
 
     direction: tuple[float, ...]
     offset: float
+
+    def __post_init__(self) -> None:
+        length = float(np.linalg.norm(self.direction))
+        if abs(length - 1) > TOUCHING:
+            raise MeshError(
+                f"the direction {self.direction} of a line has the length {length:.9g}, expected 1; "
+                "divide it and the offset by its length"
+            )
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,41 +63,110 @@ class CellRule:
     weights: Array
 
 
-def cell_rules(mesh: MeshTri, degree: int, lines: tuple[Line, ...], block: int = 4096) -> list[CellRule]:
+def cell_rules(
+    mesh: Mesh, degree: int, lines: Sequence[Line], points: Sequence[tuple[float, ...]] = (), *, block: int = 4096
+) -> list[CellRule]:
     """Rules that cover every cell once, in blocks of cells that fit a cache.
 
-    The degree is that of the rule on ordinary cells; split cells have enough points for the same
-    accuracy away from the line.
+    The degree is that of the rule on ordinary cells; cells at a line or at a point have enough points
+    for the same accuracy away from it.
+
+    Args:
+        mesh: the mesh.
+        degree: up to 8 in 3D, 19 in 2D.
+        lines: where the integrand is rough, in 2D.
+        points: vertices of the mesh at which the integrand is singular, in 2D.
+        block: most ordinary cells in one rule.
 
     Raises:
-        MeshError: two lines meet one cell.
+        MeshError: two lines or points meet one cell, a point is no vertex, or either is given in 3D.
     """
-    crossed = np.zeros(mesh.t.shape[1], dtype=bool)
+    if mesh.dim() != 2 and (lines or points):
+        raise MeshError("cells are cut and graded in 2D only; a 3D solution may have no rough lines and points")
+    special = [(_touching(mesh, line), partial(_split, mesh, line=line, degree=degree)) for line in lines]
+    special += [(_around(mesh, point), partial(_fan, mesh, point=point, degree=degree)) for point in points]
+    ordinary = np.ones(mesh.t.shape[1], dtype=bool)
     rules = []
-    for line in lines:
-        distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
-        # Cells that touch the line with an edge or a vertex are singular there too.
-        near = TOUCHING * (distance.max(axis=0) - distance.min(axis=0))
-        meets = (distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near)
-        if (meets & crossed).any():
-            raise MeshError("a cell meets two lines along which the solution is rough; take a finer level")
-        here = np.flatnonzero(meets)
-        crossed[here] = True
-        if here.size:
-            rules.append(_split(mesh, here, line, degree))
-    regular = np.flatnonzero(~crossed)
-    reference, weights = get_quadrature(RefTri, degree)
-    barycentric = np.vstack([1 - reference.sum(axis=0), reference])
+    for cells, rule in special:
+        if not ordinary[cells].all():
+            raise MeshError(
+                "a cell meets two lines or points at which the solution is rough; take a finer level, "
+                "or let them not meet"
+            )
+        ordinary[cells] = False
+        if cells.size:
+            rules.append(rule(cells=cells))
+    return rules + _standard(mesh, np.flatnonzero(ordinary), degree, block)
+
+
+def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
+    """Barycentric points (d+1, q) and weights (q,) of sum 1 of a rule exact to a degree, with q as small as is known.
+
+    Triangles up to degree 19, tetrahedra up to 8. From degree 5 on the rules of scikit-fem 12 on tetrahedra are
+    exact to one degree less than they are asked for (a test looks), and its rule of degree 4 has negative weights.
+    """
+    reference, weights = get_quadrature(RefTri, degree) if dim == 2 else get_quadrature(RefTet, degree + (degree > 3))
+    return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
+
+
+def _standard(mesh: Mesh, cells: Array, degree: int, block: int) -> list[CellRule]:
+    """The standard rule on ordinary cells."""
+    barycentric, weights = simplex_rule(mesh.dim(), degree)
     volumes = cell_volumes(mesh)
-    for start in range(0, regular.size, block):
-        cells = regular[start : start + block]
-        corners = mesh.p[:, mesh.t[:, cells]]
-        points = np.einsum("dvn,vq->dnq", corners, barycentric)
-        rules.append(CellRule(cells, points, volumes[cells, None] * weights / weights.sum()))
-    return rules
+    blocks = [cells[start : start + block] for start in range(0, cells.size, block)]
+    return [CellRule(b, _place(mesh.p, mesh.t[:, b], barycentric), volumes[b, None] * weights) for b in blocks]
 
 
-def _split(mesh: MeshTri, cells: Array, line: Line, degree: int) -> CellRule:
+def _place(vertices: Points, simplices: Array, barycentric: Array) -> Points:
+    """Points of simplices (k+1, n) with the same barycentric coordinates (k+1, q) in each, (d, n, q)."""
+    return np.einsum("dvn,vq->dnq", vertices[:, simplices], barycentric)
+
+
+def _collapsed(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
+    """Barycentric points (3, q) and weights (q,) of sum 1 of Duffy's rule on a triangle, graded to its first vertex.
+
+    x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η (v_2 − v_0)), dx = 2|T| g ξ^{2g−1} dξ dη, Gauss in ξ and η.
+
+    Source: M. G. Duffy, Quadrature over a pyramid or cube of integrands with a singularity at a vertex,
+    SIAM J. Numer. Anal. 19 (1982) 1260–1262.
+    """
+    (xi, wx), (eta, we) = _gauss(along), _gauss(across)
+    far = xi[:, None] ** grading * np.ones_like(eta)
+    points = np.array([1 - far, far * (1 - eta), far * eta])
+    weights = np.multiply.outer(2 * grading * xi ** (2 * grading - 1) * wx, we)
+    return points.reshape(3, -1), weights.ravel()
+
+
+def _around(mesh: Mesh, point: tuple[float, ...]) -> Array:
+    """Cells with a singular point as a vertex."""
+    apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
+    vertex = int(apart.argmin())
+    here = np.flatnonzero((mesh.t == vertex).any(axis=0))
+    if apart[vertex] > TOUCHING * np.sqrt(cell_volumes(mesh).sum()):
+        raise MeshError(
+            f"the solution is singular at {tuple(point)}, which is not a vertex of the mesh (the nearest is "
+            f"{apart[vertex]:.3g} away); list it as a vertex of the body"
+        )
+    return here
+
+
+def _fan(mesh: Mesh, cells: Array, point: tuple[float, ...], degree: int) -> CellRule:
+    """Duffy's rule on cells with a vertex at a point, exact to the degree; r^{-1} is smooth along the rays."""
+    simplices = mesh.t[:, cells]
+    vertex = np.linalg.norm(mesh.p[:, simplices] - np.array(point)[:, None, None], axis=0).argmin(axis=0)
+    simplices = np.take_along_axis(simplices, (vertex + np.arange(3)[:, None]) % 3, axis=0)
+    barycentric, weights = _collapsed(GRADING * (degree + 2) // 2, degree + 8, GRADING)
+    return CellRule(cells, _place(mesh.p, simplices, barycentric), cell_volumes(mesh)[cells, None] * weights)
+
+
+def _touching(mesh: Mesh, line: Line) -> Array:
+    """Cells that a line crosses or touches: at an edge or a vertex they are singular, too."""
+    distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
+    near = TOUCHING * (distance.max(axis=0) - distance.min(axis=0))
+    return np.flatnonzero((distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near))
+
+
+def _split(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     """Slabs between the sorted vertices and the line, Gauss along the line, graded Gauss towards it."""
     normal = np.array(line.direction)
     along = np.array([-normal[1], normal[0]])
@@ -141,8 +224,29 @@ class FacetRule:
     weights: Array
 
 
-def facet_rule(mesh: MeshTri, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
-    """Gauss's rule on each facet, on both sides of the coordinates ``rough`` and graded to them."""
+def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
+    """A rule on each facet, exact to the degree 2 points − 2 at least.
+
+    In 2D Gauss's rule on both sides of the coordinates ``rough`` and graded to them.
+
+    Raises:
+        MeshError: rough coordinates are given in 3D.
+    """
+    if mesh.dim() == 2:
+        return _segment_rule(mesh, facets, part, rough, points)
+    if rough:
+        raise MeshError(f"facets are cut in 2D only, got the rough coordinates {rough} on a face of a 3D body")
+    barycentric, weights = _collapsed(points, points)
+    s, _ = part.coordinates(_place(mesh.p, mesh.facets[:, facets], barycentric))
+    return FacetRule(
+        facets,
+        s,
+        np.repeat(barycentric[:, None], len(facets), axis=1),
+        np.multiply.outer(facet_measures(mesh, facets), weights),
+    )
+
+
+def _segment_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
     ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
     low, high = ends.min(axis=0), ends.max(axis=0)
     nodes = np.sort(np.vstack([low, high, *[np.clip(np.full_like(low, c), low, high) for c in rough]]), axis=0)

@@ -13,12 +13,12 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sps
-from skfem import Basis, ElementTriP1, MeshTri
+from skfem import Mesh
 
 from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Tensors, Vectors, basis
 from manufactured.tensors import size as tensor_size
-from study.fem.mesh import boundary_parts, cell_volumes
+from study.fem.mesh import barycentric_gradients, boundary_parts, cell_volumes
 from study.fem.mesh import size as mesh_size
 
 
@@ -30,7 +30,7 @@ class Space:
         MeshError: the mesh does not fit the parts of the body (from ``boundary_parts``).
     """
 
-    mesh: MeshTri
+    mesh: Mesh
     body: Body
 
     def __post_init__(self) -> None:
@@ -76,16 +76,13 @@ class Space:
     @cached_property
     def E(self) -> sps.csr_array:
         """Mandel strains of the nodal basis, (D·cells, n_dofs), cell-major."""
-        element = Basis(self.mesh, ElementTriP1(), intorder=0)
-        gradients = [np.asarray(element.basis[i][0].grad)[:, :, 0] for i in range(self.dim + 1)]
         D, dim, cells = tensor_size(self.dim), self.dim, self.mesh.t.shape[1]
         # ε(φ e_j)_I = E_I : sym(e_j ⊗ ∇φ) = (E_I ∇φ)_j.
-        values = np.stack([np.einsum("Ijk,kc->cIj", basis(dim), g) for g in gradients], axis=2)
-        rows = (D * np.arange(cells)[:, None, None, None] + np.arange(D)[:, None, None]) + np.zeros_like(values, int)
-        columns = (dim * self.mesh.t.T[:, None, :, None] + np.arange(dim)) + np.zeros_like(values, int)
-        full = sps.csr_array(
-            (values.ravel(), (rows.ravel(), columns.ravel())), shape=(D * cells, dim * self.mesh.p.shape[1])
-        )
+        values = np.einsum("Ijk,cik->cIij", basis(dim), barycentric_gradients(self.mesh), optimize=True)
+        columns = np.broadcast_to(dim * self.mesh.t.T[:, None, :, None] + np.arange(dim), values.shape)
+        starts = (dim + 1) * dim * np.arange(D * cells + 1)
+        full = sps.csr_array((values.ravel(), columns.ravel(), starts), shape=(D * cells, dim * self.mesh.p.shape[1]))
+        full.eliminate_zeros()
         return sps.csr_array(full[:, self.free])
 
     def form(self, C: Array, factor: Array | float = 1.0) -> sps.csc_array:

@@ -1,0 +1,314 @@
+"""The defects of ``study controls``: each replaces one piece of what is measured by a wrong one, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sps
+from skfem import Basis, ElementTriP1
+
+from manufactured import isotropic
+from manufactured.body import Kind
+from manufactured.exact import ExactSolution
+from manufactured.law import Linear
+from manufactured.tensors import Array
+from study.controls.independence import Derived, Sides
+from study.fem.gauge import DEGREE, Gauge, Sample
+from study.fem.space import Space
+from study.solve.evolution import BackwardEuler, Problem, Scheme, State
+from study.solve.signorini import ContactSolver, Signorini
+from study.sweep import Setup
+
+# The contact condition.
+
+
+def contact_dropped(setup: Setup) -> Setup:
+    """V^h in place of K^h."""
+    return replace(setup, problem=replace(setup.problem, N=setup.problem.N[:0], solver=Unconstrained))
+
+
+class Unconstrained(Signorini):
+    """The solve without a constraint, whose compliance matrix is empty."""
+
+    def __call__(self, b: Array) -> tuple[Array, Array]:
+        return self.factor(b), np.zeros(0)
+
+
+def contact_two_sided(setup: Setup) -> Setup:
+    """{v : v_ν = 0} in place of K^h: the foundation holds the body."""
+    return _solver(setup, TwoSided)
+
+
+class TwoSided(Signorini):
+    """Every vertex of Γ3 is active."""
+
+    def complementarity(self, gap: Array) -> Array:
+        return self.on(np.ones_like(self.active), gap)
+
+
+def constraint_relaxed(setup: Setup) -> Setup:
+    """{v : v_ν ≤ √h} in place of K^h."""
+    allowed = np.sqrt(setup.space.h)
+
+    class Relaxed(Signorini):
+        def complementarity(self, gap: Array) -> Array:
+            return super().complementarity(gap - allowed)
+
+    return _solver(setup, Relaxed)
+
+
+def one_active_set_iteration(setup: Setup) -> Setup:
+    """The active set is what the free solution violates, and is not iterated."""
+    return _solver(setup, OneIteration)
+
+
+class OneIteration(Signorini):
+    """The first active set is the last."""
+
+    def complementarity(self, gap: Array) -> Array:
+        return self.on(gap > 0, gap)
+
+
+def _solver(setup: Setup, solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver]) -> Setup:
+    return replace(setup, problem=replace(setup.problem, solver=solver))
+
+
+def normal_flipped(setup: Setup) -> Setup:
+    """v_ν ≥ 0 in place of v_ν ≤ 0."""
+    return replace(setup, problem=replace(setup.problem, N=-setup.problem.N))
+
+
+def normal_along_an_axis(setup: Setup) -> Setup:
+    """The nearest axis in place of ν, which no axis-parallel body would show."""
+    N = setup.problem.N.copy()
+    normals = N.data.reshape(-1, setup.space.dim)
+    nearest = np.arange(setup.space.dim) == abs(normals).argmax(axis=1)[:, None]
+    N.data = np.where(nearest, np.sign(normals), 0.0).ravel()
+    return replace(setup, problem=replace(setup.problem, N=N))
+
+
+# The data.
+
+
+def contact_work_sign_flipped(setup: Setup) -> Setup:
+    """(σ, ε(v))_Q + ∫_{Γ3} σ_ν v_ν in place of the load (3.7)."""
+    return _load(setup, FlippedWork(setup.solution, setup.space).load)
+
+
+class FlippedWork(Gauge):
+    """Green's formula with the wrong sign on Γ3."""
+
+    def _contact_work(self, time: float) -> Array:
+        return -super()._contact_work(time)
+
+
+def load_one_step_late(setup: Setup) -> Setup:
+    """F(t − k) in place of F(t)."""
+    load, k = setup.problem.load, setup.problem.T / setup.steps
+    return _load(setup, lambda t: load(max(t - k, 0.0)))
+
+
+def _load(setup: Setup, load: Callable[[float], Array]) -> Setup:
+    return replace(setup, problem=replace(setup.problem, load=load))
+
+
+def zero_start(setup: Setup) -> Setup:
+    """0 in place of u_0^h = Π^h u_0."""
+    return replace(setup, problem=replace(setup.problem, u0=np.zeros_like(setup.problem.u0)))
+
+
+def clamp_one_cell_short(setup: Setup) -> Setup:
+    """V^h whose functions need not vanish at one end of Γ1."""
+    space = ShortClamp(setup.space.mesh, setup.space.body)
+    gauge = Gauge(setup.solution, space)
+    problem = Problem.of(space, setup.solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    return replace(setup, space=space, gauge=gauge, problem=problem)
+
+
+class ShortClamp(Space):
+    """The vertex at the start of every piece of Γ1 is free."""
+
+    @cached_property
+    def free(self) -> Array:
+        ends = [
+            int(np.linalg.norm(self.mesh.p - part.start[:, None], axis=0).argmin())
+            for part in self.body.of(Kind.CLAMPED)
+        ]
+        loose = self.dim * np.array(ends)[:, None] + np.arange(self.dim)
+        return np.union1d(super().free, loose)
+
+
+# The law and the time scheme.
+
+
+def viscosity_dropped(setup: Setup) -> Setup:
+    """G(u) + N_K(u) ∋ F in place of A u̇ + G(u) + N_K(u) ∋ F."""
+    return _altered(setup, lambda problem: replace(problem, M=_zero(problem.M)))
+
+
+def elasticity_dropped(setup: Setup) -> Setup:
+    """A u̇ + N_K(u) ∋ F in place of A u̇ + G(u) + N_K(u) ∋ F."""
+    return _altered(setup, lambda problem: replace(problem, reference=_zero(problem.reference)))
+
+
+def viscosity_and_elasticity_swapped(setup: Setup) -> Setup:
+    """G u̇ + A(u) + N_K(u) ∋ F in place of A u̇ + G(u) + N_K(u) ∋ F."""
+    return _altered(setup, lambda problem: replace(problem, M=problem.reference, reference=problem.M))
+
+
+def _zero(matrix: sps.csc_array) -> sps.csc_array:
+    return sps.csc_array(matrix.shape)
+
+
+@dataclass(frozen=True)
+class Altered:
+    """A scheme that solves another problem than the one that is measured, so that norms stay what they are."""
+
+    scheme: Scheme
+    alter: Callable[[Problem], Problem]
+
+    @property
+    def name(self) -> str:
+        return self.scheme.name
+
+    @property
+    def order(self) -> float:
+        return self.scheme.order
+
+    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+        return self.scheme.march(self.alter(problem), steps)
+
+
+def _altered(setup: Setup, alter: Callable[[Problem], Problem]) -> Setup:
+    return replace(setup, scheme=Altered(setup.scheme, alter))
+
+
+def backward_euler_with_k_like_h(setup: Setup) -> Setup:
+    """A fully discrete solution, first order in k ~ h, in place of u^h."""
+    return replace(setup, scheme=BackwardEuler(), steps=round(1 / setup.space.h))
+
+
+# What the error is measured with.
+
+
+def norm_of_h1(setup: Setup) -> Setup:
+    """(‖v‖² + ‖ε(v)‖²)^½, the norm of H_1, in place of (A ε(v), ε(v))^½."""
+    return _measured_with(setup, H1Norm)
+
+
+def norm_of_l2(setup: Setup) -> Setup:
+    """‖v‖_{L²} in place of (A ε(v), ε(v))^½."""
+    return _measured_with(setup, L2Norm)
+
+
+def norm_with_elasticity(setup: Setup) -> Setup:
+    """(G ε(v), ε(v))^½ in place of (A ε(v), ε(v))^½."""
+    return _measured_with(setup, ElasticNorm)
+
+
+def _measured_with(setup: Setup, gauge: Callable[[ExactSolution, Space], Gauge]) -> Setup:
+    return replace(setup, gauge=gauge(setup.solution, setup.space))
+
+
+class TensorNorm(Gauge):
+    """Measures strains with another tensor than A."""
+
+    def __init__(self, solution: ExactSolution, space: Space, tensor: Linear) -> None:
+        super().__init__(solution, space)
+        self.A = tensor
+
+
+class ElasticNorm(TensorNorm):
+    """(G ε(v), ε(v))^½, the energy of the elastic part."""
+
+    def __init__(self, solution: ExactSolution, space: Space) -> None:
+        assert isinstance(solution.law.G, Linear)
+        super().__init__(solution, space, solution.law.G)
+
+
+class L2Norm(Gauge):
+    """‖·‖_{L²}, in which P1 functions approximate with order 2."""
+
+    def __init__(self, solution: ExactSolution, space: Space) -> None:
+        super().__init__(solution, space)
+        self.basis = Basis(space.mesh, ElementTriP1(), intorder=DEGREE)
+        self.exact = solution.at(np.asarray(self.basis.global_coordinates()))
+
+    def distance(self, sample: Sample, v: Array) -> float:
+        computed = np.array([np.asarray(self.basis.interpolate(component)) for component in self.space.nodal(v)])
+        return float(np.sqrt(np.sum((self.exact.displacement(sample.time) - computed) ** 2 * self.basis.dx)))
+
+
+class H1Norm(TensorNorm):
+    """(‖·‖_{L²}² + ‖ε(·)‖_Q²)^½."""
+
+    def __init__(self, solution: ExactSolution, space: Space) -> None:
+        super().__init__(solution, space, isotropic(0.5, 0, space.dim))
+        self.values = L2Norm(solution, space)
+
+    def distance(self, sample: Sample, v: Array) -> float:
+        return float(np.hypot(super().distance(sample, v), self.values.distance(sample, v)))
+
+
+def one_point_quadrature(setup: Setup) -> Setup:
+    """ε(u) at the centres of the cells, where the interpolant's strain is nearly exact, in place of all of ε(u)."""
+    return _measured_with(setup, OnePoint)
+
+
+class OnePoint(Gauge):
+    """One quadrature point a cell."""
+
+    def sample(self, time: float) -> Sample:
+        centres = self.space.mesh.p[:, self.space.mesh.t].mean(axis=1)
+        return replace(super().sample(time), means=self.solution.at(centres).strain(time), oscillation=0.0)
+
+
+def sum_of_square_roots(setup: Setup) -> Setup:
+    """Σ_T ‖·‖_T in place of (Σ_T ‖·‖_T²)^½."""
+    return _measured_with(setup, SumOfRoots)
+
+
+class SumOfRoots(Gauge):
+    """The oscillation is spread evenly over the cells."""
+
+    def distance(self, sample: Sample, v: Array) -> float:
+        difference = sample.means - self.space.strain(v)
+        local = np.sum(self.A(difference) * difference, axis=0) * self.space.volumes
+        return float(np.sqrt(local + sample.oscillation / len(local)).sum())
+
+
+def final_time_only(setup: Setup) -> Setup:
+    """‖u(T) − u^h(T)‖_V in place of the maximum over time."""
+    return _measured_with(setup, OnlyLast)
+
+
+class OnlyLast(Gauge):
+    """The error of anything but the interpolant counts at the final time only."""
+
+    def distance(self, sample: Sample, v: Array) -> float:
+        counts = sample.time >= self.space.body.T * (1 - 1e-9) or v is sample.interpolant
+        return super().distance(sample, v) if counts else 0.0
+
+
+def slope_of_the_baseline(setup: Setup) -> Setup:
+    """‖u − Π^h u‖_V in place of ‖u − u^h‖_V, for a u^h without contact."""
+    return _measured_with(contact_dropped(setup), Baseline)
+
+
+class Baseline(Gauge):
+    """Judges Π^h u instead of what was computed."""
+
+    def distance(self, sample: Sample, v: Array) -> float:
+        return super().distance(sample, sample.interpolant)
+
+
+# Theorem 4.2.
+
+
+def stress_from_displacement(sides: Sides) -> Sides:
+    """The stress of Problem 3.1 in place of that of Problem 3.2: agreement is perfect, and says nothing."""
+    honest = sides.stresses(sides.displacements)
+    return replace(sides, stresses=lambda problem: Derived.beside(honest, problem))

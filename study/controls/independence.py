@@ -1,0 +1,142 @@
+"""Whether Problem 3.2 is solved on its own, or follows whatever Problem 3.1 says.
+
+Two solutions that agree prove nothing when one was made from the other. Independence shows where they must not
+agree: Problem 3.1 alone is solved wrongly, with the normal flipped, ũ ∈ −K^h. A Problem 3.2 that stands by itself
+keeps its solution, and the gap shows the whole of the mistake:
+
+    ‖u(3.2) − ũ(3.1)‖_V / ‖u(3.1) − ũ(3.1)‖_V = 1.
+
+One that is fed by Problem 3.1 goes along, and the ratio is 0. A flipped normal matters wherever there is a gap or a
+pressure, so the ratio is never 0/0.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from manufactured.exact import ExactSolution
+from study.equivalence import gaps
+from study.fem.gauge import Gauge
+from study.fem.material import on_cells
+from study.fem.mesh import MeshFamily
+from study.fem.space import Space
+from study.jobs import family_named, resolve
+from study.solve.evolution import BackwardEuler, Problem
+from study.solve.stress import StressProblem, StressState
+from study.statements.base import Setting
+from study.statements.tally import every, judge, with_h
+from study.verdict import Verdict, Window
+
+CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
+
+ALONE = Window(0.999, 1.001, "1 ± 0.001: all of it")
+"""Sharp for mistakes of 1e-4 of the solution or more, since Thm 4.2 is judged at 1e-7; a flip makes one of 0.1."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sides:
+    """The two sides of one check of Theorem 4.2.
+
+    Attributes:
+        displacements: Problem 3.1.
+        stresses: the Problem 3.2 that stands beside a Problem 3.1, at which it must not look.
+    """
+
+    displacements: Problem
+    stresses: Callable[[Problem], StressProblem]
+
+    @classmethod
+    def of(cls, solution: ExactSolution, family: MeshFamily, level: int) -> Sides:
+        """Both problems of an exact solution on one mesh, as ``equivalence.compare`` has them."""
+        space = Space(family(solution.body, level), solution.body)
+        gauge = Gauge(solution, space)
+        u0 = gauge.sample(0.0).interpolant
+        stresses = StressProblem.of(space, solution.law, gauge.load, u0)
+        return cls(Problem.of(space, solution.law, gauge.load, u0), lambda _: stresses)
+
+
+@dataclass(frozen=True, eq=False)
+class Derived(StressProblem):
+    """What Problem 3.2 must not be: stresses that the law gives for the displacements of a Problem 3.1.
+
+    Attributes:
+        displacements: that Problem 3.1.
+    """
+
+    displacements: Problem
+
+    @classmethod
+    def beside(cls, stresses: StressProblem, displacements: Problem) -> Derived:
+        """In the place of ``stresses``."""
+        return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
+
+    def march(self, steps: int) -> Iterator[StressState]:
+        """Backward Euler in displacements."""
+        k, law = self.displacements.T / steps, on_cells(self.space, self.law)
+        nan = np.full(self.N.shape[0], np.nan)
+        states = BackwardEuler().march(self.displacements, steps)
+        old = self.space.strain(self.u0)
+        yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, nan)
+        for _, state in pairwise(states):
+            strain = self.space.strain(state.u)
+            stress = law.stress((strain - old) / k, strain)
+            yield StressState(state.time, stress, strain, state.u, state.multipliers)
+            old = strain
+
+
+class Independence(NamedTuple):
+    """How much of a mistake in Problem 3.1 alone its gaps to Problem 3.2 show: 1 all of it, 0 nothing.
+
+    Attributes:
+        displacement_shown: in ‖·‖_V of displacements.
+        stress_shown: in ‖·‖_Q of stresses.
+    """
+
+    displacement_shown: float
+    stress_shown: float
+
+
+def independence(sides: Sides, steps: int) -> Independence:
+    """The gaps that open when Problem 3.1 alone is solved with the normal flipped, relative to what the flip changes.
+
+    Both are measured by ``equivalence.gaps``, so that a comparison of a solution with itself there is seen as well.
+    """
+    wrong = replace(sides.displacements, N=-sides.displacements.N)
+    beside = sides.stresses(wrong)
+    opened = gaps(wrong, beside, steps)
+    mistake = gaps(wrong, Derived.beside(beside, sides.displacements), steps)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        shown = np.divide(opened[:2], mistake[:2])
+    return Independence(*map(float, shown))
+
+
+CRITERIA = (
+    every("mistake in 3.1 alone that the displacement gap shows", ALONE, "displacement_shown"),
+    every("mistake in 3.1 alone that the stress gap shows", ALONE, "stress_shown"),
+)
+
+
+@dataclass(frozen=True)
+class StandsAlone:
+    """Problem 3.2 shows all of a mistake in Problem 3.1; without a mistake, 0/0, nothing is shown, and it fails."""
+
+    label: str = "Thm 4.2"
+    claim: str = "Problem 3.2 is solved on its own: it does not follow a wrong Problem 3.1"
+
+    def settings(self, full: bool) -> list[Setting]:
+        families, levels = (("one-diagonal", "shaken"), (4, 8)) if full else (("one-diagonal",), (4,))
+        return [Setting(case, family, n) for case in CASES for family in families for n in levels]
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        sides = Sides.of(resolve(setting.case).solution, family_named(setting.family), setting.level)
+        shown = independence(sides, 2 * setting.level)
+        return with_h(sides.stresses(sides.displacements).space.h, shown._asdict())
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        return judge(self, rows, CRITERIA)

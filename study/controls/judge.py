@@ -1,0 +1,149 @@
+"""Measure every control and its baseline, and say whether the ledger noticed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from tabulate import tabulate
+from threadpoolctl import threadpool_limits
+
+from study.controls.register import Control
+from study.controls.settings import S, Setting
+from study.store import write_text
+from study.summary import cell
+from study.verdict import FAILS, HOLDS, Verdict
+
+NO_DEFECT = "none"
+
+
+@dataclass(frozen=True)
+class Finding:
+    """What the ledger says to one control, or to a setting without a defect.
+
+    Attributes:
+        defect: name of the control, or ``NO_DEFECT``.
+        what: is wrong, in a line.
+        setting: where.
+        row: the row that the control names; another one that fails if this one does not. Of a baseline, the
+            first row, or the first that does not hold.
+        caught: whether a row fails; None for a baseline.
+    """
+
+    defect: str
+    what: str
+    setting: str
+    row: Verdict
+    caught: bool | None
+
+    @property
+    def passes(self) -> bool:
+        """A defect is caught, or without one every row holds."""
+        return self.row.verdict == HOLDS if self.caught is None else self.caught
+
+    @classmethod
+    def of_control(cls, control: Control[Any], verdicts: list[Verdict]) -> Finding:
+        """Whether a defect is caught.
+
+        Raises:
+            KeyError: the setting has no row of the name that the control gives.
+        """
+        named = {verdict.quantity: verdict for verdict in verdicts}[control.caught_by]
+        failing = [verdict for verdict in verdicts if verdict.verdict == FAILS]
+        row = named if named in failing else (failing or [named])[0]
+        return cls(control.name, control.what, str(control.setting), row, bool(failing))
+
+    @classmethod
+    def of_baseline(cls, setting: Setting[Any], verdicts: list[Verdict]) -> Finding:
+        """Whether every row holds without a defect."""
+        row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
+        return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None)
+
+
+def unchanged(measured: S) -> S:
+    """No defect."""
+    return measured
+
+
+def settings(controls: Sequence[Control[Any]]) -> list[Setting[Any]]:
+    """Where the controls are measured: the baselines, each once."""
+    return list(dict.fromkeys(control.setting for control in controls))
+
+
+def run_controls(controls: Sequence[Control[Any]], executor: Executor, notify: Callable[[], object]) -> list[Finding]:
+    """Findings of the baselines, one per setting, and of the controls, in this order.
+
+    ``notify`` is called after every measurement, of a baseline or of a control.
+    """
+    places = settings(controls)
+    baselines = [executor.submit(work, setting, unchanged) for setting in places]
+    defective = [executor.submit(work, control.setting, control.defect) for control in controls]
+    for _ in as_completed(baselines + defective):
+        notify()
+    return [
+        *(Finding.of_baseline(setting, future.result()) for setting, future in zip(places, baselines, strict=True)),
+        *(Finding.of_control(control, future.result()) for control, future in zip(controls, defective, strict=True)),
+    ]
+
+
+def work(setting: Setting[S], defect: Callable[[S], S]) -> list[Verdict]:
+    """The rows of a setting with a defect, with one thread: the processes share the cores already."""
+    with threadpool_limits(1):
+        return setting.verdicts(defect)
+
+
+def write_controls(directory: Path, findings: Sequence[Finding]) -> Path:
+    """``controls.csv``: one line per finding."""
+    table = pd.DataFrame(
+        {
+            "defect": finding.defect,
+            "what": finding.what,
+            "setting": finding.setting,
+            "label": finding.row.label,
+            "quantity": finding.row.quantity,
+            "expected": finding.row.expected,
+            "observed": finding.row.observed,
+            "verdict": finding.row.verdict,
+            "caught": {None: "", True: "yes", False: "no"}[finding.caught],
+        }
+        for finding in findings
+    )
+    text = table.to_csv(index=False, float_format="%.9g", lineterminator="\n")
+    return write_text(directory / "data" / "controls.csv", text)
+
+
+def controls_text(findings: Sequence[Finding]) -> str:
+    """The settings without a defect, the defects with the row that caught each, and how many did their duty."""
+    baselines = [finding for finding in findings if finding.caught is None]
+    controls = [finding for finding in findings if finding.caught is not None]
+    return "\n".join(
+        [
+            _table(["without a defect", "rows", "verdict"], [_baseline_line(finding) for finding in baselines]),
+            "",
+            _table(["defect", "caught by", "expected", "observed"], [_control_line(finding) for finding in controls]),
+            "",
+            f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every row holds",
+            f"{len(controls)} defects: {sum(f.passes for f in controls)} caught",
+        ]
+    )
+
+
+def _table(head: list[str], rows: list[tuple[str, ...]]) -> str:
+    return tabulate(rows, head, "simple", disable_numparse=True, maxcolwidths=[48, 31, 17, 9][: len(head)])
+
+
+def _baseline_line(finding: Finding) -> tuple[str, ...]:
+    if finding.passes:
+        return finding.setting, finding.what, HOLDS
+    row = finding.row
+    return finding.setting, f"{row.label}: {row.quantity}: {cell(row.observed)}", row.verdict
+
+
+def _control_line(finding: Finding) -> tuple[str, ...]:
+    row = finding.row
+    by = f"{row.label}: {row.quantity}" if finding.caught else f"NOT CAUGHT, nor by {row.label}: {row.quantity}"
+    return f"{finding.defect}: {finding.what}\n({finding.setting})", by, row.expected, cell(row.observed)

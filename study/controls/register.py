@@ -1,0 +1,97 @@
+"""The list of controls: which defect, where, and which row of the ledger must fail."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Generic
+
+from study.controls import defects
+from study.controls.settings import Equivalence, S, Setting, Sweep
+
+
+@dataclass(frozen=True)
+class Control(Generic[S]):
+    """One deliberate defect.
+
+    Attributes:
+        name: of the defect.
+        what: is wrong, in a line.
+        setting: where it is measured.
+        defect: turns what would be measured there into what is measured.
+        caught_by: the quantity of the row that must fail.
+    """
+
+    name: str
+    what: str
+    setting: Setting[S]
+    defect: Callable[[S], S]
+    caught_by: str
+
+
+ORDER = "order of the error, level by level"
+SIZE = "size of the error"
+DISCRETE = "order of ‖Π^h u − u^h‖_V, superclose"
+SHARE = "time share"
+RESIDUAL = "residual of the contact solves"
+CLAMPED = "u^h = 0 on Γ1"
+PREDICTED = "‖u − Π^h u‖_V / leading term"
+ALONE = "mistake in 3.1 alone that the stress gap shows"
+"""Quantities of ``claims.prop_5_4`` and, the last one, of ``independence.StandsAlone``."""
+
+FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
+NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
+MOVING, PATCH = Sweep("advance-recede"), Sweep("travelling-patch")
+BOTH = Equivalence("advance-recede")
+"""The smallest settings in which every row holds without a defect and the named row fails with it."""
+
+CONTROLS: tuple[Control[Any], ...] = (
+    Control("contact dropped", "V^h in place of K^h", FULL, defects.contact_dropped, ORDER),
+    Control("contact two-sided", "v_ν = 0 in place of v_ν ≤ 0", NONE, defects.contact_two_sided, ORDER),
+    Control("contact relaxed", "v_ν ≤ √h in place of v_ν ≤ 0", FULL, defects.constraint_relaxed, ORDER),
+    Control("contact work", "its sign flipped in the load (3.7)", MOVING, defects.contact_work_sign_flipped, ORDER),
+    Control("normal flipped", "v_ν ≥ 0 in place of v_ν ≤ 0", FULL, defects.normal_flipped, ORDER),
+    Control("normal along an axis", "the axis nearest to ν in place of ν", TURNED, defects.normal_along_an_axis, ORDER),
+    Control(
+        "one active set",
+        "the contact solve stops after one iteration",
+        MOVING,
+        defects.one_active_set_iteration,
+        RESIDUAL,
+    ),
+    Control("clamp short", "Γ1 ends one cell too early", FULL, defects.clamp_one_cell_short, CLAMPED),
+    Control("viscosity dropped", "G(u) = F without A u̇", NONE, defects.viscosity_dropped, ORDER),
+    Control("elasticity dropped", "A u̇ = F without G(u)", NONE, defects.elasticity_dropped, ORDER),
+    Control("law swapped", "G u̇ + A u = F", NONE, defects.viscosity_and_elasticity_swapped, ORDER),
+    Control("load late", "the load of the step before", MOVING, defects.load_one_step_late, DISCRETE),
+    Control("start at zero", "u_0^h = 0 in place of Π^h u_0", NONE, defects.zero_start, ORDER),
+    Control(
+        "k like h",
+        "backward Euler with k ~ h as if continuous in time",
+        MOVING,
+        defects.backward_euler_with_k_like_h,
+        SHARE,
+    ),
+    Control("norm of H¹", "(‖v‖² + ‖ε(v)‖²)^½ in place of ‖v‖_V", FIXED, defects.norm_of_h1, PREDICTED),
+    Control("norm of L²", "‖v‖ in place of ‖v‖_V", FIXED, defects.norm_of_l2, ORDER),
+    Control("norm with G", "(G ε(v), ε(v))^½ in place of ‖v‖_V", FIXED, defects.norm_with_elasticity, PREDICTED),
+    Control(
+        "one-point quadrature",
+        "the error's strain at centres of cells only",
+        FIXED,
+        defects.one_point_quadrature,
+        PREDICTED,
+    ),
+    Control("sum of roots", "Σ_T ‖·‖_T in place of (Σ_T ‖·‖_T²)^½", FIXED, defects.sum_of_square_roots, ORDER),
+    Control("final time only", "‖u(T) − u^h(T)‖_V in place of the maximum", PATCH, defects.final_time_only, SIZE),
+    Control(
+        "baseline judged", "‖u − Π^h u‖_V judged, u^h without contact", FIXED, defects.slope_of_the_baseline, DISCRETE
+    ),
+    Control(
+        "stress from displacement",
+        "Problem 3.2 is fed by Problem 3.1",
+        BOTH,
+        defects.stress_from_displacement,
+        ALONE,
+    ),
+)

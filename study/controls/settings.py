@@ -1,0 +1,109 @@
+"""Where a control is measured: the smallest sweep, or check of Theorem 4.2, that exposes its defect."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import asdict, dataclass, replace
+from typing import Protocol, TypeVar
+
+import numpy as np
+import pandas as pd
+
+from manufactured.body import Kind, polygon
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from study.claims import prop_5_4, theorem_4_2
+from study.controls.independence import Sides, StandsAlone, independence
+from study.equivalence import gaps
+from study.jobs import family_named, resolve
+from study.solve.evolution import Midpoint
+from study.sweep import Setup, measure, steps_for
+from study.verdict import Verdict
+
+S = TypeVar("S")
+
+
+class Setting(Protocol[S]):
+    """A place of measurement: what would be measured there is an S, which a defect may change.
+
+    Settings are compared by value, so that controls share their baseline.
+    """
+
+    def __str__(self) -> str: ...
+    def __hash__(self) -> int: ...
+
+    def verdicts(self, defect: Callable[[S], S]) -> list[Verdict]:
+        """The rows of the ledger, had the study the defect."""
+        ...
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """Prop. 5.4 for a case of the catalogue on a few levels of one mesh family.
+
+    Attributes:
+        case: its name.
+        angle: by which the body is turned, in radians.
+        family: name of the mesh family.
+        levels: coarse to fine.
+    """
+
+    case: str
+    angle: float = 0.0
+    family: str = "one-diagonal"
+    levels: tuple[int, ...] = (8, 16, 32)
+
+    def __str__(self) -> str:
+        turned = f" turned by {self.angle:g}" if self.angle else ""
+        return f"{self.case}{turned}, n = {' '.join(map(str, self.levels))}"
+
+    def verdicts(self, defect: Callable[[Setup], Setup]) -> list[Verdict]:
+        case, family = resolve(self.case), family_named(self.family)
+        solution = turned(case.solution, self.angle) if self.angle else case.solution
+        rows = []
+        for level in self.levels:
+            setup = defect(Setup.of(solution, family, level, Midpoint(), steps_for(case, level)))
+            rows.append(asdict(measure(setup).row(case.name, family.name, level)))
+        return prop_5_4(case.name, pd.DataFrame(rows), case.order)
+
+
+@dataclass(frozen=True)
+class Equivalence:
+    """Theorem 4.2 for a case of the catalogue on one mesh.
+
+    Attributes:
+        case: its name.
+        family: name of the mesh family.
+        level: n.
+        steps: of backward Euler.
+    """
+
+    case: str
+    family: str = "one-diagonal"
+    level: int = 4
+    steps: int = 8
+
+    def __str__(self) -> str:
+        return f"{self.case}, n = {self.level}"
+
+    def verdicts(self, defect: Callable[[Sides], Sides]) -> list[Verdict]:
+        sides = defect(Sides.of(resolve(self.case).solution, family_named(self.family), self.level))
+        beside = sides.stresses(sides.displacements)
+        agreement = gaps(sides.displacements, beside, self.steps)
+        shown = pd.DataFrame(independence(sides, self.steps)._asdict().items(), columns=["quantity", "value"])
+        place = {"case": self.case, "family": self.family, "level": self.level, "h": beside.space.h}
+        return [
+            *theorem_4_2(self.case, pd.DataFrame([agreement._asdict()])),
+            *StandsAlone().judge(shown.assign(**place)),
+        ]
+
+
+def turned(solution: ExactSolution, angle: float) -> ExactSolution:
+    """The same contact data on the body turned by an angle, for a plane body and an isotropic law."""
+    body = solution.body
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    corners = [(float(x), float(y)) for x, y in (turn @ body.vertices).T]
+    moved = polygon(corners, [part.kind for part in body.parts], body.T)
+    lifted = [face for face in solution.faces if isinstance(face, ContactFace)]
+    faces = zip(lifted, moved.of(Kind.CONTACT), strict=True)
+    return ExactSolution(moved, solution.law, tuple(replace(face, part=part) for face, part in faces))

@@ -1,0 +1,137 @@
+"""(3.9)–(3.11), (4.14), (4.15): the stress of the displacement scheme is admissible, and does the work of the load.
+
+With backward Euler the stress at t_n is σ_n = A ε(δu_n) + G ε(u_n), δu_n = (u_n − u_{n−1})/k. It is made
+from the strains of the cells here; what the contact solver says about its own residual is not asked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import nnls
+
+from manufactured.law import AtPoints
+from manufactured.tensors import Array, Tensors
+from study.equivalence import beyond
+from study.fem.material import on_cells
+from study.fem.space import Space
+from study.jobs import family_named, resolve
+from study.solve.evolution import BackwardEuler, Problem
+from study.solve.factor import Factor
+from study.statements.base import Setting
+from study.statements.tally import grid, judge, largest, with_h
+from study.sweep import Setup
+from study.verdict import Verdict, Window
+
+LINEAR = ("full-contact", "advance-recede", "travelling-patch")
+YIELDING = ("yield-and-release", "yield-on-a-part")
+SOLID = ("cube-disc", "cube-two-faces")
+GENERAL = ("heterogeneous", "corner", "hexagon")
+STEPS = 12
+SAMPLES = 8
+"""Random v ∈ K^h and τ ∈ Σ^h(t) at every step."""
+SEED = 2002
+
+ROUND_OFF = Window(0.0, 1e-10, "≤ 1e-10 at every step: round-off, and for law (3.3) a fixed point stopped at 1e-12")
+
+CRITERIA = (
+    largest("(3.10): u_n ∈ K^h", ROUND_OFF, "membership"),
+    largest("(4.15): distance of F − Eᵀσ_n from {Nᵀλ : λ ≥ 0}", ROUND_OFF, "distance"),
+    largest("(4.14): |(σ_n, ε(u_n))_Q − (f_n, u_n)_V|", ROUND_OFF, "work"),
+    largest("(3.10): violation for random v ∈ K^h", ROUND_OFF, "displacements"),
+    largest("(3.11): violation for random τ ∈ Σ^h(t_n)", ROUND_OFF, "stresses"),
+)
+
+
+@dataclass(frozen=True)
+class Admissibility:
+    """σ_n ∈ Σ^h(t_n), (σ_n, ε(u_n)) = (f_n, u_n), and the inequalities (3.10) and (3.11)."""
+
+    label: str = "(3.9)–(3.11), (4.14), (4.15)"
+    claim: str = "σ(t) ∈ Σ(t) and (σ(t), ε(u(t)))_Q = (f(t), u(t))_V"
+
+    def settings(self, full: bool) -> list[Setting]:
+        if not full:
+            return grid((*LINEAR, *YIELDING), ("shaken",), (8,))
+        structured = grid((*LINEAR, *YIELDING), ("one-diagonal", "criss-cross", "shaken"), (8, 16, 32))
+        return (
+            structured
+            + grid((*LINEAR, *YIELDING, *GENERAL), ("unstructured",), (8, 16))
+            + grid(SOLID, ("shaken",), (3,))
+        )
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        solution = resolve(setting.case).solution
+        setup = Setup.of(solution, family_named(setting.family), setting.level, BackwardEuler(), STEPS)
+        return with_h(setup.space.h, largest_violations(setup))
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        return judge(self, rows, CRITERIA)
+
+
+def largest_violations(setup: Setup) -> dict[str, float]:
+    """The largest over the steps, each relative to the largest size of its terms."""
+    space, problem = setup.space, setup.problem
+    cells, k = on_cells(space, setup.solution.law), problem.T / setup.steps
+    root = np.sqrt(space.volumes)
+    rivals = Rivals(space, problem, cells.A, np.random.default_rng(SEED))
+    worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
+    for before, state in pairwise(setup.scheme.march(problem, setup.steps)):
+        strain = space.strain(state.u)
+        stress = cells.stress((strain - space.strain(before.u)) / k, strain)
+        load = problem.load(state.time)
+        defect = load - space.functional(stress)
+        work = float(np.linalg.norm(root * strain)) * float(np.linalg.norm(root * stress))
+        # (3.10) and (3.11), turned so that positive values are violations.
+        against_v = [defect @ (v - state.u) for v in rivals.displacements(state.u)]
+        against_tau = [float(np.sum(space.volumes * (stress - tau) * strain)) for tau in rivals.stresses(load)]
+        now = [
+            (problem.N @ state.u).max(initial=0.0),
+            beyond(defect, problem.N),
+            abs(defect @ state.u),
+            max(*against_v, 0.0),
+            max(*against_tau, 0.0),
+        ]
+        worst = np.maximum(worst, now)
+        sizes = np.maximum(sizes, [abs(state.u).max(), np.linalg.norm(load), work, work, work])
+    return dict(zip(("membership", "distance", "work", "displacements", "stresses"), worst / sizes, strict=True))
+
+
+class Rivals:
+    """Random members of K^h and of Σ^h(t), made without the contact solver.
+
+    Args:
+        A: the viscosity on the cells.
+    """
+
+    def __init__(self, space: Space, problem: Problem, A: AtPoints, rng: np.random.Generator) -> None:
+        self.space, self.problem, self.A, self.rng = space, problem, A, rng
+        self.riesz = Factor(problem.M)
+
+    def displacements(self, u: Array) -> list[Array]:
+        """SAMPLES members of K^h at distances up to |u| from u."""
+        N, size = self.problem.N, float(np.linalg.norm(u))
+        found = []
+        for _ in range(SAMPLES):
+            direction = self.rng.standard_normal(len(u))
+            v = u + self.rng.uniform() * size * direction / np.linalg.norm(direction)
+            # By Moreau v minus its projection on the cone {Nᵀλ : λ ≥ 0} is its projection on K^h.
+            touched = np.unique(N.indices)
+            multipliers, _ = nnls(N[:, touched].T.toarray(), v[touched])
+            found.append(v - N.T @ multipliers)
+        return found
+
+    def stresses(self, load: Array) -> list[Tensors]:
+        """SAMPLES members of Σ^h(t): A ε(w) + ρ with (w, v)_V = F·v − λ·Nv, λ ≥ 0, and (ρ, ε(v))_Q = 0 on V^h."""
+        space, N = self.space, self.problem.N
+        found = []
+        for _ in range(SAMPLES):
+            multipliers = self.rng.uniform(size=N.shape[0]) * np.linalg.norm(load) / np.sqrt(N.shape[0])
+            w = self.riesz(load - N.T @ multipliers)
+            stress = self.A(space.strain(w))
+            other = self.rng.standard_normal(stress.shape) * abs(stress).max()
+            found.append(stress + other - self.A(space.strain(self.riesz(space.functional(other)))))
+        return found

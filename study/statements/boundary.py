@@ -1,0 +1,237 @@
+"""(4.13): σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which the scheme has only weakly.
+
+The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy
+(4.13). Two senses in which they do for h → 0, with the orders predicted for solutions with σ ∈ W^{1,∞}:
+
+* in L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is
+  h^{−1/2} times that in the cells along Γ, and nothing says that they do not hold all of it. If the
+  error is spread evenly, as W^{1,∞} estimates have it for smooth solutions on quasi-uniform meshes,
+  these cells hold h^{3/2} and the order of ‖σ^hν − σν‖ is 1, no more: σ^h is constant on the cell. For
+  σ_τ alone, bounded by it, the first-order term depends on how the triangles along Γ3 lie.
+* against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. There (4.13) reads (σ, ε(v))_Q = (f, v)_V, and
+  since the scheme satisfies it for Π^h v,
+
+      (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h):
+
+  order 2, whatever the time step leaves in σ^h − σ.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+
+from manufactured.body import Body, Kind, Part
+from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, traction
+from study.fem.gauge import DEGREE, FACET_POINTS, rules
+from study.fem.material import on_cells
+from study.fem.quadrature import FacetRule, facet_rule
+from study.jobs import family_named, resolve
+from study.solve.evolution import Midpoint
+from study.statements.base import Setting
+from study.statements.tally import Observation, grid, judge, order, with_h
+from study.sweep import Setup
+from study.verdict import Verdict, Window
+
+SEED = 2002
+INSTANTS = 8
+"""Norms in time are those of the midpoint rule with so many nodes."""
+FIELDS = 3
+"""Smooth fields for each of the two conditions."""
+
+STRONG = Window(0.75, 1.25, "1 ± 0.25: the error is spread evenly (1/2 is all that ‖σ − σ^h‖_Q = O(h) gives)")
+SUPERCLOSE = Window(0.75, 2.0, "≥ 1 − 0.25, up to 2 where triangles along Γ3 are symmetric")
+WEAK = Window(1.7, 2.3, "2 ± 0.3: O(h) in σ − σ^h times O(h) in v − Π^h v")
+
+LINES = (
+    order("order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
+    order("order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
+    Observation(order("order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential")),
+    order("order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
+    order("order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
+)
+
+
+@dataclass(frozen=True)
+class NaturalConditions:
+    """The natural boundary conditions of the discrete stress at the midpoints of the time steps."""
+
+    label: str = "(4.13)"
+    claim: str = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
+
+    def settings(self, full: bool) -> list[Setting]:
+        if not full:
+            return grid(("advance-recede",), ("shaken",), (8, 16, 32))
+        cases = "full-contact", "advance-recede", "travelling-patch", "yield-and-release"
+        return grid(cases, ("one-diagonal", "criss-cross", "shaken", "unstructured"), (12, 24, 48))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        solution = resolve(setting.case).solution
+        # An odd number of steps for each instant puts the instants into the middle of steps.
+        steps = INSTANTS * (2 * (setting.level // 8) + 3)
+        setup = Setup.of(solution, family_named(setting.family), setting.level, Midpoint(), steps)
+        return with_h(setup.space.h, tractions(setup))
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        return judge(self, rows, LINES)
+
+
+def tractions(setup: Setup) -> dict[str, float]:
+    """The norms relative to ‖σν‖ on Γ2 ∪ Γ3, the weak ones with fields of ‖v‖_V = 1."""
+    sides = {kind: [Side(setup, part) for part in setup.space.body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT)}
+    probes = {
+        "loaded, weakly": Probe(setup, into_the_load(setup.space.body)),
+        "tangential, weakly": Probe(setup, along_the_contact(setup.space.body)),
+    }
+    squares: list[dict[str, float]] = []
+    for time, stress in discrete_stresses(setup):
+        squares.append(
+            {
+                "tangential": sum(side.tangential(stress) for side in sides[Kind.CONTACT]),
+                "contact": sum(side.difference(stress, time) for side in sides[Kind.CONTACT]),
+                "loaded": sum(side.difference(stress, time) for side in sides[Kind.LOADED]),
+                "size": sum(side.size(time) for kind in sides for side in sides[kind]),
+                **{name: probe(stress, time) for name, probe in probes.items()},
+            }
+        )
+    total = pd.DataFrame(squares).sum()
+    return {name: float(np.sqrt(total[name] / total["size"])) for name in total.index if name != "size"}
+
+
+def discrete_stresses(setup: Setup) -> Iterator[tuple[float, Tensors]]:
+    """(t, σ^h(t)) at the instants, each the middle of a step: σ^h = A ε(δu_n) + G ε((u_n + u_{n−1})/2)."""
+    space, cells, k = setup.space, on_cells(setup.space, setup.solution.law), setup.problem.T / setup.steps
+    each = setup.steps // INSTANTS
+    for n, (before, after) in enumerate(pairwise(setup.scheme.march(setup.problem, setup.steps))):
+        if n % each == each // 2:
+            old, new = space.strain(before.u), space.strain(after.u)
+            yield (before.time + after.time) / 2, cells.stress((new - old) / k, (new + old) / 2)
+
+
+class Side:
+    """One part of Γ with its facets and the cells behind them."""
+
+    def __init__(self, setup: Setup, part: Part) -> None:
+        mesh, facets = setup.space.mesh, setup.space.facets(part)
+        self.part = part
+        self.cells = mesh.f2t[0, facets]
+        self.rule: FacetRule = facet_rule(mesh, facets, part, (), FACET_POINTS)
+        self.exact = setup.solution.at(part.point(self.rule.s))
+
+    def tangential(self, stress: Tensors) -> float:
+        """∫ |σ^h_τ|² over the part."""
+        normal = self.part.normal
+        forces = traction(stress[:, self.cells], normal)
+        tangential = forces - np.multiply.outer(normal, normal @ forces)
+        return float(np.sum(tangential**2 * self.rule.weights.sum(axis=1)))
+
+    def difference(self, stress: Tensors, time: float) -> float:
+        """∫ |σ^hν − σν|² over the part."""
+        forces = traction(stress[:, self.cells], self.part.normal)[..., None]
+        return float(np.sum((forces - self.exact.surface_load(self.part, time)) ** 2 * self.rule.weights))
+
+    def size(self, time: float) -> float:
+        """∫ |σν|² over the part."""
+        return float(np.sum(self.exact.surface_load(self.part, time) ** 2 * self.rule.weights))
+
+
+Field = Callable[[Points], Vectors]
+"""A smooth field of displacements, analytic in x."""
+
+
+class Probe:
+    """Σ_v ((σ^h, ε(v))_Q − (f, v)_V)² over smooth fields v with ‖v‖_V = 1.
+
+    (f, v)_V = (σ, ε(v))_Q for these fields, by Green's formula (2.14) with (2.2), (2.4) and (2.5).
+    """
+
+    def __init__(self, setup: Setup, fields: list[Field]) -> None:
+        self.blocks = []
+        squares = np.zeros(len(fields))
+        for rule in rules(setup.solution, setup.space.mesh, DEGREE):
+            exact = setup.solution.at(rule.points)
+            strains = [strain(field, rule.points) for field in fields]
+            squares += [float(np.sum(exact.law.A(e) * e * rule.weights)) for e in strains]
+            self.blocks.append((rule, exact, strains))
+        self.norms = np.sqrt(squares)
+
+    def __call__(self, stress: Tensors, time: float) -> float:
+        work = np.zeros(len(self.norms))
+        for rule, exact, strains in self.blocks:
+            difference = (stress[:, rule.cells, None] - exact.stress(time)) * rule.weights
+            work += [float(np.sum(difference * e)) for e in strains]
+        return float(np.sum((work / self.norms) ** 2))
+
+
+def into_the_load(body: Body) -> list[Field]:
+    """Fields that vanish on Γ1 and Γ3."""
+    rng = np.random.default_rng(SEED)
+    clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
+
+    def field(wave: Field) -> Field:
+        return lambda x: wave(x) * distances(x, clamped + contact)
+
+    return [field(waves(body, rng)) for _ in range(FIELDS)]
+
+
+def along_the_contact(body: Body) -> list[Field]:
+    """Fields that vanish on Γ1 and are tangential on Γ3: on one plane of it each, zero on the others."""
+    rng = np.random.default_rng(SEED)
+    clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
+
+    def field(part: Part, along: Field, inside: Field) -> Field:
+        others = [other for other in contact if other is not part]
+        tangents = part.frame[:, :-1]
+
+        def v(x: Points) -> Vectors:
+            tangential = np.tensordot(tangents @ tangents.T, along(x), axes=1)
+            return (tangential + part.coordinates(x)[1] * inside(x)) * distances(x, clamped + others)
+
+        return v
+
+    return [field(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]
+
+
+def planes(body: Body, kind: Kind) -> list[Part]:
+    """One part of each plane that carries a condition."""
+    found: list[Part] = []
+    for part in body.of(kind):
+        if not any(
+            np.allclose(part.coordinates(other.point(np.zeros((body.dim - 1, 1))))[1], 0)
+            and np.allclose(part.normal, other.normal)
+            for other in found
+        ):
+            found.append(part)
+    return found
+
+
+def distances(x: Points, parts: list[Part]) -> Array:
+    """The product of the distances to the planes of some parts, (...)."""
+    product: Array = np.ones(x.shape[1:])
+    for part in parts:
+        product = product * part.coordinates(x)[1]
+    return product
+
+
+def waves(body: Body, rng: np.random.Generator) -> Field:
+    """A random vector field cos(κ·x + c) with about half a wave across the body in each direction."""
+    extent = body.vertices.max(axis=1) - body.vertices.min(axis=1)
+    directions = rng.uniform(-np.pi, np.pi, (body.dim, body.dim)) / extent
+    phases = rng.uniform(0, 2 * np.pi, body.dim)
+
+    def field(x: Points) -> Vectors:
+        return np.cos(np.tensordot(directions, x, axes=1) + phases.reshape((-1,) + (1,) * (x.ndim - 1)))
+
+    return field
+
+
+def strain(field: Field, x: Points) -> Tensors:
+    """ε(v) by the complex step, (d, ...) → (D, ...)."""
+    tiny = 1e-30
+    dim = len(x)
+    steps = [1j * tiny * np.eye(dim)[j].reshape((-1,) + (1,) * (x.ndim - 1)) for j in range(dim)]
+    return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))

@@ -1,0 +1,65 @@
+"""The forms of a law and the product of H_1 on V^h, and extreme eigenvalues of one form against another."""
+
+from __future__ import annotations
+
+import numpy as np
+import scipy.sparse as sps
+from scipy.sparse.linalg import eigsh
+
+from manufactured.law import KelvinVoigt
+from manufactured.tensors import Array, size
+from study.fem.space import Space
+from study.solve.evolution import Problem
+
+SEED = 2002
+SMALLEST, LARGEST = 1e-9, 1e-4
+"""Relative residuals of eigenvectors. The largest eigenvalues lie in clusters, where vectors do not settle; the value
+is a quotient that is attained, and its error is about the square."""
+LANCZOS = 40
+"""Vectors that Lanczos' method keeps."""
+
+
+def unloaded(space: Space, law: KelvinVoigt) -> Problem:
+    """Problem 5.1 without load and at rest: the matrices of a law on V^h."""
+    return Problem.of(space, law, lambda time: np.zeros(space.dofs), np.zeros(space.dofs))
+
+
+def strain_product(space: Space) -> sps.csc_array:
+    """The matrix of (ε(u), ε(v))_Q on V^h, (n_dofs, n_dofs)."""
+    return space.form(np.eye(size(space.dim)))
+
+
+def mass(space: Space) -> sps.csc_array:
+    """The matrix of (u, v)_H on V^h, from ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d+1)(d+2)), (n_dofs, n_dofs)."""
+    cells, dim = space.mesh.t, space.dim
+    local = (1 + np.eye(dim + 1)) / ((dim + 1) * (dim + 2))
+    values = local[:, :, None] * space.volumes
+    rows, columns = np.broadcast_to(cells[:, None], values.shape), np.broadcast_to(cells[None], values.shape)
+    count = space.mesh.p.shape[1]
+    scalar = sps.csr_array((values.ravel(), (rows.ravel(), columns.ravel())), shape=(count, count))
+    vector = sps.csr_array(sps.kron(scalar, np.eye(dim)))
+    return sps.csc_array(vector[space.free][:, space.free])
+
+
+def h1_product(space: Space) -> sps.csc_array:
+    """The matrix of (u, v)_{H_1} = (u, v)_H + (ε(u), ε(v))_Q on V^h, (2.11)."""
+    return sps.csc_array(mass(space) + strain_product(space))
+
+
+def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
+    """min a(v, v)/b(v, v) for positive definite forms a and b."""
+    return float(eigsh(form, 1, product, sigma=0.0, v0=_start(form), tol=SMALLEST, return_eigenvectors=False)[0])
+
+
+def largest(form: sps.csc_array, product: sps.csc_array) -> float:
+    """max a(v, v)/b(v, v) for a positive definite form b.
+
+    Lanczos' method without a shift: one at a supposed bound would hide eigenvalues far beyond it.
+    """
+    start = _start(form)
+    kept = min(LANCZOS, len(start))
+    return float(eigsh(form, 1, product, which="LA", v0=start, tol=LARGEST, ncv=kept, return_eigenvectors=False)[0])
+
+
+def _start(form: sps.csc_array) -> Array:
+    return np.random.default_rng(SEED).standard_normal(form.shape[0])

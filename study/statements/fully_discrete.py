@@ -1,0 +1,181 @@
+"""Beyond the source: the fully discrete error in h and k, for which it says that estimates are open.
+
+With u_n^{hk} of a time scheme and u^h of Problem 5.1 two errors are measured over tables of (h, k):
+
+    e(h, k) = max_n ‖u(t_n) − u_n^{hk}‖_V,     d(h, k) = max_n ‖u^h(t_n) − u_n^{hk}‖_V
+
+over the nodes t_n that all grids of a table have in common, so that every entry is a maximum over the same times.
+Predicted before measuring:
+
+* e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q: e is nearly all interpolation
+  error, which is nearly orthogonal in V to V^h, where the error in time lies;
+* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so that the system of Problem 5.1 is not stiff
+  and no scheme sees h;
+* q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, falling to 3/2 where u̇^h jumps because
+  vertices change between contact and release.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from itertools import islice
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import least_squares
+from scipy.stats import t as student
+
+from manufactured.tensors import Array
+from study.jobs import family_named, resolve
+from study.rates import CONFIDENCE
+from study.solve.evolution import SCHEMES, Midpoint, Scheme
+from study.statements.base import Setting
+from study.statements.tally import ENOUGH, Criterion, Line, Measure, Measured, Observation, grid, judge, with_h
+from study.sweep import Setup
+from study.verdict import Verdict, Window
+
+COUNTS = (4, 8, 16, 32, 64, 128)
+"""Time steps of the tables: so few that the error in time is seen beside that in space."""
+FINEST = 1024
+"""Steps of the midpoint rule that stands for u^h."""
+ASYMPTOTIC = COUNTS[2:]
+"""Steps from which the order of d is read."""
+VISIBLE = 0.5
+"""An order in k is read from e only if d is this part of it for two numbers of steps."""
+
+FIRST = Window(0.9, 1.1, "1 ± 0.1")
+SECOND = Window(1.4, 2.1, "2, falling to 3/2 where vertices change contact, ± 0.1")
+ORDERS = {"backward-euler": FIRST, "bdf2": SECOND, "midpoint": SECOND}
+IN_H = Window(0.85, 1.15, "1 ± 0.15")
+NOT_STIFF = Window(-0.1, 0.1, "0 ± 0.1")
+BETTER = Window(0.0, 1.0, "< 1")
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Parameters of a least-squares fit.
+
+    Attributes:
+        values: the parameters.
+        half: half widths of their Student intervals at 95 %.
+        misfit: root mean square of the residuals.
+    """
+
+    values: Array
+    half: Array
+    misfit: float
+
+    def parameter(self, i: int) -> Measured:
+        """(value, interval) of parameter i."""
+        value, half = float(self.values[i]), float(self.half[i])
+        return value, (value - half, value + half)
+
+
+def fit(residuals: Callable[[Array], Array], start: Array) -> Fit:
+    """min Σ r_i² from a start; intervals from the Jacobian at the minimum."""
+    found = least_squares(residuals, start, method="lm", x_scale="jac")
+    freedom = len(found.fun) - len(start)
+    variance = 2 * found.cost / freedom
+    spread = np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
+    return Fit(found.x, float(student.ppf((1 + CONFIDENCE) / 2, freedom)) * spread, float(np.sqrt(variance)))
+
+
+def time_fit(h: Array, k: Array, d: Array) -> Fit:
+    """(log C, q, s) of d = C k^q h^s."""
+    return fit(lambda x: x[0] + x[1] * np.log(k) + x[2] * np.log(h) - np.log(d), np.array([0.0, 1.0, 0.0]))
+
+
+def joint_fit(h: Array, k: Array, e: Array, time: Fit, power: float) -> Fit:
+    """(log C_h, p, log C_k, q) of e^r = (C_h h^p)^r + (C_k k^q)^r for a given power r, started from the fit of d."""
+
+    def residuals(x: Array) -> Array:
+        parts = np.logaddexp(power * (x[0] + x[1] * np.log(h)), power * (x[2] + x[3] * np.log(k)))
+        return parts / power - np.log(e)
+
+    finest = int(np.argmin(e))
+    return fit(residuals, np.array([np.log(e[finest] / h[finest]), 1.0, time.values[0], time.values[1]]))
+
+
+@dataclass(frozen=True)
+class FullyDiscrete:
+    """e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
+
+    label: str = "beyond: fully discrete"
+    claim: str = "max_n ‖u(t_n) − u_n^{hk}‖_V² = (C_h h^p)² + (C_k k^q)²"
+
+    def settings(self, full: bool) -> list[Setting]:
+        if not full:
+            return grid(("advance-recede",), ("shaken",), (4, 8, 12))
+        cases = "full-contact", "advance-recede", "travelling-patch", "yield-and-release"
+        return grid(cases, ("shaken",), (6, 12, 24))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        solution = resolve(setting.case).solution
+        setup = Setup.of(solution, family_named(setting.family), setting.level, Midpoint(), FINEST)
+        return with_h(setup.space.h, dict(errors(setup)))
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        return judge(self, rows, LINES)
+
+
+def errors(setup: Setup) -> Iterator[tuple[str, float]]:
+    """e and d of every scheme and number of steps, under the names of ``columns``."""
+    gauge, M = setup.gauge, setup.problem.M
+    # Schemes and grids share most of their times.
+    load = lru_cache(maxsize=None)(setup.problem.load)
+    problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
+    common = min(COUNTS)
+    reference = [state.u for n, state in enumerate(Midpoint().march(problem, FINEST)) if n % (FINEST // common) == 0]
+    samples = [gauge.sample(n * problem.T / common) for n in range(common + 1)]
+    for scheme in SCHEMES:
+        for count in COUNTS:
+            at_common = islice(scheme.march(problem, count), 0, None, count // common)
+            pairs = [(reference[n] - state.u, gauge.distance(samples[n], state.u)) for n, state in enumerate(at_common)]
+            yield f"{scheme.name} {count} e", max(error for _, error in pairs)
+            yield f"{scheme.name} {count} d", max(math.sqrt(v @ (M @ v)) for v, _ in pairs)
+
+
+def columns(scheme: Scheme, which: str, counts: tuple[int, ...]) -> list[str]:
+    """The columns of e or d of a scheme."""
+    return [f"{scheme.name} {count} {which}" for count in counts]
+
+
+def lines(scheme: Scheme) -> Iterator[Line]:
+    """What is reported for a scheme."""
+    needs = tuple(columns(scheme, "e", COUNTS) + columns(scheme, "d", COUNTS))
+
+    def table(group: pd.DataFrame, which: str, counts: tuple[int, ...]) -> tuple[Array, Array, Array]:
+        values = group[columns(scheme, which, counts)].to_numpy()
+        h, k = np.meshgrid(group["h"].to_numpy(), 1 / np.array(counts), indexing="ij")
+        return h.ravel(), k.ravel(), values.ravel()
+
+    def in_time(group: pd.DataFrame) -> Fit:
+        return time_fit(*table(group, "d", ASYMPTOTIC))
+
+    def jointly(group: pd.DataFrame, power: float = 2.0) -> Fit:
+        return joint_fit(*table(group, "e", COUNTS), in_time(group), power)
+
+    def in_both(group: pd.DataFrame) -> Measured | None:
+        finest = group.iloc[-1]
+        shares = finest[columns(scheme, "d", COUNTS)].to_numpy() / finest[columns(scheme, "e", COUNTS)].to_numpy()
+        return jointly(group).parameter(3) if np.sum(shares >= VISIBLE) >= 2 else None
+
+    def misfits(group: pd.DataFrame) -> Measured:
+        value = jointly(group).misfit / jointly(group, 1.0).misfit
+        return value, (value, value)
+
+    reported: list[tuple[str, Window, Measure]] = [
+        ("order q of ‖u^h − u^{hk}‖ in k", ORDERS[scheme.name], lambda g: in_time(g).parameter(1)),
+        ("order s of ‖u^h − u^{hk}‖ in h", NOT_STIFF, lambda g: in_time(g).parameter(2)),
+        ("order p of ‖u − u^{hk}‖ in h", IN_H, lambda g: jointly(g).parameter(1)),
+        ("order q of ‖u − u^{hk}‖ in k", ORDERS[scheme.name], in_both),
+        ("misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, misfits),
+    ]
+    for quantity, window, measure in reported:
+        yield Observation(Criterion(f"{scheme.name}: {quantity}", window, measure, needs, ENOUGH))
+
+
+LINES = tuple(line for scheme in SCHEMES for line in lines(scheme))

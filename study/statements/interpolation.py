@@ -1,0 +1,191 @@
+"""Interpolation in V, (5.23), and on the pieces of Γ3, (5.24).
+
+For v(t) = u(t) at fixed times and for a smooth field that vanishes on Γ1,
+
+    ‖v − Π^h v‖_V = O(h)  for v ∈ H²(Ω)^d,      ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} = O(h²)  for v_ν ∈ H²(Γ3,i),
+
+both sharp for piecewise linears, so that orders are judged from both sides. (5.24) is printed with h in
+place of h²: the proof of Prop. 5.4 takes the root of it in (5.42) and so needs h². Traces with w ~ s_+^α
+at a front lie in H^τ, τ < α + 1/2, and have the order min(2, α + 1/2).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from manufactured.body import Body, Kind
+from manufactured.case import Case
+from manufactured.exact import ExactSolution, Face
+from study.claims import JUDGED, consecutive
+from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
+from study.fem.mesh import Graded
+from study.fem.quadrature import facet_rule
+from study.fem.space import Space
+from study.jobs import resolve
+from study.rates import orders
+from study.statements.base import Setting
+from study.statements.boundary import Field, distances, planes, strain, waves
+from study.statements.places import EVERY, different, material, named, place, shape, space_of
+from study.statements.tally import Criterion, Line, Measure, Observation, by_case, with_h
+from study.statements.tally import order as fitted_order
+from study.verdict import Verdict, Window
+
+SEED = 2002
+TIMES = (0.3, 0.7)
+"""Fractions of T."""
+RAISED = 2
+"""Degrees of cell rules, and points on facets, beyond those of the gauge: kinks cross cells and facets."""
+NOTHING = 1e-12
+"""Traces smaller than this are zero, and interpolation leaves no error that had an order."""
+ROOM = 0.15
+"""Fronts lie differently in their cells on each level, and meshes that are not nested differ by chance."""
+
+
+def window(expected: float) -> Window:
+    return Window(expected - ROOM, expected + ROOM, f"{expected:g} ± {ROOM:g}")
+
+
+def order(quantity: str, column: str, expected: float) -> Criterion:
+    """Every consecutive order of the finest levels."""
+    return Criterion(f"{quantity}, level by level", window(expected), consecutive(column), (column,), JUDGED)
+
+
+def smooth(body: Body) -> Field:
+    """Waves times the distance to Γ1, a field in V."""
+    wave, clamped = waves(body, np.random.default_rng(SEED)), planes(body, Kind.CLAMPED)
+    return lambda x: wave(x) * distances(x, clamped)
+
+
+def at(fraction: float) -> str:
+    return f"u({fraction:g} T)"
+
+
+SMOOTH = "a smooth field"
+
+
+@dataclass(frozen=True)
+class InterpolationInV:
+    """Orders of ‖v − Π^h v‖_V, for the cases with u(t) ∈ H² on each cell."""
+
+    label: str = "(5.23)"
+    claim: str = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
+
+    def settings(self, full: bool) -> list[Setting]:
+        if full:
+            cases = [case for case in different(_body_and_law) if case.regularity.smoothness > 1]
+            return uniform(place(cases, EVERY, (8, 16, 32), (8, 12, 16)))
+        return place(named("no-contact", "advance-recede"), EVERY, (8, 16, 32))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, solution = space_of(setting), resolve(setting.case).solution
+        gauge = Gauge(solution, space, RAISED)
+        samples = {at(fraction): gauge.sample(fraction * solution.body.T) for fraction in TIMES}
+        found = {name: gauge.distance(sample, sample.interpolant) for name, sample in samples.items()}
+        return with_h(space.h, {**found, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        columns = [*map(at, TIMES), SMOOTH]
+        lines = [order(f"order of ‖v − Π^h v‖_V, v = {name}", name, 1.0) for name in columns]
+        return [line.verdict(self, case, groups) for case, groups in by_case(rows) for line in lines]
+
+
+def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
+    """‖v − Π^h v‖_V for a field v analytic in x."""
+    interpolant, total = space.strain(space.interpolate(field(space.mesh.p))), 0.0
+    for rule in rules(solution, space.mesh, DEGREE + RAISED):
+        difference = strain(field, rule.points) - interpolant[:, rule.cells, None]
+        viscous = solution.law.A.at(rule.points)(difference)
+        total += float(np.einsum("Inq,Inq,nq->", viscous, difference, rule.weights))
+    return float(np.sqrt(total))
+
+
+@dataclass(frozen=True)
+class InterpolationOnContact:
+    """Orders of ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)}, where v_ν is not zero."""
+
+    label: str = "(5.24)"
+    claim: str = "‖v_ν − Π^h v_ν‖_{L²(Γ3,i)} ≤ c h² |v_ν|_{H²(Γ3,i)}, printed with h"
+
+    def settings(self, full: bool) -> list[Setting]:
+        if full:
+            return uniform(place(different(_body_and_trace), EVERY, (16, 32, 64, 128), (8, 16, 24)))
+        return place(named("advance-recede", "rough-2"), EVERY, (16, 32, 64))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, case = space_of(setting), resolve(setting.case)
+        found = {REGULARITY: case.regularity.trace}
+        for i, face in enumerate(case.solution.faces, start=1):
+            found |= {f"{name} on Γ3,{i}": error for name, error in on_face(case.solution, space, face).items()}
+        return with_h(space.h, found)
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        found = []
+        for case, groups in by_case(rows):
+            tables = list(groups.values())
+            tau = min(float(table[REGULARITY].min()) for table in tables)
+            for name in dict.fromkeys(name for table in tables for name in table if " on Γ3," in name):
+                line = on_trace(name, math.inf if name.startswith(SMOOTH) else tau)
+                found.append(line.verdict(self, case, groups))
+        return found
+
+
+REGULARITY = "τ"
+"""v_ν ∈ H^s(Γ3,i) for s < τ, from the exponents of the case."""
+
+
+def on_trace(name: str, tau: float) -> Line:
+    """What is expected of a trace: order 2 is claimed for τ > 2, min(2, τ) predicted for others."""
+    quantity = f"order of ‖v_ν − Π^h v_ν‖, v = {name}"
+    if tau >= 2.5:
+        return order(quantity, name, 2.0)
+    if tau > 2:
+        # The error in the cell of the front, where w'' is not bounded, depends on where it is in the cell.
+        return Criterion(f"{quantity}, over two refinements", window(2.0), two_refinements(name), (name,), JUDGED)
+    fitted = fitted_order(f"{quantity}, fitted", Window(tau - 0.3, tau + 0.3, f"{tau:g} ± 0.3"), name)
+    return Observation(fitted)
+
+
+def two_refinements(column: str) -> Measure:
+    """The order from the third but last to the last level."""
+
+    def measure(table: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        judged = table.iloc[[-3, -1]]
+        value = float(orders(judged["h"].to_numpy(), judged[column].to_numpy())[0])
+        return value, (value, value)
+
+    return measure
+
+
+def on_face(solution: ExactSolution, space: Space, face: Face) -> dict[str, float]:
+    """‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)} for each v with a trace."""
+    mesh, facets = space.mesh, space.facets(face.part)
+    rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS + RAISED)
+    x, vertices = face.part.point(rule.s), mesh.p[:, mesh.facets[:, facets]]
+    exact, nodes, field = solution.at(x), solution.at(vertices), smooth(space.body)
+    times = {at(fraction): fraction * solution.body.T for fraction in TIMES}
+    pairs = {name: (exact.displacement(time), nodes.displacement(time)) for name, time in times.items()}
+    found = {}
+    for name, (values, nodal) in {**pairs, SMOOTH: (field(x), field(vertices))}.items():
+        trace, corners = (np.tensordot(face.part.normal, v, axes=1) for v in (values, nodal))
+        if abs(trace).max() > NOTHING:
+            error = trace - np.einsum("an,anq->nq", corners, rule.shapes)
+            found[name] = float(np.sqrt(np.sum(error**2 * rule.weights)))
+    return found
+
+
+def uniform(settings: list[Setting]) -> list[Setting]:
+    """Without graded meshes, whose cells at singular points are smaller than h."""
+    return [setting for setting in settings if setting.family != Graded().name]
+
+
+def _body_and_law(case: Case) -> Hashable:
+    return shape(case), material(case)
+
+
+def _body_and_trace(case: Case) -> Hashable:
+    return shape(case), case.regularity.trace

@@ -1,0 +1,67 @@
+"""Korn's inequality (2.17) on V^h ⊂ V.
+
+    C_K² = inf_{v ∈ V} ‖ε(v)‖_Q² / ‖v‖_{H_1}² ≤ min_{v ∈ V^h} ‖ε(v)‖_Q² / ‖v‖_{H_1}²,
+
+so the right side falls under refinement; with nested spaces it cannot rise. That it falls to a
+positive limit is what (2.17) says.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import pandas as pd
+
+from study.statements.base import Setting
+from study.statements.constants import ROUNDING
+from study.statements.eigen import h1_product, smallest, strain_product
+from study.statements.places import FIRST, different, place, shape, space_of
+from study.statements.tally import ENOUGH, Criterion, judge, with_h
+from study.verdict import Verdict, Window
+
+FALLING = Window(0.0, 1 + ROUNDING, "≤ 1 on every level")
+LIMIT = Window(0.7, 1.0, "0.7 … 1 of the finest value")
+"""Values that tend to zero leave the window: those like h^p extrapolate to 0, those like 1/(c + |log h|), the slowest
+that come up (Γ1 a point), to m/(2m − 2) < 0.7 of the last one if that is 1/m times the unit of log 2."""
+
+
+def consecutive_ratio(table: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+    """The largest ratio of the values on consecutive levels."""
+    values = table["smallest eigenvalue"].to_numpy()
+    found = values[1:] / values[:-1]
+    return float(found.max()), (float(found.min()), float(found.max()))
+
+
+def extrapolated(table: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+    """Aitken's limit of the last three values over the last one; −∞ if their differences do not shrink."""
+    first, second, last = table["smallest eigenvalue"].to_numpy()[-3:]
+    before, drop = first - second, second - last
+    limit = float((last - drop**2 / (before - drop)) / last) if before > drop else -math.inf
+    return limit, (limit, limit)
+
+
+COLUMNS = ("smallest eigenvalue",)
+CRITERIA = (
+    Criterion("smallest eigenvalue, level over level", FALLING, consecutive_ratio, COLUMNS, 2),
+    Criterion("limit of the smallest eigenvalue for h → 0", LIMIT, extrapolated, COLUMNS, ENOUGH),
+)
+
+
+@dataclass(frozen=True)
+class Korn:
+    """Smallest eigenvalue of (ε(·), ε(·))_Q against the product of H_1, once for each body."""
+
+    label: str = "(2.17)"
+    claim: str = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
+
+    def settings(self, full: bool) -> list[Setting]:
+        bodies = different(shape)
+        return place(bodies, FIRST, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, FIRST, (4, 8, 16))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space = space_of(setting)
+        return with_h(space.h, {"smallest eigenvalue": smallest(strain_product(space), h1_product(space))})
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        return judge(self, rows, CRITERIA)

@@ -1,0 +1,192 @@
+"""The hypotheses on the law: (3.1) on A, (3.2) on G, and (3.3), G(ε) = β (ε − P_K ε), as an example of (3.2).
+
+They hold almost everywhere in Ω: the law is looked at in the vertices and the centres of the cells of
+a mesh. The derivative of G at a tensor is the matrix of ``AtPoints.derivative``; pairs of tensors along
+the eigenvectors of its extreme eigenvalues show whether the constants that the law states are the best.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from manufactured.law import AtPoints, Yield
+from manufactured.tensors import Array, Points, Tensors, size
+from study.fem.space import Space
+from study.jobs import resolve
+from study.statements.base import Setting
+from study.statements.constants import BOUND, ROUNDING, Constant
+from study.statements.places import FIRST, different, material, place, space_of
+from study.statements.tally import judge, largest, with_h
+from study.verdict import Verdict, Window
+
+SEED = 2002
+SCALES = (-3.0, 3.0)
+"""Decimal logarithms of the sizes of generated tensors: both sides of any yield point."""
+ZERO = Window(0.0, 1e-12, "0 up to 1e-12")
+MONOTONE = Window(-math.inf, ROUNDING, "≤ 0 up to 1e-9")
+
+
+def points(space: Space) -> Points:
+    """The vertices and the centres of the cells, (d, n)."""
+    return np.hstack([space.mesh.p, space.mesh.p[:, space.mesh.t].mean(axis=1)])
+
+
+def tensors(rng: np.random.Generator, dim: int, count: int) -> Tensors:
+    """Random tensors of sizes over several orders of magnitude, (D, count)."""
+    directions = rng.standard_normal((size(dim), count))
+    return directions / np.linalg.norm(directions, axis=0) * 10 ** rng.uniform(*SCALES, count)
+
+
+def derivative(operator: AtPoints, strain: Tensors) -> Array:
+    """The matrices of the derivative at tensors, (D, n) → (n, D, D)."""
+    units = np.eye(len(strain))
+    columns = [operator.derivative(strain, np.broadcast_to(unit[:, None], strain.shape)) for unit in units]
+    return np.moveaxis(np.stack(columns, axis=1), 2, 0)
+
+
+def placed(full: bool) -> list[Setting]:
+    """Every law of the catalogue on one mesh of its case's body."""
+    return place(different(material), FIRST, (16,) if full else (8,), (4,) if full else (2,))
+
+
+@dataclass(frozen=True)
+class Viscosity:
+    """Symmetry, smallest and largest eigenvalue of A."""
+
+    label: str = "(3.1)"
+    claim: str = "A is symmetric, bounded and elliptic with the constant m_A"
+
+    def settings(self, full: bool) -> list[Setting]:
+        return placed(full)
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, A = space_of(setting), resolve(setting.case).solution.law.A
+        x = points(space)
+        matrices = derivative(A.at(x), np.zeros((size(space.dim), x.shape[1])))
+        values = np.linalg.eigvalsh((matrices + matrices.swapaxes(1, 2)) / 2)
+        found = {
+            "asymmetry": abs(matrices - matrices.swapaxes(1, 2)).max() / abs(matrices).max(),
+            # m_A over the smallest: a negative one is a violation, too.
+            "ellipticity": A.ellipticity / values.min() if values.min() > 0 else math.inf,
+            "bound": values.max() / A.lipschitz,
+        }
+        return with_h(space.h, found)
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        lines = (
+            Constant("m_A / smallest eigenvalue of A(x)", "ellipticity"),
+            Constant("largest eigenvalue of A(x) / ‖A‖", "bound"),
+            largest("|A − Aᵀ| / |A|", ZERO, "asymmetry"),
+        )
+        return judge(self, rows, lines)
+
+
+@dataclass(frozen=True)
+class ElasticityOperator:
+    """|G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for generated tensors, and G(0)."""
+
+    label: str = "(3.2)"
+    claim: str = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
+
+    def settings(self, full: bool) -> list[Setting]:
+        return placed(full)
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, G = space_of(setting), resolve(setting.case).solution.law.G
+        x = points(space)
+        operator, slopes, products = G.at(x), [], []
+        for a, b in pairs(operator, np.random.default_rng(SEED), space.dim, x.shape[1]):
+            change, difference = operator(a) - operator(b), a - b
+            square = np.sum(difference**2, axis=0)
+            slopes.append(np.linalg.norm(change, axis=0) / np.sqrt(square))
+            products.append(np.sum(change * difference, axis=0) / square)
+        found = {
+            "quotient": np.max(slopes) / G.lipschitz,
+            "monotonicity": (G.monotonicity - np.min(products)) / G.lipschitz,
+            "at zero": abs(operator(np.zeros((size(space.dim), x.shape[1])))).max() / G.lipschitz,
+        }
+        return with_h(space.h, found)
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        lines = (
+            Constant("|G(a) − G(b)| / (L_G |a − b|)", "quotient"),
+            largest("(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
+            largest("|G(0)| / L_G", ZERO, "at zero"),
+        )
+        return judge(self, rows, lines)
+
+
+NEAR = 1e-4
+"""Relative distance of near pairs: difference quotients for the derivative."""
+
+
+def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) -> Iterator[tuple[Tensors, Tensors]]:
+    """Far and near random pairs, and near ones along the steepest and the flattest direction."""
+    a = tensors(rng, dim, count)
+    yield a, tensors(rng, dim, count)
+    matrices = derivative(operator, a)
+    _, vectors = np.linalg.eigh((matrices + matrices.swapaxes(1, 2)) / 2)
+    for direction in (tensors(rng, dim, count), vectors[:, :, -1].T, vectors[:, :, 0].T):
+        yield a, a + NEAR * np.linalg.norm(a, axis=0) * direction / np.linalg.norm(direction, axis=0)
+
+
+@dataclass(frozen=True)
+class Projection:
+    """P_K ε = ε − G(ε)/β: it lies in K, is the nearest point of K, and is not expansive."""
+
+    label: str = "(3.3)"
+    claim: str = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
+
+    def settings(self, full: bool) -> list[Setting]:
+        return [setting for setting in placed(full) if isinstance(resolve(setting.case).solution.law.G, Yield)]
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, G = space_of(setting), resolve(setting.case).solution.law.G
+        assert isinstance(G, Yield)
+        return with_h(space.h, projection(G, points(space).shape[1]))
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        lines = (
+            largest("|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
+            largest("P_K a ∈ K: gauge of K at P_K a", BOUND, "membership"),
+            largest("(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
+            largest("|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
+        )
+        return judge(self, rows, lines)
+
+
+def projection(G: Yield, count: int) -> dict[str, float]:
+    """The largest violations over generated tensors."""
+    rng = np.random.default_rng(SEED)
+    a = np.hstack([tensors(rng, G.dim, count), G.convex.radius * tensors(rng, G.dim, count)])
+    b, k = rng.permutation(a, axis=1), inside(G, rng.permutation(a, axis=1), rng)
+
+    def project(strain: Tensors) -> Tensors:
+        return strain - G(strain) / G.beta
+
+    nearest = project(a)
+    outward, along = a - nearest, k - nearest
+    sizes = np.linalg.norm(outward, axis=0) * np.linalg.norm(along, axis=0)
+    apart = np.linalg.norm(a - b, axis=0)
+    moved = apart > 0
+    return {
+        "expansion": (np.linalg.norm(nearest - project(b), axis=0)[moved] / apart[moved]).max(),
+        "membership": gauge(G, nearest).max(),
+        "nearest": (np.sum(outward * along, axis=0) / np.maximum(sizes, np.finfo(float).tiny)).max(),
+        "identity": (np.linalg.norm(project(k) - k, axis=0) / np.linalg.norm(k, axis=0)).max(),
+    }
+
+
+def gauge(G: Yield, strain: Tensors) -> Array:
+    """|Pτ|/r, at most 1 on K, (n,)."""
+    return np.linalg.norm(G.convex.projector @ strain, axis=0) / G.convex.radius
+
+
+def inside(G: Yield, strain: Tensors, rng: np.random.Generator) -> Tensors:
+    """Tensors shrunk into K, many of them to its boundary."""
+    return strain / np.maximum(gauge(G, strain), 1.0) * np.minimum(rng.uniform(0, 2, strain.shape[1]), 1.0)

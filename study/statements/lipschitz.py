@@ -1,0 +1,155 @@
+"""(4.3) and (5.5): ‖B^h u − B^h v‖_V ≤ L_G/m_A ‖u − v‖_V for (B^h u, v)_V = (G ε(u), ε(v))_Q, on every mesh.
+
+On V^h, B^h = M⁻¹G with the matrix M of (·,·)_V. Where G is linear its largest quotient is the largest
+eigenvalue of G against M. In general large quotients are looked for: from u along a direction d the
+next direction is B^h(u + d) − B^h(u), scaled; for a linear G this is the power method, and quotients rise.
+
+L_G/m_A need not be the best constant: pointwise G ε·ε ≤ κ A ε·ε with κ, the largest eigenvalue of A⁻¹G
+(of the derivative of G at large strains), and so ‖B‖ ≤ κ ≤ L_G/m_A. From below a field that oscillates
+fast inside Ω, v = a cos(n k·x) φ, has nearly the strains sym(a ⊗ k) of rank two at most, so that
+
+    ‖B‖ ≥ κ_1 = max {G τ·τ / (A τ·τ) : τ = sym(a ⊗ k)}.
+
+A plane body that is free on a part of Γ reaches κ also where κ belongs to τ = I: ε(v) is a multiple of I
+if v_1 + i v_2 is holomorphic, and e^{nz} decays from the boundary as fast as one likes. Space has no
+such fields, by Liouville's theorem on conformal maps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from manufactured.case import Case
+from manufactured.law import KelvinVoigt, Linear
+from manufactured.tensors import Array, mandel, size
+from study.fem.space import Space
+from study.jobs import resolve
+from study.solve.evolution import Problem
+from study.solve.factor import Factor
+from study.statements.base import Setting
+from study.statements.constants import BOUND, ROUNDING, Constant
+from study.statements.eigen import largest, unloaded
+from study.statements.law import derivative, points, tensors
+from study.statements.places import FIRST, different, material, place, shape, space_of
+from study.statements.tally import finest, judge, with_h
+from study.statements.tally import largest as largest_of
+from study.verdict import Verdict, Window
+
+SEED = 2002
+STRAINS = (1e-2, 1.0, 1e2, 1e4)
+"""Sizes of the strains of generated functions: both sides of any yield point."""
+CLIMBS = 30
+"""Steps of the search for large quotients."""
+PAIRS = 10
+"""Random pairs of each size."""
+LARGE = 1e6
+"""Size of strains beyond any yield point."""
+DIRECTIONS = 4000
+"""Tensors sym(a ⊗ k) for κ_1."""
+
+POINTWISE = Window(-math.inf, 1 + 1e-5, "≤ 1 up to 1e-5")
+"""κ comes from samples of x and of strains."""
+NOT_VACUOUS = Window(0.97, math.inf, "≥ 0.97 on the finest level")
+"""V^h resolves fields that oscillate over some cells: at n = 16 to three per cent."""
+
+
+class Operator:
+    """B^h as the functionals (G ε(v), ε(·))_Q and quotients in ‖·‖_V."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.riesz = Factor(problem.M)
+
+    def __call__(self, v: Array) -> Array:
+        """(G ε(v), ε(·))_Q, (n,)."""
+        linear: Array = self.problem.reference @ v
+        return linear if self.problem.remainder is None else linear + self.problem.remainder(v)
+
+    def compare(self, base: Array, step: Array) -> tuple[float, float, Array]:
+        """‖B(u + d) − B(u)‖_V / ‖d‖_V, (B(u + d) − B(u), d)_V / ‖d‖_V² and B(u + d) − B(u)."""
+        change = self(base + step) - self(base)
+        image, square = self.riesz(change), step @ (self.problem.M @ step)
+        return float(np.sqrt(max(change @ image, 0.0) / square)), float(change @ step / square), image
+
+
+def quotients(space: Space, operator: Operator) -> Iterator[tuple[float, float]]:
+    """Lipschitz and monotonicity quotients of random pairs, and of pairs that are improved step by step."""
+    rng = np.random.default_rng(SEED)
+
+    def function(strain: float) -> Array:
+        v = rng.standard_normal(space.dofs)
+        return v * (strain / abs(space.strain(v)).max())
+
+    for strain in STRAINS:
+        for _ in range(PAIRS):
+            yield operator.compare(function(strain), function(strain))[:2]
+        for base in (np.zeros(space.dofs), function(strain)):
+            step = function(strain)
+            for _ in range(CLIMBS):
+                quotient, product, image = operator.compare(base, step)
+                yield quotient, product
+                if quotient <= ROUNDING:
+                    break
+                step = image * (strain / abs(space.strain(image)).max())
+
+
+def pointwise(space: Space, law: KelvinVoigt) -> tuple[float, float]:
+    """(κ, κ_1) over the points of a mesh."""
+    x, D, rng = points(space), size(space.dim), np.random.default_rng(SEED)
+    large = tensors(rng, space.dim, x.shape[1])
+    large *= LARGE / np.linalg.norm(large, axis=0)
+    viscous, elastic = derivative(law.A.at(x), np.zeros((D, x.shape[1]))), derivative(law.G.at(x), large)
+    root = np.linalg.inv(np.linalg.cholesky(viscous))
+    stiffest = np.linalg.eigvalsh(root @ elastic @ root.swapaxes(1, 2))[:, -1]
+    there = int(stiffest.argmax())
+    waves = mandel(np.einsum("in,jn->ijn", *rng.standard_normal((2, space.dim, DIRECTIONS))))
+    energies = [np.sum(waves * (matrix[there] @ waves), axis=0) for matrix in (elastic, viscous)]
+    return float(stiffest[there]), float((energies[0] / energies[1]).max())
+
+
+@dataclass(frozen=True)
+class Lipschitz:
+    """The largest quotients of B^h, once for each law and body."""
+
+    label: str = "(4.3), (5.5)"
+    claim: str = "‖B u − B v‖_V ≤ L_G/m_A ‖u − v‖_V, on V^h with the same constant"
+
+    def settings(self, full: bool) -> list[Setting]:
+        cases = different(_body_and_law)
+        return place(cases, slice(2), (8, 16, 32), (2, 4)) if full else place(cases, FIRST, (8, 16), (2,))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, law = space_of(setting), resolve(setting.case).solution.law
+        problem = unloaded(space, law)
+        found = np.array(list(quotients(space, Operator(problem))))
+        steepest = found[:, 0].max()
+        if isinstance(law.G, Linear):
+            steepest = max(steepest, largest(problem.reference, problem.M))
+        bound, (kappa, waves) = law.G.lipschitz / law.A.ellipticity, pointwise(space, law)
+        return with_h(
+            space.h,
+            {
+                "over the constant": steepest / bound,
+                "over the pointwise constant": steepest / kappa,
+                "over the waves": steepest / waves,
+                "monotonicity": -found[:, 1].min() / bound,
+            },
+        )
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        lines = (
+            Constant("largest quotient / (L_G/m_A)", "over the constant"),
+            largest_of("largest quotient / κ", POINTWISE, "over the pointwise constant"),
+            finest("largest quotient / κ_1", NOT_VACUOUS, "over the waves"),
+            largest_of("−(B u − B v, u − v)_V / ‖u − v‖_V² over L_G/m_A, (4.4)", BOUND, "monotonicity"),
+        )
+        return judge(self, rows, lines)
+
+
+def _body_and_law(case: Case) -> Hashable:
+    return shape(case), material(case)

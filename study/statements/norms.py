@@ -1,0 +1,70 @@
+"""‖·‖_V and ‖·‖_{H_1} are equivalent, (3.6): with (3.1) and (2.17)
+
+    m_A C_K² ‖v‖_{H_1}² ≤ ‖v‖_V² ≤ ‖A‖ ‖v‖_{H_1}²,
+
+on V^h with the constant C_K of V^h, which is bounded below uniformly in h.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+
+import pandas as pd
+
+from manufactured.case import Case
+from study.jobs import resolve
+from study.statements.base import Setting
+from study.statements.constants import BOUND
+from study.statements.eigen import h1_product, largest, smallest, strain_product, unloaded
+from study.statements.places import FIRST, different, place, shape, space_of
+from study.statements.tally import ENOUGH, Criterion, judge, with_h
+from study.statements.tally import largest as largest_of
+from study.verdict import Verdict, Window
+
+SETTLED = Window(0.75, 1.25, "0.75 … 1.25")
+"""From one level to the next a power h^{1/2} would change by the factor 0.71 or 1.41."""
+
+
+def finest_ratio(column: str) -> Criterion:
+    """An eigenvalue on the finest level over the one before."""
+
+    def measure(table: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        ratio = float(table[column].iloc[-1] / table[column].iloc[-2])
+        return ratio, (ratio, ratio)
+
+    return Criterion(f"{column} eigenvalue, finest level over the one before", SETTLED, measure, (column,), ENOUGH)
+
+
+CRITERIA = (
+    largest_of("m_A C_K² / smallest eigenvalue", BOUND, "lower bound"),
+    largest_of("largest eigenvalue / ‖A‖", BOUND, "upper bound"),
+    finest_ratio("smallest"),
+    finest_ratio("largest"),
+)
+
+
+@dataclass(frozen=True)
+class Norms:
+    """Extreme eigenvalues of (·,·)_V against the product of H_1, once for each body and viscosity."""
+
+    label: str = "(3.6)"
+    claim: str = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h"
+
+    def settings(self, full: bool) -> list[Setting]:
+        cases = different(_body_and_viscosity)
+        return place(cases, FIRST, (8, 16, 32), (2, 4, 8)) if full else place(cases, FIRST, (4, 8, 16))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, law = space_of(setting), resolve(setting.case).solution.law
+        M, product = unloaded(space, law).M, h1_product(space)
+        low, high, korn = smallest(M, product), largest(M, product), smallest(strain_product(space), product)
+        bounds = {"lower bound": law.A.ellipticity * korn / low, "upper bound": high / law.A.lipschitz}
+        return with_h(space.h, {"smallest": low, "largest": high, **bounds})
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        return judge(self, rows, CRITERIA)
+
+
+def _body_and_viscosity(case: Case) -> Hashable:
+    return shape(case), repr(case.solution.law.A)

@@ -1,0 +1,186 @@
+"""Every deliberate defect turns a named row of the ledger to *fails*; without one all rows hold."""
+
+from __future__ import annotations
+
+import copy
+import subprocess
+import sys
+from functools import lru_cache
+
+import pandas as pd
+import pytest
+
+from manufactured import examine
+from study.cli import main
+from study.controls.independence import Derived, Independence, Sides, StandsAlone, independence
+from study.controls.judge import NO_DEFECT, Finding, controls_text, settings, unchanged, work
+from study.controls.register import ALONE, CONTROLS, ORDER, Control
+from study.controls.settings import Equivalence, Sweep, turned
+from study.fem.mesh import OneDiagonal
+from study.jobs import resolve
+from study.statements.base import Setting
+from study.verdict import FAILS, HOLDS, UNDECIDED, Verdict
+
+HARMLESS = Control("harmless", "a copy in place of the original", Equivalence("no-contact"), copy.copy, ALONE)
+"""No defect at all, which nobody can catch."""
+
+
+@lru_cache
+def baseline(setting) -> list[Verdict]:
+    return work(setting, unchanged)
+
+
+@pytest.mark.parametrize("setting", settings(CONTROLS), ids=str)
+def test_without_a_defect_every_row_holds(setting) -> None:
+    assert [v.quantity for v in baseline(setting) if v.verdict != HOLDS] == []
+
+
+@pytest.mark.parametrize("control", CONTROLS, ids=lambda control: control.name)
+def test_a_defect_turns_its_named_row_to_fails(control: Control) -> None:
+    found = [v.quantity for v in work(control.setting, control.defect) if v.verdict == FAILS]
+    assert control.caught_by in found, f"caught by {found or 'nothing'}"
+
+
+def test_names_of_defects_are_unique_and_no_function_serves_twice() -> None:
+    assert len({control.name for control in CONTROLS}) == len({control.defect for control in CONTROLS}) == len(CONTROLS)
+
+
+def verdict(quantity: str, state: str, observed: float = 0.5) -> Verdict:
+    return Verdict("Prop. 5.4", "", "a", quantity, "1 ± 0.15", observed, observed, observed, state)
+
+
+def test_the_named_row_is_shown_and_any_other_one_that_fails_counts_as_well() -> None:
+    control = Control("wrong", "something", Sweep("full-contact"), copy.copy, "named")
+    by_name = Finding.of_control(control, [verdict("other", FAILS), verdict("named", FAILS)])
+    by_other = Finding.of_control(control, [verdict("other", FAILS), verdict("named", HOLDS)])
+    by_none = Finding.of_control(control, [verdict("other", UNDECIDED), verdict("named", HOLDS)])
+    assert [(f.row.quantity, f.caught) for f in (by_name, by_other, by_none)] == [
+        ("named", True),
+        ("other", True),
+        ("named", False),
+    ]
+    with pytest.raises(KeyError, match="named"):
+        Finding.of_control(control, [verdict("other", FAILS)])
+
+
+@pytest.mark.parametrize("state", [FAILS, UNDECIDED])
+def test_a_baseline_that_does_not_hold_is_no_proof(state: str) -> None:
+    sweep = Sweep("full-contact")
+    good = Finding.of_baseline(sweep, [verdict("a", HOLDS), verdict("b", HOLDS)])
+    bad = Finding.of_baseline(sweep, [verdict("a", HOLDS), verdict("b", state)])
+    assert (good.passes, bad.passes, bad.row.quantity) == (True, False, "b")
+    assert "in 1 every row holds" in controls_text([good, bad])
+
+
+def run(monkeypatch, tmp_path, *controls: Control) -> int:
+    monkeypatch.setattr("study.controls.register.CONTROLS", controls)
+    return main(["controls", "--jobs", "1", "--out", str(tmp_path)])
+
+
+def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_path, capsys) -> None:
+    chosen = [c for c in CONTROLS if c.name in ("contact dropped", "stress from displacement")]
+    assert run(monkeypatch, tmp_path, *chosen) == 0
+    text = capsys.readouterr().out
+    assert "2 defects: 2 caught" in text
+    assert "2 settings without a defect: in 2 every row holds" in text
+    assert max(map(len, text.splitlines())) <= 110
+    table = pd.read_csv(tmp_path / "data" / "controls.csv", keep_default_na=False)
+    assert list(table.columns) == [
+        *("defect", "what", "setting", "label", "quantity", "expected", "observed", "verdict", "caught")
+    ]
+    assert table["defect"].tolist() == [NO_DEFECT, NO_DEFECT, "contact dropped", "stress from displacement"]
+    assert table["caught"].tolist() == ["", "", "yes", "yes"]
+    assert table["verdict"].tolist() == [HOLDS, HOLDS, FAILS, FAILS]
+    assert table["quantity"].tolist()[2:] == [c.caught_by for c in chosen]
+    assert abs(table["observed"].astype(float).tolist()[2]) < 0.1
+    for control in chosen:
+        assert control.name in text
+    assert [path.name for path in (tmp_path / "data").iterdir()] == ["controls.csv"]
+
+
+def test_a_harmless_defect_is_not_caught_and_the_command_fails(monkeypatch, tmp_path, capsys) -> None:
+    assert run(monkeypatch, tmp_path, HARMLESS) == 1
+    assert "NOT CAUGHT" in capsys.readouterr().out
+    assert pd.read_csv(tmp_path / "data" / "controls.csv")["caught"].tolist()[1] == "no"
+
+
+def test_a_defect_that_is_caught_where_the_baseline_does_not_hold_proves_nothing(monkeypatch, tmp_path) -> None:
+    """Two levels leave an order undecided."""
+    (dropped,) = [c for c in CONTROLS if c.name == "contact dropped"]
+    short = Control("short", "too few levels", Sweep("full-contact", levels=(4, 8)), dropped.defect, ORDER)
+    assert run(monkeypatch, tmp_path, short) == 1
+
+
+def test_bad_options_are_refused(tmp_path, capsys) -> None:
+    assert main(["controls", "--jobs", "0", "--out", str(tmp_path)]) == 2
+    assert "--jobs must be 1 or more" in capsys.readouterr().err
+    occupied = tmp_path / "file"
+    occupied.write_text("")
+    assert main(["controls", "--out", str(occupied)]) == 2
+
+
+def modules_after(code: str) -> set[str]:
+    """The modules that a fresh interpreter holds after some code."""
+    found = subprocess.run(
+        [sys.executable, "-c", f"{code}; import sys; print(*sys.modules)"], capture_output=True, text=True, check=True
+    )
+    return set(found.stdout.split())
+
+
+def test_what_a_run_computes_with_knows_no_defect() -> None:
+    loaded = modules_after("import study.run, study.jobs, study.sweep, study.claims, study.equivalence, study.tables")
+    assert "study.sweep" in loaded
+    assert "study.controls.defects" not in loaded
+
+
+@pytest.mark.parametrize(
+    ("module", "others"),
+    [
+        ("study.solve.stress", {"study.solve.signorini", "study.solve.evolution"}),
+        ("study.solve.evolution", {"study.solve.stress"}),
+    ],
+)
+def test_neither_problem_even_loads_the_solvers_of_the_other(module: str, others: set[str]) -> None:
+    """So it cannot call them on a copy of its own, which no change of the other problem from outside would show."""
+    loaded = modules_after(f"import {module}")
+    assert module in loaded
+    assert not loaded & others
+
+
+@pytest.mark.parametrize(
+    "setting", [*StandsAlone().settings(full=False), Setting("yield-on-a-part", "shaken", 4)], ids=str
+)
+def test_a_stress_problem_of_its_own_shows_all_of_a_mistake_in_the_displacement_problem(setting: Setting) -> None:
+    found = StandsAlone().measure(setting)
+    assert found == pytest.approx({"h": 0.25, "displacement_shown": 1, "stress_shown": 1}, abs=1e-6)
+
+
+def test_a_stress_problem_that_follows_shows_nothing() -> None:
+    sides = Sides.of(resolve("advance-recede").solution, OneDiagonal(), 4)
+    honest = sides.stresses(sides.displacements)
+    following = Sides(sides.displacements, lambda problem: Derived.beside(honest, problem))
+    assert independence(following, 8) == (0, 0)
+
+
+@pytest.mark.parametrize(("shown", "expected"), [(1.0, HOLDS), (0.0, FAILS), (0.5, FAILS), (float("nan"), FAILS)])
+def test_all_of_a_mistake_must_show(shown: float, expected: str) -> None:
+    """Without a mistake, 0/0, nothing is shown either."""
+    rows = [
+        {"case": "a", "family": family, "level": 4, "h": 0.25, "quantity": quantity, "value": value}
+        for family, value in (("shaken", 1.0), ("criss-cross", shown))
+        for quantity in Independence._fields
+    ]
+    assert [v.verdict for v in StandsAlone().judge(pd.DataFrame(rows))] == [expected, expected]
+
+
+def test_derived_stresses_agree_with_their_displacements_perfectly() -> None:
+    """Which is why agreement alone is no evidence."""
+    control = next(c for c in CONTROLS if c.name == "stress from displacement")
+    agreement = [v for v in work(control.setting, control.defect) if v.quantity.endswith("against 3.1")]
+    assert [v.verdict for v in agreement] == [HOLDS, HOLDS]
+    assert max(v.observed for v in agreement) == 0
+
+
+def test_a_turned_body_carries_an_exact_solution() -> None:
+    for finding in examine(turned(resolve("full-contact").solution, 0.3)):
+        assert finding.passes, finding
