@@ -328,7 +328,7 @@ def _layers(solution: ExactSolution, rng: np.random.Generator, count: int, insta
             forces = [[traction(fields.stress(t), face.part.normal) for t in instants] for fields in sides]
             scale = _size([sides[0].stress(t) for t in instants])
             condition = f"(2.2) σν continuous at depth {depth:g} of Γ3,{i}"
-            findings.append(_worst(condition, x, instants, _size(np.subtract(*forces)), scale))
+            findings.append(_worst(condition, x, instants, _size(np.subtract(forces[0], forces[1])), scale))
     return findings
 
 

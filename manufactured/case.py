@@ -54,8 +54,9 @@ class Case:
         self._compare_with_formulas()
         if abs(self.order - self.regularity.order) > 1e-12:
             raise CaseError(
-                f"case {self.name}: predicted order {self.order}, but {self.regularity} gives order "
-                f"min(1, s) = {self.regularity.order:g}, u(t) ∈ H^(1+s) for s < {self.regularity.smoothness:g}; correct the label or the prediction"
+                f"case {self.name}: predicted order {self.order}, but {self.regularity} "
+                f"gives min(1, s) = {self.regularity.order:g}, u(t) ∈ H^(1+s) for s < {self.regularity.smoothness:g}; "
+                "correct the label or the prediction"
             )
 
     def _compare_with_formulas(self) -> None:

@@ -33,6 +33,10 @@ VARIABLES = {2: (s,), 3: (s1, s2)}
 """The coordinates along a face of a body of dimension d."""
 
 
+PLAIN = cutoff()
+"""The usual profile, φ = HERMITE down to depth 1."""
+
+
 @dataclass(frozen=True, eq=False)
 class ContactFace:
     """The contact data on one piece of Γ3 and their lifting into the body.
@@ -51,7 +55,7 @@ class ContactFace:
     gap: sp.Expr
     strain: FaceStrain
     level: sp.Expr
-    profile: Profile = cutoff()
+    profile: Profile = PLAIN
     rough: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
@@ -70,7 +74,7 @@ class ContactFace:
         pressure: sp.Expr,
         level: sp.Expr,
         initial: sp.Expr | None = None,
-        profile: Profile = cutoff(),  # noqa: B008
+        profile: Profile = PLAIN,
         rough: tuple[float, ...] = (),
     ) -> ContactFace:
         """The face for a linear law, where gap and pressure say everything (``memory.Memory``).

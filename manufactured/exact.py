@@ -92,8 +92,8 @@ class ExactSolution:
             deepest = float(face.part.coordinates(self.body.vertices)[1].max())
             if deepest > face.profile.depth * (1 + 1e-12) and face.profile.ends_with_kink:
                 raise ValueError(
-                    f"the body is {deepest:g} deep, the lifting ends at {face.profile.depth:g} with a kink (φ'(1) ≠ 0): "
-                    "take the depth of Γ1 or a cut-off with φ'(1) = 0 such as HERMITE"
+                    f"the body is {deepest:g} deep, the lifting ends at {face.profile.depth:g} with a kink: "
+                    "take the depth of Γ1 or a cut-off with φ(1) = φ'(1) = 0 such as HERMITE"
                 )
 
     def at(self, x: Points) -> Fields:
@@ -129,7 +129,7 @@ class FaceFields:
         return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
 
     def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
-        """What must be continuous along a face, with its derivative along one axis: w, ∇_s w, and (q, r) of a lifting."""
+        """What must be continuous along a face, with its derivative along an axis: w, ∇_s w, (q, r) of a lifting."""
         unit = np.eye(len(self.s), dtype=int)
 
         def pair(values: Values, *index: int) -> tuple[Array, Array]:

@@ -216,7 +216,8 @@ class Term:
         fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
         smooth = term.subs({p: p.args[0] ** p.args[1] for p in fronts})
         for front in fronts:
-            # With m = 1 the second derivative along the face would have a term at the front; a switch in time has no front.
+            # With m = 1 the second derivative along the face would have a term at the front; a switch in
+            # time alone has none.
             lowest = 2 if front.args[0].free_symbols & set(variables) else 0
             if not (front.args[0].is_polynomial(t) and front.args[1].is_integer and front.args[1] >= lowest):
                 raise FormulaError(

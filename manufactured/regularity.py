@@ -142,7 +142,7 @@ def fronts(formula: sp.Expr) -> tuple[float, bool]:
 
 
 def read_off(gaps: list[sp.Expr], pressures: list[sp.Expr]) -> tuple[float, float, bool]:
-    """(α, m, moving) of the formulas of a solution: the lowest exponents over its faces, (inf, inf, False) without any."""
+    """(α, m, moving) of the formulas of a solution: the lowest exponents over its faces, infinite without any."""
     sides = [[fronts(sp.sympify(f)) for f in formulas] for formulas in (gaps, pressures)]
     alpha, m = (min((e for e, _ in side), default=math.inf) for side in sides)
     return alpha, m, any(move for side in sides for _, move in side)

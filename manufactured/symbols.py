@@ -118,8 +118,8 @@ class Jet:
         strange = sorted(map(str, self.expression.free_symbols - {*self.variables, t}))
         if strange:
             raise FormulaError(
-                f"{self.expression} has {', '.join(strange)}; use the symbols s (s1, s2 in 3D) and t of ``manufactured``, "
-                "and numbers for everything else"
+                f"{self.expression} has {', '.join(strange)}; use the symbols s (s1, s2 in 3D) and t "
+                "of ``manufactured``, and numbers for everything else"
             )
         if self.expression.has(sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign):
             raise FormulaError(f"{self.expression}: write fronts with pos(x, a), so that derivatives are known")

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-VERDICTS = ("holds", "undecided", "fails")
+VERDICTS = ("holds", "reported", "undecided", "fails")
 """From best to worst."""
 
 SERIES = ["claim", "case", "family", "scheme"]
@@ -28,6 +28,8 @@ TEXT = {
     "zone",
     "regularity",
     "statements",
+    "reason",
+    "twin",
 }
 """Columns that hold words even where they look like numbers or are empty."""
 

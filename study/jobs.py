@@ -3,82 +3,26 @@
 from __future__ import annotations
 
 import hashlib
-import importlib.util
-import sys
-from collections.abc import Sequence
+import re
 from dataclasses import asdict, dataclass, fields, is_dataclass
-from functools import lru_cache
-from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
 import sympy as sp
 
 from manufactured.case import Case
-from manufactured.catalogue import catalogue
 from study.equivalence import compare
-from study.fem.mesh import FAMILIES, MeshFamily
+from study.fem.mesh import MeshFamily
+from study.naming import choose, family_named, resolve
 from study.pictures import picture
 from study.solve.evolution import SCHEMES, Scheme
+from study.statements import STATEMENTS
+from study.statements.base import Setting, Statement
 from study.sweep import measure_case
 
 METHOD = 2
 """To be raised with every change of the code that changes numbers: older results are then computed anew.
 A test measures small levels again and compares."""
-
-
-class UsageError(ValueError):
-    """A command was given something it cannot use."""
-
-
-def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
-    """The object with a name.
-
-    Raises:
-        UsageError: there is none; lists those there are.
-    """
-    for item in known:
-        if item.name == name:
-            return item
-    raise UsageError(f"unknown {kind} {name!r}; known: {', '.join(item.name for item in known)}")
-
-
-def family_named(name: str) -> MeshFamily:
-    """The mesh family with a name; UsageError if there is none."""
-    return choose("mesh family", name, FAMILIES)  # type: ignore[no-any-return]
-
-
-@lru_cache
-def resolve(reference: str) -> Case:
-    """The case behind a catalogue name or FILE.py:NAME, where NAME is a Case or a function making one.
-
-    Raises:
-        UsageError: no such case, file or name, or it is not a case.
-    """
-    if ":" not in reference:
-        return choose("case", reference, catalogue())  # type: ignore[no-any-return]
-    file, _, name = reference.rpartition(":")
-    path = Path(file).resolve()
-    if not path.is_file():
-        raise UsageError(f"{reference}: there is no file {file}")
-    spec = importlib.util.spec_from_file_location(f"case_{path.stem}", path)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    try:
-        spec.loader.exec_module(module)
-        if not hasattr(module, name):
-            raise UsageError(f"{reference}: {file} defines no {name!r}")
-        found = getattr(module, name)
-        case = found() if callable(found) else found
-    except UsageError:
-        raise
-    except (Exception, SystemExit) as error:
-        raise UsageError(f"{reference} cannot be made: {type(error).__name__}: {error}") from error
-    if not isinstance(case, Case):
-        raise UsageError(f"{reference} is a {type(case).__name__}, expected a manufactured.Case")
-    return case
 
 
 def fingerprint(*settings: object) -> str:
@@ -127,7 +71,9 @@ class RateJob:
 
     @property
     def cost(self) -> float:
-        return float(self.level**2 * self.steps) * (2 if self.family == "criss-cross" else 1)
+        dim = resolve(self.case).solution.body.dim
+        # A cell in 3D costs more: more components, a denser factor.
+        return float(self.level**dim * self.steps) * (2 if self.family == "criss-cross" else 1 if dim == 2 else 8)
 
     def parts(self) -> tuple[Case, MeshFamily, Scheme]:
         return (
@@ -167,6 +113,34 @@ class EquivalenceJob:
 
     def run(self) -> dict[str, Any]:
         return asdict(compare(resolve(self.case), family_named(self.family), self.level, self.steps))
+
+
+@dataclass(frozen=True)
+class StatementJob:
+    """What one numbered statement measures in one setting."""
+
+    label: str
+    setting: Setting
+
+    @property
+    def key(self) -> str:
+        label = re.sub(r"[^A-Za-z0-9.]+", "-", self.label).strip("-")
+        return f"statement__{label}__{self.setting.case}__{self.setting.family}__{self.setting.level:05d}"
+
+    @property
+    def cost(self) -> float:
+        return 1000.0 * self.setting.level**2
+
+    def fingerprint(self) -> str:
+        return fingerprint(self.label, resolve(self.setting.case).solution, family_named(self.setting.family), self.setting)
+
+    def run(self) -> dict[str, Any]:
+        return {**asdict(self.setting), "label": self.label, "measured": statement_labelled(self.label).measure(self.setting)}
+
+
+def statement_labelled(label: str) -> Statement:
+    """The numbered statement with a label."""
+    return next(statement for statement in STATEMENTS if statement.label == label)
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from study.verdict import FAILS, HOLDS, Verdict
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:
-    """One test case per verdict; fails is a failure, undecided is skipped."""
+    """One test case per verdict; fails is a failure, undecided and reported are skipped."""
     count = {v: sum(verdict.verdict == v for verdict in verdicts) for v in (HOLDS, FAILS)}
     suite = ElementTree.Element(
         "testsuite",

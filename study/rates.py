@@ -59,14 +59,12 @@ def fit(h: Array, error: Array) -> Fit:
     return Fit(float(line.slope), float(line.slope) - half, float(line.slope) + half)
 
 
-def limit(h: Array, error: Array, order: float) -> tuple[float, float]:
-    """Range of e∞ in e = e∞ + C h^p for the given p, relative to the finest error.
+def limit(h: Array, error: Array, order: float) -> float:
+    """e∞ in e = e∞ + C h^p for the given p, over the geometric mean of the two finest errors.
 
-    The ends of the range are the extrapolations over two refinements among the last four levels
-    (the place of a front within its cell alternates from level to level).
+    The place of a front within its cell alternates from level to level. So two points are extrapolated: the
+    geometric means (of h and of e) over the two finest levels and over the two before them.
     """
-    x = np.asarray(h, dtype=float) ** order
-    e = np.asarray(error, dtype=float)
-    pairs = [(i, i + 2) for i in range(max(0, len(x) - 4), len(x) - 2)]
-    values = [(e[j] * x[i] - e[i] * x[j]) / (x[i] - x[j]) / e[-1] for i, j in pairs]
-    return float(min(values)), float(max(values))
+    x, e = (np.exp(np.log(np.asarray(v, dtype=float)[-4:]).reshape(2, 2).mean(axis=1)) for v in (h, error))
+    x = x**order
+    return float((e[1] * x[0] - e[0] * x[1]) / (x[0] - x[1]) / e[1])

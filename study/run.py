@@ -22,11 +22,30 @@ from study.claims import complete, judge
 from study.datafiles import SERIES, DataError, read_csv
 from study.equivalence import Gaps
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
-from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, UsageError, family_named, resolve
+from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, StatementJob
+from study.naming import UsageError, family_named, resolve
 from study.rates import orders
+from study.statements import STATEMENTS, position
 from study.store import FORMAT, Store, require_format, write_text
 from study.sweep import Row, steps_for
 from study.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class Levels:
+    """The levels of a plan for one kind of case.
+
+    Attributes:
+        all: levels on every mesh family that is used.
+        first: finer levels on the first family of a case only.
+    """
+
+    all: tuple[int, ...]
+    first: tuple[int, ...] = ()
+
+    def of(self, position: int) -> tuple[int, ...]:
+        """The levels on the family at a position."""
+        return self.all if position else (*self.all, *self.first)
 
 
 @dataclass(frozen=True)
@@ -35,23 +54,29 @@ class Plan:
 
     Attributes:
         cases: references, catalogue names or FILE.py:NAME.
-        levels: levels for cases with (5.36).
-        rough_levels: levels for the others, whose orders need more of them.
+        plane: levels for plane cases with (5.36).
+        rough: levels for the others, whose orders need more of them.
+        solid: levels in 3D.
+        equivalence, solid_equivalence: levels of the check of Theorem 4.2, in 2D and 3D.
+        families: mesh families a case is measured on: its first one and others in turn, so that
+            all are used; None for every one that can mesh the body.
         scheme: name of the time scheme.
-        equivalence: levels of the check of Theorem 4.2.
         name: quick or full, for the provenance.
         k: time step at every level; without it each case's own.
-        without: pairs (family, level) that are left out.
+        statements: whether the numbered statements are measured one by one, too.
     """
 
     cases: tuple[str, ...]
-    levels: tuple[int, ...]
-    rough_levels: tuple[int, ...]
+    plane: Levels
+    rough: Levels
+    solid: Levels
     equivalence: tuple[int, ...]
+    solid_equivalence: tuple[int, ...]
+    families: int | None = None
     scheme: str = "midpoint"
     name: str = "quick"
     k: float | None = None
-    without: frozenset[tuple[str, int]] = frozenset()
+    statements: bool = True
 
     def resolved(self) -> list[Case]:
         return [resolve(reference) for reference in self.cases]
@@ -66,7 +91,8 @@ class Plan:
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
-        for levels in (self.levels, self.rough_levels):
+        for kind in (self.plane, self.rough, self.solid):
+            levels = kind.of(0)
             if not levels or min(levels) < 2:
                 raise UsageError(f"levels must be 2 or more, got {' '.join(map(str, levels)) or 'none'}")
             if any(b <= a for a, b in pairwise(levels)):
@@ -97,52 +123,88 @@ class Plan:
         return steps_for(case, level) if self.k is None else round(case.solution.body.T / self.k)
 
     def keys(self) -> list[tuple[str, ...]]:
-        """What identifies the rows of ``rates.csv`` and ``equivalence.csv``, sorted."""
+        """What identifies the rows of the data files, sorted."""
         found: list[tuple[str, ...]] = []
         for job in self.jobs():
             if isinstance(job, RateJob):
                 found.append((resolve(job.case).name, job.family, job.scheme, str(job.level)))
             elif isinstance(job, EquivalenceJob):
                 found.append((resolve(job.case).name, job.family, str(job.level)))
+            elif isinstance(job, StatementJob):
+                found.append((job.label, job.setting.case, job.setting.family, str(job.setting.level), "statement"))
         return sorted(found)
 
-    def families(self, case: Case) -> list[MeshFamily]:
-        """The mesh families that can mesh the body of a case."""
-        return [family for family in FAMILIES if family.serves(case.solution.body)]
+    def families_of(self, case: Case) -> list[MeshFamily]:
+        """The mesh families a case is measured on; graded ones belong to the cases that have them."""
+        serving = [family for family in FAMILIES if family.serves(case.solution.body)]
+        if self.families is None or case.solution.body.refine:
+            return serving
+        first, *others = serving
+        turn = [case.name for case in self.resolved()].index(case.name)
+        return [first, *(others[(turn + i) % len(others)] for i in range(min(self.families - 1, len(others))))]
+
+    def levels_of(self, case: Case) -> Levels:
+        """The levels of a case."""
+        if case.solution.body.dim == 3:
+            return self.solid
+        return self.plane if case.regularity.satisfies_5_36 else self.rough
 
     def jobs(self) -> list[Job]:
         """All jobs of the plan."""
         jobs: list[Job] = []
         for reference in self.cases:
             case = resolve(reference)
-            levels = self.levels if case.regularity.satisfies_5_36 else self.rough_levels
-            families = self.families(case)
+            families, levels = self.families_of(case), self.levels_of(case)
             jobs += [
-                RateJob(reference, f.name, self.scheme, n, self.steps(case, n))
-                for f in families
-                for n in levels
-                if (f.name, n) not in self.without
+                RateJob(reference, family.name, self.scheme, n, self.steps(case, n))
+                for position, family in enumerate(families)
+                for n in levels.of(position)
             ]
+            plane = case.solution.body.dim == 2
             # One family with symmetry and one without.
-            jobs += [EquivalenceJob(reference, f.name, n, 2 * n) for f in families[::2] for n in self.equivalence]
-            jobs.append(PictureJob(reference))
-        return jobs
+            jobs += [
+                EquivalenceJob(reference, family.name, n, 2 * n)
+                for family in families[::2]
+                for n in (self.equivalence if plane else self.solid_equivalence)
+            ]
+            if plane:
+                jobs.append(PictureJob(reference))
+        return jobs + (self.statement_jobs() if self.statements else [])
+
+    def statement_jobs(self) -> list[Job]:
+        """The measurements of numbered statements on the cases of the plan."""
+        return [
+            StatementJob(statement.label, setting)
+            for statement in STATEMENTS
+            for setting in statement.settings(self.name == "full")
+            if setting.case in self.cases
+        ]
 
 
 def quick() -> Plan:
-    """A minute's worth: enough levels for every verdict."""
-    return Plan(tuple(case.name for case in catalogue()), (8, 16, 32), (5, 10, 20, 40), (4, 8))
+    """A minute's worth: enough levels for every verdict, two mesh families for each case."""
+    return Plan(
+        cases=tuple(case.name for case in catalogue()),
+        plane=Levels((8, 16, 32)),
+        rough=Levels((8, 16, 32, 64)),
+        solid=Levels((6, 9, 12)),
+        equivalence=(4, 8),
+        solid_equivalence=(3,),
+        families=2,
+    )
 
 
 def full() -> Plan:
-    """The levels of the committed results: all families to 128, one-diagonal meshes to 256."""
+    """The levels of the committed results: half an hour."""
     return replace(
         quick(),
-        levels=(8, 16, 32, 64, 128, 256),
-        rough_levels=(8, 16, 32, 64, 128, 256),
+        plane=Levels((8, 16, 32, 64), (128,)),
+        rough=Levels((8, 16, 32, 64), (128,)),
+        solid=Levels((6, 9, 12, 18), (24,)),
         equivalence=(4, 8, 16),
+        solid_equivalence=(3, 6),
+        families=None,
         name="full",
-        without=frozenset((name, 256) for name in ("criss-cross", "shaken", "unstructured")),
     )
 
 
@@ -192,7 +254,7 @@ def work(job: Job) -> dict[str, Any]:
 
 def collect(plan: Plan, store: Store) -> None:
     """Write the data files of a plan from its finished jobs."""
-    done: dict[type, list[dict[str, Any]]] = {RateJob: [], EquivalenceJob: [], PictureJob: []}
+    done: dict[type, list[dict[str, Any]]] = {RateJob: [], EquivalenceJob: [], PictureJob: [], StatementJob: []}
     for job in plan.jobs():
         result = store.load(job.key, job.fingerprint())
         assert result is not None, job.key
@@ -208,10 +270,25 @@ def collect(plan: Plan, store: Store) -> None:
     columns.insert(columns.index("time_share") + 1, columns.pop(columns.index("order")))
     _write_csv(store.data / "rates.csv", rates[columns])
     _write_csv(store.data / "equivalence.csv", pd.DataFrame(done[EquivalenceJob]))
+    _write_csv(store.data / "statements.csv", pd.DataFrame(statement_rows(done[StatementJob]), columns=STATEMENT_COLUMNS))
     _write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.resolved()]))
     for result in done[PictureJob]:
         write_text(store.data / "pictures" / f"{result['case']}.json", json.dumps(result) + "\n")
     write_text(store.data / "provenance.json", json.dumps(provenance(plan), indent=2) + "\n")
+
+
+STATEMENT_KEY = ["label", "case", "family", "level"]
+STATEMENT_COLUMNS = [*STATEMENT_KEY, "h", "quantity", "value"]
+
+
+def statement_rows(results: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """One row per measured quantity."""
+    return [
+        {**{key: result[key] for key in STATEMENT_KEY}, "h": result["measured"]["h"], "quantity": quantity, "value": value}
+        for result in results
+        for quantity, value in result["measured"].items()
+        if quantity != "h"
+    ]
 
 
 def describe(case: Case) -> dict[str, Any]:
@@ -225,6 +302,8 @@ def describe(case: Case) -> dict[str, Any]:
         "zone": motion,
         "regularity": str(case.regularity),
         "expected_order": case.order,
+        "proved_order": case.regularity.proved_order,
+        "twin": case.twin,
         "statements": f"{case.proposition}, Thm 4.2",
         "reason": case.reason,
     }
@@ -255,20 +334,33 @@ def check(directory: Path) -> list[Verdict]:
         UsageError: no data.
         StoreError, DataError: data of another format, missing or damaged.
     """
-    planned = read_provenance(directory)["planned"]
+    provenance = read_provenance(directory)
     rates = read_csv(directory, "rates.csv", [*RATE_KEY, *(field.name for field in fields(Row))])
     equivalence = read_csv(directory, "equivalence.csv", [*EQUIVALENCE_KEY, *Gaps._fields])
-    cases = read_csv(directory, "cases.csv", ["case", "expected_order"])
-    expected = dict(zip(cases["case"], cases["expected_order"], strict=True))
-    unknown = sorted({*rates["case"], *equivalence["case"]} - set(expected))
+    statements = read_csv(directory, "statements.csv", STATEMENT_COLUMNS)
+    cases = read_csv(directory, "cases.csv", ["case", "expected_order", "proved_order", "twin"])
+    unknown = sorted({*rates["case"], *equivalence["case"]} - set(cases["case"]))
     if unknown:
         raise DataError(
             f"{directory}/data/cases.csv lacks {', '.join(unknown)}: make it with `study run --out {directory}`"
         )
     found = keys(rates, RATE_KEY) | keys(equivalence, EQUIVALENCE_KEY)
-    verdicts = [complete({tuple(key) for key in planned}, found), *judge(rates, equivalence, expected)]
-    _write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in verdicts]))
-    return verdicts
+    found |= {(*key, "statement") for key in keys(statements, STATEMENT_KEY)}
+    planned = {tuple(key) for key in provenance["planned"]}
+    verdicts = [complete(planned, found), *judge(rates, equivalence, cases), *judge_statements(statements)]
+    ordered = sorted(verdicts, key=lambda verdict: position(verdict.label))
+    _write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in ordered]))
+    return ordered
+
+
+def judge_statements(rows: pd.DataFrame) -> list[Verdict]:
+    """The verdicts of every numbered statement that was measured, or that needs no measurement."""
+    found: list[Verdict] = []
+    for statement in STATEMENTS:
+        mine = rows[rows["label"] == statement.label]
+        if len(mine) or (len(rows) and not statement.settings(True)):
+            found += statement.judge(mine)
+    return found
 
 
 def keys(table: pd.DataFrame, columns: list[str]) -> set[tuple[str, ...]]:

@@ -42,11 +42,12 @@ def ledger_text(directory: Path) -> str:
     head = ("statement", "case", "expected", "observed", "verdict", "judged")
     rows = [_ledger_line(judged) for _, judged in claims.groupby(["label", "case"], sort=False)]
     lines = _aligned(head, rows, (10, 24, 36, 14, 9, 6), right=(5,))
-    failing = claims[claims["verdict"] != "holds"]
+    failing = claims[~claims["verdict"].isin(["holds", "reported"])]
     lines += ["", *(line for _, row in failing.iterrows() for line in _finding(row))]
     count = {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
     lines.append(
-        f"{len(claims)} verdicts: {count['holds']} hold, {count['fails']} fail, {count['undecided']} undecided"
+        f"{len(claims)} rows: {count['holds']} hold, {count['fails']} fail, {count['undecided']} undecided, "
+        f"{count['reported']} reported without a claim"
     )
     return "\n".join(lines) + "\n"
 

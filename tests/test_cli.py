@@ -11,7 +11,7 @@ import pandas as pd
 import pytest
 
 from study.cli import main
-from study.jobs import resolve
+from study.naming import resolve
 from study.store import FORMAT, Store, StoreError, write_text
 
 README = Path(__file__).parents[1] / "README.md"

@@ -12,7 +12,7 @@ import pytest
 from manufactured import catalogue
 from study.equivalence import compare
 from study.fem.mesh import FAMILIES
-from study.jobs import resolve
+from study.naming import resolve
 from study.run import check
 from study.solve.evolution import Midpoint
 from study.sweep import measure_case

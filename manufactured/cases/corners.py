@@ -12,7 +12,7 @@ Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
 
 import numpy as np
-from sympy import Integer, Rational, Symbol, cos, nsolve, pi, sin
+from sympy import Integer, Rational, Symbol, nsolve, pi, sin
 
 from manufactured.body import Kind, polygon
 from manufactured.case import Case

@@ -1,6 +1,6 @@
 """Anisotropic and heterogeneous bodies: an advancing front over each.
 
-    w = 20 (1/5 + t) (x − c)_+^4,   p = 150 (c − x)_+²,   c(t) = 1/4 + t/2
+    w = 8 (1/5 + t) (x − c)_+^4,   p = 150 (c − x)_+²,   c(t) = 1/4 + t/2
 
 on the unit square, in elastic equilibrium at the start.
 
@@ -31,7 +31,7 @@ FRONT: Expr = Rational(1, 4) + t / 2
 
 def _solution(body: Body, law: KelvinVoigt, profile: Profile) -> ExactSolution:
     (part,) = body.of(Kind.CONTACT)
-    gap, pressure = 20 * (Rational(1, 5) + t) * pos(s - FRONT, 4), 150 * pos(FRONT - s, 2)
+    gap, pressure = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4), 150 * pos(FRONT - s, 2)
     face = ContactFace.linear(part, law, body.T, gap, pressure, FRONT - s, profile=profile)
     return ExactSolution(body, law, (face,))
 

@@ -1,11 +1,11 @@
 """Three dimensions: the unit cube on its bottom, and on its bottom and one side.
 
 * disc: ψ = 1/10 + (3/5) t(1 − t) − |s − c(t)|², c = (2/5 + t/5, 1/2): a disc that moves, grows and shrinks;
-  w = 4 (1/5 + t) (−ψ)_+^4/(1/2 − ψ)², p = 500 ψ_+², A and G not proportional.
+  w = 2 (1/5 + t) (−ψ)_+^4/(1/2 − ψ)², p = 500 ψ_+², A and G not proportional.
 * two faces: bottom z = 0 and side x = 0 with the edge between them under pressure, as ``bodies.corner`` in the
   plane; on each with the distance ρ from the edge and the coordinate η along it
 
-      ψ = c(t)² + (η − 1/2)²/4 − ρ²,   w = (1/5 + t) (−ψ)_+^4/(1 − ψ)²,   p = 400 t ψ_+²;
+      ψ = c(t)² + (η − 1/2)²/4 − ρ²,   w = (1/5 + t) (−ψ)_+^4/(1 − ψ)²,   p = 1500 t ψ_+²;
 
   Γ1 is the third x > 2/3 of the top.
 """
@@ -31,7 +31,7 @@ def disc() -> Case:
     level = (
         Rational(1, 10) + Rational(3, 5) * t * (1 - t) - (s1 - Rational(2, 5) - t / 5) ** 2 - (s2 - Rational(1, 2)) ** 2
     )
-    gap = 4 * (Rational(1, 5) + t) * pos(-level, 4) / (Rational(1, 2) - level) ** 2
+    gap = 2 * (Rational(1, 5) + t) * pos(-level, 4) / (Rational(1, 2) - level) ** 2
     face = ContactFace.linear(part, law, body.T, gap, 500 * pos(level, 2), level)
     return Case(
         name="cube-disc",
@@ -87,4 +87,4 @@ def _at_edge(part: Part, body: Body, law: KelvinVoigt, c: Expr, depth: float) ->
     rho, eta = (s1, s2) if abs(part.tangent @ edge) < 0.5 else (s2, s1)
     level = c**2 + (eta - Rational(1, 2)) ** 2 / 4 - rho**2
     gap = (Rational(1, 5) + t) * pos(-level, 4) / (1 - level) ** 2
-    return ContactFace.linear(part, law, body.T, gap, 400 * t * pos(level, 2), level, profile=cutoff(depth))
+    return ContactFace.linear(part, law, body.T, gap, 1500 * t * pos(level, 2), level, profile=cutoff(depth))

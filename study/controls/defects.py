@@ -15,7 +15,7 @@ from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.tensors import Array
-from study.controls.independence import Derived, Sides
+from study.statements.independence import Derived, Sides
 from study.fem.gauge import DEGREE, Gauge, Sample
 from study.fem.space import Space
 from study.solve.evolution import BackwardEuler, Problem, Scheme, State

@@ -18,7 +18,7 @@ from manufactured.tensors import Array, Tensors
 from study.equivalence import beyond
 from study.fem.material import on_cells
 from study.fem.space import Space
-from study.jobs import family_named, resolve
+from study.naming import family_named, resolve
 from study.solve.evolution import BackwardEuler, Problem
 from study.solve.factor import Factor
 from study.statements.base import Setting

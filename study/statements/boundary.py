@@ -29,8 +29,8 @@ from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, traction
 from study.fem.gauge import DEGREE, FACET_POINTS, rules
 from study.fem.material import on_cells
-from study.fem.quadrature import FacetRule, facet_rule
-from study.jobs import family_named, resolve
+from study.fem.quadrature import facet_rule
+from study.naming import family_named, resolve
 from study.solve.evolution import Midpoint
 from study.statements.base import Setting
 from study.statements.tally import Observation, grid, judge, order, with_h
@@ -66,7 +66,7 @@ class NaturalConditions:
     def settings(self, full: bool) -> list[Setting]:
         if not full:
             return grid(("advance-recede",), ("shaken",), (8, 16, 32))
-        cases = "full-contact", "advance-recede", "travelling-patch", "yield-and-release"
+        cases = "advance-recede", "travelling-patch", "yield-and-release"
         return grid(cases, ("one-diagonal", "criss-cross", "shaken", "unstructured"), (12, 24, 48))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -119,7 +119,7 @@ class Side:
         mesh, facets = setup.space.mesh, setup.space.facets(part)
         self.part = part
         self.cells = mesh.f2t[0, facets]
-        self.rule: FacetRule = facet_rule(mesh, facets, part, (), FACET_POINTS)
+        self.rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
         self.exact = setup.solution.at(part.point(self.rule.s))
 
     def tangential(self, stress: Tensors) -> float:
@@ -198,15 +198,12 @@ def along_the_contact(body: Body) -> list[Field]:
 
 def planes(body: Body, kind: Kind) -> list[Part]:
     """One part of each plane that carries a condition."""
-    found: list[Part] = []
-    for part in body.of(kind):
-        if not any(
-            np.allclose(part.coordinates(other.point(np.zeros((body.dim - 1, 1))))[1], 0)
-            and np.allclose(part.normal, other.normal)
-            for other in found
-        ):
-            found.append(part)
-    return found
+
+    def same(a: Part, b: Part) -> bool:
+        return np.allclose(a.normal, b.normal) and np.allclose(a.normal @ (a.start - b.start), 0)
+
+    parts = body.of(kind)
+    return [part for i, part in enumerate(parts) if not any(same(part, other) for other in parts[:i])]
 
 
 def distances(x: Points, parts: list[Part]) -> Array:
@@ -229,9 +226,11 @@ def waves(body: Body, rng: np.random.Generator) -> Field:
     return field
 
 
+TINY = 1e-30
+"""Complex step."""
+
+
 def strain(field: Field, x: Points) -> Tensors:
     """ε(v) by the complex step, (d, ...) → (D, ...)."""
-    tiny = 1e-30
-    dim = len(x)
-    steps = [1j * tiny * np.eye(dim)[j].reshape((-1,) + (1,) * (x.ndim - 1)) for j in range(dim)]
-    return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))
+    steps = [1j * TINY * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
+    return mandel(np.stack([field(x + step).imag / TINY for step in steps], axis=1))

@@ -19,7 +19,7 @@ from manufactured.catalogue import catalogue
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.space import Space
-from study.jobs import resolve
+from study.naming import resolve
 from study.statements.base import Setting
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.places import EVERY, LAST, different, place, shape, space_of

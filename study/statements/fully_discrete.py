@@ -29,7 +29,7 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from manufactured.tensors import Array
-from study.jobs import family_named, resolve
+from study.naming import family_named, resolve
 from study.rates import CONFIDENCE
 from study.solve.evolution import SCHEMES, Midpoint, Scheme
 from study.statements.base import Setting
@@ -104,7 +104,7 @@ class FullyDiscrete:
     """e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
 
     label: str = "beyond: fully discrete"
-    claim: str = "max_n ‖u(t_n) − u_n^{hk}‖_V² = (C_h h^p)² + (C_k k^q)²"
+    claim: str = "the fully discrete error is of order p in h and q in k, open in the source"
 
     def settings(self, full: bool) -> list[Setting]:
         if not full:
@@ -143,39 +143,71 @@ def columns(scheme: Scheme, which: str, counts: tuple[int, ...]) -> list[str]:
     return [f"{scheme.name} {count} {which}" for count in counts]
 
 
-def lines(scheme: Scheme) -> Iterator[Line]:
-    """What is reported for a scheme."""
-    needs = tuple(columns(scheme, "e", COUNTS) + columns(scheme, "d", COUNTS))
+@dataclass(frozen=True)
+class Table:
+    """The errors of one scheme on one mesh family.
 
-    def table(group: pd.DataFrame, which: str, counts: tuple[int, ...]) -> tuple[Array, Array, Array]:
-        values = group[columns(scheme, which, counts)].to_numpy()
-        h, k = np.meshgrid(group["h"].to_numpy(), 1 / np.array(counts), indexing="ij")
-        return h.ravel(), k.ravel(), values.ravel()
+    Attributes:
+        scheme: the scheme.
+        levels: rows are levels, coarse to fine, columns as in ``columns``.
+    """
 
-    def in_time(group: pd.DataFrame) -> Fit:
-        return time_fit(*table(group, "d", ASYMPTOTIC))
+    scheme: Scheme
+    levels: pd.DataFrame
 
-    def jointly(group: pd.DataFrame, power: float = 2.0) -> Fit:
-        return joint_fit(*table(group, "e", COUNTS), in_time(group), power)
+    def entries(self, which: str, counts: tuple[int, ...]) -> tuple[Array, Array, Array]:
+        """h, k/T and e or d of all entries."""
+        h, k = np.meshgrid(self.levels["h"].to_numpy(), 1 / np.array(counts), indexing="ij")
+        return h.ravel(), k.ravel(), self.levels[columns(self.scheme, which, counts)].to_numpy().ravel()
 
-    def in_both(group: pd.DataFrame) -> Measured | None:
-        finest = group.iloc[-1]
-        shares = finest[columns(scheme, "d", COUNTS)].to_numpy() / finest[columns(scheme, "e", COUNTS)].to_numpy()
-        return jointly(group).parameter(3) if np.sum(shares >= VISIBLE) >= 2 else None
+    def usable(self) -> bool:
+        """Whether every error is positive and finite."""
+        values = np.concatenate([self.entries(which, COUNTS)[2] for which in "ed"])
+        return bool((np.isfinite(values) & (values > 0)).all())
 
-    def misfits(group: pd.DataFrame) -> Measured:
-        value = jointly(group).misfit / jointly(group, 1.0).misfit
+    def visible(self) -> bool:
+        """Whether the error in time can be seen in e."""
+        shares = self.entries("d", COUNTS)[2] / self.entries("e", COUNTS)[2]
+        return int(np.sum(shares[-len(COUNTS) :] >= VISIBLE)) >= 2
+
+    def in_time(self) -> Fit:
+        """The fit of d."""
+        return time_fit(*self.entries("d", ASYMPTOTIC))
+
+    def jointly(self, power: float = 2.0) -> Fit:
+        """The fit of e."""
+        return joint_fit(*self.entries("e", COUNTS), self.in_time(), power)
+
+    def misfits(self) -> Measured:
+        """Misfit of the root of the sum of squares over that of the sum."""
+        value = self.jointly().misfit / self.jointly(1.0).misfit
         return value, (value, value)
 
-    reported: list[tuple[str, Window, Measure]] = [
-        ("order q of ‖u^h − u^{hk}‖ in k", ORDERS[scheme.name], lambda g: in_time(g).parameter(1)),
-        ("order s of ‖u^h − u^{hk}‖ in h", NOT_STIFF, lambda g: in_time(g).parameter(2)),
-        ("order p of ‖u − u^{hk}‖ in h", IN_H, lambda g: jointly(g).parameter(1)),
-        ("order q of ‖u − u^{hk}‖ in k", ORDERS[scheme.name], in_both),
-        ("misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, misfits),
+
+def lines(scheme: Scheme) -> Iterator[Line]:
+    """What is reported for a scheme."""
+    order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e", COUNTS) + columns(scheme, "d", COUNTS))
+    found: list[tuple[str, Window, Callable[[Table], Measured | None]]] = [
+        ("order q of ‖u^h − u^{hk}‖ in k", order, lambda table: table.in_time().parameter(1)),
+        ("order s of ‖u^h − u^{hk}‖ in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
+        ("order p of ‖u − u^{hk}‖ in h", IN_H, lambda table: table.jointly().parameter(1)),
+        (
+            "order q of ‖u − u^{hk}‖ in k",
+            order,
+            lambda table: table.jointly().parameter(3) if table.visible() else None,
+        ),
+        ("misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, Table.misfits),
     ]
-    for quantity, window, measure in reported:
-        yield Observation(Criterion(f"{scheme.name}: {quantity}", window, measure, needs, ENOUGH))
+    for quantity, window, of in found:
+        yield Observation(Criterion(f"{scheme.name}: {quantity}", window, _on(scheme, of), needs, ENOUGH))
+
+
+def _on(scheme: Scheme, of: Callable[[Table], Measured | None]) -> Measure:
+    def measure(group: pd.DataFrame) -> Measured | None:
+        table = Table(scheme, group)
+        return of(table) if table.usable() else None
+
+    return measure
 
 
 LINES = tuple(line for scheme in SCHEMES for line in lines(scheme))

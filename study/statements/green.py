@@ -27,12 +27,12 @@ from manufactured.tensors import Array
 from study.fem.gauge import DEGREE, Gauge, rough_lines
 from study.fem.independent import load_from_forces
 from study.fem.space import Space
-from study.jobs import resolve
+from study.naming import resolve
 from study.solve.factor import Factor
 from study.statements.base import Setting
 from study.statements.eigen import unloaded
 from study.statements.places import FIRST, named, place, space_of
-from study.statements.tally import Criterion, finest, judge, with_h
+from study.statements.tally import Criterion, Measured, finest, judge, with_h
 from study.verdict import Verdict, Window
 
 TIMES = (0.3, 0.7)
@@ -87,7 +87,7 @@ def shrinking() -> Criterion:
     """The defect with the fine rule over that with the coarse one."""
     columns = "coarse rule", "fine rule"
 
-    def measure(table: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+    def measure(table: pd.DataFrame) -> Measured:
         coarse, fine = (np.maximum(table[name].to_numpy(), ROUND_OFF) for name in columns)
         mean = float(np.exp(np.mean(np.log(fine / coarse))))
         return mean, (mean, mean)

@@ -17,7 +17,7 @@ from study.statements.base import Setting
 from study.statements.constants import ROUNDING
 from study.statements.eigen import h1_product, smallest, strain_product
 from study.statements.places import FIRST, different, place, shape, space_of
-from study.statements.tally import ENOUGH, Criterion, judge, with_h
+from study.statements.tally import ENOUGH, Criterion, Measured, judge, with_h
 from study.verdict import Verdict, Window
 
 FALLING = Window(0.0, 1 + ROUNDING, "≤ 1 on every level")
@@ -26,14 +26,14 @@ LIMIT = Window(0.7, 1.0, "0.7 … 1 of the finest value")
 that come up (Γ1 a point), to m/(2m − 2) < 0.7 of the last one if that is 1/m times the unit of log 2."""
 
 
-def consecutive_ratio(table: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+def consecutive_ratio(table: pd.DataFrame) -> Measured:
     """The largest ratio of the values on consecutive levels."""
     values = table["smallest eigenvalue"].to_numpy()
     found = values[1:] / values[:-1]
     return float(found.max()), (float(found.min()), float(found.max()))
 
 
-def extrapolated(table: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+def extrapolated(table: pd.DataFrame) -> Measured:
     """Aitken's limit of the last three values over the last one; −∞ if their differences do not shrink."""
     first, second, last = table["smallest eigenvalue"].to_numpy()[-3:]
     before, drop = first - second, second - last

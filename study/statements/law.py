@@ -17,7 +17,7 @@ import pandas as pd
 from manufactured.law import AtPoints, Yield
 from manufactured.tensors import Array, Points, Tensors, size
 from study.fem.space import Space
-from study.jobs import resolve
+from study.naming import resolve
 from study.statements.base import Setting
 from study.statements.constants import BOUND, ROUNDING, Constant
 from study.statements.places import FIRST, different, material, place, space_of

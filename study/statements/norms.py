@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import pandas as pd
 
 from manufactured.case import Case
-from study.jobs import resolve
+from study.naming import resolve
 from study.statements.base import Setting
 from study.statements.constants import BOUND
 from study.statements.eigen import h1_product, largest, smallest, strain_product, unloaded
 from study.statements.places import FIRST, different, place, shape, space_of
-from study.statements.tally import ENOUGH, Criterion, judge, with_h
+from study.statements.tally import ENOUGH, Criterion, Measured, judge, with_h
 from study.statements.tally import largest as largest_of
 from study.verdict import Verdict, Window
 
@@ -29,7 +29,7 @@ SETTLED = Window(0.75, 1.25, "0.75 … 1.25")
 def finest_ratio(column: str) -> Criterion:
     """An eigenvalue on the finest level over the one before."""
 
-    def measure(table: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+    def measure(table: pd.DataFrame) -> Measured:
         ratio = float(table[column].iloc[-1] / table[column].iloc[-2])
         return ratio, (ratio, ratio)
 

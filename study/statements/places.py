@@ -9,7 +9,7 @@ from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.fem.mesh import FAMILIES, MeshError
 from study.fem.space import Space
-from study.jobs import family_named, resolve
+from study.naming import family_named, resolve
 from study.statements.base import Setting
 
 

@@ -10,7 +10,7 @@ from typing import Protocol
 import numpy as np
 import pandas as pd
 
-from study.rates import fit
+from study.rates import RatesError, fit
 from study.statements.base import Setting, Statement
 from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, Window
 
@@ -108,7 +108,7 @@ def largest(quantity: str, window: Window, *columns: str) -> Criterion:
 
 
 def every(quantity: str, window: Window, *columns: str) -> Criterion:
-    """Some columns on every level, each of which must lie in the window; the value farthest from its middle is shown."""
+    """Some columns on every level; what is farthest from the middle of the window is shown."""
 
     def measure(group: pd.DataFrame) -> Measured:
         values = group[list(columns)].to_numpy().ravel()
@@ -139,10 +139,13 @@ def change(quantity: str, window: Window, column: str) -> Criterion:
 
 
 def order(quantity: str, window: Window, column: str) -> Criterion:
-    """The order in h of a column, by least squares over all levels."""
+    """The order in h of a column, by least squares over all levels; not a number without positive values."""
 
     def measure(group: pd.DataFrame) -> Measured:
-        value = fit(group["h"].to_numpy(), group[column].to_numpy()).order
+        try:
+            value = fit(group["h"].to_numpy(), group[column].to_numpy()).order
+        except RatesError:
+            value = math.nan
         return value, (value, value)
 
     return Criterion(quantity, window, measure, (column,), ENOUGH)

@@ -26,7 +26,7 @@ from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.jobs import family_named, resolve
+from study.naming import family_named, resolve
 from study.solve.evolution import BackwardEuler, Problem
 from study.solve.stress import StressProblem, StressState
 from study.statements.base import Setting

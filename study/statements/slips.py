@@ -1,0 +1,40 @@
+"""Slips in the text of the source, and how they have to be read."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import pandas as pd
+
+from study.statements.base import Setting
+from study.verdict import REPORTED, Verdict
+
+SLIPS = (
+    ("(5.24)", "right side reads c h |v|_{H²}", "c h² |v|_{H²}: the proof of Prop. 5.4 uses h², and h² is measured"),
+    ("Thm 5.2", "assumes (3.3)", "(3.1), (3.2), (3.4) and (3.5): (3.3) is an example of (3.2)"),
+    ("before (5.22)", "∂Ω is the intersection of Γ1, Γ2 and Γ3", "their union"),
+    ("(5.43), last line", "right side has ‖u_ν‖_{L¹(0,T;L²(Γ3,i))}", "the norm of L¹(0,T;H²(Γ3,i)), of (5.36)"),
+    ("(5.20), (5.21)", "R is taken in L¹(0,T;V)", "in L¹(0,T): R(t; v) is a number"),
+)
+"""(place, what is printed, how to read it)."""
+
+
+@dataclass(frozen=True)
+class Slips:
+    """Nothing to measure: the rows say what the study took the printed text to mean."""
+
+    label: str = "slips"
+    claim: str = "slips in the printed text"
+
+    def settings(self, full: bool) -> list[Setting]:
+        return []
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        raise NotImplementedError("slips are listed, not measured")
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        return [
+            Verdict(self.label, self.claim, place, printed, f"read: {reading}", math.nan, math.nan, math.nan, REPORTED)
+            for place, printed, reading in SLIPS
+        ]

@@ -1,0 +1,535 @@
+"""Numbered statements without time: the quick settings hold, and every verdict can come out otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from types import SimpleNamespace
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.sparse as sps
+from scipy.linalg import eigh
+
+from manufactured import Kind, catalogue, unit_square
+from manufactured.law import DeviatoricBall, FrobeniusBall, KelvinVoigt, Linear, Scaled, Yield, isotropic
+from study.fem.gauge import Gauge
+from study.fem.mesh import OneDiagonal, Shaken
+from study.fem.quadrature import cell_rules
+from study.fem.space import Space
+from study.naming import resolve
+from study.statements import constraint, eigen, green, interpolation, korn, law, lipschitz, norms
+from study.statements.base import Setting, Statement
+from study.statements.places import EVERY, families, place, space_of
+from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+
+STATEMENTS: tuple[Statement, ...] = (
+    green.Green(),
+    korn.Korn(),
+    law.Viscosity(),
+    law.ElasticityOperator(),
+    law.Projection(),
+    norms.Norms(),
+    lipschitz.Lipschitz(),
+    constraint.VertexConstraint(),
+    constraint.Interpolant(),
+    interpolation.InterpolationInV(),
+    interpolation.InterpolationOnContact(),
+)
+SQUARE = unit_square()
+
+
+def rows_of(statement: Statement, settings: list[Setting]) -> pd.DataFrame:
+    """What a study would hand to ``judge``."""
+    found = []
+    for setting in settings:
+        values = statement.measure(setting)
+        assert all(type(value) is float for value in values.values())
+        h = values.pop("h")
+        where = {"case": setting.case, "family": setting.family, "level": setting.level, "h": h}
+        found += [{**where, "quantity": name, "value": value} for name, value in values.items()]
+    return pd.DataFrame(found)
+
+
+@lru_cache
+def quick(statement: Statement) -> pd.DataFrame:
+    return rows_of(statement, statement.settings(full=False))
+
+
+def table(levels: tuple[int, ...] = (8, 16, 32), **columns) -> pd.DataFrame:
+    """Doctored rows: one value, or one for each level, of each quantity."""
+    rows = []
+    for name, values in columns.items():
+        for level, value in zip(levels, np.broadcast_to(values, len(levels)), strict=True):
+            where = {"case": "a", "family": "one-diagonal", "level": level, "h": 1 / level}
+            rows.append({**where, "quantity": name, "value": float(value)})
+    return pd.DataFrame(rows)
+
+
+def verdicts(found: list[Verdict]) -> dict[str, str]:
+    return {verdict.quantity: verdict.verdict for verdict in found}
+
+
+@pytest.mark.parametrize("statement", STATEMENTS, ids=lambda s: s.label)
+def test_the_quick_settings_hold(statement: Statement) -> None:
+    found = statement.judge(quick(statement))
+    assert {verdict.case for verdict in found} == {setting.case for setting in statement.settings(full=False)}
+    assert HOLDS in {verdict.verdict for verdict in found} <= {HOLDS, REPORTED}
+    assert {(verdict.label, verdict.statement) for verdict in found} == {(statement.label, statement.claim)}
+
+
+@pytest.mark.parametrize("statement", STATEMENTS, ids=lambda s: s.label)
+def test_any_part_of_the_settings_can_be_judged(statement: Statement) -> None:
+    rows = quick(statement)
+    case = rows["case"].iloc[0]
+    assert statement.judge(rows[rows["case"] == case]) == [v for v in statement.judge(rows) if v.case == case]
+    assert statement.judge(rows.iloc[:0]) == []
+
+
+@pytest.mark.parametrize("statement", [STATEMENTS[i] for i in (1, 5, 9, 10)], ids=lambda s: s.label)
+def test_one_level_is_too_few(statement: Statement) -> None:
+    rows = quick(statement)
+    found = statement.judge(rows[rows["level"] == rows["level"].min()])
+    assert UNDECIDED in {verdict.verdict for verdict in found}
+    assert FAILS not in {verdict.verdict for verdict in found}
+
+
+@pytest.mark.parametrize("statement", STATEMENTS, ids=lambda s: s.label)
+def test_settings_are_different_and_name_families_that_serve(statement: Statement) -> None:
+    for full in (False, True):
+        settings = statement.settings(full)
+        assert len(set(settings)) == len(settings) > 0
+        assert all(setting.family in families(resolve(setting.case)) for setting in settings)
+
+
+def test_levels_are_moved_to_where_the_ends_of_parts_are_vertices() -> None:
+    for setting in place(catalogue(), EVERY, (5,), (2,)):
+        assert space_of(setting).dofs > 0
+
+
+# Forms and eigenvalues.
+
+
+@pytest.mark.parametrize("family", [OneDiagonal(), Shaken()], ids=lambda f: f.name)
+def test_the_product_of_h1_is_that_of_functions_and_strains(family) -> None:
+    space = Space(family(SQUARE, 5), SQUARE)
+    v = np.random.default_rng(0).standard_normal(space.dofs)
+    nodal, total = space.nodal(v), 0.0
+    for rule in cell_rules(space.mesh, 2, ()):
+        corners = space.mesh.t[:, rule.cells]
+        weights = [
+            np.linalg.solve(np.vstack([space.mesh.p[:, c], np.ones(3)]), np.vstack([x, np.ones(len(x[0]))]))
+            for c, x in zip(corners.T, rule.points.swapaxes(0, 1), strict=True)
+        ]
+        values = np.einsum("dan,naq->dnq", nodal[:, corners], np.array(weights))
+        total += np.sum(values**2 * rule.weights)
+    total += np.sum(space.strain(v) ** 2 * space.volumes)
+    assert v @ (eigen.h1_product(space) @ v) == pytest.approx(total, rel=1e-12)
+
+
+def test_extreme_eigenvalues_are_those_of_a_dense_solver() -> None:
+    space = Space(Shaken()(SQUARE, 4), SQUARE)
+    form, product = space.form(isotropic(1, 3).matrix), eigen.h1_product(space)
+    values = eigh(form.toarray(), product.toarray(), eigvals_only=True)
+    assert eigen.smallest(form, product) == pytest.approx(values[0], rel=1e-9)
+    assert eigen.largest(form, product) == pytest.approx(values[-1], rel=1e-6)
+
+
+# (2.14).
+
+
+class Flipped(Gauge):
+    """The contact work has the wrong sign."""
+
+    def load(self, time):
+        return super().load(time) - 2 * self._contact_work(time)
+
+
+def swapped(solution, space, time, degree):
+    """The forces of another material."""
+    other = KelvinVoigt(solution.law.G, isotropic(1, 3), "other")
+    return original(replace(solution, law=other), space, time, degree)
+
+
+original = green.load_from_forces
+
+
+@pytest.mark.parametrize(
+    ("name", "defect"), [("Gauge", Flipped), ("load_from_forces", swapped)], ids=["contact work", "law"]
+)
+def test_green_s_formula_notices_a_wrong_term(monkeypatch, name, defect) -> None:
+    monkeypatch.setattr(green, name, defect)
+    settings = [Setting(case, "one-diagonal", 4) for case in ("full-contact", "advance-recede")]
+    found = green.Green().judge(rows_of(green.Green(), settings))
+    assert [verdict.verdict for verdict in found] == [FAILS, FAILS, FAILS]
+
+
+def test_green_s_formula_notices_a_stress_whose_divergence_is_no_function() -> None:
+    # α = 2: w''' and with it f_0 has a Dirac measure on the line of the front.
+    found = green.Green().judge(rows_of(green.Green(), [Setting("rough-2", "shaken", n) for n in (4, 8)]))
+    assert {verdict.verdict for verdict in found} == {FAILS}
+    assert "rough-2" not in {setting.case for setting in green.Green().settings(full=True)}
+
+
+def test_fronts_are_where_the_level_changes_its_sign() -> None:
+    (face,) = resolve("advance-recede").solution.faces
+    assert green.fronts(face, 0.7) == pytest.approx((0.25 + 2 * 0.7 * 0.3,), abs=1e-14)
+    (face,) = resolve("full-contact").solution.faces
+    assert green.fronts(face, 0.7) == ()
+
+
+# (2.17), (3.6).
+
+
+class Pinned(Space):
+    """Γ1 shrunk to two points: Korn's inequality fails."""
+
+    @property
+    def free(self):
+        ends = [np.linalg.norm(self.mesh.p - np.array([[x], [1.0]]), axis=0).argmin() for x in (0.0, 1.0)]
+        fixed = np.isin(np.arange(self.mesh.p.shape[1]), ends)
+        return np.flatnonzero(np.repeat(~fixed, 2))
+
+
+def test_a_body_held_at_points_has_no_korn_inequality(monkeypatch) -> None:
+    monkeypatch.setattr(korn, "space_of", lambda s: Pinned(OneDiagonal()(SQUARE, s.level), SQUARE))
+    settings = [Setting("full-contact", "one-diagonal", n) for n in (8, 16, 32)]
+    falling, limit = korn.Korn().judge(rows_of(korn.Korn(), settings))
+    assert (falling.verdict, limit.verdict) == (HOLDS, FAILS)
+    assert 0.5 < limit.observed < 0.6
+
+
+@pytest.mark.parametrize("values", [(0.3, 0.2, 0.21), (0.4, 0.2, 0.1), (1 / 3, 1 / 4, 1 / 5), (0.3, 0.25, np.nan)])
+def test_eigenvalues_that_rise_or_tend_to_zero_fail(values) -> None:
+    assert FAILS in verdicts(korn.Korn().judge(table(**{"smallest eigenvalue": values}))).values()
+
+
+def test_norms_that_are_not_equivalent_fail(monkeypatch) -> None:
+    monkeypatch.setattr(norms, "h1_product", eigen.mass)
+    settings = [Setting("full-contact", "one-diagonal", n) for n in (4, 8, 16)]
+    found = verdicts(norms.Norms().judge(rows_of(norms.Norms(), settings)))
+    assert found["largest eigenvalue / ‖A‖"] == FAILS
+    assert found["largest eigenvalue, finest level over the one before"] == FAILS
+    weaker = {"lower bound": 1.01, "upper bound": 0.9, "smallest": 0.5 ** np.arange(3), "largest": 1.0}
+    found = verdicts(norms.Norms().judge(table(**weaker)))
+    assert found["m_A C_K² / smallest eigenvalue"] == FAILS
+    assert found["smallest eigenvalue, finest level over the one before"] == FAILS
+
+
+# (3.1)–(3.3).
+
+
+@dataclass(frozen=True, eq=False)
+class Stated(Linear):
+    """A tensor with other constants than its own, or another tensor than it says."""
+
+    shares: tuple[float, float, float] = (1.0, 1.0, 1.0)
+    skew: float = 0.0
+
+    @property
+    def ellipticity(self):
+        return self.shares[0] * float(np.linalg.eigvalsh(self.matrix)[0])
+
+    @property
+    def lipschitz(self):
+        return self.shares[1] * float(np.linalg.eigvalsh(self.matrix)[-1])
+
+    @property
+    def monotonicity(self):
+        return self.shares[2] * float(np.linalg.eigvalsh(self.matrix)[0])
+
+    def at(self, x):
+        return Scaled(self.matrix + self.skew * np.diag([1.0, 1.0], 1))
+
+
+class Prestressed:
+    """G(ε) + 1."""
+
+    def __init__(self, operator) -> None:
+        self.operator, self.derivative = operator, operator.derivative
+
+    def __call__(self, strain):
+        return self.operator(strain) + 1
+
+
+class WithPrestress(Stated):
+    def at(self, x):
+        return Prestressed(super().at(x))
+
+
+def measured_with(monkeypatch, module, statement: Statement, A, G, level: int = 4) -> dict[str, str]:
+    case = SimpleNamespace(solution=SimpleNamespace(law=KelvinVoigt(A, G, "doctored")))
+    monkeypatch.setattr(module, "resolve", lambda name: case)
+    return verdicts(statement.judge(rows_of(statement, [Setting("full-contact", "one-diagonal", level)])))
+
+
+ISOTROPIC = isotropic(1, 0.5)
+MATRIX = ISOTROPIC.matrix
+
+
+@pytest.mark.parametrize(
+    ("tensor", "quantity", "verdict"),
+    [
+        (Stated(MATRIX), "m_A / smallest eigenvalue of A(x)", HOLDS),
+        (Stated(MATRIX, shares=(1.1, 1, 1)), "m_A / smallest eigenvalue of A(x)", FAILS),
+        (Stated(MATRIX, shares=(0.9, 1, 1)), "m_A / smallest eigenvalue of A(x)", REPORTED),
+        (Stated(MATRIX, shares=(1, 0.9, 1)), "largest eigenvalue of A(x) / ‖A‖", FAILS),
+        (Stated(MATRIX, shares=(1, 1.1, 1)), "largest eigenvalue of A(x) / ‖A‖", REPORTED),
+        (Stated(MATRIX, skew=0.1), "|A − Aᵀ| / |A|", FAILS),
+        (Stated(MATRIX, skew=10.0), "m_A / smallest eigenvalue of A(x)", FAILS),
+    ],
+)
+def test_a_viscosity_is_held_to_its_constants(monkeypatch, tensor, quantity, verdict) -> None:
+    assert measured_with(monkeypatch, law, law.Viscosity(), tensor, ISOTROPIC)[quantity] == verdict
+
+
+@pytest.mark.parametrize(
+    ("tensor", "quantity", "verdict"),
+    [
+        (Stated(MATRIX), "|G(a) − G(b)| / (L_G |a − b|)", HOLDS),
+        (Stated(MATRIX, shares=(1, 0.99, 1)), "|G(a) − G(b)| / (L_G |a − b|)", FAILS),
+        (Stated(MATRIX, shares=(1, 1.1, 1)), "|G(a) − G(b)| / (L_G |a − b|)", REPORTED),
+        (Stated(MATRIX, shares=(1, 1, 1.01)), "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", FAILS),
+        (WithPrestress(MATRIX), "|G(0)| / L_G", FAILS),
+    ],
+)
+def test_an_elasticity_operator_is_held_to_its_constants(monkeypatch, tensor, quantity, verdict) -> None:
+    assert measured_with(monkeypatch, law, law.ElasticityOperator(), ISOTROPIC, tensor)[quantity] == verdict
+
+
+class Returned(Yield):
+    """ε ↦ c β (ε − P_r ε), r other than the radius of K."""
+
+    share, radius = 1.0, 1.0
+
+    def __call__(self, strain):
+        ball = replace(self.convex, radius=self.convex.radius * self.radius)
+        return self.share * Yield(self.beta, ball)(strain)
+
+
+class Short(Returned):
+    share = 0.5
+
+
+class Far(Returned):
+    share = 1.5
+
+
+class Opposite(Returned):
+    share = -1.0
+
+
+class Narrow(Returned):
+    radius = 0.5
+
+
+@pytest.mark.parametrize("ball", [FrobeniusBall(0.5), DeviatoricBall(0.3)], ids=["Frobenius", "deviatoric"])
+@pytest.mark.parametrize(
+    ("kind", "failing"),
+    [
+        (Yield, None),
+        (Short, "P_K a ∈ K: gauge of K at P_K a"),
+        (Far, "(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K"),
+        (Opposite, "|P_K a − P_K b| / |a − b|"),
+        (Narrow, "|P_K k − k| / |k|, k ∈ K"),
+    ],
+)
+def test_the_operator_of_a_yield_law_is_a_projection(monkeypatch, ball, kind, failing) -> None:
+    found = measured_with(monkeypatch, law, law.Projection(), ISOTROPIC, kind(3.0, ball))
+    assert found[failing] == FAILS if failing else set(found.values()) == {HOLDS}
+
+
+# (4.3), (5.5).
+
+
+def test_an_operator_steeper_than_its_law_says_is_noticed(monkeypatch) -> None:
+    found = measured_with(monkeypatch, lipschitz, lipschitz.Lipschitz(), isotropic(1, 0), isotropic(2, 3), 8)
+    assert set(found.values()) == {HOLDS}
+    steeper = Stated(isotropic(2, 3).matrix, shares=(1, 0.9, 1))
+    found = measured_with(monkeypatch, lipschitz, lipschitz.Lipschitz(), isotropic(1, 0), steeper, 8)
+    assert found["largest quotient / (L_G/m_A)"] == FAILS
+
+
+def test_the_search_alone_comes_near_the_largest_eigenvalue() -> None:
+    space = Space(OneDiagonal()(SQUARE, 8), SQUARE)
+    problem = eigen.unloaded(space, KelvinVoigt(ISOTROPIC, isotropic(2, 3), ""))
+    found = max(quotient for quotient, _ in lipschitz.quotients(space, lipschitz.Operator(problem)))
+    assert 0.97 < found / eigen.largest(problem.reference, problem.M) <= 1 + 1e-4
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [
+        ("over the constant", 1.001),
+        ("over the pointwise constant", 1.001),
+        ("over the waves", 0.9),
+        ("monotonicity", 1.001),
+    ],
+)
+def test_each_bound_of_the_operator_can_fail_alone(column: str, value: float) -> None:
+    good = {"over the constant": 0.995, "over the pointwise constant": 0.995, "over the waves": 1.1, "monotonicity": 0}
+    assert set(verdicts(lipschitz.Lipschitz().judge(table(**good))).values()) == {HOLDS}
+    found = verdicts(lipschitz.Lipschitz().judge(table(**{**good, column: value})))
+    assert sorted(found.values()) == [FAILS, HOLDS, HOLDS, HOLDS]
+
+
+# K^h, Π^h.
+
+
+class Outward(Space):
+    """v_ν ≥ 0 in place of v_ν ≤ 0."""
+
+    @property
+    def N(self):
+        return -super().N
+
+
+class Upright(Space):
+    """The vertical axis in place of ν."""
+
+    @property
+    def N(self):
+        ((_, vertices),) = self.contact
+        rows = sps.lil_array((len(vertices), 2 * self.mesh.p.shape[1]))
+        rows[np.arange(len(vertices)), 2 * vertices + 1] = -1
+        return sps.csr_array(sps.csr_array(rows)[:, self.free])
+
+
+class OneLess(Space):
+    """A vertex of Γ3 without its constraint."""
+
+    @property
+    def N(self):
+        return super().N[1:]
+
+
+class OneMore(Space):
+    """A constraint at a vertex that is not on Γ3."""
+
+    @property
+    def N(self):
+        vertex = np.flatnonzero((self.mesh.p > 0.3).all(axis=0) & (self.mesh.p < 0.7).all(axis=0))[0]
+        row = sps.csr_array(([1.0], ([0], [2 * vertex + 1])), shape=(1, 2 * self.mesh.p.shape[1]))[:, self.free]
+        return sps.csr_array(sps.vstack([super().N, row]))
+
+
+MEMBERS, STRANGERS = "Nv ≤ 0 ⇒ v_ν ≤ 0 on Γ3", "(Nv)_i > 0 ⇒ v_ν > 0 somewhere on Γ3"
+
+
+@pytest.mark.parametrize(
+    ("kind", "case", "failing"),
+    [
+        (Space, "rotated", None),
+        (Outward, "full-contact", MEMBERS),
+        (Upright, "rotated", MEMBERS),
+        (OneLess, "full-contact", MEMBERS),
+        (OneMore, "full-contact", STRANGERS),
+    ],
+)
+def test_a_wrong_constraint_is_noticed(monkeypatch, kind, case, failing) -> None:
+    body = resolve(case).solution.body
+    monkeypatch.setattr(constraint, "space_of", lambda s: kind(Shaken()(body, s.level), body))
+    statement = constraint.VertexConstraint()
+    found = verdicts(statement.judge(rows_of(statement, [Setting(case, "shaken", 5)])))
+    assert found[failing] == FAILS if failing else set(found.values()) == {HOLDS}
+
+
+def test_interpolants_outside_of_the_set_of_the_code_are_noticed(monkeypatch) -> None:
+    monkeypatch.setattr(constraint, "space_of", lambda s: Outward(Shaken()(SQUARE, s.level), SQUARE))
+    statement = constraint.Interpolant()
+    found = statement.judge(rows_of(statement, [Setting("no-contact", "shaken", 5)]))
+    assert [verdict.verdict for verdict in found] == [FAILS, HOLDS, FAILS]
+
+
+def test_a_solution_that_penetrates_or_moves_the_clamp_is_noticed() -> None:
+    space = Space(Shaken()(SQUARE, 5), SQUARE)
+    shifted = SimpleNamespace(
+        body=SQUARE, at=lambda x: SimpleNamespace(displacement=lambda time: np.array([0 * x[0], 1e-6 - x[1]]))
+    )
+    found = constraint.over_time(constraint.Trace(space), shifted)
+    assert found["exact"] < 0 < found["clamped"]
+    found = constraint.over_time(
+        constraint.Trace(space),
+        SimpleNamespace(
+            body=SQUARE, at=lambda x: SimpleNamespace(displacement=lambda time: np.array([x[0], x[1] - 1]))
+        ),
+    )
+    assert found["exact"] > 0
+    assert found["clamped"] > 0
+
+
+def test_random_fields_are_admissible_and_touch_all_of_their_face() -> None:
+    body = resolve("hexagon").solution.body
+    rng = np.random.default_rng(0)
+    for field in constraint.admissible(body, rng)[:5]:
+        for part in body.of(Kind.CONTACT):
+            normal = np.tensordot(part.normal, field(part.sample(rng, 200)), axes=1)
+            assert normal.max() <= 1e-12 * abs(normal).max()
+        assert all(abs(field(part.sample(rng, 50))).max() < 1e-12 for part in body.of(Kind.CLAMPED))
+
+
+# (5.23), (5.24).
+
+
+@pytest.mark.parametrize(
+    ("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS), (2.0, FAILS), (np.nan, FAILS)]
+)
+def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str) -> None:
+    h = 1 / np.array([8.0, 16.0, 32.0])
+    columns = dict.fromkeys([*map(interpolation.at, interpolation.TIMES), interpolation.SMOOTH], h**order)
+    assert set(verdicts(interpolation.InterpolationInV().judge(table(**columns))).values()) == {verdict}
+
+
+@pytest.mark.parametrize(
+    ("tau", "order", "verdict"),
+    [
+        (np.inf, 2.0, HOLDS),
+        (np.inf, 1.0, FAILS),
+        (np.inf, 2.5, FAILS),
+        (2.25, 2.0, HOLDS),
+        (2.25, 1.5, FAILS),
+        (1.75, 1.7, REPORTED),
+        (1.75, 1.0, REPORTED),
+    ],
+)
+def test_the_order_of_traces_is_two_where_it_is_claimed(tau: float, order: float, verdict: str) -> None:
+    h = 1 / np.array([8.0, 16.0, 32.0])
+    columns = {interpolation.REGULARITY: tau, "size of Γ3,1": h, f"{interpolation.at(0.3)} on Γ3,1": h**order}
+    (found,) = interpolation.InterpolationOnContact().judge(table(**columns))
+    assert found.verdict == verdict
+    if verdict == REPORTED:
+        assert ("differs" in found.expected) == (order == 1.0)
+
+
+def test_a_trace_that_is_zero_has_no_order_to_be_judged() -> None:
+    statement = interpolation.InterpolationOnContact()
+    found = statement.judge(rows_of(statement, [Setting("full-contact", "shaken", n) for n in (8, 16, 32)]))
+    assert [verdict.quantity.split("v = ")[1] for verdict in found] == [
+        f"{interpolation.SMOOTH} on Γ3,1, level by level"
+    ]
+
+
+class Stretched(Space):
+    """Π^h v is a little too large."""
+
+    def interpolate(self, values):
+        return 1.1 * super().interpolate(values)
+
+
+def test_an_interpolant_that_is_none_has_no_order(monkeypatch) -> None:
+    body = resolve("no-contact").solution.body
+    monkeypatch.setattr(interpolation, "space_of", lambda s: Stretched(OneDiagonal()(body, s.level), body))
+    statement = interpolation.InterpolationInV()
+    settings = [Setting("no-contact", "one-diagonal", n) for n in (8, 16, 32)]
+    assert set(verdicts(statement.judge(rows_of(statement, settings))).values()) == {FAILS}
+
+
+def test_the_distance_of_a_smooth_field_is_that_of_the_gauge() -> None:
+    solution = resolve("no-contact").solution
+    space = Space(Shaken()(solution.body, 6), solution.body)
+    gauge = Gauge(solution, space, interpolation.RAISED)
+    sample = gauge.sample(0.5)
+
+    found = interpolation.distance_in_V(solution, space, lambda x: solution.at(x).displacement(0.5))
+    assert found == pytest.approx(gauge.distance(sample, sample.interpolant), rel=1e-10)
