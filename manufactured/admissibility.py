@@ -91,7 +91,7 @@ def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
     return findings
 
 
-def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int = 12) -> list[Finding]:
+def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int = 8) -> list[Finding]:
     """The largest defect of every condition at random points and times."""
     rng = np.random.default_rng(seed)
     instants = np.sort(rng.uniform(0, solution.body.T, times))

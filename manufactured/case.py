@@ -6,7 +6,9 @@ import math
 import re
 from dataclasses import dataclass
 
+from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
+from manufactured.profile import ZERO
 from manufactured.regularity import Regularity, read_off
 from manufactured.singular import SingularFace
 
@@ -64,6 +66,9 @@ class Case:
         faces = self.solution.faces
         lifted = [face for face in faces if not isinstance(face, SingularFace)]
         alpha, m, moving = read_off([face.gap for face in lifted], [face.exponents_in for face in lifted])
+        if any(isinstance(face, ContactFace) and face.profile.e is not ZERO for face in lifted):
+            # u_s ~ ∇_s q, as regular as ∇_s w is for α = m + 1.
+            alpha = min(alpha, m + 1)
         singular = [face for face in faces if isinstance(face, SingularFace)]
         trace, traction, _ = read_off([face.gap for face in singular], [face.exponents_in for face in singular])
         label = self.regularity

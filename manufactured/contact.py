@@ -133,7 +133,8 @@ class ContactFace:
 class Lifting:
     """u, u̇, ε, ε̇ and their gradients at fixed points; what time does not change is kept.
 
-    Structured meshes have far fewer coordinates s than points: formulas are evaluated once for each.
+    Structured meshes have far fewer coordinates s than points: formulas are evaluated once for each. Points
+    deeper than the profile are left out.
     """
 
     def __init__(self, face: ContactFace, x: Points) -> None:
@@ -142,6 +143,9 @@ class Lifting:
         turned = rotation(self.frame)
         self.rotation = None if np.array_equal(turned, np.eye(len(turned))) else turned
         places, self.y = face.part.coordinates(x)
+        self.reach = np.real(self.y) < face.profile.depth
+        if not self.reach.all():
+            places, self.y = places[:, self.reach], self.y[self.reach]
         self.s, self.where = _distinct(places)
         self.strain_on_face = face.strain.at(self.s)
         self._functions: dict[tuple[str, int], Array] = {}
@@ -178,13 +182,21 @@ class Lifting:
                 component = component + shear[i][zero] * self._profile("c", 0)
             local.append(component)
         local.append(w[zero] * self._profile("b", 0) + q[zero] * self._profile("d", 0))
-        return np.tensordot(self.frame, np.array(local), axes=1)
+        return self._everywhere(np.tensordot(self.frame, np.array(local), axes=1))
+
+    def _everywhere(self, values: Array) -> Array:
+        """Values at the points within reach → at all points, zero beyond."""
+        if self.y.shape == self.reach.shape:
+            return values
+        found = np.zeros((*values.shape[:-1], *self.reach.shape), dtype=values.dtype)
+        found[..., self.reach] = values
+        return found
 
     def strain(self, time: complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)) in global axes, Mandel (D, ...)."""
         w, strain = self.traces(time, rate, 1 + (self.face.profile.e is not ZERO))
         local = self._local(w, strain, (0,) * len(self.s), 0)
-        return local if self.rotation is None else np.tensordot(self.rotation, local, axes=1)
+        return self._everywhere(local if self.rotation is None else np.tensordot(self.rotation, local, axes=1))
 
     def strain_gradient(self, time: complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇) in global axes, (D, d, ...); exists almost everywhere."""
@@ -193,7 +205,7 @@ class Lifting:
         local = np.array([self._local(w, strain, i, 0) for i in first] + [self._local(w, strain, zero, 1)])
         if self.rotation is not None:
             local = np.moveaxis(np.tensordot(self.rotation, local, axes=([1], [1])), 0, 1)
-        return np.moveaxis(np.tensordot(self.frame, local, axes=1), 0, 1)
+        return self._everywhere(np.moveaxis(np.tensordot(self.frame, local, axes=1), 0, 1))
 
     def _local(self, w: Values, strain: Components, along: tuple[int, ...], into: int) -> Tensors:
         """∂_s^along ∂_y^into of the local strain, for into ∈ {0, 1}, in the axes (s, n)."""

@@ -27,7 +27,7 @@ from typing import Protocol
 import numpy as np
 import sympy as sp
 
-from manufactured.symbols import FormulaError, Index, Jet, Values, differentiate, function, pos, s, t
+from manufactured.symbols import FormulaError, Jet, Values, function, indices, pos, s, t
 from manufactured.tensors import Array
 
 Components = tuple[Values, ...]
@@ -127,9 +127,9 @@ class Memory:
 
 
 class Convolution(Protocol):
-    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth branch P of p/a."""
+    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth branch P of p/a, for every |i| ≤ order."""
 
-    def __call__(self, points: Array, lower: Array, upper: Array | complex, index: Index) -> Array: ...
+    def __call__(self, points: Array, lower: Array, upper: Array | complex, order: int) -> Values: ...
 
 
 class Closed:
@@ -141,16 +141,17 @@ class Closed:
         while not smooth.is_zero:
             total += scale * smooth.as_expr()
             smooth, scale = smooth.diff(t), -scale / decay
-        self.formula = _Derivatives(_nested(sp.Poly(total, t)), variables)
+        self.branch = Jet(_nested(sp.Poly(total, t)), variables)
 
     @staticmethod
     def cancellation(degree: int, decay: float, T: float) -> float:
         """How much larger than the integral the terms of R may be: max_j degree!/(degree−j)!/(λT)^j."""
         return max(math.perm(degree, j) / (decay * T) ** j for j in range(degree + 1))
 
-    def __call__(self, points: Array, lower: Array, upper: Array | complex, index: Index) -> Array:
-        first, last = (self.formula(points, r, index) for r in (lower, upper))
-        return last - np.exp(-self.decay * (upper - lower)) * first
+    def __call__(self, points: Array, lower: Array, upper: Array | complex, order: int) -> Values:
+        first, last = (self.branch(points, r, order) for r in (lower, upper))
+        fading = np.exp(-self.decay * (upper - lower))
+        return {index: last[index] - fading * first[index] for index in first}
 
 
 class Gauss:
@@ -158,16 +159,17 @@ class Gauss:
 
     def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], decay: float) -> None:
         self.decay = decay
-        self.formula = _Derivatives(_nested(smooth), variables)
+        self.branch = Jet(_nested(smooth), variables)
         # Exact for the polynomial, with more points for the exponential.
         self.rule = np.polynomial.legendre.leggauss(smooth.degree() // 2 + 1 + EXTRA)
 
-    def __call__(self, points: Array, lower: Array, upper: Array | complex, index: Index) -> Array:
+    def __call__(self, points: Array, lower: Array, upper: Array | complex, order: int) -> Values:
         half = (upper - lower) / 2
-        total = np.zeros(points.shape[1:], dtype=np.result_type(points, upper))
+        total: Values = dict.fromkeys(indices(len(points), order), np.zeros(()))
         for node, weight in zip(*self.rule, strict=True):
             r = lower + half * (1 + node)
-            total += weight * half * np.exp(-self.decay * (upper - r)) * self.formula(points, r, index)
+            scale = weight * half * np.exp(-self.decay * (upper - r))
+            total = {index: total[index] + scale * value for index, value in self.branch(points, r, order).items()}
         return total
 
 
@@ -175,20 +177,6 @@ ACCEPTED = 1e3
 """Largest cancellation for which the closed form is used: it costs three digits at most."""
 EXTRA = 14
 """Gauss points beyond those for the polynomial; where ``Gauss`` is used λT is of order 10 at most."""
-
-
-class _Derivatives:
-    """∂_s^index of a formula of (s, t), compiled when first asked for."""
-
-    def __init__(self, formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> None:
-        self.formula, self.variables = formula, variables
-        self._compiled: dict[Index, Callable[..., list[Array]]] = {}
-
-    def __call__(self, points: Array, time: Array | complex, index: Index) -> Array:
-        if index not in self._compiled:
-            derivative = differentiate(self.formula, self.variables, index)
-            self._compiled[index] = function([*self.variables, t], [derivative])
-        return np.broadcast_to(self._compiled[index](*points, time)[0], points.shape[1:])
 
 
 def _nested(polynomial: sp.Poly) -> sp.Expr:
@@ -311,14 +299,15 @@ class _MemoryAtPoints:
         if order not in self._start:
             self._start[order] = memory.start(self.flat, 0.0, order)
         source = memory.source_jet(self.points, time, order)
-        strain, rate = {}, {}
         fading = np.exp(-memory.decay * time)
-        for index, start in self._start[order].items():
-            total = (fading * start).astype(np.result_type(self.flat, time))
-            for contact in self.contacts:
-                contact.subtract(total, time, index)
-            strain[index] = total.reshape(shape)
-            rate[index] = -source[index] - memory.decay * strain[index]
+        totals = {
+            index: (fading * start).astype(np.result_type(self.flat, time))
+            for index, start in self._start[order].items()
+        }
+        for contact in self.contacts:
+            contact.subtract(totals, time, order)
+        strain = {index: total.reshape(shape) for index, total in totals.items()}
+        rate = {index: -source[index] - memory.decay * value for index, value in strain.items()}
         return (strain,), (rate,)
 
 
@@ -330,17 +319,20 @@ class _Contact:
         self.touched = np.flatnonzero(entry < exit_)
         self.points = points[:, self.touched]
         self.entry, self.exit = entry[self.touched], exit_[self.touched]
-        self._whole: dict[Index, Array] = {}
+        self._whole: dict[int, Values] = {}
 
-    def subtract(self, total: Array, time: complex, index: Index) -> None:
-        """total −= the integral up to ``time``, at the points that are ever touched."""
-        if index not in self._whole:
-            self._whole[index] = self.convolution(self.points, self.entry, self.exit, index)
+    def subtract(self, totals: Values, time: complex, order: int) -> None:
+        """totals[i] −= the integral up to ``time`` for ∂^i, at the points that are ever touched."""
+        if order not in self._whole:
+            self._whole[order] = self.convolution(self.points, self.entry, self.exit, order)
         now = np.real(time)
         over = np.flatnonzero(self.exit <= now)
         touching = np.flatnonzero((self.entry < now) & (self.exit > now))
-        total[self.touched[over]] -= np.exp(-self.decay * (time - self.exit[over])) * self._whole[index][over]
-        total[self.touched[touching]] -= self.convolution(self.points[:, touching], self.entry[touching], time, index)
+        since = np.exp(-self.decay * (time - self.exit[over]))
+        present = self.convolution(self.points[:, touching], self.entry[touching], time, order)
+        for index, total in totals.items():
+            total[self.touched[over]] -= since * self._whole[order][index][over]
+            total[self.touched[touching]] -= present[index]
 
 
 @dataclass(frozen=True, eq=False)

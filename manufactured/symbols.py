@@ -89,11 +89,13 @@ def indices(variables: int, order: int) -> tuple[Index, ...]:
     return tuple(sorted(every, key=lambda i: (sum(i), i)))
 
 
-def differentiate(expression: sp.Expr, variables: Sequence[sp.Symbol], index: Index) -> sp.Expr:
-    """∂^index of an expression in the given variables."""
-    for variable, times in zip(variables, index, strict=True):
+@lru_cache(maxsize=4096)
+def differentiate(expression: sp.Expr, variables: tuple[sp.Symbol, ...], index: Index) -> sp.Expr:
+    """∂^index of an expression in the given variables, one step from the derivative before it."""
+    for position, times in enumerate(index):
         if times:
-            expression = sp.diff(expression, variable, times)
+            lower = (*index[:position], times - 1, *index[position + 1 :])
+            return sp.diff(differentiate(expression, variables, lower), variables[position])
     return expression
 
 
@@ -101,8 +103,8 @@ def differentiate(expression: sp.Expr, variables: Sequence[sp.Symbol], index: In
 class Jet:
     """A formula of (s, t) with its derivatives along the face, evaluated by NumPy.
 
-    ``Jet(expr, (s,))(points, time, order)`` has points (d−1, ...) and gives every ∂^i expr with
-    |i| ≤ order as arrays (...).
+    ``Jet(expr, (s,))(points, time, order)`` has points (d−1, ...), one time or one for each point, and
+    gives every ∂^i expr with |i| ≤ order as arrays (...).
 
     Raises:
         FormulaError: other symbols than these, or functions with jumps that are not written with ``pos``.
@@ -124,7 +126,7 @@ class Jet:
         if self.expression.has(sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign):
             raise FormulaError(f"{self.expression}: write fronts with pos(x, a), so that derivatives are known")
 
-    def __call__(self, points: Array, time: complex, order: int = 0) -> Values:
+    def __call__(self, points: Array, time: Array | complex, order: int = 0) -> Values:
         keys = indices(len(self.variables), order)
         if order not in self._compiled:
             formulas = [differentiate(self.expression, self.variables, key) for key in keys]

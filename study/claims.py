@@ -278,7 +278,9 @@ def prop_5_3(case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
 
 def _about(order: float) -> Window:
     return Window(
-        order - ROUGH_ORDER, order + ROUGH_ORDER, f"{order:.3g} ± {ROUGH_ORDER} over two refinements (no rate is claimed)"
+        order - ROUGH_ORDER,
+        order + ROUGH_ORDER,
+        f"{order:.3g} ± {ROUGH_ORDER} over two refinements (no rate is claimed)",
     )
 
 

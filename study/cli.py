@@ -25,8 +25,8 @@ from study.controls.judge import controls_text, run_controls, settings, write_co
 from study.datafiles import DataError
 from study.fem.mesh import MeshError
 from study.figures import draw_figures
-from study.naming import UsageError, choose
 from study.junit import write_junit
+from study.naming import UsageError, choose
 from study.published import TableError, as_json, as_text, read_table, report
 from study.rates import RatesError
 from study.solve.evolution import SCHEMES
@@ -146,7 +146,6 @@ def do_run(options: argparse.Namespace) -> int:
     if options.levels:
         levels = run.Levels(tuple(options.levels))
         plan = replace(plan, plane=levels, rough=levels, solid=levels)
-    plan.check()
     run.protect(plan, options.out)
     store = Store(options.out)
     store.check()
@@ -155,6 +154,8 @@ def do_run(options: argparse.Namespace) -> int:
         ProcessPoolExecutor(options.jobs) as executor,
         _bar(round(sum(job.cost for job in jobs))) as bar,
     ):
+        bar.set_description("self-proofs")
+        plan.check(executor.map)
         bar.set_description(f"{len(jobs)} jobs")
         run.execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
         run.collect(plan, store)

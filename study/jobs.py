@@ -132,10 +132,16 @@ class StatementJob:
         return 1000.0 * self.setting.level**2
 
     def fingerprint(self) -> str:
-        return fingerprint(self.label, resolve(self.setting.case).solution, family_named(self.setting.family), self.setting)
+        return fingerprint(
+            self.label, resolve(self.setting.case).solution, family_named(self.setting.family), self.setting
+        )
 
     def run(self) -> dict[str, Any]:
-        return {**asdict(self.setting), "label": self.label, "measured": statement_labelled(self.label).measure(self.setting)}
+        return {
+            **asdict(self.setting),
+            "label": self.label,
+            "measured": statement_labelled(self.label).measure(self.setting),
+        }
 
 
 def statement_labelled(label: str) -> Statement:

@@ -15,7 +15,7 @@ from study.fem.space import Space
 from study.solve.evolution import BDF2, Problem
 
 LEVEL = 24
-STEPS = 96
+STEPS = 64
 EVERY = 4
 SHAPES = (0.25, 0.5, 1.0)
 FINE = 400

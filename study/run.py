@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import asdict, dataclass, fields, replace
 from importlib.metadata import version
@@ -15,7 +15,7 @@ from typing import Any
 import pandas as pd
 from threadpoolctl import threadpool_limits
 
-from manufactured.admissibility import prove
+from manufactured.admissibility import Finding, SelfProofError, examine
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.claims import complete, judge
@@ -58,7 +58,7 @@ class Plan:
         rough: levels for the others, whose orders need more of them.
         solid: levels in 3D.
         equivalence, solid_equivalence: levels of the check of Theorem 4.2, in 2D and 3D.
-        families: mesh families a case is measured on: its first one and others in turn, so that
+        families: mesh families a plane case is measured on: its first one and others in turn, so that
             all are used; None for every one that can mesh the body.
         scheme: name of the time scheme.
         name: quick or full, for the provenance.
@@ -81,13 +81,13 @@ class Plan:
     def resolved(self) -> list[Case]:
         return [resolve(reference) for reference in self.cases]
 
-    def check(self) -> None:
-        """Refuse what cannot be run, before time is spent.
+    def check(self, spread: Callable[..., Iterable[Any]] = map) -> None:
+        """Refuse what cannot be run, before time is spent; ``spread`` maps a function over cases.
 
         Raises:
             UsageError: levels below 2, not increasing, or two cases of one name.
             SelfProofError: a case is not an exact solution.
-        MeshError: a mesh does not fit the boundary parts of a body.
+            MeshError: a mesh does not fit the boundary parts of a body.
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
@@ -102,8 +102,9 @@ class Plan:
         names = [case.name for case in self.resolved()]
         if len(set(names)) < len(names):
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
-        for case in self.resolved():
-            prove(case.solution, f"case {case.name}")
+        for reference, failed in zip(self.cases, spread(violations, self.cases), strict=True):
+            if failed:
+                raise SelfProofError(f"case {resolve(reference).name}", failed)
         self._check_meshes()
 
     def _check_meshes(self) -> None:
@@ -135,11 +136,15 @@ class Plan:
         return sorted(found)
 
     def families_of(self, case: Case) -> list[MeshFamily]:
-        """The mesh families a case is measured on; graded ones belong to the cases that have them."""
+        """The mesh families a case is measured on; with few of them the first, and graded ones where there are."""
         serving = [family for family in FAMILIES if family.serves(case.solution.body)]
-        if self.families is None or case.solution.body.refine:
+        if self.families is None:
             return serving
         first, *others = serving
+        if case.solution.body.dim == 3:
+            return [first]
+        if case.solution.body.refine:
+            return [first, others[-1]]
         turn = [case.name for case in self.resolved()].index(case.name)
         return [first, *(others[(turn + i) % len(others)] for i in range(min(self.families - 1, len(others))))]
 
@@ -179,6 +184,11 @@ class Plan:
             for setting in statement.settings(self.name == "full")
             if setting.case in self.cases
         ]
+
+
+def violations(reference: str) -> list[Finding]:
+    """The conditions that the exact solution of a case violates."""
+    return [finding for finding in examine(resolve(reference).solution) if not finding.passes]
 
 
 def quick() -> Plan:
@@ -270,7 +280,9 @@ def collect(plan: Plan, store: Store) -> None:
     columns.insert(columns.index("time_share") + 1, columns.pop(columns.index("order")))
     _write_csv(store.data / "rates.csv", rates[columns])
     _write_csv(store.data / "equivalence.csv", pd.DataFrame(done[EquivalenceJob]))
-    _write_csv(store.data / "statements.csv", pd.DataFrame(statement_rows(done[StatementJob]), columns=STATEMENT_COLUMNS))
+    _write_csv(
+        store.data / "statements.csv", pd.DataFrame(statement_rows(done[StatementJob]), columns=STATEMENT_COLUMNS)
+    )
     _write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.resolved()]))
     for result in done[PictureJob]:
         write_text(store.data / "pictures" / f"{result['case']}.json", json.dumps(result) + "\n")
@@ -284,7 +296,12 @@ STATEMENT_COLUMNS = [*STATEMENT_KEY, "h", "quantity", "value"]
 def statement_rows(results: list[dict[str, Any]]) -> list[dict[str, Any]]:
     """One row per measured quantity."""
     return [
-        {**{key: result[key] for key in STATEMENT_KEY}, "h": result["measured"]["h"], "quantity": quantity, "value": value}
+        {
+            **{key: result[key] for key in STATEMENT_KEY},
+            "h": result["measured"]["h"],
+            "quantity": quantity,
+            "value": value,
+        }
         for result in results
         for quantity, value in result["measured"].items()
         if quantity != "h"

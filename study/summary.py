@@ -32,24 +32,27 @@ def rates_text(directory: Path) -> str:
 
 
 def ledger_text(directory: Path) -> str:
-    """One line per statement and case for the end of a run, at most 110 columns wide.
+    """One line per statement for the end of a run, at most 110 columns wide.
 
-    Shown from ``claims.csv``: the worst verdict of each (label, case), what was expected and observed
-    where it was given, and how many quantities were judged; then every quantity that does not hold,
-    and the numbers of verdicts.
+    Shown from ``claims.csv``: how many cases it was looked at and how many rows it has by verdict; then every
+    row that does not hold, and the numbers of verdicts.
     """
     claims = read_claims(directory)
-    head = ("statement", "case", "expected", "observed", "verdict", "judged")
-    rows = [_ledger_line(judged) for _, judged in claims.groupby(["label", "case"], sort=False)]
-    lines = _aligned(head, rows, (10, 24, 36, 14, 9, 6), right=(5,))
+    head = ("statement", "", "cases", *VERDICTS)
+    rows = [_ledger_line(judged) for _, judged in claims.groupby("label", sort=False)]
+    lines = _aligned(head, rows, (26, 44, 5, 5, 8, 9, 5), right=(2, 3, 4, 5, 6))
     failing = claims[~claims["verdict"].isin(["holds", "reported"])]
     lines += ["", *(line for _, row in failing.iterrows() for line in _finding(row))]
-    count = {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
+    count = _count(claims)
     lines.append(
         f"{len(claims)} rows: {count['holds']} hold, {count['fails']} fail, {count['undecided']} undecided, "
         f"{count['reported']} reported without a claim"
     )
     return "\n".join(lines) + "\n"
+
+
+def _count(claims: pd.DataFrame) -> dict[str, int]:
+    return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
 
 
 def significant(number: float) -> str:
@@ -85,15 +88,9 @@ def _rates_line(series: pd.DataFrame, schemes: bool) -> tuple[str, ...]:
 
 
 def _ledger_line(judged: pd.DataFrame) -> tuple[str, ...]:
-    worst = judged.loc[judged["verdict"].map(VERDICTS.index).idxmax()]
-    return (
-        str(worst["label"]),
-        str(worst["case"]),
-        cell(worst["expected"]),
-        cell(worst["observed"]),
-        str(worst["verdict"]),
-        str(len(judged)),
-    )
+    first = judged.iloc[0]
+    counts = [str(number or "") for number in _count(judged).values()]
+    return str(first["label"]), str(first["statement"]), str(judged["case"].nunique()), *counts
 
 
 def _finding(row: pd.Series) -> list[str]:

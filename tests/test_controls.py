@@ -12,13 +12,13 @@ import pytest
 
 from manufactured import examine
 from study.cli import main
-from study.statements.independence import Derived, Independence, Sides, StandsAlone, independence
 from study.controls.judge import NO_DEFECT, Finding, controls_text, settings, unchanged, work
 from study.controls.register import ALONE, CONTROLS, ORDER, Control
 from study.controls.settings import Equivalence, Sweep, turned
 from study.fem.mesh import OneDiagonal
 from study.naming import resolve
 from study.statements.base import Setting
+from study.statements.independence import Derived, Independence, Sides, StandsAlone, independence
 from study.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 
 HARMLESS = Control("harmless", "a copy in place of the original", Equivalence("no-contact"), copy.copy, ALONE)

@@ -70,6 +70,7 @@ def hexagon() -> Case:
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 on every side give (5.36): order 1 by Prop. 5.4",
+        pace=4,
     )
 
 
@@ -97,6 +98,7 @@ def corner() -> Case:
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 on both sides, u smooth at the corner: (5.36), order 1 by Prop. 5.4",
+        pace=4,
     )
 
 

@@ -54,7 +54,7 @@ def reentrant() -> Case:
         regularity=Regularity(gap=4, pressure=2, moving=True, corner=lam),
         order=min(1.0, lam),
         reason="u(t) ∈ H^{1+s} for s < λ ≈ 0.5445 at the corner: that order on uniform meshes, 1 on graded ones",
-        pace=3,
+        pace=1.5,
     )
 
 
@@ -75,5 +75,5 @@ def junction() -> Case:
         regularity=Regularity(on_contact=0.5),
         order=0.5,
         reason="u(t) ∈ H^{1+s} for s < 1/2 at the junction: order 1/2 on uniform meshes, 1 on graded ones",
-        pace=2,
+        pace=1,
     )

@@ -34,4 +34,5 @@ def case() -> Case:
         regularity=Regularity(gap=3.25, pressure=2, moving=True),
         order=1,
         reason="u(t) ∈ H² for α = 13/4, m = 2: interpolation of order 1; the proof of 5.4 gives α − 5/2 = 3/4",
+        pace=4,
     )

@@ -51,7 +51,7 @@ def natural() -> Case:
         regularity=Regularity(on_contact=1.5),
         order=1,
         reason="u(t) ∈ H^{5/2−ε} ⊂ H², so interpolation has order 1; the trace r^{3/2} just misses (5.36)",
-        pace=2,
+        pace=1,
     )
 
 
@@ -76,5 +76,5 @@ def rough_trace() -> Case:
         regularity=Regularity(on_contact=alpha),
         order=1,
         reason="u(t) ∈ H^{9/4−ε} ⊂ H², so interpolation has order 1; the proof of 5.4 gives 7/8 for this trace",
-        pace=2,
+        pace=1,
     )

@@ -15,11 +15,11 @@ from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.tensors import Array
-from study.statements.independence import Derived, Sides
 from study.fem.gauge import DEGREE, Gauge, Sample
 from study.fem.space import Space
 from study.solve.evolution import BackwardEuler, Problem, Scheme, State
 from study.solve.signorini import ContactSolver, Signorini
+from study.statements.independence import Derived, Sides
 from study.sweep import Setup
 
 # The contact condition.

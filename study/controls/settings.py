@@ -13,10 +13,10 @@ from manufactured.body import Kind, polygon
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from study.claims import prop_5_4, theorem_4_2
-from study.statements.independence import Sides, StandsAlone, independence
 from study.equivalence import gaps
 from study.naming import family_named, resolve
 from study.solve.evolution import Midpoint
+from study.statements.independence import Sides, StandsAlone, independence
 from study.sweep import Setup, measure, steps_for
 from study.verdict import Verdict
 

@@ -42,7 +42,7 @@ _KNOWN = {
     "criss-cross": Look(VERMILLION, "s"),
     "shaken": Look(GREEN, "^"),
     "unstructured": Look(PURPLE, "D"),
-    "kuhn": Look(ORANGE, "v"),
+    "graded": Look(ORANGE, "v"),
 }
 _SPARE = (Look(SKY, "P"), Look(BLACK, "X"), Look(GREY, "h"))
 
@@ -61,6 +61,9 @@ def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = 
 
 def save(figure: Figure, directory: Path, name: str) -> list[Path]:
     """Write ``directory/name`` as pdf, png and svg, without dates or versions in them."""
+    # Laid out once for the three files: layout costs more than drawing.
+    figure.draw_without_rendering()
+    figure.set_layout_engine("none")
 
     def write(form: str) -> Path:
         # A name may hold dots of its own (rough-1.75), so a suffix is appended, not replaced.

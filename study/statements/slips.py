@@ -14,6 +14,7 @@ SLIPS = (
     ("(5.24)", "right side reads c h |v|_{H²}", "c h² |v|_{H²}: the proof of Prop. 5.4 uses h², and h² is measured"),
     ("Thm 5.2", "assumes (3.3)", "(3.1), (3.2), (3.4) and (3.5): (3.3) is an example of (3.2)"),
     ("before (5.22)", "∂Ω is the intersection of Γ1, Γ2 and Γ3", "their union"),
+    ("(5.14)", "𝓛_G ‖u − u^h‖_V ‖u − v^h‖_V", "(𝓛_G/m_A) ‖u − u^h‖_V ‖u − v^h‖_V: ‖·‖_V carries A"),
     ("(5.43), last line", "right side has ‖u_ν‖_{L¹(0,T;L²(Γ3,i))}", "the norm of L¹(0,T;H²(Γ3,i)), of (5.36)"),
     ("(5.20), (5.21)", "R is taken in L¹(0,T;V)", "in L¹(0,T): R(t; v) is a number"),
 )
