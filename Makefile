@@ -4,14 +4,18 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: study full test lint lock clean
+.PHONY: study full controls test lint lock clean
 
-study: $(READY)  ## quick study into results/quick, about a minute
+study: $(READY)  ## quick study into results/quick, a minute and a half
 	$(BIN)/study run --quick --out results/quick
 
 full: $(READY)  ## all levels into results/, and the slow tests
 	$(BIN)/study run --full --out results
-	$(BIN)/pytest -m slow
+	$(BIN)/study controls --out results
+	$(BIN)/pytest -m slow --numprocesses auto
+
+controls: $(READY)  ## deliberate defects that the verdicts must catch, half a minute
+	$(BIN)/study controls --out results/quick
 
 test: $(READY)  ## the test suite without the slow levels
 	$(BIN)/pytest

@@ -83,6 +83,9 @@ class Memory:
     initial: sp.Expr | None = None
     variables: tuple[sp.Symbol, ...] = (s,)
 
+    def __post_init__(self) -> None:
+        self.decay  # refused where it is written, not where it is used  # noqa: B018
+
     @property
     def formula(self) -> sp.Expr:
         """The pressure and the initial strain: what q is made of."""

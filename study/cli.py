@@ -146,26 +146,23 @@ def do_run(options: argparse.Namespace) -> int:
     if options.levels:
         levels = run.Levels(tuple(options.levels))
         plan = replace(plan, plane=levels, rough=levels, solid=levels)
-    run.protect(plan, options.out)
     store = Store(options.out)
-    store.check()
-    jobs = plan.jobs()
-    with (
-        ProcessPoolExecutor(options.jobs) as executor,
-        _bar(round(sum(job.cost for job in jobs))) as bar,
-    ):
-        bar.set_description("self-proofs")
+    with ProcessPoolExecutor(options.jobs) as executor:
         plan.check(executor.map)
-        bar.set_description(f"{len(jobs)} jobs")
-        run.execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
-        run.collect(plan, store)
-        verdicts = run.check(options.out)
-        written = write_tables(options.out)
-        written += draw_figures(
-            options.out,
-            executor.map,
-            lambda done, total, name: bar.set_description(f"figure {done} of {total}", refresh=sys.stderr.isatty()),
-        )
+        run.protect(plan, options.out)
+        store.check()
+        jobs = plan.jobs()
+        with _bar(round(sum(job.cost for job in jobs))) as bar:
+            bar.set_description(f"{len(jobs)} jobs")
+            run.execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
+            run.collect(plan, store)
+            verdicts = run.check(options.out)
+            written = write_tables(options.out)
+            written += draw_figures(
+                options.out,
+                executor.map,
+                lambda done, total, name: bar.set_description(f"figure {done} of {total}", refresh=sys.stderr.isatty()),
+            )
     print(f"\n{rates_text(options.out)}")
     print(ledger_text(options.out))
     print(f"data: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")

@@ -64,6 +64,7 @@ class Plan:
         name: quick or full, for the provenance.
         k: time step at every level; without it each case's own.
         statements: whether the numbered statements are measured one by one, too.
+        finest: pairs (case, level) measured beside these on the first family of the case.
     """
 
     cases: tuple[str, ...]
@@ -77,6 +78,7 @@ class Plan:
     name: str = "quick"
     k: float | None = None
     statements: bool = True
+    finest: tuple[tuple[str, int], ...] = ()
 
     def resolved(self) -> list[Case]:
         return [resolve(reference) for reference in self.cases]
@@ -163,7 +165,7 @@ class Plan:
             jobs += [
                 RateJob(reference, family.name, self.scheme, n, self.steps(case, n))
                 for position, family in enumerate(families)
-                for n in levels.of(position)
+                for n in (*levels.of(position), *(n for name, n in self.finest if name == case.name and not position))
             ]
             plane = case.solution.body.dim == 2
             # One family with symmetry and one without.
@@ -215,6 +217,9 @@ def full() -> Plan:
         solid_equivalence=(3, 6),
         families=None,
         name="full",
+        finest=tuple(
+            (name, 256) for name in ("full-contact", "no-contact", "fixed-front-off-vertex", "advance-recede")
+        ),
     )
 
 

@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.claims import complete, judge, prop_5_3, prop_5_4, theorem_4_2
-from study.verdict import FAILS, HOLDS, UNDECIDED, Window
+from study.claims import beyond_5_36, complete, judge, prop_5_3, prop_5_4, theorem_4_2, turned
+from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Window
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="shaken", **changes) -> pd.DataFrame:
@@ -115,6 +115,28 @@ def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit() -> None:
     assert verdicts(prop_5_3("a", rising, 0.5))["ratio of consecutive errors"] == FAILS
 
 
+def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose() -> None:
+    levels = (8, 16, 32, 64)
+    uniform = table(0.5, levels=levels, claim="Prop. 5.3")
+    both = pd.concat([uniform, table(1.0, levels=levels, claim="Prop. 5.3", family="graded")])
+    assert set(verdicts(prop_5_3("a", both, 0.5)).values()) == {HOLDS}
+    lost = pd.concat([uniform, table(0.5, levels=levels, claim="Prop. 5.3", family="graded")])
+    assert verdicts(prop_5_3("a", lost, 0.5))["order seen on graded meshes"] == FAILS
+
+
+def test_the_order_beyond_5_36_is_reported_beside_that_of_the_proof() -> None:
+    row = beyond_5_36("a", table(1.0, levels=(8, 16, 32, 64), claim="Prop. 5.3"), 0.75)
+    assert (row.verdict, row.expected) == (REPORTED, "the proof gives 0.75")
+    assert row.observed == pytest.approx(1.0)
+
+
+def test_a_turned_body_must_have_the_errors_of_its_twin_on_equal_meshes() -> None:
+    rows = table().assign(scheme="midpoint")
+    assert turned("a", rows, rows.assign(case="b")).verdict == HOLDS
+    assert turned("a", rows.assign(error=rows["error"] * (1 + 1e-9)), rows).verdict == FAILS
+    assert turned("a", rows.assign(family="unstructured"), rows).verdict == UNDECIDED
+
+
 def test_theorem_4_2_fails_above_its_tolerance() -> None:
     columns = ["displacement_gap", "stress_gap", "admissibility", "energy_gap", "membership"]
     good = pd.DataFrame([{"case": "a", **dict.fromkeys(columns, 1e-9)}])
@@ -127,11 +149,11 @@ def test_theorem_4_2_fails_above_its_tolerance() -> None:
 
 def test_four_cases_must_have_their_supremum_after_the_start() -> None:
     rows = pd.concat([table(case=name) for name in "abcd"])
-    expected = dict.fromkeys("abcd", 1.0)
-    last = [v for v in judge(rows, pd.DataFrame({"case": []}), expected) if v.case == "all cases"]
+    cases = pd.DataFrame({"case": list("abcd"), "expected_order": 1.0, "proved_order": 1.0, "twin": ""})
+    last = [v for v in judge(rows, pd.DataFrame({"case": []}), cases) if v.case == "all cases"]
     assert [verdict.verdict for verdict in last] == [HOLDS]
     vacuous = rows.assign(initial_error=rows["error"])
-    last = [v for v in judge(vacuous, pd.DataFrame({"case": []}), expected) if v.case == "all cases"]
+    last = [v for v in judge(vacuous, pd.DataFrame({"case": []}), cases) if v.case == "all cases"]
     assert [verdict.verdict for verdict in last] != [HOLDS]
 
 

@@ -62,7 +62,7 @@ def test_levels_below_2_or_not_increasing_are_refused(capsys, tmp_path, levels, 
     [
         ("mine = changed(gap=-face.gap)", r"u_ν ≤ 0.*violated.*at x = .*t = "),
         ("mine = changed(gap=face.gap * sympy.nan)", r"violated, relative defect inf"),
-        ("mine = replace(case, order=2)", r"CaseError.*gives order"),
+        ("mine = replace(case, order=2)", r"CaseError.*gives min"),
         ("mine = isotropic(1, -5)", r"LawError.*not elliptic"),
         ("mine = 3", r"is a int, expected"),
         ("mine = undefined_name", r"NameError"),

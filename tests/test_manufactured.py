@@ -259,7 +259,7 @@ def test_exponents_decide_the_predicted_order_and_the_statement(label, order, st
 
 def test_a_case_without_a_prediction_or_with_one_its_exponents_contradict_is_refused() -> None:
     case = CASES["rough-2"]
-    with pytest.raises(CaseError, match="gives order"):
+    with pytest.raises(CaseError, match=r"gives min\(1, s\) = 0.5"):
         replace(case, order=1.0)
     with pytest.raises(CaseError, match="state the predicted order"):
         replace(case, reason="")

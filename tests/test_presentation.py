@@ -325,15 +325,16 @@ def test_the_rate_text_has_one_line_per_case_and_family(drawn: Path) -> None:
     assert line.split()[6:] == ["1.07", "1.03", "1.02"]
 
 
-def test_the_ledger_text_gives_the_worst_verdict_and_lists_what_does_not_hold(drawn: Path) -> None:
+def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_hold(drawn: Path) -> None:
     text = ledger_text(drawn)
-    assert re.search(r"^Prop. 5.4 +advance-recede +1 ± 0.1 +0.7100 +fails +2$", text, re.MULTILINE)
+    assert re.search(r"^statement +cases +holds +reported +undecided +fails$", text, re.MULTILINE)
+    assert re.search(r"^Prop. 5.4 +‖u − u\^h‖.* [12] +[12] +1$", text, re.MULTILINE)
     listed = (
         "fails: Prop. 5.4, advance-recede: order, criss-cross: expected 1 ± 0.1, observed 0.7100 in [0.6500, 0.7800]"
     )
     assert listed in text.splitlines()
     assert "\nundecided: (3.1), (3.2): Γ3,i" in text
-    assert text.endswith("5 verdicts: 3 hold, 1 fail, 1 undecided\n")
+    assert text.endswith("5 rows: 3 hold, 1 fail, 1 undecided, 0 reported without a claim\n")
 
 
 @pytest.mark.parametrize(

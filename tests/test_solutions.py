@@ -1,0 +1,159 @@
+"""What the exact solutions are made of: singular fields, layers, coupled strains, loads in time, regularity."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sympy import Integer, Rational
+
+from manufactured import (
+    CaseError,
+    ContactFace,
+    ExactSolution,
+    Factor,
+    FormulaError,
+    KelvinVoigt,
+    Kind,
+    Regularity,
+    SelfProofError,
+    catalogue,
+    examine,
+    isotropic,
+    layered,
+    pos,
+    prove,
+    s,
+    t,
+    unit_square,
+    x1,
+    x2,
+)
+from manufactured.cases.laws import anisotropic, not_proportional
+from manufactured.factor import layers
+from manufactured.memory import Coupled
+from manufactured.tensors import traction
+from study.fem.gauge import Gauge
+from study.fem.mesh import Shaken
+from study.fem.space import Space
+
+CASES = {case.name: case for case in catalogue()}
+
+
+def points(seed: int = 0, count: int = 50) -> np.ndarray:
+    return np.random.default_rng(seed).uniform(0.05, 0.95, (2, count))
+
+
+@pytest.mark.parametrize("name", ["junction", "natural-front"])
+def test_williams_fields_need_no_force_where_nothing_cuts_them_off(name: str) -> None:
+    """Div σ = 0 for the eigenfunctions; the cut-off of the natural front brings forces of its own."""
+    solution = CASES[name].solution
+    face = solution.faces[0]
+    plain = replace(solution, faces=(replace(face, field=replace(face.field, depth=None)),))
+    fields = plain.at(points())
+    assert abs(fields.body_force(0.7)).max() < 1e-10 * abs(fields.stress(0.7)).max() / 0.05
+
+
+def test_the_sides_of_the_re_entrant_corner_are_free_of_traction_near_it() -> None:
+    """Where the cut-off is flat: at distances ≪ R."""
+    (mode,) = CASES["re-entrant"].solution.others
+    r = np.array([1e-6, 1e-5])
+    for along, normal in ((np.array([1.0, 0.0]), np.array([0.0, 1.0])), (np.array([0.0, 1.0]), np.array([1.0, 0.0]))):
+        fields = mode.at(np.ones((2, 1)) + along[:, None] * r)
+        stress = isotropic(1, 1)(fields.strain(1.0))
+        assert abs(traction(stress, normal)).max() < 1e-6 * abs(stress).max()
+
+
+def test_a_law_that_couples_nn_with_sn_needs_a_shear_on_the_face() -> None:
+    (face,) = CASES["anisotropic"].solution.faces
+    assert isinstance(face.strain, Coupled)
+    (q, r), _ = face.strain.at(np.linspace(0.1, 0.6, 7)[None])(0.8, 0)
+    assert abs(r[0,]).max() > 0.05 * abs(q[0,]).max()
+    body = unit_square()
+    plain = ContactFace.linear(
+        body.of(Kind.CONTACT)[0], not_proportional(), 1.0, face.gap, face.strain.pressure, face.level
+    )
+    with pytest.raises(SelfProofError, match="σ_τ = 0"):
+        prove(ExactSolution(body, anisotropic(), (plain,)), "without the shear")
+
+
+def test_the_landing_jumps_in_velocity_but_not_in_load() -> None:
+    solution = CASES["lift-and-land"].solution
+    space = Space(Shaken()(solution.body, 6), solution.body)
+    gauge = Gauge(solution, space)
+    before, after = 0.7 - 1e-9, 0.7 + 1e-9
+    fields = solution.at(points())
+    jump = fields.velocity(after) - fields.velocity(before)
+    assert abs(jump).max() > 0.5
+    assert abs(gauge.load(after) - gauge.load(before)).max() < 1e-6 * abs(gauge.load(after)).max()
+
+
+def test_a_lifting_without_a_kink_at_an_interface_is_refused() -> None:
+    factor = layers((0.0, 1.0), 0.5, 4.0)
+    body, law = unit_square(), not_proportional(2, factor, factor)
+    (part,) = body.of(Kind.CONTACT)
+    right = ContactFace.linear(part, law, 1.0, Integer(0), (3 + s) * (1 + t), Integer(1), profile=layered(0.5, 4.0))
+    assert all(finding.passes for finding in examine(ExactSolution(body, law, (right,))))
+    wrong = replace(right, profile=layered(0.5, 3.0))
+    with pytest.raises(SelfProofError, match="σν continuous at depth"):
+        prove(ExactSolution(body, law, (wrong,)), "wrong ratio")
+
+
+def test_a_relaxation_rate_that_varies_along_the_face_is_refused() -> None:
+    body = unit_square()
+    law = not_proportional(2, Factor(1 + x1, 1.0, 2.0), Factor(1 + 2 * x1, 1.0, 3.0))
+    with pytest.raises(FormulaError, match="varies along the face"):
+        ContactFace.linear(body.of(Kind.CONTACT)[0], law, 1.0, Integer(0), 3 + s, Integer(1))
+
+
+def test_bounds_of_a_factor_that_do_not_hold_are_found() -> None:
+    body = unit_square()
+    law = KelvinVoigt(isotropic(1, 1, factor=Factor(1 + x2, 1.0, 1.5)), isotropic(1, 1), "wrong bounds")
+    face = ContactFace.linear(body.of(Kind.CONTACT)[0], law, 1.0, Integer(0), 3 + s, Integer(1))
+    with pytest.raises(SelfProofError, match=r"\(3.1\) bounds of the factor"):
+        prove(ExactSolution(body, law, (face,)), "wrong bounds")
+
+
+def test_a_case_with_layers_needs_one_power_more_of_its_pressure() -> None:
+    """u_s ~ ∇_s q in the upper layer: with m = 2 the stress σ_ss would jump across the moving front."""
+    case = CASES["layered"]
+    (face,) = case.solution.faces
+    rougher = replace(face, strain=replace(face.strain, pressure=150 * pos(Rational(1, 4) + t / 2 - s, 2)))
+    with pytest.raises(CaseError, match="correct the label"):
+        replace(case, solution=replace(case.solution, faces=(rougher,)), regularity=Regularity(4, 2, moving=True))
+
+
+@pytest.mark.parametrize(
+    ("regularity", "order", "proved", "proposition"),
+    [
+        (Regularity(), 1, 1, "Prop. 5.4"),
+        (Regularity(gap=4, pressure=2, moving=True), 1, 1, "Prop. 5.4"),
+        (Regularity(gap=3.25, pressure=2, moving=True), 1, 0.75, "Prop. 5.3"),
+        (Regularity(gap=2, pressure=1), 0.5, 0.5, "Prop. 5.3"),
+        (Regularity(on_contact=1.5), 1, 1, "Prop. 5.3"),
+        (Regularity(on_contact=1.25), 1, 0.875, "Prop. 5.3"),
+        (Regularity(on_contact=0.5), 0.5, 0.25, "Prop. 5.3"),
+        (Regularity(corner=0.5445), 0.5445, 0.5445, "Prop. 5.3"),
+        (Regularity(kink=True), 0.5, 0.5, "Prop. 5.3"),
+    ],
+)
+def test_exponents_say_what_to_expect_and_what_the_proof_gives(regularity, order, proved, proposition) -> None:
+    assert regularity.order == pytest.approx(order)
+    assert regularity.proved_order == pytest.approx(proved)
+    assert regularity.proposition == proposition
+
+
+def test_a_field_no_rougher_than_h_1_is_refused() -> None:
+    with pytest.raises(ValueError, match="λ > 0"):
+        Regularity(corner=0.0)
+
+
+def test_the_catalogue_covers_what_the_ledger_promises() -> None:
+    bodies = [case.solution.body for case in CASES.values()]
+    assert {body.dim for body in bodies} == {2, 3}
+    assert max(len(body.of(Kind.CONTACT)) for body in bodies) >= 3
+    assert any(body.interfaces for body in bodies)
+    assert sum(bool(body.refine) for body in bodies) == 2
+    assert any(case.twin for case in CASES.values())
+    assert all(case.reason and case.summary for case in CASES.values())
