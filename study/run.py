@@ -211,7 +211,7 @@ def full() -> Plan:
     return replace(
         quick(),
         plane=Levels((8, 16, 32, 64), (128,)),
-        rough=Levels((8, 16, 32, 64), (128,)),
+        rough=Levels((8, 16, 32, 64, 128)),
         solid=Levels((6, 9, 12, 18), (24,)),
         equivalence=(4, 8, 16),
         solid_equivalence=(3, 6),
@@ -422,4 +422,4 @@ def protect(plan: Plan, directory: Path) -> None:
 
 
 def _write_csv(path: Path, table: pd.DataFrame) -> None:
-    write_text(path, table.to_csv(index=False, float_format="%.9g", lineterminator="\n"))
+    write_text(path, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))

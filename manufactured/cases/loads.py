@@ -1,6 +1,6 @@
 """A load that is only W^{1,1} in time.
 
-    ε_nn = q = −(1 + 4x(1 − x)) (t + (t − t_0)_+^{5/4}/2),   t_0 = 9/20,   w = 0
+    ε_nn = q = −(1 + 4x(1 − x)) (t + (t − t_0)_+^{5/4}/4),   t_0 = 9/20,   w = 0
 
 on the unit square under full contact; p = −(a q̇ + g q) ≥ 0. With u̇ ~ (t − t_0)^{1/4} the load has
 ḟ ~ (t − t_0)^{−3/4}: f ∈ W^{1,1}(0,T;V), (3.8), in no W^{1,r} with r ≥ 4/3. Since u̇ is bounded and smooth in
@@ -24,7 +24,7 @@ def case() -> Case:
     body = unit_square()
     law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
-    strain = -(1 + 4 * s * (1 - s)) * (t + pos(t - Rational(9, 20), Rational(5, 4)) / 2)
+    strain = -(1 + 4 * s * (1 - s)) * (t + pos(t - Rational(9, 20), Rational(5, 4)) / 4)
     face = ContactFace(part, Integer(0), Prescribed(((body.T, strain),)), Integer(1), cutoff(phi=PARABOLA))
     return Case(
         name="load-w11",
@@ -33,4 +33,5 @@ def case() -> Case:
         regularity=Regularity(),
         order=1,
         reason="u̇ bounded with values in H²: (5.36) needs no more of the load, order 1 by Prop. 5.4",
+        pace=16,
     )

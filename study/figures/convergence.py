@@ -19,6 +19,10 @@ FLOOR = 1e-3
 """What is smaller than this fraction of the smallest error is not shown: it would flatten the errors."""
 
 
+ENTRY = 1.15
+"""Inches that an entry of the legend takes."""
+
+
 def draw_case(rates: pd.DataFrame, order: float) -> Figure:
     """One case: error, discrete error and time share of every mesh family, and the expected slope.
 
@@ -74,7 +78,7 @@ def draw_overview(rates: pd.DataFrame, orders: Mapping[str, float]) -> Figure:
             axes.set_visible(i < len(here))
     figure.supxlabel(r"mesh size $h$")
     figure.supylabel(r"$\max_t\,\|u-u^h\|_V$")
-    legend(figure, _family_handles(look), columns=len(look) if width > COLUMN else 2, side="upper")
+    legend(figure, _family_handles(look), columns=max(2, int(width / ENTRY)), side="upper")
     return figure
 
 

@@ -15,6 +15,10 @@ MARKERS = 24
 """At most about so many markers on a line."""
 
 
+ROUND_OFF = 1e-9
+"""What counts as zero for a gap or a pressure that is of order one where it is not zero."""
+
+
 def draw_profiles(picture: Picture) -> Figure:
     """For every face a row of ``gap`` and one of ``pressure``; from left to right the times of the shapes.
 
@@ -50,7 +54,8 @@ def _draw_row(panels: list[Axes], s: Array, exact: Array, computed: Array, colou
         axes.set_xlim(s.min(), s.max())
         axes.grid(True)
     # From zero, so that round-off around a constant does not fill the panel.
-    low, high = min(exact.min(), computed.min(), 0.0), max(exact.max(), computed.max()) or 1.0
+    low, high = min(exact.min(), computed.min(), 0.0), max(exact.max(), computed.max())
+    high = high if high > ROUND_OFF else 1.0
     room = 0.06 * (high - low)
     panels[0].set_ylim(low - room, high + room)
 

@@ -1,0 +1,58 @@
+"""What the quick and the full study measure: nothing that the ledger promises is left out."""
+
+from __future__ import annotations
+
+import pytest
+
+from manufactured import catalogue
+from study.fem.mesh import FAMILIES
+from study.jobs import EquivalenceJob, RateJob, StatementJob
+from study.naming import resolve
+from study.run import full, quick, statement_rows
+from study.statements import ORDERS, STATEMENTS, position
+
+PLANS = {"quick": quick(), "full": full()}
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_compared(name: str) -> None:
+    jobs = PLANS[name].jobs()
+    for case in catalogue():
+        enough = 3 if case.regularity.satisfies_5_36 else 4
+        rates = [job for job in jobs if isinstance(job, RateJob) and job.case == case.name]
+        for family in {job.family for job in rates}:
+            assert sum(job.family == family for job in rates) >= enough, (case.name, family)
+        assert any(isinstance(job, EquivalenceJob) and job.case == case.name for job in jobs), case.name
+
+
+def test_the_full_study_uses_every_family_that_can_mesh_a_body_and_the_quick_one_every_family_somewhere() -> None:
+    found = {(job.case, job.family) for job in PLANS["full"].jobs() if isinstance(job, RateJob)}
+    expected = {(c.name, f.name) for c in catalogue() for f in FAMILIES if f.serves(c.solution.body)}
+    assert found == expected
+    assert {job.family for job in PLANS["quick"].jobs() if isinstance(job, RateJob)} == {f.name for f in FAMILIES}
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_every_numbered_statement_is_measured_on_cases_that_exist(name: str) -> None:
+    jobs = [job for job in PLANS[name].jobs() if isinstance(job, StatementJob)]
+    assert {job.label for job in jobs} == {statement.label for statement in STATEMENTS if statement.settings(True)}
+    assert len({job.key for job in jobs}) == len(jobs)
+    for job in jobs:
+        resolve(job.setting.case)
+
+
+def test_labels_are_unique_and_have_a_place_in_the_ledger() -> None:
+    labels = [statement.label for statement in STATEMENTS]
+    assert len(set(labels)) == len(labels)
+    assert [position(label) for label in ORDERS] == list(range(len(ORDERS)))
+
+
+def test_a_measurement_becomes_one_row_per_quantity() -> None:
+    result = {"label": "x", "case": "a", "family": "f", "level": 8, "measured": {"h": 0.1, "p": 1.0, "q": 2.0}}
+    rows = statement_rows([result])
+    assert [(row["quantity"], row["value"], row["h"]) for row in rows] == [("p", 1.0, 0.1), ("q", 2.0, 0.1)]
+
+
+def test_a_twin_is_a_case_of_the_catalogue_and_is_measured_beside_it() -> None:
+    names = {case.name for case in catalogue()}
+    assert {case.twin for case in catalogue()} - {""} <= names
