@@ -12,7 +12,7 @@
 * corner: Γ3 is the bottom and the left side of the unit square, Γ1 the right quarter of the top. With the
   distance ρ from the corner, on each side
 
-      w = 20 (ρ − c)_+^4,   p = 40 (c² − ρ²)_+²;
+      w = 4 (ρ − c)_+^4,   p = 40 (c² − ρ²)_+²;
 
   p is even in ρ, so the lifting of one side is symmetric about the other and leaves σ_τ = 0 there, and
   A, G do not couple normal strains. Both sides press at the corner itself, a vertex with two constraints.
@@ -103,5 +103,5 @@ def corner() -> Case:
 
 
 def _at_corner(part: Part, body: Body, law: KelvinVoigt, rho: Expr, c: Expr, depth: float) -> ContactFace:
-    gap, pressure = 20 * pos(rho - c, 4), 40 * pos(c**2 - rho**2, 2)
-    return ContactFace.linear(part, law, body.T, gap, pressure, c - rho, profile=cutoff(depth, QUARTIC))
+    gap, pressure = 4 * pos(rho - c, 4), 40 * pos(c**2 - rho**2, 2)
+    return ContactFace.linear(part, law, body.T, gap, pressure, c - rho, profile=cutoff(depth))
