@@ -24,7 +24,7 @@ import sympy as sp
 
 from manufactured.body import Part
 from manufactured.law import KelvinVoigt, LawError, Linear
-from manufactured.memory import Components, Coupled, FaceStrain, Memory
+from manufactured.memory import Components, Coupled, FaceStrain, Memory, rate
 from manufactured.profile import ZERO, Profile, cutoff
 from manufactured.symbols import FormulaError, Jet, Values, s, s1, s2
 from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
@@ -89,12 +89,12 @@ class ContactFace:
         pressure, variables = sp.sympify(pressure), VARIABLES[law.dim]
         viscous, elastic = law.A.face_block(part.frame), law.G.face_block(part.frame)
         scale, stiffness = (tensor.factor.along(part.start, part.frame[:, :-1], variables) for tensor in (law.A, law.G))
-        if max(abs(viscous[0, 1:]).max(), abs(elastic[0, 1:]).max()) <= 1e-14 * abs(viscous).max():
+        if all(abs(block[0, 1:]).max() <= 1e-14 * abs(block).max() for block in (viscous, elastic)):
             a, g = float(viscous[0, 0]) * scale, float(elastic[0, 0]) * stiffness
             return cls(part, gap, Memory(pressure, a, g, T, initial, variables), level, profile, rough)
         if initial is not None:
             raise LawError(f"{law.name} couples nn with sn: it starts in elastic equilibrium, leave ``initial`` out")
-        coupled = Coupled.of(pressure, viscous, float(sp.simplify(stiffness / scale)) * elastic, scale, T, variables)
+        coupled = Coupled.of(pressure, viscous, rate(stiffness, scale) * elastic, scale, T, variables)
         return cls(part, gap, coupled, level, profile, rough)
 
     @property

@@ -52,6 +52,21 @@ class FaceStrain(Protocol):
     def at(self, points: Array) -> StrainAtPoints: ...
 
 
+def rate(elasticity: sp.Expr | float, viscosity: sp.Expr | float) -> float:
+    """g/a, which has to be a number.
+
+    Raises:
+        FormulaError: it varies along the face.
+    """
+    ratio = sp.simplify(sp.sympify(elasticity) / viscosity)
+    if ratio.free_symbols:
+        raise FormulaError(
+            f"the relaxation rate g/a = {ratio} varies along the face; let the factors of A and G agree on the "
+            "contact face up to a constant, and differ inside"
+        )
+    return float(ratio)
+
+
 @dataclass(frozen=True, eq=False)
 class Memory:
     """q of a linear law, to round-off for a pressure that is piecewise polynomial in t.
@@ -94,13 +109,7 @@ class Memory:
     @cached_property
     def decay(self) -> float:
         """λ = g/a."""
-        ratio = sp.simplify(sp.sympify(self.elasticity) / self.viscosity)
-        if ratio.free_symbols:
-            raise FormulaError(
-                f"the relaxation rate g/a = {ratio} varies along the face; let the factors of A and G agree on the "
-                "contact face up to a constant, and differ inside"
-            )
-        return float(ratio)
+        return rate(self.elasticity, self.viscosity)
 
     @property
     def source(self) -> sp.Expr:

@@ -98,17 +98,6 @@ class Regularity:
         """The numbered statement whose hypotheses hold."""
         return "Prop. 5.4" if self.satisfies_5_36 else "Prop. 5.3"
 
-    @property
-    def satisfies_4_1(self) -> bool:
-        """u ∈ W^{1,∞}(0,T;V)."""
-        return self.rate_smoothness > 0
-
-    @property
-    def satisfies_3_4(self) -> bool:
-        """f_0 ∈ W^{1,1}(0,T;L²), read literally."""
-        front = self.gap > (4.5 if self.moving else 2.5) and self.pressure > (2.5 if self.moving else 1.5)
-        return front and min(self.corner, self.on_contact) > 1
-
     def __str__(self) -> str:
         found = []
         if not (math.isinf(self.gap) and math.isinf(self.pressure)):
@@ -133,10 +122,16 @@ def fronts(formula: sp.Expr) -> tuple[float, bool]:
     (inf, False) without any; a power of a truncated power counts with the product of the exponents.
     """
     exponents, moving = [math.inf], False
-    powers = {base: float(e) for base, e in (p.as_base_exp() for p in formula.atoms(sp.Pow)) if isinstance(base, pos)}
+    powers: dict[pos, float] = {}
+    for power in formula.atoms(sp.Pow):
+        base, exponent = power.as_base_exp()
+        if isinstance(base, pos):
+            powers[base] = min(float(exponent), powers.get(base, math.inf))
+    bare = formula.replace(lambda e: isinstance(e, sp.Pow) and isinstance(e.base, pos), lambda e: sp.Integer(0))
     for front in formula.atoms(pos):
         if front.args[0].free_symbols & FACE:
-            exponents.append(float(front.args[1]) * powers.get(front, 1.0))
+            least = 1.0 if bare.has(front) else powers.get(front, 1.0)
+            exponents.append(float(front.args[1]) * least)
             moving |= front.args[0].has(t)
     return min(exponents), moving
 

@@ -14,6 +14,8 @@ Problems of the Mathematical Theory of Elasticity, Noordhoff 1953, for the poten
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -189,6 +191,11 @@ def kolosov(kappa: float, a: complex, b: complex, exponent: float) -> tuple[tupl
     u_x = (Monomial(0, kappa * a - lam * a - b, lam), Monomial(1, 2j * lam * a, lam - 1))
     u_y = (Monomial(0, -1j * (kappa * a) - 1j * (lam * a + b), lam), Monomial(1, -2 * lam * a + 0j, lam - 1))
     return u_x, u_y
+
+
+def least_exponent(fields: Iterable[SingularField]) -> float:
+    """The least regular power of the distance in some fields, min(m + β); infinite without any."""
+    return min((m.m + m.beta for field in fields for m in (*field.x, *field.y) if m.c != 0), default=math.inf)
 
 
 @dataclass(frozen=True, eq=False)

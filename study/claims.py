@@ -1,10 +1,4 @@
-"""The ledger: numbered statement ↔ measured quantity ↔ verdict, from the data on disk alone.
-
-A verdict compares an observed range with a window that was fixed before measuring:
-
-    holds      the whole range lies in the window
-    fails      the observed value lies outside
-    undecided  too few levels, or a range too wide to tell
+"""Orders of convergence and the two formulations: measured quantity ↔ verdict, from the data on disk alone.
 
 Orders are judged two-sided, since (5.37) is sharp for piecewise linears. So is the size of the
 errors, through two relations; the first shares no code with what measures the errors:
@@ -27,7 +21,7 @@ from study.rates import fit, limit, orders
 from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, Window
 
 JUDGED = 3
-"""Verdicts look at this many of the finest levels; fewer leave an order undecided."""
+"""Fewer levels leave an order undecided; fits look at one more of the finest ones."""
 
 
 TIME_SHARE = Window(0.0, 0.02, "≤ 2 % of the error")
@@ -40,6 +34,7 @@ DISCRETE_SHARE = Window(0.0, 0.6, "≤ 0.6 of the interpolation error")
 AGREEMENT = Window(0.0, 1e-7, "≤ 1e-7 at every step")
 AXES = Window(0.0, 1e-10, "≤ 1e-10")
 AXES_DISCRETE = Window(0.0, 1e-7, "≤ 1e-7: round-off times the condition, of order h⁻²")
+SOLID = Window(0.9, 1.1, "1 ± 0.1")
 ROUGH_ORDER = 0.15
 GRADED, UNSTRUCTURED = "graded", "unstructured"
 """Families with a prediction of their own, or with meshes that depend on the axes."""
@@ -89,11 +84,10 @@ def _order_verdict(
 
 
 def consecutive(column: str) -> Measure:
-    """Every consecutive order of the judged levels; observed is the finest."""
+    """Every consecutive order; observed is the finest."""
 
     def measure(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
-        judged = group.tail(JUDGED)
-        found = orders(judged["h"].to_numpy(), judged[column].to_numpy())
+        found = orders(group["h"].to_numpy(), group[column].to_numpy())
         return float(found[-1]), (float(found.min()), float(found.max()))
 
     return measure
@@ -155,7 +149,27 @@ def prop_5_4(case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
             finest(lambda g: g["interpolation_error"] / g["predicted_interpolation"]),
         ),
         *_evidence(label, case, groups),
+        *(_solid(label, case, groups) if int(rows["dim"].iloc[0]) == 3 else []),
     ]
+
+
+def _solid(label: str, case: str, groups: dict[str, pd.DataFrame]) -> list[Verdict]:
+    """In 3D, where few levels can be had, the finest pair alone must be nearer to 1."""
+    return [
+        _order_verdict(label, case, f"order of {name}, finest pair", SOLID, groups, finest_pair(column))
+        for name, column in (("the error", "error"), ("‖u − Π^h u‖_V", "interpolation_error"))
+    ]
+
+
+def finest_pair(column: str) -> Measure:
+    """The order between the two finest levels."""
+
+    def measure(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
+        last = group.tail(2)
+        value = float(orders(last["h"].to_numpy(), last[column].to_numpy())[0])
+        return value, (value, value)
+
+    return measure
 
 
 def _fitted_verdict(label: str, case: str, window: Window, groups: dict[str, pd.DataFrame]) -> Verdict:

@@ -145,7 +145,9 @@ def do_run(options: argparse.Namespace) -> int:
         plan = replace(plan, cases=tuple(options.case), families=None, statements=False)
     if options.levels:
         levels = run.Levels(tuple(options.levels))
-        plan = replace(plan, plane=levels, rough=levels, solid=levels)
+        # The interior point method is for small problems.
+        small = tuple(n for n in options.levels if n <= 16) or levels.all[:1]
+        plan = replace(plan, plane=levels, rough=levels, solid=levels, equivalence=small, solid_equivalence=small[:1])
     store = Store(options.out)
     with ProcessPoolExecutor(options.jobs) as executor:
         plan.check(executor.map)

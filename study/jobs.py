@@ -132,9 +132,8 @@ class StatementJob:
         return 1000.0 * self.setting.level**2
 
     def fingerprint(self) -> str:
-        return fingerprint(
-            self.label, resolve(self.setting.case).solution, family_named(self.setting.family), self.setting
-        )
+        case, family = resolve(self.setting.case), family_named(self.setting.family)
+        return fingerprint(self.label, case.solution, case.regularity, case.pace, family, self.setting)
 
     def run(self) -> dict[str, Any]:
         return {

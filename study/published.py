@@ -67,7 +67,10 @@ def read_table(path: Path) -> tuple[Array, dict[str, Array]]:
     """
     if not path.is_file():
         raise TableError(f"there is no file {path}")
-    lines = path.read_text(encoding="utf-8-sig").splitlines()
+    try:
+        lines = path.read_text(encoding="utf-8-sig").splitlines()
+    except UnicodeDecodeError as error:
+        raise TableError(f"{path} is not text in UTF-8 (byte {error.start}); save it as CSV in UTF-8") from error
     numbered = [
         (i, line) for i, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")
     ]

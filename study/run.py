@@ -21,7 +21,7 @@ from manufactured.catalogue import catalogue
 from study.claims import complete, judge
 from study.datafiles import SERIES, DataError, read_csv
 from study.equivalence import Gaps
-from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
+from study.fem.mesh import FAMILIES, MeshError, MeshFamily, boundary_parts
 from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, StatementJob
 from study.naming import UsageError, family_named, resolve
 from study.rates import orders
@@ -104,6 +104,11 @@ class Plan:
         names = [case.name for case in self.resolved()]
         if len(set(names)) < len(names):
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
+        for case in self.resolved():
+            if not any(family.serves(case.solution.body) for family in FAMILIES):
+                raise UsageError(
+                    f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped"
+                )
         for reference, failed in zip(self.cases, spread(violations, self.cases), strict=True):
             if failed:
                 raise SelfProofError(f"case {resolve(reference).name}", failed)
@@ -119,7 +124,10 @@ class Plan:
             shape = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
             if (shape, job.family, job.level) not in seen:
                 seen.add((shape, job.family, job.level))
-                boundary_parts(family_named(job.family)(body, job.level), body)
+                try:
+                    boundary_parts(family_named(job.family)(body, job.level), body)
+                except MeshError as error:
+                    raise MeshError(f"{resolve(job.case).name}, {job.family}, level {job.level}: {error}") from error
 
     def steps(self, case: Case, level: int) -> int:
         """Time steps at a level: of the size asked for, or as many as the case's pace says."""
@@ -168,7 +176,6 @@ class Plan:
                 for n in (*levels.of(position), *(n for name, n in self.finest if name == case.name and not position))
             ]
             plane = case.solution.body.dim == 2
-            # One family with symmetry and one without.
             jobs += [
                 EquivalenceJob(reference, family.name, n, 2 * n)
                 for family in families[::2]

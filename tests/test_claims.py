@@ -17,6 +17,7 @@ def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="sh
             "claim": claim,
             "case": case,
             "family": family,
+            "dim": 2,
             "level": levels,
             "h": h,
             "error": 0.97 * h**order,
@@ -113,6 +114,12 @@ def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit() -> None:
     assert found["limit e∞ of e = e∞ + C h^s"] == FAILS
     rising = rows.assign(error=rows["error"].to_numpy()[::-1])
     assert verdicts(prop_5_3("a", rising, 0.5))["ratio of consecutive errors"] == FAILS
+
+
+def test_in_3d_the_finest_pair_must_be_within_a_tenth_of_one() -> None:
+    rows = table(0.97).assign(dim=3)
+    assert verdicts(prop_5_4("a", rows, 1.0))["order of the error, finest pair"] == HOLDS
+    assert verdicts(prop_5_4("a", table(0.88).assign(dim=3), 1.0))["order of the error, finest pair"] == FAILS
 
 
 def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose() -> None:

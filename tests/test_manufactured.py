@@ -265,10 +265,3 @@ def test_a_case_without_a_prediction_or_with_one_its_exponents_contradict_is_ref
         replace(case, reason="")
     with pytest.raises(ValueError, match="α > 3/2"):
         Regularity(gap=1.5)
-
-
-def test_the_check_value_case_satisfies_3_8_but_not_3_4_read_literally() -> None:
-    label = CASES["advance-recede"].regularity
-    assert label.satisfies_5_36
-    assert label.satisfies_4_1
-    assert not label.satisfies_3_4

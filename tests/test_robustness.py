@@ -36,8 +36,8 @@ SHAKEN = {
     **dict.fromkeys(
         ("fixed-front-off-vertex", "advance-recede", "yield-on-a-part", "lift-and-land", "load-w11"), COARSE
     ),
-    **dict.fromkeys(("anisotropic", "heterogeneous", "corner"), COARSE),
-    **dict.fromkeys(("layered", "merging-patches", "travelling-patch"), FINE),
+    **dict.fromkeys(("anisotropic", "heterogeneous", "corner", "travelling-patch"), COARSE),
+    **dict.fromkeys(("layered", "merging-patches"), FINE),
 }
 """Cases and levels. Patches and the lower layer are a few cells wide at n = 8: over seeds the first order there
 scatters by some 0.04, so that one mesh in twenty would leave 1 ± 0.15; from n = 16 it does not."""

@@ -4,7 +4,7 @@
     p = 3000 t (1 + 4x(1 − x)) (t_1 − t)_+² + [a·40 (t_2 − t_1)² + 60 (t − t_2) (1 + 4x(1 − x))] H(t − t_2)
 
 on the unit square, A without lateral contraction (λ_A = 0, a = 2). At the landing u̇ jumps by
-−ẇ(t_2^−) (1 − y) n. For this A that is an elastic state with no forces but the pressure a ẇ(t_2^−) on
+−ẇ(t_2^−) (1 − y) n. For this A that is an elastic state with no forces but the pressure −a ẇ(t_2^−) on
 Γ3, by which p jumps: the loads f_0 and f_2 stay continuous, f ∈ W^{1,1}(0,T;V), and u ∈ W^{1,∞}(0,T;V)
 only. The lifting with u_n = w (1 − y) + … (``profile.slab``) carries this state.
 """

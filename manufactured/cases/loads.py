@@ -1,4 +1,4 @@
-"""A load that is only W^{1,1} in time.
+"""A load that is little more than W^{1,1} in time.
 
     ε_nn = q = −(1 + 4x(1 − x)) (t + (t − t_0)_+^{5/4}/4),   t_0 = 9/20,   w = 0
 
@@ -28,7 +28,7 @@ def case() -> Case:
     face = ContactFace(part, Integer(0), Prescribed(((body.T, strain),)), Integer(1), cutoff(phi=PARABOLA))
     return Case(
         name="load-w11",
-        summary="full contact under a load that is only W^{1,1} in time",
+        summary="full contact under a load in W^{1,r}(0,T) for r < 4/3 only",
         solution=ExactSolution(body, law, (face,)),
         regularity=Regularity(),
         order=1,

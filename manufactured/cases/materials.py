@@ -78,7 +78,7 @@ def met() -> Case:
         solution=_solution(body, _layers(0.5, 4.0), layered(0.5, 4.0), 400 * pos(FRONT - s, 3)),
         regularity=Regularity(gap=4, pressure=3, moving=True),
         order=1,
-        reason="α = 4 and m = 3, less one for ∇_s q, give (5.36) in each layer, and cells lie in one: order 1",
+        reason="α = 4, m = 3, less one for ∇_s q: (5.36) in each layer, not across; (5.23) is cell by cell: order 1",
         pace=4,
     )
 

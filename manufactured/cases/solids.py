@@ -39,7 +39,7 @@ def disc() -> Case:
         solution=ExactSolution(body, law, (face,)),
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
-        reason="α = 4 > 7/2 and m = 2 > 3/2 across the circle give (5.36): order 1 by Prop. 5.4, in 3D as in 2D",
+        reason="α = 4 > 7/2 and m = 2 > 3/2 across the circle give (5.36): order 1 by Prop. 5.4, in 3D, too",
         pace=4,
     )
 
@@ -58,7 +58,7 @@ def two_faces() -> Case:
         solution=ExactSolution(body, law, faces),
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
-        reason="α = 4 > 7/2 and m = 2 > 3/2 on both faces, u smooth at the edge: (5.36), order 1 by Prop. 5.4",
+        reason="α = 4 > 7/2 and m = 2 > 3/2 on both faces, u smooth at the edge: (5.36), order 1 by Prop. 5.4 in 3D",
         pace=3,
     )
 

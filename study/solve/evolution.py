@@ -17,7 +17,7 @@ import scipy.sparse as sps
 
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array
-from study.fem.material import form
+from study.fem.material import form, means
 from study.fem.space import Space
 from study.solve.signorini import ContactSolver, Signorini
 
@@ -71,9 +71,12 @@ class Problem:
 
 
 def _remainder(space: Space, G: Elasticity) -> Callable[[Array], Array]:
+    factor = means(space, G.factor)
+    on_cells = G.scaled(factor)
+
     def remainder(v: Array) -> Array:
         strain = space.strain(v)
-        return space.functional(G(strain) - G.reference @ strain)
+        return space.functional(on_cells(strain) - factor * (G.reference @ strain))
 
     return remainder
 

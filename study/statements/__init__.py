@@ -15,7 +15,7 @@ from study.statements.korn import Korn
 from study.statements.law import ElasticityOperator, Projection, Viscosity
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms import Norms
-from study.statements.slips import Slips
+from study.statements.slips import NotMeasured, Slips
 from study.statements.wellposed import BoundedVelocity, Dependence, OneTrajectory
 
 STATEMENTS: tuple[Statement, ...] = (
@@ -39,6 +39,7 @@ STATEMENTS: tuple[Statement, ...] = (
     InterpolationOnContact(),
     FullyDiscrete(),
     Slips(),
+    NotMeasured(),
 )
 """In the order of the source."""
 
