@@ -18,7 +18,7 @@ controls: $(READY)  ## deliberate defects that the verdicts must catch, half a m
 	$(BIN)/study controls --out results/quick
 
 test: $(READY)  ## the test suite without the slow levels
-	$(BIN)/pytest
+	$(BIN)/pytest --numprocesses auto
 
 lint: $(READY)  ## style and types
 	$(BIN)/ruff check .

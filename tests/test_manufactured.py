@@ -211,9 +211,9 @@ def test_a_formula_with_other_symbols_or_hidden_kinks_is_refused(gap, message: s
 
 
 def test_a_label_that_promises_more_than_the_formulas_is_refused() -> None:
-    with pytest.raises(CaseError, match=r"its formulas have α = 2\.25"):
+    with pytest.raises(CaseError, match=r"it has α = 2\.25"):
         replace(CASES["rough-2.25"], regularity=Regularity(gap=3, pressure=2), order=1.0)
-    with pytest.raises(CaseError, match="of a moving front"):
+    with pytest.raises(CaseError, match="it has a moving front"):
         replace(CASES["advance-recede"], regularity=Regularity(gap=4, pressure=2))
 
 

@@ -9,6 +9,7 @@ import pytest
 from sympy import Integer, Rational
 
 from manufactured import (
+    Body,
     CaseError,
     ContactFace,
     ExactSolution,
@@ -16,6 +17,7 @@ from manufactured import (
     FormulaError,
     KelvinVoigt,
     Kind,
+    Part,
     Regularity,
     SelfProofError,
     catalogue,
@@ -35,7 +37,7 @@ from manufactured.factor import layers
 from manufactured.memory import Coupled
 from manufactured.tensors import traction
 from study.fem.gauge import Gauge
-from study.fem.mesh import Shaken
+from study.fem.mesh import FAMILIES, Shaken
 from study.fem.space import Space
 
 CASES = {case.name: case for case in catalogue()}
@@ -96,7 +98,7 @@ def test_a_lifting_without_a_kink_at_an_interface_is_refused() -> None:
     right = ContactFace.linear(part, law, 1.0, Integer(0), (3 + s) * (1 + t), Integer(1), profile=layered(0.5, 4.0))
     assert all(finding.passes for finding in examine(ExactSolution(body, law, (right,))))
     wrong = replace(right, profile=layered(0.5, 3.0))
-    with pytest.raises(SelfProofError, match="σν continuous at depth"):
+    with pytest.raises(SelfProofError, match="σν continuous on"):
         prove(ExactSolution(body, law, (wrong,)), "wrong ratio")
 
 
@@ -122,6 +124,32 @@ def test_a_case_with_layers_needs_one_power_more_of_its_pressure() -> None:
     rougher = replace(face, strain=replace(face.strain, pressure=150 * pos(Rational(1, 4) + t / 2 - s, 2)))
     with pytest.raises(CaseError, match="correct the label"):
         replace(case, solution=replace(case.solution, faces=(rougher,)), regularity=Regularity(4, 2, moving=True))
+
+
+def test_a_material_that_jumps_under_a_lifting_that_does_not_know_it_is_refused() -> None:
+    factor = layers((0.0, 1.0), 0.5, 4.0)
+    body, law = unit_square(), not_proportional(2, factor, factor)
+    face = ContactFace.linear(body.of(Kind.CONTACT)[0], law, 1.0, Integer(0), (3 + s) * (1 + t), Integer(1))
+    with pytest.raises(SelfProofError, match="σν continuous on"):
+        prove(ExactSolution(body, law, (face,)), "plain cut-off")
+
+
+def test_labels_must_own_up_to_corners_traces_and_kinks() -> None:
+    for name, label, reason in (
+        ("re-entrant", Regularity(gap=4, pressure=2, moving=True), "λ at corners = 0.544"),
+        ("junction", Regularity(on_contact=1.0), "λ on Γ3 = 0.5"),
+        ("layered-unmet", Regularity(), "meshes do not follow"),
+    ):
+        with pytest.raises(CaseError, match=reason):
+            replace(CASES[name], regularity=label, order=1.0)
+
+
+def test_a_body_that_no_family_can_mesh_is_refused_by_name() -> None:
+    corners = np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]])
+    kinds = [Kind.CONTACT, Kind.CLAMPED, Kind.LOADED, Kind.LOADED]
+    faces = [(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]
+    body = Body(tuple(Part(kind, corners[list(face)].T) for kind, face in zip(kinds, faces, strict=True)))
+    assert not any(family.serves(body) for family in FAMILIES)
 
 
 @pytest.mark.parametrize(
