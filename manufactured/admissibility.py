@@ -29,7 +29,7 @@ INTEGRATION = 1e-5
 """Same for changes of u over ∫u̇, whose integrand has kinks in time where a zone passes."""
 JUMP = 0.05
 """Same for changes along a face over integrals of derivatives, which may be singular at a rough front."""
-GRID = 211
+GRID, INSTANTS = 211, 101
 """Points along a face, and times, at which signs and zones are looked at."""
 TINY = 1e-150
 
@@ -246,7 +246,7 @@ def _contact(solution: ExactSolution, rng: np.random.Generator, count: int, inst
 
 def _signs(solution: ExactSolution) -> list[Finding]:
     """Signs, complementarity and the stated zone on a dense grid of each face and of [0, T]."""
-    instants = np.linspace(0, solution.body.T, GRID)
+    instants = np.linspace(0, solution.body.T, INSTANTS)
     findings = []
     for i, face in enumerate(solution.faces, start=1):
         s = _grid(face.part)

@@ -58,8 +58,8 @@ class Plan:
         rough: levels for the others, whose orders need more of them.
         solid: levels in 3D.
         equivalence, solid_equivalence: levels of the check of Theorem 4.2, in 2D and 3D.
-        families: mesh families a plane case is measured on: its first one and others in turn, so that
-            all are used; None for every one that can mesh the body.
+        families: mesh families a plane case with (5.36) is measured on: its first one and others in turn, so
+            that all are used; one in turn for a rougher case, the first in 3D. None for all.
         scheme: name of the time scheme.
         name: quick or full, for the provenance.
         k: time step at every level; without it each case's own.
@@ -146,16 +146,18 @@ class Plan:
         return sorted(found)
 
     def families_of(self, case: Case) -> list[MeshFamily]:
-        """The mesh families a case is measured on; with few of them the first, and graded ones where there are."""
+        """The mesh families a case is measured on, graded ones where there are."""
         serving = [family for family in FAMILIES if family.serves(case.solution.body)]
         if self.families is None:
             return serving
         first, *others = serving
+        turn = [case.name for case in self.resolved()].index(case.name)
         if case.solution.body.dim == 3:
             return [first]
         if case.solution.body.refine:
             return [first, others[-1]]
-        turn = [case.name for case in self.resolved()].index(case.name)
+        if not case.regularity.satisfies_5_36:
+            return [serving[turn % len(serving)]]
         return [first, *(others[(turn + i) % len(others)] for i in range(min(self.families - 1, len(others))))]
 
     def levels_of(self, case: Case) -> Levels:
