@@ -96,15 +96,6 @@ def test_every_statement_holds_on_the_quick_settings(statement: Statement) -> No
     assert {verdict.case for verdict in found} == {setting.case for setting in statement.settings(full=False)}
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("statement", JUDGED, ids=named)
-def test_every_statement_holds_on_the_full_settings(statement: Statement) -> None:
-    settings = statement.settings(full=True)
-    rows = [table([(s.level, statement.measure(s))]).assign(case=s.case, family=s.family) for s in settings]
-    found = statement.judge(pd.concat(rows))
-    assert {verdict.verdict for verdict in found} - {REPORTED} == {HOLDS}
-
-
 @pytest.mark.parametrize("statement", EVERY, ids=named)
 def test_quick_settings_name_cases_and_families_and_differ(statement: Statement) -> None:
     for full in (False, True):
