@@ -166,9 +166,9 @@ def _history(solution: ExactSolution, x: Points) -> Finding:
     nodes, weights = np.polynomial.legendre.leggauss(4)
     ends = np.linspace(0, T, 9)
     u = [fields.displacement(t) for t in ends]
-    defects = []
+    switches, defects = _switches(solution), []
     for start, stop, before, after in zip(ends[:-1], ends[1:], u[:-1], u[1:], strict=True):
-        inner = [time for time in _switches(solution) if start < time < stop]
+        inner = [time for time in switches if start < time < stop]
         panels = np.unique([*np.linspace(start, stop, 9), *inner])
         half = np.diff(panels)[:, None] / 2
         instants = (panels[:-1, None] + half * (1 + nodes)).ravel()
@@ -322,9 +322,7 @@ def _layers(solution: ExactSolution, rng: np.random.Generator, count: int, insta
     findings = []
     inside = solution.body.sample(rng, 50 * count)
     size = float(np.ptp(solution.body.vertices, axis=1).max())
-    for direction, offset in sorted(
-        {step for tensor in (solution.law.A, solution.law.G) for step in tensor.factor.steps}
-    ):
+    for direction, offset in solution.law.steps:
         normal = np.array(direction)
         onto = inside - np.multiply.outer(normal, normal @ inside - offset)
         x = onto[:, solution.body.contains(onto)][:, :count]

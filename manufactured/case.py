@@ -78,9 +78,9 @@ class Case:
         on_contact = least_exponent(face.field for face in solution.faces if isinstance(face, SingularFace))
         corner = least_exponent(field for field in solution.others if isinstance(field, SingularField))
         drawn = {_plane(seam.normal, seam.start) for seam in solution.body.interfaces}
-        steps = {step for tensor in (solution.law.A, solution.law.G) for step in tensor.factor.steps}
         unmet = any(
-            _plane(np.array(direction), offset * np.array(direction)) not in drawn for direction, offset in steps
+            _plane(np.array(direction), offset * np.array(direction)) not in drawn
+            for direction, offset in solution.law.steps
         )
         found = {"α": (label.gap, alpha), "m": (label.pressure, m), "λ on Γ3": (label.on_contact, on_contact)}
         found["λ at corners"] = label.corner, corner

@@ -328,6 +328,11 @@ class KelvinVoigt:
         """σ = A ε̇ + G(ε) of a homogeneous law: (D, ...), (D, ...) → (D, ...)."""
         return self.A(strain_rate) + self.G(strain)
 
+    @property
+    def steps(self) -> list[tuple[tuple[float, ...], float]]:
+        """The planes (direction, offset) across which A or G jumps, each once, in order."""
+        return sorted({*self.A.factor.steps, *self.G.factor.steps})
+
     def at(self, x: Points) -> PointLaw:
         """The law at fixed points, (d, ...)."""
         return PointLaw(self.A.at(x), self.G.at(x))

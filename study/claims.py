@@ -156,17 +156,17 @@ def prop_5_4(case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
 def _solid(label: str, case: str, groups: dict[str, pd.DataFrame]) -> list[Verdict]:
     """In 3D, where few levels can be had, the finest pair alone must be nearer to 1."""
     return [
-        _order_verdict(label, case, f"order of {name}, finest pair", SOLID, groups, finest_pair(column))
+        _order_verdict(label, case, f"order of {name}, finest pair", SOLID, groups, last_order(column, 1))
         for name, column in (("the error", "error"), ("‖u − Π^h u‖_V", "interpolation_error"))
     ]
 
 
-def finest_pair(column: str) -> Measure:
-    """The order between the two finest levels."""
+def last_order(column: str, refinements: int) -> Measure:
+    """The order between the finest level and the one so many refinements before."""
 
     def measure(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
-        last = group.tail(2)
-        value = float(orders(last["h"].to_numpy(), last[column].to_numpy())[0])
+        judged = group.iloc[[-1 - refinements, -1]]
+        value = float(orders(judged["h"].to_numpy(), judged[column].to_numpy())[0])
         return value, (value, value)
 
     return measure
@@ -278,7 +278,7 @@ def prop_5_3(case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
     enough = min(len(group) for group in groups.values()) >= JUDGED + 1
     decide = _verdict if enough else lambda *a: _undecided(*a[:4])
     seen = [
-        decide(label, case, quantity, _about(order), chosen, two_refinements)
+        decide(label, case, quantity, _about(order), chosen, last_order("error", 2))
         for quantity, order, chosen in (("order seen", expected, uniform), ("order seen on graded meshes", 1.0, graded))
         if chosen
     ]
@@ -299,17 +299,10 @@ def _about(order: float) -> Window:
     )
 
 
-def two_refinements(group: pd.DataFrame) -> tuple[float, tuple[float, float]]:
-    """The order between the finest level and the one two before."""
-    judged = group.iloc[[-3, -1]]
-    value = float(orders(judged["h"].to_numpy(), judged["error"].to_numpy())[0])
-    return value, (value, value)
-
-
 def beyond_5_36(case: str, rows: pd.DataFrame, proved: float) -> Verdict:
     """The order seen beside the one that the proof of Prop. 5.4 gives for a solution that misses (5.36)."""
     groups = {name: group for name, group in families(rows).items() if name != GRADED and len(group) >= JUDGED}
-    found = [two_refinements(group)[0] for group in groups.values()]
+    found = [last_order("error", 2)(group)[0] for group in groups.values()]
     low, high = (min(found), max(found)) if found else (math.nan, math.nan)
     return Verdict(
         "(5.36)",

@@ -18,7 +18,6 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Fields
 from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors
-from study.fem.material import lines
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
@@ -154,5 +153,4 @@ def rough_lines(solution: ExactSolution) -> tuple[Line, ...]:
         if isinstance(face, ContactFace):
             tangent = face.part.tangent
             found += [Line(tuple(tangent), float(tangent @ face.part.start) + c) for c in face.rough]
-    steps = {line for tensor in (solution.law.A, solution.law.G) for line in lines(tensor.factor)}
-    return (*found, *sorted(steps, key=repr))
+    return (*found, *(Line(direction, offset) for direction, offset in solution.law.steps))

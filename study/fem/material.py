@@ -18,17 +18,13 @@ DEGREE = 6
 """Degree of the rule for the mean of a factor; cells are cut where it jumps."""
 
 
-def lines(factor: Factor) -> tuple[Line, ...]:
-    """Where a factor jumps."""
-    return tuple(Line(direction, offset) for direction, offset in factor.steps)
-
-
 def means(space: Space, factor: Factor) -> Array:
     """The mean of α on every cell, (cells,)."""
     if factor is UNIFORM:
         return np.ones(len(space.volumes))
     found = np.empty(len(space.volumes))
-    for rule in cell_rules(space.mesh, DEGREE, lines(factor)):
+    steps = tuple(Line(direction, offset) for direction, offset in factor.steps)
+    for rule in cell_rules(space.mesh, DEGREE, steps):
         found[rule.cells] = np.sum(factor(rule.points) * rule.weights, axis=1) / space.volumes[rule.cells]
     return found
 

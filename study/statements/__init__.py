@@ -15,7 +15,7 @@ from study.statements.korn import Korn
 from study.statements.law import ElasticityOperator, Projection, Viscosity
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms import Norms
-from study.statements.slips import NotMeasured, Slips
+from study.statements.slips import NOT_MEASURED, SLIPS
 from study.statements.wellposed import BoundedVelocity, Dependence, OneTrajectory
 
 STATEMENTS: tuple[Statement, ...] = (
@@ -38,8 +38,8 @@ STATEMENTS: tuple[Statement, ...] = (
     InterpolationInV(),
     InterpolationOnContact(),
     FullyDiscrete(),
-    Slips(),
-    NotMeasured(),
+    SLIPS,
+    NOT_MEASURED,
 )
 """In the order of the source."""
 
