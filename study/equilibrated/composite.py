@@ -1,0 +1,168 @@
+"""The composite equilibrium triangle: symmetric stresses, piecewise polynomial on the thirds, with continuous tractions.
+
+A triangle is cut at its barycentre into three thirds (Alfeld split). The element of degree k consists of the symmetric
+stresses that are polynomials of degree k on every third and whose tractions σν are continuous across the three inner
+edges. Div maps it onto all vector fields that are polynomials of degree k − 1 on every third; the tractions on the
+three sides are any polynomials of degree k in equilibrium with the divergence, so that elements can be joined with
+continuous tractions. k = 1 is the element of Johnson and Mercier with 15 freedoms, k ≥ 2 those of Arnold, Douglas and
+Gupta.
+
+Everything is written in Bernstein polynomials of the thirds. Restricting to an edge is then choosing coefficients, and
+a polynomial whose coefficients are ≤ 0 is ≤ 0. On another triangle x = F x̂ + b the stresses are those of the reference
+triangle carried over by Piola's map,
+
+    σ = F σ̂ Fᵀ / det F,     Div σ = F Div σ̂ / det F,     |e| σν = |ê| F σ̂ν̂     (outward normals, ê ↦ e),
+
+which respects symmetry, continuity of tractions and Div σ = 0: one reference element serves all.
+
+Sources: C. Johnson, B. Mercier, Some equilibrium finite element methods for two-dimensional elasticity problems, Numer.
+Math. 30 (1978) 103–116; D. N. Arnold, J. Douglas, C. P. Gupta, A family of higher order mixed finite element methods
+for plane elasticity, Numer. Math. 45 (1984) 1–22.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from math import factorial, prod
+
+import numpy as np
+from scipy.linalg import null_space
+
+from manufactured.tensors import Array, Points, basis
+
+CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
+"""Vertices of the reference triangle, (2, 3)."""
+SIDES = ((1, 2), (2, 0), (0, 1))
+"""The vertices of side i, opposite to vertex i; third i has these two and the barycentre as its vertices."""
+
+
+def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
+    """Multi-indices α ≥ 0 with |α| = degree, in lexicographic order from the last."""
+    if variables == 1:
+        return [(degree,)]
+    return [(first, *rest) for first in range(degree, -1, -1) for rest in indices(degree - first, variables - 1)]
+
+
+def bernstein(degree: int, barycentric: Array) -> Array:
+    """B_α(λ) = |α|!/α! λ^α: (v, ...) → (polynomials, ...), in the order of ``indices``."""
+    return np.array(
+        [
+            factorial(degree) / prod(map(factorial, alpha)) * prod(x**a for x, a in zip(barycentric, alpha, strict=True))
+            for alpha in indices(degree, len(barycentric))
+        ]
+    )
+
+
+def thirds(corners: Points) -> Points:
+    """Vertices of the thirds of triangles: (2, 3, ...) → (2, 3 vertices, 3 thirds, ...)."""
+    centre = corners.mean(axis=1)
+    return np.stack([np.stack([corners[:, a], corners[:, b], centre], axis=1) for a, b in SIDES], axis=2)
+
+
+@dataclass(frozen=True)
+class Composite:
+    """The element of degree k ≥ 1 on the reference triangle.
+
+    A stress is its vector of Bernstein coefficients, Mandel components last: (3 thirds, polynomials, 3).
+    """
+
+    degree: int
+
+    @property
+    def polynomials(self) -> int:
+        """The number of scalar polynomials of degree k on a third."""
+        return len(indices(self.degree))
+
+    @cached_property
+    def divergence(self) -> Array:
+        """Div on all piecewise polynomials: Bernstein coefficients of degree k − 1, (3, lower, 2; 3, polynomials, 3).
+
+        ∂_j of Σ c_α B_α has the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
+        """
+        k, lower = self.degree, indices(self.degree - 1)
+        place = {alpha: row for row, alpha in enumerate(indices(k))}
+        found = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
+        for third, vertices in enumerate(np.moveaxis(thirds(CORNERS), 2, 0)):
+            for vertex, gradient in enumerate(_gradients(vertices)):
+                for row, beta in enumerate(lower):
+                    alpha = tuple(b + (i == vertex) for i, b in enumerate(beta))
+                    found[third, row, :, third, place[alpha]] += k * np.einsum("Iij,j->iI", basis(2), gradient)
+        return found
+
+    def edge(self, third: int, first: int, second: int) -> list[int]:
+        """The Bernstein polynomials of a third that do not vanish on the edge between two of its vertices, in order."""
+        place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
+        found = []
+        for step in range(self.degree + 1):
+            alpha = [0, 0, 0]
+            alpha[first], alpha[second] = self.degree - step, step
+            found.append(place[tuple(alpha)])
+        return found
+
+    @cached_property
+    def jumps(self) -> Array:
+        """The jump of the traction across the inner edges, (equations; 3, polynomials, 3)."""
+        rows = []
+        centre = CORNERS.mean(axis=1)
+        for vertex in range(3):
+            along = CORNERS[:, vertex] - centre
+            normal = np.array([along[1], -along[0]])
+            equations = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
+            for third, sign in (((vertex + 1) % 3, 1.0), ((vertex + 2) % 3, -1.0)):
+                corner = SIDES[third].index(vertex)
+                for row, polynomial in enumerate(self.edge(third, corner, 2)):
+                    equations[row, :, third, polynomial] += sign * np.einsum("Iij,j->iI", basis(2), normal)
+            rows.append(equations.reshape(-1, 3, self.polynomials, 3))
+        return np.concatenate(rows)
+
+    @cached_property
+    def tractions(self) -> Array:
+        """|ê| σ̂ν̂ on the sides in Bernstein form, from a to b of SIDES, (3 sides, k + 1, 2; 3, polynomials, 3)."""
+        found = np.zeros((3, self.degree + 1, 2, 3, self.polynomials, 3))
+        for side, (a, b) in enumerate(SIDES):
+            along = CORNERS[:, b] - CORNERS[:, a]
+            normal = np.array([along[1], -along[0]])
+            for row, polynomial in enumerate(self.edge(side, 0, 1)):
+                found[side, row, :, side, polynomial] = np.einsum("Iij,j->iI", basis(2), normal)
+        return found
+
+    @cached_property
+    def space(self) -> Array:
+        """An orthonormal basis of the element: (3, polynomials, 3; dimension)."""
+        equations = self.jumps.reshape(len(self.jumps), -1)
+        return null_space(equations).reshape(3, self.polynomials, 3, -1)
+
+    @cached_property
+    def free(self) -> Array:
+        """An orthonormal basis of the stresses with Div σ̂ = 0, (3, polynomials, 3; dimension)."""
+        equations = np.vstack([self.jumps.reshape(len(self.jumps), -1), self._flat_divergence])
+        return null_space(equations).reshape(3, self.polynomials, 3, -1)
+
+    @cached_property
+    def lift(self) -> Array:
+        """The smallest σ̂ with a given divergence, (3, polynomials, 3; 3 thirds, lower, 2)."""
+        space = self.space.reshape(-1, self.space.shape[-1])
+        inverse = space @ np.linalg.pinv(self._flat_divergence @ space)
+        return inverse.reshape(*self.space.shape[:-1], *self.divergence.shape[:3])
+
+    @property
+    def _flat_divergence(self) -> Array:
+        return self.divergence.reshape(-1, 9 * self.polynomials)
+
+
+@lru_cache
+def composite(degree: int) -> Composite:
+    """The element of a degree, made once.
+
+    Raises:
+        ValueError: degree < 1.
+    """
+    if degree < 1:
+        raise ValueError(f"composite elements start with degree 1, got {degree}")
+    return Composite(degree)
+
+
+def _gradients(vertices: Points) -> Array:
+    """∇λ_i of one triangle, (2, 3) → (3, 2)."""
+    return np.linalg.inv(np.vstack([np.ones(3), vertices]))[:, 1:]

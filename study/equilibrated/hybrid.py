@@ -1,0 +1,151 @@
+"""The stress of least energy in Σ^h(t), by hybridisation.
+
+Wanted is the minimiser of ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q over the composite stresses with
+
+    Div τ + P f_0 = 0 in Ω,     τν = P f_2 on Γ2,     τ_τ = 0 and τ_ν ≤ 0 on Γ3,
+
+which is (3.9) read strongly, with P the L² projections. P f_2 and τ_ν are polynomials of degree k on edges; τ_ν ≤ 0 is
+asked of its Bernstein coefficients (for k = 1 the values at the ends). Tractions are joined by multipliers: the moments
+m_{e,i} = ∫_e u B_i of a displacement of the edges, zero on Γ1. Eliminating the stresses cell by cell leaves
+
+    minimise ½ mᵀ S m − gᵀ m   with m_ν ≤ 0 on Γ3,      S = Σ_T R (C⁻¹ on Div τ = 0)⁻¹ Rᵀ,
+
+R the tractions of the stresses with Div τ = 0. S is symmetric positive definite if meas Γ1 > 0: a problem of the form
+of Problem 5.1, for the same contact solve, whose multipliers are the coefficients of the pressure −τ_ν.
+
+Source of hybridisation: D. N. Arnold, F. Brezzi, Mixed and nonconforming finite element methods: implementation,
+postprocessing and error estimates, RAIRO Modél. Math. Anal. Numér. 19 (1985) 7–32.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sps
+
+from manufactured.body import Kind
+from manufactured.tensors import Array, Tensors
+from study.equilibrated.stresses import StressSpace
+from study.solve.signorini import ContactSolver, Signorini
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """What a stress has to balance at one time.
+
+    Attributes:
+        force: Bernstein coefficients of P f_0, (cells, 3 thirds, lower, 2).
+        surface: coefficients of P f_2 on Γ2, zero on other edges, (edges, n, 2).
+    """
+
+    force: Array
+    surface: Array
+
+    def __add__(self, other: Loads) -> Loads:
+        return Loads(self.force + other.force, self.surface + other.surface)
+
+    def __rmul__(self, factor: float) -> Loads:
+        return Loads(factor * self.force, factor * self.surface)
+
+
+@dataclass(frozen=True, eq=False)
+class EquilibratedStress:
+    """An element of Σ^h.
+
+    Attributes:
+        values: at the points of the space, (3, cells, Q).
+        tractions: on the edges seen from the cells, in the axes of the edges, (cells, 3, n, 2).
+        moments: m = ∫_e u B_i of the displacement that is the multiplier of equilibrium, (edges, n, 2).
+    """
+
+    values: Tensors
+    tractions: Array
+    moments: Array
+
+
+class Equilibrium:
+    """min ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q over Σ^h, for many ε* and loads.
+
+    Args:
+        space: the stresses.
+        compliance: C⁻¹ in Mandel form, (3, 3), or at the points, (cells, Q, 3, 3).
+    """
+
+    def __init__(
+        self,
+        space: StressSpace,
+        compliance: Array,
+        solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver] = Signorini,
+    ) -> None:
+        self.space, self.compliance = space, compliance
+        self.weighted = np.einsum("cqIp,cq->cqIp", compliance @ space.basis, space.weights)
+        energy = np.einsum("cqIp,cqIr->cpr", space.basis, self.weighted, optimize=True)
+        self.flexible = np.linalg.inv(energy)
+        # (cells, 3 sides · n · 2, p)
+        self.R = space.tractions.reshape(space.cells, -1, space.tractions.shape[-1])
+        self._number()
+        local = self.R @ self.flexible @ self.R.swapaxes(1, 2)
+        rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
+        full = sps.coo_array(
+            (local.ravel(), (rows.ravel(), rows.swapaxes(1, 2).ravel())), shape=(self.total, self.total)
+        ).tocsc()
+        S = sps.csc_array(full[self.free][:, self.free])
+        self.S = sps.csc_array((S + S.T) / 2)
+        self.solve = solver(self.S, self.N)
+
+    def _number(self) -> None:
+        """Numbers of the unknown moments: edge by edge, polynomial by polynomial, two components."""
+        space = self.space
+        n, edges = space.degree + 1, space.mesh.facets.shape[1]
+        self.total = 2 * n * edges
+        self.numbers = (2 * n * space.edges[:, :, None] + np.arange(2 * n)).reshape(space.cells, -1)
+        free = np.ones((edges, 2 * n), dtype=bool)
+        for _, clamped in space.on(Kind.CLAMPED):
+            free[clamped] = False
+        self.free = np.flatnonzero(free.ravel())
+        self.contact = np.concatenate([mine for _, mine in space.on(Kind.CONTACT)])
+        normal = (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel()
+        columns = np.searchsorted(self.free, normal)
+        self.N = sps.csr_array(
+            (np.ones(len(columns)), (np.arange(len(columns)), columns)), shape=(len(columns), len(self.free))
+        )
+
+    def __call__(self, loads: Loads, strain: Tensors, normal: Array | None = None) -> EquilibratedStress:
+        """The minimiser.
+
+        Args:
+            loads: P f_0 and P f_2.
+            strain: ε* at the points, (3, cells, Q).
+            normal: adds ∫_{Γ3} τ_ν v to the functional, for the moments ∫_e v B_i ≤ 0 on the edges ``contact``,
+                (edges of Γ3, n).
+        """
+        space = self.space
+        lifted, tractions = space.lift(loads.force)
+        known = np.einsum("cqIp,Icq->cp", self.weighted, lifted, optimize=True)
+        known += np.einsum("cqIp,Icq,cq->cp", space.basis, strain, space.weights, optimize=True)
+        shift = np.zeros(self.total)
+        of_lift = tractions.reshape(space.cells, -1) - np.einsum(
+            "csp,cpr,cr->cs", self.R, self.flexible, known, optimize=True
+        )
+        g = loads.surface.ravel() - np.bincount(self.numbers.ravel(), of_lift.ravel(), self.total)
+        if normal is not None:
+            shift[self.free] = self.N.T @ normal.ravel()
+        v, _ = self.solve(g[self.free] + self.S @ shift[self.free])
+        m = np.zeros(self.total)
+        m[self.free] = v
+        freedoms = np.einsum(
+            "cpr,cr->cp", self.flexible, np.einsum("csp,cs->cp", self.R, (m - shift)[self.numbers]) - known
+        )
+        return EquilibratedStress(
+            lifted + np.einsum("cqIp,cp->Icq", space.basis, freedoms, optimize=True),
+            tractions + np.einsum("csp,cp->cs", self.R, freedoms).reshape(tractions.shape),
+            m.reshape(-1, space.degree + 1, 2),
+        )
+
+    def pressure(self, stress: EquilibratedStress) -> Array:
+        """Bernstein coefficients of −τ_ν ≥ 0 on the edges ``contact``, (edges of Γ3, n)."""
+        found = np.empty((self.total // (2 * (self.space.degree + 1)), self.space.degree + 1))
+        found[self.space.edges] = -stress.tractions[..., 0]
+        return found[self.contact]
