@@ -8,13 +8,14 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
+from skfem import Mesh
 
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Points, full, mandel
 from study.fem.gauge import FACET_POINTS, rules
 from study.fem.mesh import barycentric_gradients
-from study.fem.quadrature import facet_rule, simplex_rule
+from study.fem.quadrature import CellRule, facet_rule, simplex_rule
 from study.fem.space import Space
 
 
@@ -23,21 +24,38 @@ def load_from_forces(solution: ExactSolution, space: Space, time: float, degree:
 
     Equal to ``Gauge.load`` up to quadrature by Green's formula (2.14).
     """
-    mesh = space.mesh
+    return work_of_body_force(solution, space, time, degree) + work_on(Kind.LOADED, solution, space, time)
+
+
+def work_of_body_force(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
+    """(f_0, v)_H with f_0 = −Div σ, (n_dofs,)."""
+    mesh, gradients = space.mesh, barycentric_gradients(space.mesh)
     nodal = np.zeros_like(mesh.p)
-    gradients = barycentric_gradients(mesh)
     for rule in rules(solution, mesh, degree):
         force = solution.at(rule.points).body_force(time) * rule.weights
-        corners = mesh.p[:, mesh.t[:, rule.cells]]
-        offset = rule.points - corners[:, :1].swapaxes(1, 2)
-        shapes = np.einsum("nid,dnq->inq", gradients[rule.cells], offset)
-        shapes[0] += 1
-        nodal += space.scatter(mesh.t[:, rule.cells], np.einsum("dnq,inq->din", force, shapes))
-    for part in space.body.of(Kind.LOADED):
+        values = np.einsum("dnq,inq->din", force, shapes(mesh, gradients, rule))
+        nodal += space.scatter(mesh.t[:, rule.cells], values)
+    return space.interpolate(nodal)
+
+
+def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> Array:
+    """∫ σν·v over the parts of one kind, (n_dofs,): (f_2, v)_{L²(Γ2)} on Γ2, ∫ σ_ν v_ν on Γ3."""
+    mesh = space.mesh
+    nodal = np.zeros_like(mesh.p)
+    for part in space.body.of(kind):
         edge = facet_rule(mesh, space.facets(part), part, (), FACET_POINTS)
         load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
         nodal += space.scatter(mesh.facets[:, edge.facets], np.einsum("dnq,anq->dan", load, edge.shapes))
     return space.interpolate(nodal)
+
+
+def shapes(mesh: Mesh, gradients: Array, rule: CellRule) -> Array:
+    """Values of the P1 functions of a cell's vertices, from their gradients, at the points of a rule, (d+1, n, q)."""
+    corners = mesh.p[:, mesh.t[:, rule.cells]]
+    offset = rule.points - corners[:, :1].swapaxes(1, 2)
+    values: Array = np.einsum("nid,dnq->inq", gradients[rule.cells], offset)
+    values[0] += 1
+    return values
 
 
 def predicted_interpolation(solution: ExactSolution, space: Space, time: float) -> float:

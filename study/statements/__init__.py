@@ -15,6 +15,7 @@ from study.statements.korn import Korn
 from study.statements.law import ElasticityOperator, Projection, Viscosity
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms import Norms
+from study.statements.residual import Residual
 from study.statements.slips import NOT_MEASURED, SLIPS
 from study.statements.wellposed import BoundedVelocity, Dependence, OneTrajectory
 
@@ -35,6 +36,7 @@ STATEMENTS: tuple[Statement, ...] = (
     VertexConstraint(),
     Interpolant(),
     ErrorBounds(),
+    Residual(),
     InterpolationInV(),
     InterpolationOnContact(),
     FullyDiscrete(),

@@ -5,20 +5,26 @@ With e = u − u^h and η = u − Π^h u the right sides without their constants
     (5.21):  ‖η_0‖_V + ‖η̇‖_{L²(0,T;V)} + ‖R(·; −η)‖_{L¹(0,T)}^{1/2} + ‖e_0‖_V,
     (5.42):  the same with (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2} for the third term,
 
-where R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40). The source hides ‖σ_ν‖ in its c; here it is part of the bound, so that
-(5.41) makes the second bound the larger one.
+where R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), which ``residual`` compares with the definition of R. The source hides
+‖σ_ν‖ in its c; here it is part of the bound, so that (5.41) makes the second bound the larger one.
 
-**The constant.** Integrating (5.12) and (5.15) as they stand, with ‖Bu − Bu^h‖_V ≤ L‖e‖_V, L = L_G/m_A, (4.3),
-and (Bu − Bu^h, e)_V ≥ −ω‖e‖_V², gives for E = max_t ‖e(t)‖_V
+**The constant.** With χ = Π^h u − u^h = e − η and the operator B of (4.2), (5.12) says
 
-    E² ≤ e^{2ωT} (2 E a + b),   a = max_t ‖η(t)‖_V + ∫_0^T (‖η̇‖_V + L‖η‖_V),
-                                b = ‖e_0‖_V² + 2‖e_0‖_V ‖η_0‖_V + 2‖R‖_{L¹},
+    ½ d/dt ‖χ‖_V² ≤ −(η̇, χ)_V − (Bu − BΠ^h u, χ)_V − (BΠ^h u − Bu^h, χ)_V + |R(·; −η)|.
 
-hence E ≤ e^{2ωT} (2a + √b), and with (5.17) and √b ≤ ‖e_0‖_V + ‖η_0‖_V + (2‖R‖_{L¹})^{1/2}
+By (4.3) the second product is at most L‖η‖_V ‖χ‖_V, L = L_G/m_A, and the third at most ω‖χ‖_V², with ω = 0 for
+monotone G. Gronwall's inequality in the form of Brézis, φ²/2 ≤ a²/2 + ∫ gφ ⇒ φ ≤ a + ∫ g, gives
 
-    E ≤ c · (right side),   c = e^{2ωT} max(3 + 2LT, 2√T (2 + LT), √2).
+    ‖χ(t)‖_V ≤ e^{ωT} ((‖χ_0‖_V² + 2‖R‖_{L¹})^{1/2} + ∫_0^T (‖η̇‖_V + L‖η‖_V)),
 
-For monotone G there is ω = 0 and no exponential. ((5.14) as printed has L_G for L: its norm carries A.)
+and with e = η + χ, ‖χ_0‖_V ≤ ‖e_0‖_V + ‖η_0‖_V and ‖η(s)‖_V ≤ ‖η_0‖_V + ∫_0^s ‖η̇‖_V, (5.17),
+
+    ‖e‖_V ≤ e^{ωT} ((2 + LT) ‖η_0‖_V + ∫_0^T (2 + L(T − s)) ‖η̇(s)‖_V ds + ‖e_0‖_V + (2‖R‖_{L¹})^{1/2})
+          ≤ c · (right side),   c = e^{ωT} max(2 + LT, ‖2 + L(T − ·)‖_{L²(0,T)}).
+
+This does without (5.15) and (5.16), whose 2‖e‖_V ‖η‖_V would make c twice as large. What room is left is that of
+one constant for a sum of terms, and of L, which takes G at its steepest and A at its weakest. ((5.14) as printed
+has L_G for L: its norm carries A.)
 """
 
 from __future__ import annotations
@@ -37,7 +43,7 @@ from study.naming import family_named, resolve
 from study.solve.evolution import Midpoint
 from study.statements.base import Setting
 from study.statements.instants import Velocity, midpoints
-from study.statements.tally import Observation, change, grid, judge, largest, with_h
+from study.statements.tally import change, grid, judge, largest, with_h
 from study.sweep import Setup, steps_for
 from study.verdict import Verdict, Window
 
@@ -48,17 +54,13 @@ ROUND_OFF = 1e-11
 """Pressures below this part of the size of stresses are none."""
 
 STEADY = Window(0.7, 1.4, "0.7 … 1.4 over two refinements: orders that differ by less than 1/4")
-PROVED = Window(0.0, 1.0, "≤ 1 with the constant c of the proof")
-LARGER = Window(0.0, 1 + 1e-9, "≤ 1 by the inequality of Cauchy and Schwarz")
+PROVED = Window(0.0, 1.0, "≤ 1 with the constant c of the proof; 1/observed is the room that it leaves")
 
 CRITERIA = (
     change("right side of (5.21) / error: change under refinement", STEADY, "(5.21)"),
     largest("error / (c · right side of (5.21))", PROVED, "(5.21), c"),
     change("right side of (5.42) / error: change under refinement", STEADY, "(5.42)"),
     largest("error / (c · right side of (5.42))", PROVED, "(5.42), c"),
-    Observation(
-        largest("|R(t; Π^hu − u)| / (‖σ_ν‖_{L∞(0,T;L²(Γ3))} ‖u_ν − Π^hu_ν‖_{L²(Γ3)}), (5.41)", LARGER, "(5.41)")
-    ),
 )
 
 
@@ -93,7 +95,8 @@ class ErrorBounds:
 def constant(law: KelvinVoigt, T: float) -> float:
     """c of the proof."""
     L, omega = law.G.lipschitz / law.A.ellipticity, max(-law.G.monotonicity, 0.0) / law.A.ellipticity
-    return math.exp(2 * omega * T) * max(3 + 2 * L * T, 2 * math.sqrt(T) * (2 + L * T), math.sqrt(2))
+    on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
+    return math.exp(omega * T) * max(2 + L * T, on_rate)
 
 
 def sides(setup: Setup) -> dict[str, float]:
@@ -120,11 +123,9 @@ def sides(setup: Setup) -> dict[str, float]:
         "(5.42)": common + math.sqrt(mean * np.sum(traces) * max(pressures)),
     }
     c = constant(setup.solution.law, T)
-    product = max(pressures) * np.array(traces)
     return {
         **{name: value / error for name, value in right.items()},
         **{f"{name}, c": error / (c * value) for name, value in right.items()},
-        "(5.41)": np.max(np.array(works) / np.where(product > 0, product, 1.0)),
     }
 
 

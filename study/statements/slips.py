@@ -47,6 +47,12 @@ SLIPS = Listed(
         ),
         ("Thm 5.2", "assumes (3.3)", "read: (3.1), (3.2), (3.4) and (3.5): (3.3) is an example of (3.2)"),
         ("after (5.22)", "∂Ω is the intersection of Γ1, Γ2 and Γ3", "read: their union"),
+        (
+            "(5.11)",
+            "last term reads (f, v^h − u^h)_V",
+            "read: (f, v^h − u)_V: the loads (f, u^h − u)_V of (5.1) and (f, v^h − u^h)_V of (5.3) add up to it, "
+            "and (5.12), (5.13) use it",
+        ),
         ("(5.14)", "𝓛_G ‖u − u^h‖_V ‖u − v^h‖_V", "read: (𝓛_G/m_A) ‖u − u^h‖_V ‖u − v^h‖_V: ‖·‖_V carries A"),
         (
             "(5.28)",

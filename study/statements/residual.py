@@ -1,0 +1,230 @@
+"""(5.13), (5.40), (5.41): the residual R from its definition, and as the integral over Γ3 that bounds it.
+
+By (5.13) with (3.12) and (3.7)
+
+    R(t; v) = (σ(t), ε(v))_Q − (f_0(t), v)_H − (f_2(t), v)_{L²(Γ2)},   v ∈ V,
+
+which has no σ_ν on Γ3 in it. Prop. 5.4 rests on R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), and on the bound of it by
+Cauchy and Schwarz, (5.41). Here R is its definition, so both can fail. They are measured at two times for
+
+* smooth fields v that vanish on Γ1 and nowhere else: not in V^h, with v_ν of any sign on Γ3;
+* v = Π^h u − u, which (5.42) needs: all terms are small, and R much smaller than each.
+
+The defect |R(t; v) − ∫_{Γ3} σ_ν v_ν| is taken relative to the smallest of the terms of both sides that is not
+zero, for v = Π^h u − u of the definition alone, since σ_ν v_ν is nearly zero there: a term left out or of the
+wrong sign gives 1 or 2 at least. With the fine rules of (2.14) the rest is quadrature, so the windows are
+those of (2.14): round-off, where f_0 is smooth off lines that cut cells, a tenth where it jumps along curves.
+For v = Π^h u − u rounding counts 1/h times as much: (σ, ε(v))_Q = O(h²) is a sum of terms O(h).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Protocol
+
+import numpy as np
+import pandas as pd
+
+from manufactured.body import Kind, Part
+from manufactured.catalogue import catalogue
+from manufactured.exact import ExactSolution
+from manufactured.tensors import Array, Tensors, Vectors
+from study.fem.gauge import rules
+from study.fem.independent import shapes
+from study.fem.mesh import barycentric_gradients
+from study.fem.quadrature import CellRule, FacetRule, facet_rule
+from study.fem.space import Space
+from study.naming import resolve
+from study.statements.base import Setting
+from study.statements.boundary import Field, distances, planes, strain, waves
+from study.statements.green import (
+    KINKED,
+    ROUND_OFF,
+    RULES,
+    SMOOTH,
+    TIMES,
+    cut_at_fronts,
+    smallest,
+    smooth_off_lines,
+    square_integrable,
+)
+from study.statements.places import LAST, named, place, space_of
+from study.statements.tally import Criterion, finest, judge, largest, with_h
+from study.verdict import Verdict, Window
+
+SEED = 2002
+FIELDS = 3
+"""Smooth fields v."""
+POINTS = 20
+"""Gauss points on a facet, exact to degree 39: p ~ (c − s)_+² on a facet graded to c has degree 31."""
+
+CANCELLING = Window(0.0, 1e-8, "≤ 1e-8 with the fine rule: 1/h times the 1e-10 for a smooth f_0")
+
+BOUND = Window(0.0, 1 + 1e-9, "≤ 1 by the inequality of Cauchy and Schwarz")
+
+
+@dataclass(frozen=True)
+class Residual:
+    """The definition of R against the integral over Γ3 and against its bound, for the cases with f_0(t) ∈ H."""
+
+    label: str = "(5.40), (5.41)"
+    claim: str = "R(t; v) = ∫_{Γ3} σ_ν v_ν and |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ for v ∈ V"
+
+    def settings(self, full: bool) -> list[Setting]:
+        if full:
+            return place([case for case in catalogue() if square_integrable(case)], LAST, (8, 16), (6, 12))
+        return place(named("full-contact", "fixed-front-off-vertex", "yield-and-release"), LAST, (8,))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, case = space_of(setting), resolve(setting.case)
+        smooth = {"smooth": float(smooth_off_lines(case))}
+        return with_h(space.h, {**defects(case.solution, space), **smooth})
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        smooth = set(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
+        first, second = rows[rows["case"].isin(smooth)], rows[~rows["case"].isin(smooth)]
+        return judge(self, first, lines(SMOOTH, CANCELLING)) + judge(self, second, lines(KINKED, KINKED))
+
+
+def lines(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
+    """The rows of a case."""
+    return (
+        finest("|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term, smooth v", window, "smooth v"),
+        finest("|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term of R, v = Π^hu − u", cancelling, "Π^hu − u"),
+        largest("|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)})", BOUND, "bound"),
+    )
+
+
+class Member(Protocol):
+    """A function of V at one time: inside with its strain, and on parts of the boundary."""
+
+    def inside(self, rule: CellRule) -> tuple[Vectors, Tensors]: ...
+    def on(self, part: Part, rule: FacetRule) -> Vectors: ...
+
+
+@dataclass(frozen=True)
+class Smooth:
+    """A field v that is analytic in x."""
+
+    field: Field
+
+    def inside(self, rule: CellRule) -> tuple[Vectors, Tensors]:
+        return self.field(rule.points), strain(self.field, rule.points)
+
+    def on(self, part: Part, rule: FacetRule) -> Vectors:
+        return self.field(part.point(rule.s))
+
+
+class Remainder:
+    """v = Π^h u(t) − u(t)."""
+
+    def __init__(self, solution: ExactSolution, space: Space, time: float) -> None:
+        self.solution, self.mesh, self.time = solution, space.mesh, time
+        self.nodal = solution.at(space.mesh.p).displacement(time)
+        self.strain = space.strain(space.interpolate(self.nodal))
+        self.gradients = barycentric_gradients(space.mesh)
+
+    def inside(self, rule: CellRule) -> tuple[Vectors, Tensors]:
+        exact, corners = self.solution.at(rule.points), self.nodal[:, self.mesh.t[:, rule.cells]]
+        values = np.einsum("din,inq->dnq", corners, shapes(self.mesh, self.gradients, rule))
+        return (
+            values - exact.displacement(self.time),
+            self.strain[:, rule.cells, None] - exact.strain(self.time),
+        )
+
+    def on(self, part: Part, rule: FacetRule) -> Vectors:
+        ends = self.nodal[:, self.mesh.facets[:, rule.facets]]
+        exact = self.solution.at(part.point(rule.s)).displacement(self.time)
+        return np.einsum("dan,anq->dnq", ends, rule.shapes) - exact
+
+
+@dataclass(frozen=True, eq=False)
+class Terms:
+    """What R consists of, for several v, (v,) each.
+
+    Attributes:
+        stress: (σ, ε(v))_Q.
+        body: (f_0, v)_H.
+        loaded: (f_2, v)_{L²(Γ2)}.
+        contact: ∫_{Γ3} σ_ν v_ν.
+        bound: ‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)}.
+    """
+
+    stress: Array
+    body: Array
+    loaded: Array
+    contact: Array
+    bound: Array
+
+    def of(self, chosen: slice) -> Terms:
+        """The terms of some of the v."""
+        return Terms(*(getattr(self, field.name)[chosen] for field in fields(self)))
+
+    @property
+    def residual(self) -> Array:
+        """R(t; v) by its definition."""
+        return self.stress - self.body - self.loaded
+
+    def defect(self, *sizes: Array) -> float:
+        """(5.40) over the smallest of some terms, in the Euclidean norm over the v."""
+        return norm(self.residual - self.contact) / smallest([norm(size) for size in sizes])
+
+    @property
+    def share(self) -> float:
+        """The largest |R| / bound, of the v for which the bound is not zero up to rounding."""
+        given = self.bound > ROUND_OFF * norm(self.stress)
+        return float(np.max(abs(self.residual[given]) / self.bound[given], initial=0.0))
+
+
+def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
+    """The largest over the times."""
+    found = dict.fromkeys(("smooth v", "Π^hu − u", "bound"), 0.0)
+    for time in (fraction * solution.body.T for fraction in TIMES):
+        cut = cut_at_fronts(solution, time)
+        every = terms(cut, space, time, [*smooth_fields(space), Remainder(cut, space, time)])
+        smooth, small = every.of(slice(FIELDS)), every.of(slice(FIELDS, None))
+        now = {
+            "smooth v": smooth.defect(smooth.stress, smooth.body, smooth.loaded, smooth.contact),
+            "Π^hu − u": small.defect(small.stress, small.body, small.loaded),
+            "bound": every.share,
+        }
+        found = {name: max(value, now[name]) for name, value in found.items()}
+    return found
+
+
+def smooth_fields(space: Space) -> list[Smooth]:
+    """Random waves that vanish on Γ1."""
+    rng, clamped = np.random.default_rng(SEED), planes(space.body, Kind.CLAMPED)
+
+    def field(wave: Field) -> Smooth:
+        return Smooth(lambda x: wave(x) * distances(x, clamped))
+
+    return [field(waves(space.body, rng)) for _ in range(FIELDS)]
+
+
+def terms(solution: ExactSolution, space: Space, time: float, members: Sequence[Member]) -> Terms:
+    """The terms for some v with the fine rules."""
+    stress, body, loaded, contact, square, pressed = np.zeros((6, len(members)))
+    for rule in rules(solution, space.mesh, RULES[space.dim]["fine rule"]):
+        exact = solution.at(rule.points)
+        sigma, force = exact.stress(time) * rule.weights, exact.body_force(time) * rule.weights
+        values = [member.inside(rule) for member in members]
+        stress += [np.vdot(sigma, strain_of_v) for _, strain_of_v in values]
+        body += [np.vdot(force, v) for v, _ in values]
+    for part in space.body.of(Kind.LOADED):
+        edge = facet_rule(space.mesh, space.facets(part), part, (), POINTS)
+        load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
+        loaded += [np.vdot(load, member.on(part, edge)) for member in members]
+    for face in solution.faces:
+        edge = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, POINTS)
+        normal_stress = -solution.on(face, edge.s).pressure(time)
+        traces = [np.tensordot(face.part.normal, member.on(face.part, edge), axes=1) for member in members]
+        contact += [np.sum(normal_stress * trace * edge.weights) for trace in traces]
+        square += [np.sum(trace**2 * edge.weights) for trace in traces]
+        pressed += np.sum(normal_stress**2 * edge.weights)
+    return Terms(stress, body, loaded, contact, np.sqrt(square * pressed))
+
+
+def norm(values: Array) -> float:
+    return float(np.linalg.norm(values))
