@@ -14,6 +14,7 @@ from study.fem.mesh import Unstructured, facet_measures
 from study.fem.space import Space
 from study.solve.evolution import BDF2, Problem
 
+FAMILY = Unstructured()
 LEVEL = 24
 STEPS = 64
 EVERY = 4
@@ -26,8 +27,8 @@ def picture(case: Case) -> dict[str, Any]:
 
     The computed pressure at a vertex is its contact force over the integral of its shape function.
     """
-    solution, family = case.solution, Unstructured()
-    space = Space(family(solution.body, LEVEL), solution.body)
+    solution = case.solution
+    space = Space(FAMILY(solution.body, LEVEL), solution.body)
     gauge = Gauge(solution, space)
     problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
     weights = contact_weights(space)
@@ -41,7 +42,7 @@ def picture(case: Case) -> dict[str, Any]:
             shapes.append({"time": state.time, "displacement": _short(space.nodal(state.u))})
     return {
         "case": case.name,
-        "family": family.name,
+        "family": FAMILY.name,
         "level": LEVEL,
         "times": _short(np.array(times)),
         "vertices": _short(space.mesh.p),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from dataclasses import asdict, dataclass, fields, replace
 from importlib.metadata import version
@@ -18,10 +18,13 @@ from threadpoolctl import threadpool_limits
 from manufactured.admissibility import Finding, SelfProofError, examine
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
+from study import pictures
 from study.claims import complete, judge
 from study.datafiles import SERIES, DataError, read_csv
 from study.equivalence import Gaps
+from study.fem.gauge import rough_lines
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, boundary_parts
+from study.fem.quadrature import rough_cells
 from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, StatementJob
 from study.naming import UsageError, family_named, resolve
 from study.rates import orders
@@ -89,7 +92,8 @@ class Plan:
         Raises:
             UsageError: levels below 2, not increasing, or two cases of one name.
             SelfProofError: a case is not an exact solution.
-            MeshError: a mesh does not fit the boundary parts of a body.
+            MeshError: a mesh does not fit the boundary parts of a body, or no cell rule serves the places where a
+                solution is rough.
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
@@ -115,19 +119,29 @@ class Plan:
         self._check_meshes()
 
     def _check_meshes(self) -> None:
-        """Every mesh of the plan must fit its body; bodies that are equal are looked at once."""
-        seen = set()
-        for job in self.jobs():
-            if not isinstance(job, RateJob | EquivalenceJob):
-                continue
-            body = resolve(job.case).solution.body
+        """Every mesh must fit its body, and its cells the rough places of every solution that is measured on it."""
+        groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
+        for case, family, level in self.meshes():
+            body = case.solution.body
             shape = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
-            if (shape, job.family, job.level) not in seen:
-                seen.add((shape, job.family, job.level))
-                try:
-                    boundary_parts(family_named(job.family)(body, job.level), body)
-                except MeshError as error:
-                    raise MeshError(f"{resolve(job.case).name}, {job.family}, level {job.level}: {error}") from error
+            groups.setdefault((shape, family, level), []).append((case, family, level))
+        for group in groups.values():
+            case, family, level = group[0]
+            try:
+                mesh = family_named(family)(case.solution.body, level)
+                boundary_parts(mesh, case.solution.body)
+                for case, _, _ in group:
+                    rough_cells(mesh, rough_lines(case.solution), case.solution.singular)
+            except MeshError as error:
+                raise MeshError(f"{case.name}, {family}, level {level}: {error}") from error
+
+    def meshes(self) -> Iterator[tuple[Case, str, int]]:
+        """(case, mesh family, level) of every job; the numbered statements choose meshes that serve."""
+        for job in self.jobs():
+            if isinstance(job, RateJob | EquivalenceJob):
+                yield resolve(job.case), job.family, job.level
+            elif isinstance(job, PictureJob):
+                yield resolve(job.case), pictures.FAMILY.name, pictures.LEVEL
 
     def steps(self, case: Case, level: int) -> int:
         """Time steps at a level: of the size asked for, or as many as the case's pace says."""

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from manufactured import catalogue
-from study.fem.mesh import FAMILIES
+from study.fem.mesh import FAMILIES, MeshError
 from study.jobs import EquivalenceJob, RateJob, StatementJob
 from study.naming import resolve
-from study.run import full, quick, statement_rows
+from study.run import Levels, full, quick, statement_rows
 from study.statements import ORDERS, STATEMENTS, position
 
 PLANS = {"quick": quick(), "full": full()}
@@ -56,3 +58,42 @@ def test_a_measurement_becomes_one_row_per_quantity() -> None:
 def test_a_twin_is_a_case_of_the_catalogue_and_is_measured_beside_it() -> None:
     names = {case.name for case in catalogue()}
     assert {case.twin for case in catalogue()} - {""} <= names
+
+
+ROUGH = """
+from dataclasses import replace
+
+from manufactured import catalogue
+
+found = {case.name: case for case in catalogue()}
+
+
+def rough(name, *places):
+    case = found[name]
+    face, *others = case.solution.faces
+    faces = replace(face, rough=places), *others
+    return replace(case, name="mine", solution=replace(case.solution, faces=faces))
+
+
+across = rough("layered", 0.3)
+near = rough("no-contact", 0.30, 0.32)
+solid = rough("cube-two-faces", 0.3)
+"""
+
+
+@pytest.mark.parametrize(
+    ("case", "level", "message"),
+    [
+        ("across", 8, r"mine, one-diagonal, level 8: the cell around \(0\.\d+, 0\.\d+\) meets two lines"),
+        ("near", 8, r"mine, one-diagonal, level 8: .* \{1 x1 = 0\.3\} and \{1 x1 = 0\.32\}.*take a finer level"),
+        ("near", 128, r"mine, unstructured, level 24: .*take a finer level"),
+        ("solid", 6, r"mine, one-diagonal, level 6: .*2D only.*\{1 x1 = 0\.3\}.*without `rough`"),
+    ],
+)
+def test_rough_places_that_no_cell_rule_serves_are_refused_before_the_run(tmp_path, case, level, message) -> None:
+    (tmp_path / "rough.py").write_text(ROUGH)
+    levels = Levels((level,))
+    mine = replace(quick(), cases=(f"{tmp_path}/rough.py:{case}",), plane=levels, rough=levels, solid=levels)
+    small = replace(mine, equivalence=(), solid_equivalence=(), families=1, statements=False)
+    with pytest.raises(MeshError, match=message):
+        small.check()

@@ -47,6 +47,10 @@ class Line:
                 "divide it and the offset by its length"
             )
 
+    def __str__(self) -> str:
+        terms = " + ".join(f"{c:.4g} x{i}" for i, c in enumerate(self.direction, start=1) if abs(c) > TOUCHING)
+        return f"{{{terms} = {self.offset:.4g}}}"
+
 
 @dataclass(frozen=True, eq=False)
 class CellRule:
@@ -79,24 +83,42 @@ def cell_rules(
         block: most ordinary cells in one rule.
 
     Raises:
+        MeshError: from ``rough_cells``.
+    """
+    special = rough_cells(mesh, lines, points)
+    made = [partial(_split, mesh, line=line, degree=degree) for line in lines]
+    made += [partial(_fan, mesh, point=point, degree=degree) for point in points]
+    rules = [rule(cells=cells) for cells, rule in zip(special, made, strict=True) if cells.size]
+    ordinary = np.ones(mesh.t.shape[1], dtype=bool)
+    ordinary[np.concatenate([*special, np.empty(0, dtype=int)])] = False
+    return rules + _standard(mesh, np.flatnonzero(ordinary), degree, block)
+
+
+def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[tuple[float, ...]]) -> list[Array]:
+    """The cells at each line and then at each point: those that need a rule of their own.
+
+    Raises:
         MeshError: two lines or points meet one cell, a point is no vertex, or either is given in 3D.
     """
-    if mesh.dim() != 2 and (lines or points):
-        raise MeshError("cells are cut and graded in 2D only; a 3D solution may have no rough lines and points")
-    special = [(_touching(mesh, line), partial(_split, mesh, line=line, degree=degree)) for line in lines]
-    special += [(_around(mesh, point), partial(_fan, mesh, point=point, degree=degree)) for point in points]
-    ordinary = np.ones(mesh.t.shape[1], dtype=bool)
-    rules = []
-    for cells, rule in special:
-        if not ordinary[cells].all():
+    names = [*map(str, lines), *(f"the point {tuple(point)}" for point in points)]
+    if mesh.dim() != 2 and names:
+        raise MeshError(
+            f"cells are cut and graded in 2D only, this 3D solution is rough at {', '.join(names)}; take a contact "
+            "face without `rough`, a material without `steps` and a solution without `singular`"
+        )
+    found = [_touching(mesh, line) for line in lines] + [_around(mesh, point) for point in points]
+    owner = np.full(mesh.t.shape[1], -1)
+    for i, cells in enumerate(found):
+        taken = cells[owner[cells] >= 0]
+        if taken.size:
+            place = ", ".join(f"{x:.3g}" for x in mesh.p[:, mesh.t[:, taken[0]]].mean(axis=1))
             raise MeshError(
-                "a cell meets two lines or points at which the solution is rough; take a finer level, "
-                "or let them not meet"
+                f"the cell around ({place}) meets two lines or points at which the solution is rough, "
+                f"{names[owner[taken[0]]]} and {names[i]}, and cells are cut for one only; take a finer level, or "
+                "move them apart where they cross"
             )
-        ordinary[cells] = False
-        if cells.size:
-            rules.append(rule(cells=cells))
-    return rules + _standard(mesh, np.flatnonzero(ordinary), degree, block)
+        owner[cells] = i
+    return found
 
 
 def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
