@@ -21,13 +21,13 @@ import pandas as pd
 from manufactured.body import Body, Kind, Part
 from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
-from study.claims import JUDGED, consecutive
+from study.claims import JUDGED, consecutive, last_order
 from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
 from study.fem.mesh import Graded
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.naming import resolve
-from study.rates import RatesError, orders
+from study.rates import RatesError
 from study.statements.base import Setting
 from study.statements.boundary import Field, distances, planes, strain, waves
 from study.statements.places import EVERY, different, material, named, place, shape, space_of
@@ -168,7 +168,7 @@ def on_trace(name: str, tau: float) -> Line:
     if tau > 2:
         # The error in the cell of the front, where w'' is not bounded, depends on where it is in the cell.
         over_two = Criterion(
-            f"{quantity}, over two refinements", window(2.0), or_none(two_refinements(name)), (name,), JUDGED
+            f"{quantity}, over two refinements", window(2.0), or_none(last_order(name, 2)), (name,), JUDGED
         )
         return induced(over_two, name)
     predicted = Window(tau - 0.3, tau + 0.3, f"{tau:g} ± 0.3")
@@ -183,17 +183,6 @@ def induced(criterion: Criterion, name: str) -> Criterion:
         return criterion.measure(table.assign(h=table[size]))
 
     return replace(criterion, measure=measure, needs=(*criterion.needs, size))
-
-
-def two_refinements(column: str) -> Callable[[pd.DataFrame], Measured]:
-    """The order from the third but last to the last level."""
-
-    def measure(table: pd.DataFrame) -> Measured:
-        judged = table.iloc[[-3, -1]]
-        value = float(orders(judged["h"].to_numpy(), judged[column].to_numpy())[0])
-        return value, (value, value)
-
-    return measure
 
 
 def on_face(solution: ExactSolution, space: Space, face: Face) -> dict[str, float]:
