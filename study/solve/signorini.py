@@ -7,7 +7,11 @@ the compliance W = N S⁻¹ Nᵀ, formed once, the multipliers solve the small c
 
 by a primal–dual active set (M. Hintermüller, K. Ito, K. Kunisch, The primal-dual active set
 strategy as a semismooth Newton method, SIAM J. Optim. 13 (2003) 865–888), and u = S⁻¹(b − Nᵀλ).
-Exact to round-off, two triangular solves a step.
+
+The unknowns with entries in N are eliminated last. With S = LLᵀ in that order Y = L⁻¹Nᵀ vanishes
+but for the rows of these unknowns, where it is a solve with the trailing block of L, the Cholesky
+factor of the Schur complement; W = YᵀY. A step is y = L⁻¹b, N S⁻¹ b = Yᵀy, u = L⁻ᵀ(y − Yλ): exact
+to round-off, one pass forward and one backward through L.
 """
 
 from __future__ import annotations
@@ -22,8 +26,6 @@ from scipy.optimize import nnls
 from manufactured.tensors import Array
 from study.solve.factor import Factor
 
-COLUMNS = 64
-
 
 class ContactSolver(Protocol):
     """b ↦ (u, λ)."""
@@ -35,23 +37,20 @@ class Signorini:
     """The contact solve with a fixed S and N; remembers the last active set as its next guess."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
-        self.factor, self.N = Factor(S), N
-        self.NT = sps.csr_array(N.T)
-        m = N.shape[0]
-        self.W = np.empty((m, m))
-        for start in range(0, m, COLUMNS):
-            block = N[start : start + COLUMNS].toarray().T
-            self.W[:, start : start + COLUMNS] = N @ self.factor(block)
-        self.W = (self.W + self.W.T) / 2
-        self.active = np.zeros(m, dtype=bool)
+        constrained = np.unique(N.nonzero()[1])
+        self.factor, self.N = Factor(S, constrained), N
+        self.end = slice(S.shape[0] - len(constrained), None)
+        columns = sps.csc_array(N)[:, self.factor.order[self.end]].toarray().T
+        self.Y = solve_triangular(self.factor.trailing, columns, lower=True)
+        self.W = self.Y.T @ self.Y
+        self.active = np.zeros(N.shape[0], dtype=bool)
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
         """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,)."""
-        free = self.factor(b)
-        multipliers = self.complementarity(self.N @ free)
-        if not multipliers.any():
-            return free, multipliers
-        return self.factor(b - self.NT @ multipliers), multipliers
+        y = self.factor.forward(b)
+        multipliers = self.complementarity(self.Y.T @ y[self.end])
+        y[self.end] -= self.Y @ multipliers
+        return self.factor.backward(y), multipliers
 
     def complementarity(self, gap: Array) -> Array:
         """λ ≥ 0 with gap − Wλ ≤ 0 and λ·(gap − Wλ) = 0, (m,)."""

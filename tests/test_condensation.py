@@ -1,0 +1,170 @@
+"""The condensation of the contact solve and the factorisation it rests on, against dense linear algebra."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import scipy.sparse as sps
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.sparse.linalg import splu
+
+from manufactured import Kind, catalogue, polygon
+from study.fem.material import form
+from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.fem.space import Space
+from study.solve.dissection import LEAF, nested_dissection
+from study.solve.factor import Factor
+from study.solve.signorini import Signorini
+
+CASES = {case.name: case for case in catalogue()}
+SETTINGS: list[tuple[str, MeshFamily, int]] = [
+    ("full-contact", OneDiagonal(), 16),
+    ("full-contact", CrissCross(), 12),
+    ("anisotropic", Shaken(), 16),
+    ("heterogeneous", Unstructured(), 16),
+    ("rotated", OneDiagonal(), 16),
+    ("corner", OneDiagonal(), 16),
+    ("hexagon", Unstructured(), 16),
+    ("re-entrant", Graded(), 12),
+    ("cube-disc", Shaken(), 6),
+    ("cube-two-faces", OneDiagonal(), 6),
+]
+Matrices = tuple[sps.csc_array, sps.csr_array]
+
+
+@pytest.fixture(scope="module", params=SETTINGS, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
+def matrices(request) -> Matrices:
+    """S of a time step and N."""
+    name, family, n = request.param
+    solution = CASES[name].solution
+    space = Space(family(solution.body, n), solution.body)
+    return sps.csc_array(20 * form(space, solution.law.A) + form(space, solution.law.G)), space.N
+
+
+def close(one, other, tolerance: float) -> bool:
+    return bool(np.linalg.norm(one - other) <= tolerance * np.linalg.norm(other))
+
+
+def test_the_compliance_is_n_s_inverse_n_transposed(matrices: Matrices) -> None:
+    S, N = matrices
+    assert close(Signorini(S, N).W, N @ np.linalg.solve(S.toarray(), N.T.toarray()), 1e-12)
+
+
+def test_a_vertex_with_two_oblique_normals_is_condensed_with_both() -> None:
+    """The rows of N at the vertex between two slanted pieces of Γ3 share its two unknowns."""
+    body = polygon(
+        [(0, 0), (0.8, 0.6), (0.2, 1.4), (-0.6, 0.8)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT]
+    )
+    space = Space(Shaken()(body, 12), body)
+    (both,) = np.intersect1d(space.contact[0][1], space.contact[1][1])
+    unknowns = np.flatnonzero(np.isin(space.free, [2 * both, 2 * both + 1]))
+    assert (space.N[:, unknowns].toarray() != 0).all(axis=1).sum() == 2
+    S = space.form(CASES["full-contact"].solution.law.A.reference)
+    assert close(Signorini(S, space.N).W, space.N @ np.linalg.solve(S.toarray(), space.N.T.toarray()), 1e-12)
+
+
+def test_the_condensed_solve_satisfies_the_optimality_conditions(matrices: Matrices) -> None:
+    S, N = matrices
+    solve = Signorini(S, N)
+    for seed in range(4):
+        b = S @ np.random.default_rng(seed).standard_normal(S.shape[0])
+        u, multipliers = solve(b)
+        assert close(S @ u + N.T @ multipliers, b, 1e-12)
+        assert (N @ u).max() <= 1e-11 * abs(u).max()
+        assert multipliers.min() >= 0
+        assert abs(multipliers * (N @ u)).max() <= 1e-11 * abs(multipliers).max() * abs(u).max()
+        assert multipliers.any()
+
+
+def test_without_an_active_constraint_the_solve_is_the_linear_one(matrices: Matrices) -> None:
+    S, N = matrices
+    b = S @ (-N.T @ np.ones(N.shape[0]))
+    u, multipliers = Signorini(S, N)(b)
+    assert not multipliers.any()
+    assert close(S @ u, b, 1e-12)
+
+
+def test_without_constraints_nothing_is_condensed(matrices: Matrices) -> None:
+    S, N = matrices
+    b = np.ones(S.shape[0])
+    u, multipliers = Signorini(S, N[:0])(b)
+    assert multipliers.shape == (0,)
+    assert close(u, np.linalg.solve(S.toarray(), b), 1e-11)
+
+
+def test_the_factor_solves_for_one_and_for_several_right_hand_sides(matrices: Matrices) -> None:
+    S, _ = matrices
+    b = np.random.default_rng(1).standard_normal((S.shape[0], 3))
+    several = Factor(S)(b)
+    assert close(several, np.linalg.solve(S.toarray(), b), 1e-11)
+    assert close(Factor(S)(b[:, 0]), several[:, 0], 1e-12)
+
+
+def test_the_trailing_block_is_the_cholesky_factor_of_the_schur_complement(matrices: Matrices) -> None:
+    S, N = matrices
+    constrained = np.unique(N.nonzero()[1])
+    factor = Factor(S, constrained)
+    inner, outer = np.split(factor.order, [-len(constrained)])
+    assert (np.sort(outer) == constrained).all()
+    dense = S.toarray()
+    across = dense[np.ix_(inner, outer)]
+    schur = dense[np.ix_(outer, outer)] - across.T @ np.linalg.solve(dense[np.ix_(inner, inner)], across)
+    assert close(factor.trailing, np.linalg.cholesky(schur), 1e-12)
+
+
+@st.composite
+def sparse_problems(draw) -> Matrices:
+    """Any graph: with parts that nothing joins, unknowns without neighbours, vertices of high degree."""
+    n, m = draw(st.integers(1, 400)), draw(st.integers(0, 5))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    entries = draw(st.integers(0, 3 * n))
+    A = sps.csc_array((rng.normal(size=entries), rng.integers(0, n, (2, entries))), shape=(n, n))
+    return sps.csc_array(A @ A.T + sps.eye_array(n)), sps.csr_array(rng.normal(size=(m, n)) * (rng.random(n) < 0.1))
+
+
+@given(sparse_problems())
+@settings(deadline=None)
+def test_any_sparse_positive_definite_matrix_is_factorised(problem: Matrices) -> None:
+    S, N = problem
+    b = np.arange(S.shape[0]) + 1.0
+    assert np.allclose(S @ Factor(S, np.unique(N.nonzero()[1]))(b), b, rtol=0, atol=1e-9 * len(b))
+    assert np.allclose(Signorini(S, N).W, N @ np.linalg.solve(S.toarray(), N.T.toarray()), rtol=0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("name", "family", "n"),
+    [
+        ("full-contact", OneDiagonal(), 64),
+        ("full-contact", CrissCross(), 48),
+        ("full-contact", Unstructured(), 64),
+        ("re-entrant", Graded(), 48),
+        ("cube-two-faces", Shaken(), 12),
+    ],
+)
+def test_dissection_fills_about_as_little_as_minimum_degree(
+    name: str, family: MeshFamily, n: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Entries of L against SuperLU's with an order of its own; in small leaves, since blocks are kept as dense ones."""
+    monkeypatch.setattr("study.solve.dissection.LEAF", 16)
+    solution = CASES[name].solution
+    S = form(Space(family(solution.body, n), solution.body), solution.law.A)
+    entries = sum(len(b.diagonal) * (len(b.diagonal) + 1) // 2 + b.below.size for b in Factor(S).blocks)
+    other = splu(sps.csc_matrix(S), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0, options={"SymmetricMode": True})
+    assert entries <= 2 * other.L.nnz
+
+
+def test_parts_are_divided_until_they_are_leaves() -> None:
+    """The blocks of a grid of n × n unknowns are leaves and separators of O(n) unknowns."""
+    n = 96
+    path = sps.diags_array([-np.ones(n - 1), 2 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1])
+    grid = sps.csc_array(sps.kron(path, sps.eye_array(n)) + sps.kron(sps.eye_array(n), path))
+    order, starts = nested_dissection(grid, np.arange(0))
+    assert (np.sort(order) == np.arange(n * n)).all()
+    assert np.diff(starts).max() <= max(LEAF, 2 * n)
+    assert len(starts) > n * n / LEAF
+
+
+def test_a_matrix_that_is_not_definite_is_refused() -> None:
+    with pytest.raises(np.linalg.LinAlgError, match="not positive definite"):
+        Factor(sps.csc_array(np.array([[1.0, 2.0], [2.0, 1.0]])))
