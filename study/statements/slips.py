@@ -51,7 +51,7 @@ SLIPS = Listed(
             "(5.11)",
             "last term reads (f, v^h − u^h)_V",
             "read: (f, v^h − u)_V: the loads (f, u^h − u)_V of (5.1) and (f, v^h − u^h)_V of (5.3) add up to it, "
-            "and (5.12), (5.13) use it",
+            "and (5.12), (5.13) use it; as printed, u = t f, u^h = t P f in V = R², V^h = R × {0} contradict it",
         ),
         ("(5.14)", "𝓛_G ‖u − u^h‖_V ‖u − v^h‖_V", "read: (𝓛_G/m_A) ‖u − u^h‖_V ‖u − v^h‖_V: ‖·‖_V carries A"),
         (
