@@ -19,7 +19,6 @@ postprocessing and error estimates, RAIRO Modél. Math. Anal. Numér. 19 (1985) 
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -28,7 +27,7 @@ import scipy.sparse as sps
 from manufactured.body import Kind
 from manufactured.tensors import Array, Tensors
 from study.equilibrated.stresses import StressSpace
-from study.solve.signorini import ContactSolver, Signorini
+from study.solve.signorini import Signorini
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,12 +72,7 @@ class Equilibrium:
         compliance: C⁻¹ in Mandel form, (3, 3), or at the points, (cells, Q, 3, 3).
     """
 
-    def __init__(
-        self,
-        space: StressSpace,
-        compliance: Array,
-        solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver] = Signorini,
-    ) -> None:
+    def __init__(self, space: StressSpace, compliance: Array) -> None:
         self.space, self.compliance = space, compliance
         self.weighted = np.einsum("cqIp,cq->cqIp", compliance @ space.basis, space.weights)
         energy = np.einsum("cqIp,cqIr->cpr", space.basis, self.weighted, optimize=True)
@@ -93,7 +87,7 @@ class Equilibrium:
         ).tocsc()
         S = sps.csc_array(full[self.free][:, self.free])
         self.S = sps.csc_array((S + S.T) / 2)
-        self.solve = solver(self.S, self.N)
+        self.solve = Signorini(self.S, self.N)
 
     def _number(self) -> None:
         """Numbers of the unknown moments: edge by edge, polynomial by polynomial, two components."""
@@ -121,26 +115,43 @@ class Equilibrium:
             normal: adds ∫_{Γ3} τ_ν v to the functional, for the moments ∫_e v B_i ≤ 0 on the edges ``contact``,
                 (edges of Γ3, n).
         """
-        space = self.space
-        lifted, tractions = space.lift(loads.force)
-        known = np.einsum("cqIp,Icq->cp", self.weighted, lifted, optimize=True)
-        known += np.einsum("cqIp,Icq,cq->cp", space.basis, strain, space.weights, optimize=True)
+        known, part, g = self._condense(loads, strain)
         shift = np.zeros(self.total)
+        if normal is not None:
+            shift[self.free] = self.N.T @ normal.ravel()
+        v, _ = self.solve(g + self.S @ shift[self.free])
+        m = np.zeros(self.total)
+        m[self.free] = v
+        return self._recover(part, known, m, m - shift)
+
+    def balance(self, loads: Loads) -> EquilibratedStress:
+        """The stress of least (C⁻¹τ, τ)_Q that balances loads without contact, τν = 0 on Γ3."""
+        nothing = np.zeros((3, *self.space.weights.shape))
+        known, part, g = self._condense(loads, nothing)
+        m = np.zeros(self.total)
+        m[self.free] = self.solve.factor(g)
+        return self._recover(part, known, m, m)
+
+    def _condense(self, loads: Loads, strain: Tensors) -> tuple[Array, EquilibratedStress, Array]:
+        """What the lift and ε* do to the free stresses (cells, p), the lift itself, and g."""
+        space = self.space
+        values, tractions = space.lift(loads.force)
+        known = np.einsum("cqIp,Icq->cp", self.weighted, values, optimize=True)
+        known += np.einsum("cqIp,Icq,cq->cp", space.basis, strain, space.weights, optimize=True)
         of_lift = tractions.reshape(space.cells, -1) - np.einsum(
             "csp,cpr,cr->cs", self.R, self.flexible, known, optimize=True
         )
         g = loads.surface.ravel() - np.bincount(self.numbers.ravel(), of_lift.ravel(), self.total)
-        if normal is not None:
-            shift[self.free] = self.N.T @ normal.ravel()
-        v, _ = self.solve(g[self.free] + self.S @ shift[self.free])
-        m = np.zeros(self.total)
-        m[self.free] = v
-        freedoms = np.einsum(
-            "cpr,cr->cp", self.flexible, np.einsum("csp,cs->cp", self.R, (m - shift)[self.numbers]) - known
-        )
+        return known, EquilibratedStress(values, tractions, np.empty(0)), g[self.free]
+
+    def _recover(self, lift: EquilibratedStress, known: Array, m: Array, pulling: Array) -> EquilibratedStress:
+        """The stresses that belong to moments of the edges."""
+        space = self.space
+        strain = np.einsum("csp,cs->cp", self.R, pulling[self.numbers]) - known
+        freedoms = np.einsum("cpr,cr->cp", self.flexible, strain)
         return EquilibratedStress(
-            lifted + np.einsum("cqIp,cp->Icq", space.basis, freedoms, optimize=True),
-            tractions + np.einsum("csp,cp->cs", self.R, freedoms).reshape(tractions.shape),
+            lift.values + np.einsum("cqIp,cp->Icq", space.basis, freedoms, optimize=True),
+            lift.tractions + np.einsum("csp,cp->cs", self.R, freedoms).reshape(lift.tractions.shape),
             m.reshape(-1, space.degree + 1, 2),
         )
 

@@ -6,6 +6,8 @@ thirds are cut along the lines at which the data are rough (``study.fem.quadratu
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from skfem import Mesh, MeshTri
 
@@ -15,7 +17,7 @@ from manufactured.tensors import Array, Points, Vectors
 from study.equilibrated.composite import SIDES, bernstein
 from study.equilibrated.hybrid import Loads
 from study.equilibrated.stresses import StressSpace
-from study.fem.quadrature import Line, cell_rules
+from study.fem.quadrature import CellRule, Line, cell_rules, simplex_rule
 
 DEGREE = 4
 """Degree of the rule for f_0 on a third."""
@@ -40,20 +42,48 @@ def _barycentric(corners: Points, x: Points) -> Array:
 
 
 class _Block:
-    """Some thirds with their quadrature, f_0 at the points and the functions it is projected onto."""
+    """Some thirds with their quadrature, f_0 at the points and the functions it is projected onto.
 
-    def __init__(self, data: Data, cells: Array, points: Points, weights: Array, shapes: Array) -> None:
-        self.cells, self.weights, self.shapes = cells, weights, shapes
-        self.force = data.body_force(points)
-        gram = np.einsum("anq,bnq,nq->nab", shapes, shapes, weights, optimize=True)
-        self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), shapes, weights, optimize=True)
+    Attributes:
+        cells: which thirds, (n,).
+        shapes: Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q).
+        quadratics: those of degree 2 of the whole cells, (6, n, q).
+    """
 
-    def __call__(self, time: float) -> tuple[Array, Array]:
-        """Coefficients of P f_0, (n, lower, 2), and ‖f_0 − P f_0‖² on each third, (n,)."""
+    def __init__(self, data: Data, rule: CellRule, shapes: Array, quadratics: Array) -> None:
+        self.cells, self.weights = rule.cells, rule.weights
+        self.shapes, self.quadratics = shapes, quadratics
+        self.force = data.body_force(rule.points)
+        gram = np.einsum("anq,bnq,nq->nab", shapes, shapes, rule.weights, optimize=True)
+        self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), shapes, rule.weights, optimize=True)
+
+    def __call__(self, time: float) -> tuple[Array, Array, Array]:
+        """P f_0, (n, lower, 2), and for g = f_0 − P f_0: ‖g‖² on the thirds, (n,), ∫ g q, (n, 6, 2)."""
         force = self.force(time)
         coefficients = np.einsum("naq,dnq->nad", self.projection, force, optimize=True)
-        rest = force - np.einsum("nad,anq->dnq", coefficients, self.shapes, optimize=True)
-        return coefficients, np.einsum("dnq,dnq,nq->n", rest, rest, self.weights, optimize=True)
+        rest = (force - np.einsum("nad,anq->dnq", coefficients, self.shapes, optimize=True)) * self.weights
+        return (
+            coefficients,
+            np.einsum("dnq,dnq,nq->n", rest, rest, 1 / self.weights, optimize=True),
+            np.einsum("dnq,anq->nad", rest, self.quadratics, optimize=True),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The data at one time.
+
+    Attributes:
+        loads: P f_0 and P f_2.
+        bowed: ‖Π g‖_T for g = f_0 − P f_0 and the projection Π onto P_2(T)², (cells,).
+        rest: ‖g − Π g‖_T, (cells,).
+        around: ‖f_2 − P f_2‖_e, (edges,), zero off Γ2.
+        """
+
+    loads: Loads
+    bowed: Array
+    rest: Array
+    around: Array
 
 
 class ProjectedLoads:
@@ -63,10 +93,12 @@ class ProjectedLoads:
         self.space = space
         mesh, corners = _cut(space)
         lines = [Line(direction, offset) for direction, offset in data.lines]
+        whole = np.repeat(space.mesh.p[:, space.mesh.t], 3, axis=2)
         self._blocks = []
         for rule in cell_rules(mesh, DEGREE, lines, data.points):
-            shapes = bernstein(space.degree - 1, _barycentric(corners[:, :, rule.cells], rule.points))
-            self._blocks.append(_Block(data, rule.cells, rule.points, rule.weights, shapes))
+            local, full = (_barycentric(c[:, :, rule.cells], rule.points) for c in (corners, whole))
+            shapes, quadratics = bernstein(space.degree - 1, local), bernstein(2, full)
+            self._blocks.append(_Block(data, rule, shapes, quadratics))
         x, weights = np.polynomial.legendre.leggauss(EDGE_POINTS)
         x, self._weights = (x + 1) / 2, weights / 2
         self._shapes = bernstein(space.degree, np.array([1 - x, x]))
@@ -79,21 +111,36 @@ class ProjectedLoads:
 
     def __call__(self, time: float) -> Loads:
         """P f_0 and P f_2."""
-        return self.with_oscillation(time)[0]
+        return self.at(time).loads
 
-    def with_oscillation(self, time: float) -> tuple[Loads, Array, Array]:
-        """The projections, ‖f_0 − P f_0‖² on the cells (cells,) and ‖f_2 − P f_2‖² on the edges (edges,)."""
+    def at(self, time: float) -> Snapshot:
+        """The projections, what they leave out and the data themselves."""
         space = self.space
         lower = space.degree * (space.degree + 1) // 2
-        force, rest = np.empty((3 * space.cells, lower, 2)), np.empty(3 * space.cells)
+        force, squares = np.empty((3 * space.cells, lower, 2)), np.empty(3 * space.cells)
+        moments = np.empty((3 * space.cells, 6, 2))
         for block in self._blocks:
-            force[block.cells], rest[block.cells] = block(time)
+            force[block.cells], squares[block.cells], moments[block.cells] = block(time)
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
-        rough = np.zeros(len(surface))
+        around = np.zeros(len(surface))
         for edges, load in self._edges:
-            values: Vectors = load(time)
+            values = load(time)
             surface[edges] = np.einsum("aq,dnq->nad", self._projection, values)
             left = values - np.einsum("nad,aq->dnq", surface[edges], self._shapes)
-            rough[edges] = np.einsum("dnq,dnq,q->n", left, left, self._weights) * space.lengths[edges]
-        loads = Loads(force.reshape(space.cells, 3, lower, 2), surface)
-        return loads, rest.reshape(space.cells, 3).sum(axis=1), rough
+            around[edges] = np.sqrt(np.einsum("dnq,dnq,q->n", left, left, self._weights) * space.lengths[edges])
+        total = squares.reshape(-1, 3).sum(axis=1)
+        of_cells = moments.reshape(-1, 3, 6, 2).sum(axis=1)
+        bowed = np.einsum("cad,ab,cbd->c", of_cells, np.linalg.inv(_gram()), of_cells) / space.volumes
+        return Snapshot(
+            Loads(force.reshape(space.cells, 3, lower, 2), surface),
+            np.sqrt(np.maximum(bowed, 0.0)),
+            np.sqrt(np.maximum(total - bowed, 0.0)),
+            around,
+        )
+
+
+def _gram() -> Array:
+    """(1/|T|) ∫_T B_α B_β for |α| = |β| = 2, (6, 6)."""
+    barycentric, weights = simplex_rule(2, 4)
+    at = bernstein(2, barycentric)
+    return (at * weights) @ at.T

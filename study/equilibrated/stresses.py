@@ -64,7 +64,7 @@ class StressSpace:
         return cell_volumes(self.mesh)
 
     @cached_property
-    def _map(self) -> Array:
+    def map(self) -> Array:
         """F, (cells, 2, 2)."""
         corners = self.mesh.p[:, self.mesh.t]
         return np.moveaxis(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1), 2, 0)
@@ -72,12 +72,12 @@ class StressSpace:
     @cached_property
     def _orientation(self) -> Array:
         """det F, (cells,)."""
-        return np.linalg.det(self._map)
+        return np.linalg.det(self.map)
 
     @cached_property
     def _piola(self) -> Array:
         """σ̂ ↦ F σ̂ Fᵀ / det F in Mandel form, (cells, 3, 3)."""
-        F = self._map
+        F = self.map
         E = basis(2)
         pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self._orientation[:, None, None, None]
         return np.einsum("Iil,cJil->cIJ", E, pushed)
@@ -126,7 +126,7 @@ class StressSpace:
 
     def _to_edges(self, reference: Array) -> Array:
         """|ê| σ̂ν̂ on the sides of the reference triangle ↦ σν on the edges, (cells, 3, n, 2, ...)."""
-        pushed = np.einsum("cij,csnj...->csni...", self._map, reference, optimize=True)
+        pushed = np.einsum("cij,csnj...->csni...", self.map, reference, optimize=True)
         a, b = (self.mesh.t[[side[end] for side in SIDES]].T for end in (0, 1))
         turned = (self.mesh.facets[0, self.edges] == b) & (self.mesh.facets[1, self.edges] == a)
         pushed[turned] = pushed[turned][:, ::-1]
@@ -177,7 +177,7 @@ class StressSpace:
 
     def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
         """A stress with Div σ + P f_0 = 0 in every cell: values (3, cells, Q), tractions (cells, 3, n, 2)."""
-        back = -np.einsum("c,cij,ctaj->ctai", self._orientation, np.linalg.inv(self._map), coefficients)
+        back = -np.einsum("c,cij,ctaj->ctai", self._orientation, np.linalg.inv(self.map), coefficients)
         stress = np.tensordot(back, self.element.lift, axes=([1, 2, 3], [3, 4, 5]))
         reference = np.einsum("qta,ctaJ->cqJ", self._values, stress, optimize=True)
         values = np.einsum("cIJ,cqJ->Icq", self._piola, reference, optimize=True)

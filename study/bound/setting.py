@@ -1,0 +1,204 @@
+"""Everything the bound needs on one mesh: displacements of degree 2, stresses of degree 2, data, constants."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sps
+from skfem import Mesh
+
+from manufactured.body import Kind
+from manufactured.data import Data
+from manufactured.law import Linear
+from manufactured.tensors import Array, Tensors
+from study.equilibrated.composite import SIDES, bernstein
+from study.equilibrated.hybrid import Equilibrium, Loads
+from study.equilibrated.loads import ProjectedLoads, Snapshot
+from study.equilibrated.oscillation import LINEAR, QUADRATIC, cell_constants, side_constants
+from study.equilibrated.stresses import StressSpace
+from study.fem.quadratic import Quadratic
+from study.solve.evolution import Problem
+
+KEPT = 8
+DEGREE = 2
+"""Degree of displacements and of stresses: P f_0 then contains the rigid motions of every cell."""
+
+
+class BoundError(ValueError):
+    """No bound can be given for the data."""
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """Spaces and matrices on one mesh.
+
+    Raises:
+        BoundError: the body is not plane, or the law has no usable monotonicity constant.
+    """
+
+    data: Data
+    mesh: Mesh
+
+    def __post_init__(self) -> None:
+        if self.data.body.dim != 2:
+            raise BoundError(
+                f"the bound rests on composite triangles, the body has dimension {self.data.body.dim}; give a plane body"
+            )
+        self.monotonicity  # noqa: B018
+
+    @cached_property
+    def displacements(self) -> Quadratic:
+        return Quadratic(self.mesh, self.data.body)
+
+    @cached_property
+    def stresses(self) -> StressSpace:
+        return StressSpace(self.mesh, self.data.body, DEGREE)
+
+    @cached_property
+    def loads(self) -> ProjectedLoads:
+        return ProjectedLoads(self.data, self.stresses)
+
+    def snapshot(self, time: float) -> Snapshot:
+        """The data at a time; the last few are kept, because loads and bounds ask for the same times."""
+        if time not in self._kept:
+            while len(self._kept) >= KEPT:
+                del self._kept[next(iter(self._kept))]
+            self._kept[time] = self.loads.at(time)
+        return self._kept[time]
+
+    @cached_property
+    def _kept(self) -> dict[float, Snapshot]:
+        return {}
+
+    @cached_property
+    def equilibrium(self) -> Equilibrium:
+        """min ½‖τ − ρ‖²_{A⁻¹} + … over Σ^h."""
+        compliance = np.linalg.inv(self.data.law.A.matrix)
+        return Equilibrium(self.stresses, self.inverse_viscosity[..., None, None] * compliance)
+
+    @cached_property
+    def inverse_viscosity(self) -> Array:
+        """1/α of A at the points of the stresses, (cells, Q)."""
+        return 1 / self.data.law.A.factor(self.stresses.points)
+
+    @cached_property
+    def monotonicity(self) -> float:
+        """m with (G ε₁ − G ε₂)·(ε₁ − ε₂) ≥ m A(ε₁ − ε₂)·(ε₁ − ε₂).
+
+        For a linear G the least eigenvalue of A⁻¹G; else from G's own constant and the bounds of A.
+
+        Raises:
+            BoundError: that constant is not finite.
+        """
+        A, G = self.data.law.A, self.data.law.G
+        if not np.isfinite(G.monotonicity):
+            raise BoundError(
+                f"{self.data.law.name}: G has the monotonicity constant {G.monotonicity}; the bound needs a finite one, "
+                "−L_G if nothing better is known"
+            )
+        if isinstance(G, Linear):
+            least = float(np.linalg.eigvals(np.linalg.solve(A.matrix, G.matrix)).real.min())
+            return least if G.factor is A.factor else least * G.factor.low / A.factor.high
+        return G.monotonicity / (A.lipschitz if G.monotonicity >= 0 else A.ellipticity)
+
+    # ---- displacements
+
+    @cached_property
+    def M(self) -> sps.csc_array:
+        """The matrix of (·,·)_V."""
+        return self._form(self.data.law.A.matrix, self.data.law.A.factor(self.displacements.points))
+
+    def _form(self, C: Array, factor: Array) -> sps.csc_array:
+        return self.displacements.form(C, factor)
+
+    def norm(self, v: Array) -> float:
+        """‖v‖_V."""
+        return float(np.sqrt(max(v @ (self.M @ v), 0.0)))
+
+    @cached_property
+    def at_points(self) -> sps.csr_array:
+        """v ↦ ε(v) at the points of the stresses."""
+        return self.displacements.strains(self.stresses.barycentric)
+
+    def strain(self, v: Array) -> Tensors:
+        """ε(v) at the points of the stresses, (3, cells, Q)."""
+        return np.moveaxis((self.at_points @ v).reshape(self.stresses.cells, -1, 3), 2, 0)
+
+    @cached_property
+    def _values(self) -> sps.csr_array:
+        """v ↦ v at the points of the stresses, transposed."""
+        return sps.csr_array(self.displacements.shapes(self.stresses.barycentric).T)
+
+    @cached_property
+    def _gram(self) -> Array:
+        """∫_0^1 B_i B_j, (3, 3)."""
+        x, w = np.polynomial.legendre.leggauss(DEGREE + 1)
+        at = bernstein(DEGREE, np.array([1 - x, 1 + x]) / 2)
+        return (at * w / 2) @ at.T
+
+    def functional(self, loads: Loads) -> Array:
+        """(P f_0, v)_H + (P f_2, v)_{L²(Γ2)}, (dofs,)."""
+        space, V = self.stresses, self.displacements
+        force = np.moveaxis(space.weights * space.evaluate(loads.force), 0, 2)
+        found = self._values @ force.ravel()
+        full = np.zeros((V.count, 2))
+        for _, edges in space.on(Kind.LOADED):
+            moments = np.einsum("ij,njd,n->ind", self._gram, loads.surface[edges], space.lengths[edges])
+            np.add.at(full, V.on_edges(edges), moments)
+        return found + full.ravel()[V.free]
+
+    def normal_moments(self, v: Array) -> Array:
+        """∫_e v_ν B_i on the edges of Γ3, (edges of Γ3, 3)."""
+        coefficients = self.displacements.coefficients(v)
+        found = []
+        for part, edges in self.stresses.on(Kind.CONTACT):
+            normal = coefficients[self.displacements.on_edges(edges)] @ part.normal
+            found.append((self._gram @ normal).T * self.stresses.lengths[edges][:, None])
+        return np.concatenate(found)
+
+    def problem(self, load: Callable[[float], Array], u0: Array) -> Problem:
+        """Problem 5.1 on displacements of degree 2."""
+        G, V = self.data.law.G, self.displacements
+        factor = G.factor(V.points)
+        at_points = G.scaled(factor)
+
+        def remainder(v: Array) -> Array:
+            strain = V.strain(v)
+            return V.functional(at_points(strain) - factor * np.tensordot(G.reference, strain, axes=1))
+
+        return Problem(
+            M=self.M,
+            reference=self._form(G.reference, factor),
+            remainder=None if isinstance(G, Linear) else remainder,
+            N=V.N,
+            load=load,
+            u0=u0,
+            T=self.data.body.T,
+        )
+
+    # ---- constants of the oscillation
+
+    @cached_property
+    def cell_constants(self) -> tuple[Array, Array]:
+        """C_{T,1} and C_{T,2} of every cell, with the least factor of A, (cells,) each."""
+        A = self.data.law.A
+        return tuple(
+            cell_constants(self.stresses.map, np.linalg.inv(A.matrix), q) / np.sqrt(A.factor.low)
+            for q in (LINEAR, QUADRATIC)
+        )
+
+    @cached_property
+    def side_constants(self) -> list[tuple[Array, Array, Array]]:
+        """The edges of Γ2 by their place in their cell: (cells, edges, C_e)."""
+        space, A = self.stresses, self.data.law.A
+        loaded = [edges for _, edges in space.on(Kind.LOADED)]
+        wanted = np.concatenate(loaded) if loaded else np.empty(0, dtype=int)
+        found = []
+        for side in range(len(SIDES)):
+            cells = np.flatnonzero(np.isin(space.edges[:, side], wanted))
+            constants = side_constants(space.map[cells], np.linalg.inv(A.matrix), side) / np.sqrt(A.factor.low)
+            found.append((cells, space.edges[cells, side], constants))
+        return found
