@@ -15,7 +15,7 @@ from matplotlib.figure import Figure
 
 from study.datafiles import DataError, read_csv, read_rates
 from study.figures.body import draw_body
-from study.figures.canvas import in_style, save
+from study.figures.canvas import in_style, save, uncollected
 from study.figures.convergence import draw_case, draw_overview
 from study.figures.pictures import Picture, read_pictures
 from study.figures.profiles import draw_profiles
@@ -55,7 +55,8 @@ def draw_figures(
 
 
 def _draw(directory: Path, name: str, draw: Callable[[], Figure]) -> list[Path]:
-    with in_style():
+    # The many small objects of a figure all live until it is saved: looking for garbage before finds nothing.
+    with in_style(), uncollected():
         return save(draw(), directory, name)
 
 

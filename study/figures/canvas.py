@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from contextlib import AbstractContextManager
+import gc
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from itertools import cycle
 from pathlib import Path
 
 from matplotlib import rc_context
 from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from study.store import write_whole
@@ -60,17 +64,40 @@ def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = 
 
 
 def save(figure: Figure, directory: Path, name: str) -> list[Path]:
-    """Write ``directory/name`` as pdf, png and svg, without dates or versions in them."""
-    # Laid out once for the three files: layout costs more than drawing.
-    figure.draw_without_rendering()
+    """Write ``directory/name`` as pdf, png and svg, without dates or versions in them.
+
+    The layout is found once, on the canvas that draws the png, so that texts measured for it are not measured
+    again; each file is then drawn once, by the canvas of its format (``Figure.savefig`` lays out and draws twice).
+    """
+    raster = FigureCanvasAgg(figure)
+    layout = figure.get_layout_engine()
+    assert layout is not None
+    layout.execute(figure)
     figure.set_layout_engine("none")
+    written = {
+        "png": raster.print_png,
+        "pdf": FigureCanvasPdf(figure).print_pdf,
+        "svg": FigureCanvasSVG(figure).print_svg,
+    }
 
     def write(form: str) -> Path:
         # A name may hold dots of its own (rough-1.75), so a suffix is appended, not replaced.
         path = directory / f"{name}.{form}"
-        return write_whole(path, lambda part: figure.savefig(part, format=form, metadata=_ANONYMOUS[form]))
+        return write_whole(path, lambda part: written[form](part, metadata=_ANONYMOUS[form]))
 
-    return [write(form) for form in _ANONYMOUS]
+    return [write(form) for form in written]
+
+
+@contextmanager
+def uncollected() -> Iterator[None]:
+    """No search for cyclic garbage inside the context; it is made up for at the next chance afterwards."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()
 
 
 def in_style() -> AbstractContextManager[None]:
