@@ -1,7 +1,7 @@
 """The data of Problem 2.1: body, law, forces f_0 and f_2, initial displacement u_0, and no solution.
 
-What is computed from ``Data`` alone can serve a problem whose solution nobody knows. An exact solution gives its data by
-``Data.of``; formulas of x1, x2 and t by ``Data.formulas``.
+What is computed from ``Data`` alone can serve a problem whose solution nobody knows. An exact solution gives its data
+by ``Data.of``; formulas of x1, x2 and t by ``Data.formulas``.
 """
 
 from __future__ import annotations
@@ -21,6 +21,14 @@ from manufactured.law import KelvinVoigt
 from manufactured.symbols import FormulaError, function, t
 from manufactured.tensors import Points, Tensors, Vectors, mandel
 
+POINTS, TIMES = 64, 5
+ROUNDING = 1e-12
+
+
+class LoadError(ValueError):
+    """Data that no solution can belong to."""
+
+
 ForceInTime = Callable[[float], Vectors]
 Line = tuple[tuple[float, ...], float]
 
@@ -28,6 +36,8 @@ Line = tuple[tuple[float, ...], float]
 @dataclass(frozen=True, eq=False)
 class Data:
     """Problem 2.1 without its solution.
+
+    ``check`` refuses what no solution can belong to.
 
     Attributes:
         body: Ω, Γ1, Γ2, Γ3, T.
@@ -120,6 +130,56 @@ class Data:
             lambda x: mandel(gradient(x).reshape(dim, dim, *x.shape[1:])),
             (*lines, *law.steps),
         )
+
+    def check(self) -> None:
+        """Look at random points and times whether the data are those of a problem.
+
+        Any finite load can be balanced, because meas Γ1 > 0 for every ``Body``.
+
+        Raises:
+            LoadError: f_0, f_2, u_0 or ε(u_0) is not finite or has the wrong shape, u_0 does not vanish on Γ1, or
+                u_0 is not in K.
+        """
+        body, rng = self.body, np.random.default_rng(0)
+        inside = _inside(body, rng)
+        dim = body.dim
+        for time in np.linspace(0.0, body.T, TIMES):
+            _finite("f_0", self.body_force(inside)(time), inside, dim, f" at t = {time:.4g}")
+            for part in body.of(Kind.LOADED):
+                x = part.sample(rng, POINTS)
+                _finite("f_2", self.surface_load(part, x)(time), x, dim, f" at t = {time:.4g}")
+        _finite("ε(u_0)", self.initial(inside), inside, dim * (dim + 1) // 2, "")
+        size = max(abs(_finite("u_0", self.start(inside), inside, dim, "")).max(), np.finfo(float).tiny)
+        for part in body.parts:
+            x = part.sample(rng, POINTS)
+            u = _finite("u_0", self.start(x), x, dim, "")
+            if part.kind is Kind.CLAMPED and abs(u).max() > ROUNDING * size:
+                raise LoadError(f"u_0 is {abs(u).max():.3g} on Γ1, where it has to vanish, (2.3); change u_0")
+            if part.kind is Kind.CONTACT and (part.normal @ u).max() > ROUNDING * size:
+                raise LoadError(
+                    f"u_0ν is {(part.normal @ u).max():.3g} > 0 on Γ3: u_0 has to lie in K, (3.5); change u_0"
+                )
+
+
+def _inside(body: Body, rng: np.random.Generator) -> Points:
+    """Random points of Ω, (d, POINTS) or fewer."""
+    low, high = body.vertices.min(axis=1, keepdims=True), body.vertices.max(axis=1, keepdims=True)
+    x = low + (high - low) * rng.random((body.dim, 8 * POINTS))
+    return x[:, body.contains(x)][:, :POINTS]
+
+
+def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -> Vectors:
+    if np.shape(values) != (components, *x.shape[1:]):
+        raise LoadError(
+            f"{name} has the shape {np.shape(values)} at points {x.shape}{when}, expected {(components, *x.shape[1:])}"
+        )
+    wrong = ~np.isfinite(values).all(axis=0)
+    if wrong.any():
+        raise LoadError(
+            f"{name} is not finite at x = {np.round(x[:, wrong][:, 0], 4).tolist()}{when}: no stress can balance it; "
+            "give loads of L²"
+        )
+    return values
 
 
 def _compiled(

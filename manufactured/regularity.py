@@ -73,6 +73,15 @@ class Regularity:
         return min(self.smoothness, self.gap - 2.5) if self.moving else self.smoothness
 
     @property
+    def force_in_L2(self) -> bool:
+        """Whether f_0(t) ∈ L²(Ω)²: the lifting lies in H² with its rate.
+
+        Fields r^λ at corners and natural fronts have Div σ = 0 where they are singular, and cost nothing.
+        """
+        front = min(self.gap - 1.5 - self.moving, self.pressure - 0.5)
+        return front > 1
+
+    @property
     def trace(self) -> float:
         """sup of the τ with u_ν(t) ∈ H^τ(Γ3,i)."""
         return min(self.gap, self.on_contact) + 0.5

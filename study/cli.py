@@ -9,24 +9,32 @@ import sys
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
+import pandas as pd
 from tqdm import tqdm
 
 from manufactured.admissibility import SelfProofError
 from manufactured.body import BodyError
 from manufactured.case import CaseError
 from manufactured.catalogue import catalogue
+from manufactured.data import LoadError
 from manufactured.law import LawError
 from manufactured.symbols import FormulaError
 from study import run
+from study.bound.enclosure import Better
+from study.bound.measure import Bounded, bounded, check_bound
+from study.bound.report import levels, series, text, write
+from study.bound.setting import BoundError
 from study.controls import register
 from study.controls.judge import controls_text, run_controls, settings, write_controls
 from study.datafiles import DataError
 from study.fem.mesh import MeshError
-from study.figures import draw_figures
+from study.figures import draw_figures, draw_one
+from study.figures.enclosure import draw_enclosure
 from study.junit import write_junit
-from study.naming import UsageError, choose
+from study.naming import UsageError, choose, family_named, resolve_data
 from study.published import TableError, as_json, as_text, read_table, report
 from study.rates import RatesError
 from study.solve.evolution import SCHEMES
@@ -41,7 +49,9 @@ REFUSALS = (
     UsageError,
     SelfProofError,
     BodyError,
+    BoundError,
     CaseError,
+    LoadError,
     LawError,
     FormulaError,
     MeshError,
@@ -108,8 +118,19 @@ def parser() -> argparse.ArgumentParser:
     published.add_argument("--json", action="store_true", help="as JSON")
     published.set_defaults(command=do_rates)
 
-    for name, command, text in (("tables", do_tables, "tables"), ("figures", do_figures, "figures")):
-        present = commands.add_parser(name, help=f"make the {text} again from the data on disk")
+    bound = commands.add_parser("bound", help="enclose the error of a computed displacement, exact solution or not")
+    bound.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a case, a problem without a solution, or your own")
+    bound.add_argument("--levels", nargs="+", type=int, default=[8, 16], metavar="N", help="increasing (default 8 16)")
+    bound.add_argument("--family", default="unstructured", help="mesh family (default unstructured)")
+    bound.add_argument("--scheme", default="midpoint", help="time scheme of u_h (default midpoint)")
+    bound.add_argument("--steps", type=int, metavar="N", help="time steps of u_h at every level")
+    bound.add_argument("--refine", type=int, default=1, metavar="R", help="refinements of the mesh of ũ (default 1)")
+    bound.add_argument("--shorter", type=int, default=4, metavar="Q", help="steps of ũ in one of u_h (default 4)")
+    bound.add_argument("--out", type=Path, default=Path("bounds"), metavar="DIR", help="directory (default bounds)")
+    bound.set_defaults(command=do_bound)
+
+    for name, command, what in (("tables", do_tables, "tables"), ("figures", do_figures, "figures")):
+        present = commands.add_parser(name, help=f"make the {what} again from the data on disk")
         _out(present)
         present.set_defaults(command=command)
     return top
@@ -204,6 +225,30 @@ def do_rates(options: argparse.Namespace) -> int:
     else:
         print("\n".join(as_text(column) for column in found))
     return OK if all(column.verdict in (None, HOLDS) for column in found) else FAILED
+
+
+def do_bound(options: argparse.Namespace) -> int:
+    """``study bound``: compute, enclose, write, draw."""
+    name, data, case = resolve_data(options.problem)
+    scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
+    better = Better(options.refine, options.shorter)
+    plan = check_bound(data, family, options.levels, options.steps, better)
+    found: dict[int, Bounded] = {}
+    for level, steps in plan.items():
+        with _bar(100) as bar:
+            bar.set_description(f"level {level}")
+
+            def progress(time: float, bar: tqdm = bar) -> None:
+                bar.update(round(100 * time / data.body.T) - bar.n)
+
+            found[level] = bounded(data, case, family, level, scheme, steps, better, progress)
+    table, over_time = levels(found), pd.concat([series(level, one) for level, one in found.items()])
+    written = write(options.out / name, table, over_time, found)
+    written += draw_one(options.out / name, "enclosure", partial(draw_enclosure, over_time, name))
+    print(f"\n{text(name, table, over_time)}\n")
+    print("written: " + ", ".join(map(str, written)))
+    inside = all(one.enclosure.contains and one.plain.contains for one in found.values())
+    return OK if case is None or inside else FAILED
 
 
 def do_tables(options: argparse.Namespace) -> int:

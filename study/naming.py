@@ -11,6 +11,8 @@ from typing import Any
 
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
+from manufactured.data import Data
+from manufactured.problems import PROBLEMS
 from study.fem.mesh import FAMILIES, MeshFamily
 
 
@@ -42,8 +44,41 @@ def resolve(reference: str) -> Case:
     Raises:
         UsageError: no such case, file or name, or it is not a case.
     """
-    if ":" not in reference:
-        return choose("case", reference, catalogue())  # type: ignore[no-any-return]
+    found = _from_file(reference) if ":" in reference else choose("case", reference, catalogue())
+    if not isinstance(found, Case):
+        raise UsageError(f"{reference} is a {type(found).__name__}, expected a manufactured.Case")
+    return found
+
+
+@lru_cache
+def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
+    """Name, data and, where the solution is known, the case behind a name or FILE.py:NAME.
+
+    NAME is a ``manufactured.Data``, a Case, or a function making one; names are those of the catalogue and of
+    ``manufactured.problems``.
+
+    Raises:
+        UsageError: no such name or file, or neither data nor a case.
+    """
+    name = reference.rpartition(":")[2]
+    if ":" in reference:
+        found = _from_file(reference)
+    elif reference in PROBLEMS:
+        found = PROBLEMS[reference]()
+    else:
+        try:
+            found = choose("case", reference, catalogue())
+        except UsageError as error:
+            raise UsageError(f"{error}; problems without a solution: {', '.join(PROBLEMS)}") from None
+    if isinstance(found, Case):
+        return found.name, Data.of(found.solution), found
+    if not isinstance(found, Data):
+        raise UsageError(f"{reference} is a {type(found).__name__}, expected manufactured.Data or a manufactured.Case")
+    return name, found, None
+
+
+def _from_file(reference: str) -> Any:
+    """What FILE.py:NAME stands for; called if it is a function."""
     file, _, name = reference.rpartition(":")
     path = Path(file).resolve()
     if not path.is_file():
@@ -58,11 +93,8 @@ def resolve(reference: str) -> Case:
         if not hasattr(module, name):
             raise UsageError(f"{reference}: {file} defines no {name!r}")
         found = getattr(module, name)
-        case = found() if callable(found) else found
+        return found() if callable(found) else found
     except UsageError:
         raise
     except (Exception, SystemExit) as error:
         raise UsageError(f"{reference} cannot be made: {type(error).__name__}: {error}") from error
-    if not isinstance(case, Case):
-        raise UsageError(f"{reference} is a {type(case).__name__}, expected a manufactured.Case")
-    return case

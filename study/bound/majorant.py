@@ -1,7 +1,7 @@
 """A guaranteed bound of ‖u(t) − ũ(t)‖_V for any admissible trajectory ũ, without the exact solution u.
 
-Let ũ(t) ∈ K, e = u − ũ, and σ̃(t) balance f̃(t) with σ̃_τ = 0, σ̃_ν ≤ 0 on Γ3. Put ρ = σ̃ − Aε(ũ̇) − Gε(ũ). Testing (3.13)
-for u with ũ gives (Aε(u̇) + Gε(u), ε(e))_Q ≤ (f, e)_V, and Green's formula for σ̃, with u_ν ≤ 0 on Γ3,
+Let ũ(t) ∈ K, e = u − ũ, and σ̃(t) balance f̃(t) with σ̃_τ = 0, σ̃_ν ≤ 0 on Γ3. Put ρ = σ̃ − Aε(ũ̇) − Gε(ũ). Testing
+(3.13) for u with ũ gives (Aε(u̇) + Gε(u), ε(e))_Q ≤ (f, e)_V, and Green's formula for σ̃, with u_ν ≤ 0 on Γ3,
 
     (σ̃, ε(e))_Q = (f̃, e)_V + ∫_{Γ3} σ̃_ν e_ν ≥ (f̃, e)_V − c,     c = ∫_{Γ3} σ̃_ν ũ_ν ≥ 0.
 
@@ -15,22 +15,22 @@ so with the constant m of monotonicity (``Setting.monotonicity``)
 
 the right side times e^{|m|(b−a)} for m < 0: d/dt of its square is at least what is needed.
 
-**Trajectory.** The nodes d_0, …, d_N ∈ K of any time scheme are the control points of a quadratic B-spline with knots at
-the middles of the steps,
+**Trajectory.** The nodes d_0, …, d_N ∈ K of any time scheme are the control points of a quadratic B-spline with knots
+at the middles of the steps,
 
     ũ(t_{j−1/2}) = (d_{j−1} + d_j)/2,    ũ̇(t_{j−1/2}) = (d_j − d_{j−1})/k,    ũ̇ linear in between,
 
 and the straight line on the first and the last half step. All its points are convex combinations of nodes: ũ(t) ∈ K for
 every t, for an exact or wrong d alike. At the knots the residual is that of the midpoint scheme, with no error in time.
 
-**Between the knots** everything is a parabola in t in Bernstein form. σ̃ is one with σ̃_ν ≤ 0 in all three coefficients; it
-balances the parabola through P f at both ends and in the middle. For linear G so is ρ, and ∫ r ≤ (k ∫ ‖ρ‖²)^{1/2} is exact
-up to the last step. For other G, Lipschitz with L, Gε(ũ) differs from its linear interpolation by at most
-2θ(1−θ) k L |ε̇|, and by nothing where the whole piece stays in the convex set of (3.3).
+**Between the knots** everything is a parabola in t in Bernstein form. σ̃ is one with σ̃_ν ≤ 0 in all three
+coefficients; it balances the parabola through P f at both ends and in the middle. For linear G so is ρ, and ∫ r ≤ (k ∫
+‖ρ‖²)^{1/2} is exact up to the last step. For other G, Lipschitz with L, Gε(ũ) differs from its linear interpolation by
+at most 2θ(1−θ) k L |ε̇|, and by nothing where the whole piece stays in the convex set of (3.3).
 
-**Data.** f − P f is bounded cell by cell with the constants of ``study.equilibrated.oscillation`` and joined to ρ in the same
-cell; P f minus its parabola, sampled once in each piece, is balanced by a stress of its own. Integrals of the data are
-quadratures; constants are computed.
+**Data.** f − P f is bounded cell by cell with the constants of ``study.equilibrated.oscillation`` and joined to ρ in
+the same cell; P f minus its parabola, sampled once in each piece, is balanced by a stress of its own. Integrals of the
+data are quadratures; constants are computed.
 """
 
 from __future__ import annotations

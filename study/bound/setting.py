@@ -17,14 +17,14 @@ from manufactured.tensors import Array, Tensors
 from study.equilibrated.composite import SIDES, bernstein
 from study.equilibrated.hybrid import Equilibrium, Loads
 from study.equilibrated.loads import ProjectedLoads, Snapshot
-from study.equilibrated.oscillation import LINEAR, QUADRATIC, cell_constants, side_constants
+from study.equilibrated.oscillation import cell_constants, side_constants
 from study.equilibrated.stresses import StressSpace
 from study.fem.quadratic import Quadratic
 from study.solve.evolution import Problem
 
 KEPT = 8
-DEGREE = 2
-"""Degree of displacements and of stresses: P f_0 then contains the rigid motions of every cell."""
+DEGREE = 3
+"""Degree of stresses: P f_0 then has degree 2, rigid motions of the cells among them."""
 
 
 class BoundError(ValueError):
@@ -45,7 +45,8 @@ class Setting:
     def __post_init__(self) -> None:
         if self.data.body.dim != 2:
             raise BoundError(
-                f"the bound rests on composite triangles, the body has dimension {self.data.body.dim}; give a plane body"
+                f"the bound rests on composite triangles, the body has dimension {self.data.body.dim}; "
+                "give a plane body"
             )
         self.monotonicity  # noqa: B018
 
@@ -96,8 +97,8 @@ class Setting:
         A, G = self.data.law.A, self.data.law.G
         if not np.isfinite(G.monotonicity):
             raise BoundError(
-                f"{self.data.law.name}: G has the monotonicity constant {G.monotonicity}; the bound needs a finite one, "
-                "−L_G if nothing better is known"
+                f"{self.data.law.name}: G has the monotonicity constant {G.monotonicity}; the bound needs a finite one,
+                " "−L_G if nothing better is known"
             )
         if isinstance(G, Linear):
             least = float(np.linalg.eigvals(np.linalg.solve(A.matrix, G.matrix)).real.min())
@@ -134,10 +135,10 @@ class Setting:
 
     @cached_property
     def _gram(self) -> Array:
-        """∫_0^1 B_i B_j, (3, 3)."""
+        """∫_0^1 B_i B_j for degree 2 and the degree of the stresses, (3, n)."""
         x, w = np.polynomial.legendre.leggauss(DEGREE + 1)
-        at = bernstein(DEGREE, np.array([1 - x, 1 + x]) / 2)
-        return (at * w / 2) @ at.T
+        displacements, stresses = (bernstein(k, np.array([1 - x, 1 + x]) / 2) for k in (2, DEGREE))
+        return (displacements * w / 2) @ stresses.T
 
     def functional(self, loads: Loads) -> Array:
         """(P f_0, v)_H + (P f_2, v)_{L²(Γ2)}, (dofs,)."""
@@ -151,12 +152,12 @@ class Setting:
         return found + full.ravel()[V.free]
 
     def normal_moments(self, v: Array) -> Array:
-        """∫_e v_ν B_i on the edges of Γ3, (edges of Γ3, 3)."""
+        """∫_e v_ν B_i on the edges of Γ3, (edges of Γ3, n)."""
         coefficients = self.displacements.coefficients(v)
         found = []
         for part, edges in self.stresses.on(Kind.CONTACT):
             normal = coefficients[self.displacements.on_edges(edges)] @ part.normal
-            found.append((self._gram @ normal).T * self.stresses.lengths[edges][:, None])
+            found.append((self._gram.T @ normal).T * self.stresses.lengths[edges][:, None])
         return np.concatenate(found)
 
     def problem(self, load: Callable[[float], Array], u0: Array) -> Problem:
@@ -183,11 +184,11 @@ class Setting:
 
     @cached_property
     def cell_constants(self) -> tuple[Array, Array]:
-        """C_{T,1} and C_{T,2} of every cell, with the least factor of A, (cells,) each."""
+        """C_{T,k−1} and C_{T,k} of every cell, with the least factor of A, (cells,) each."""
         A = self.data.law.A
         return tuple(
             cell_constants(self.stresses.map, np.linalg.inv(A.matrix), q) / np.sqrt(A.factor.low)
-            for q in (LINEAR, QUADRATIC)
+            for q in (DEGREE - 1, DEGREE)
         )
 
     @cached_property

@@ -74,13 +74,16 @@ class Equilibrium:
 
     def __init__(self, space: StressSpace, compliance: Array) -> None:
         self.space, self.compliance = space, compliance
-        self.weighted = np.einsum("cqIp,cq->cqIp", compliance @ space.basis, space.weights)
-        energy = np.einsum("cqIp,cqIr->cpr", space.basis, self.weighted, optimize=True)
-        self.flexible = np.linalg.inv(energy)
+        cells, freedoms = space.cells, space.basis.shape[-1]
+        # (cells, 3 Q, p): matrix products then need no copies.
+        self.basis = space.basis.reshape(cells, -1, freedoms)
+        weighted = (space.weights[..., None, None] * (compliance @ space.basis)).reshape(self.basis.shape)
+        self.flexible = np.linalg.inv(self.basis.swapaxes(1, 2) @ weighted)
         # (cells, 3 sides · n · 2, p)
         self.R = space.tractions.reshape(space.cells, -1, space.tractions.shape[-1])
+        self.RT = self.R.swapaxes(1, 2)
         self._number()
-        local = self.R @ self.flexible @ self.R.swapaxes(1, 2)
+        local = self.R @ self.flexible @ self.RT
         rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
         full = sps.coo_array(
             (local.ravel(), (rows.ravel(), rows.swapaxes(1, 2).ravel())), shape=(self.total, self.total)
@@ -136,22 +139,20 @@ class Equilibrium:
         """What the lift and ε* do to the free stresses (cells, p), the lift itself, and g."""
         space = self.space
         values, tractions = space.lift(loads.force)
-        known = np.einsum("cqIp,Icq->cp", self.weighted, values, optimize=True)
-        known += np.einsum("cqIp,Icq,cq->cp", space.basis, strain, space.weights, optimize=True)
-        of_lift = tractions.reshape(space.cells, -1) - np.einsum(
-            "csp,cpr,cr->cs", self.R, self.flexible, known, optimize=True
-        )
+        response = (self.compliance @ np.moveaxis(values, 0, 2)[..., None])[..., 0] + np.moveaxis(strain, 0, 2)
+        known = _times((space.weights[..., None] * response).reshape(space.cells, -1), self.basis)
+        of_lift = tractions.reshape(space.cells, -1) - _times(_times(known, self.flexible), self.RT)
         g = loads.surface.ravel() - np.bincount(self.numbers.ravel(), of_lift.ravel(), self.total)
         return known, EquilibratedStress(values, tractions, np.empty(0)), g[self.free]
 
     def _recover(self, lift: EquilibratedStress, known: Array, m: Array, pulling: Array) -> EquilibratedStress:
         """The stresses that belong to moments of the edges."""
         space = self.space
-        strain = np.einsum("csp,cs->cp", self.R, pulling[self.numbers]) - known
-        freedoms = np.einsum("cpr,cr->cp", self.flexible, strain)
+        freedoms = _times(_times(pulling[self.numbers], self.R) - known, self.flexible)
+        added = (self.basis @ freedoms[..., None]).reshape(space.cells, -1, 3)
         return EquilibratedStress(
-            lift.values + np.einsum("cqIp,cp->Icq", space.basis, freedoms, optimize=True),
-            lift.tractions + np.einsum("csp,cp->cs", self.R, freedoms).reshape(lift.tractions.shape),
+            lift.values + np.moveaxis(added, 2, 0),
+            lift.tractions + _times(freedoms, self.RT).reshape(lift.tractions.shape),
             m.reshape(-1, space.degree + 1, 2),
         )
 
@@ -160,3 +161,8 @@ class Equilibrium:
         found = np.empty((self.total // (2 * (self.space.degree + 1)), self.space.degree + 1))
         found[self.space.edges] = -stress.tractions[..., 0]
         return found[self.contact]
+
+
+def _times(vectors: Array, matrices: Array) -> Array:
+    """A row vector for every cell times a matrix for every cell: (cells, p), (cells, p, r) → (cells, r)."""
+    return (vectors[:, None, :] @ matrices)[:, 0]

@@ -13,14 +13,14 @@ from skfem import Mesh, MeshTri
 
 from manufactured.body import Kind
 from manufactured.data import Data
-from manufactured.tensors import Array, Points, Vectors
+from manufactured.tensors import Array, Points
 from study.equilibrated.composite import SIDES, bernstein
 from study.equilibrated.hybrid import Loads
 from study.equilibrated.stresses import StressSpace
 from study.fem.quadrature import CellRule, Line, cell_rules, simplex_rule
 
 DEGREE = 4
-"""Degree of the rule for f_0 on a third."""
+"""Degree of the rule for f_0 on a third, at least; 2k if that is more."""
 EDGE_POINTS = 6
 """Gauss points for f_2 on an edge."""
 
@@ -47,25 +47,26 @@ class _Block:
     Attributes:
         cells: which thirds, (n,).
         shapes: Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q).
-        quadratics: those of degree 2 of the whole cells, (6, n, q).
+            whole: those of degree k of the cells, (more, n, q).
     """
 
-    def __init__(self, data: Data, rule: CellRule, shapes: Array, quadratics: Array) -> None:
+    def __init__(self, data: Data, rule: CellRule, shapes: Array, whole: Array) -> None:
         self.cells, self.weights = rule.cells, rule.weights
-        self.shapes, self.quadratics = shapes, quadratics
+        self.shapes, self.whole = shapes, whole
         self.force = data.body_force(rule.points)
         gram = np.einsum("anq,bnq,nq->nab", shapes, shapes, rule.weights, optimize=True)
         self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), shapes, rule.weights, optimize=True)
 
     def __call__(self, time: float) -> tuple[Array, Array, Array]:
-        """P f_0, (n, lower, 2), and for g = f_0 − P f_0: ‖g‖² on the thirds, (n,), ∫ g q, (n, 6, 2)."""
+        """P f_0, (n, lower, 2), and for g = f_0 − P f_0: ‖g‖² on the thirds, (n,), ∫ g q, (n, more, 2)."""
         force = self.force(time)
         coefficients = np.einsum("naq,dnq->nad", self.projection, force, optimize=True)
-        rest = (force - np.einsum("nad,anq->dnq", coefficients, self.shapes, optimize=True)) * self.weights
+        rest = force - np.einsum("nad,anq->dnq", coefficients, self.shapes, optimize=True)
+        weighted = rest * self.weights
         return (
             coefficients,
-            np.einsum("dnq,dnq,nq->n", rest, rest, 1 / self.weights, optimize=True),
-            np.einsum("dnq,anq->nad", rest, self.quadratics, optimize=True),
+            np.einsum("dnq,dnq->n", rest, weighted),
+            np.einsum("dnq,anq->nad", weighted, self.whole, optimize=True),
         )
 
 
@@ -75,10 +76,10 @@ class Snapshot:
 
     Attributes:
         loads: P f_0 and P f_2.
-        bowed: ‖Π g‖_T for g = f_0 − P f_0 and the projection Π onto P_2(T)², (cells,).
+        bowed: ‖Π g‖_T for g = f_0 − P f_0 and the projection Π onto P_k(T)², (cells,).
         rest: ‖g − Π g‖_T, (cells,).
         around: ‖f_2 − P f_2‖_e, (edges,), zero off Γ2.
-        """
+    """
 
     loads: Loads
     bowed: Array
@@ -93,16 +94,18 @@ class ProjectedLoads:
         self.space = space
         mesh, corners = _cut(space)
         lines = [Line(direction, offset) for direction, offset in data.lines]
-        whole = np.repeat(space.mesh.p[:, space.mesh.t], 3, axis=2)
+        cells = np.repeat(space.mesh.p[:, space.mesh.t], 3, axis=2)
         self._blocks = []
-        for rule in cell_rules(mesh, DEGREE, lines, data.points):
-            local, full = (_barycentric(c[:, :, rule.cells], rule.points) for c in (corners, whole))
-            shapes, quadratics = bernstein(space.degree - 1, local), bernstein(2, full)
-            self._blocks.append(_Block(data, rule, shapes, quadratics))
+        for rule in cell_rules(mesh, max(DEGREE, 2 * space.degree), lines, data.points):
+            local, full = (_barycentric(c[:, :, rule.cells], rule.points) for c in (corners, cells))
+            shapes, whole = bernstein(space.degree - 1, local), bernstein(space.degree, full)
+            self._blocks.append(_Block(data, rule, shapes, whole))
         x, weights = np.polynomial.legendre.leggauss(EDGE_POINTS)
         x, self._weights = (x + 1) / 2, weights / 2
         self._shapes = bernstein(space.degree, np.array([1 - x, x]))
-        self._projection = np.linalg.solve((self._shapes * self._weights) @ self._shapes.T, self._shapes * self._weights)
+        self._projection = np.linalg.solve(
+            (self._shapes * self._weights) @ self._shapes.T, self._shapes * self._weights
+        )
         self._edges = []
         for part, edges in space.on(Kind.LOADED):
             ends = space.mesh.p[:, space.mesh.facets[:, edges]]
@@ -118,7 +121,8 @@ class ProjectedLoads:
         space = self.space
         lower = space.degree * (space.degree + 1) // 2
         force, squares = np.empty((3 * space.cells, lower, 2)), np.empty(3 * space.cells)
-        moments = np.empty((3 * space.cells, 6, 2))
+        gram = _gram(space.degree)
+        moments = np.empty((3 * space.cells, len(gram), 2))
         for block in self._blocks:
             force[block.cells], squares[block.cells], moments[block.cells] = block(time)
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
@@ -129,8 +133,8 @@ class ProjectedLoads:
             left = values - np.einsum("nad,aq->dnq", surface[edges], self._shapes)
             around[edges] = np.sqrt(np.einsum("dnq,dnq,q->n", left, left, self._weights) * space.lengths[edges])
         total = squares.reshape(-1, 3).sum(axis=1)
-        of_cells = moments.reshape(-1, 3, 6, 2).sum(axis=1)
-        bowed = np.einsum("cad,ab,cbd->c", of_cells, np.linalg.inv(_gram()), of_cells) / space.volumes
+        of_cells = moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
+        bowed = np.einsum("cad,ab,cbd->c", of_cells, np.linalg.inv(gram), of_cells) / space.volumes
         return Snapshot(
             Loads(force.reshape(space.cells, 3, lower, 2), surface),
             np.sqrt(np.maximum(bowed, 0.0)),
@@ -139,8 +143,8 @@ class ProjectedLoads:
         )
 
 
-def _gram() -> Array:
-    """(1/|T|) ∫_T B_α B_β for |α| = |β| = 2, (6, 6)."""
-    barycentric, weights = simplex_rule(2, 4)
-    at = bernstein(2, barycentric)
+def _gram(degree: int) -> Array:
+    """(1/|T|) ∫_T B_α B_β for polynomials of a degree."""
+    barycentric, weights = simplex_rule(2, 2 * degree)
+    at = bernstein(degree, barycentric)
     return (at * weights) @ at.T

@@ -7,14 +7,14 @@ inequality gives a smallest C_{T,q} with
 
 which grows in proportion to the size of T for fixed shape and A. Cut T into four similar triangles T' of half the size
 and let P be the projection onto P_q(T')² on each of them. P g is still orthogonal to the rigid motions of T, so it is
-balanced by stresses τ with τν = 0 on ∂T, and ∫ P g·v = (τ, ε(v)); the least ‖τ‖_{A⁻¹} over composite stresses is at most
-√λ ‖P g‖ with an eigenvalue λ of a small matrix. g − P g is orthogonal to every P_q(T')², where the constant is C_{T,q}/2.
-Hence
+balanced by stresses τ with τν = 0 on ∂T, and ∫ P g·v = (τ, ε(v)); the least ‖τ‖_{A⁻¹} over composite stresses is at
+most √λ ‖P g‖ with an eigenvalue λ of a small matrix. g − P g is orthogonal to every P_q(T')², where the constant is
+C_{T,q}/2. Hence
 
     C_{T,q}² ≤ λ + C_{T,q}²/4,   that is   C_{T,q}² ≤ 4λ/3.
 
-The same with a load on one side e of T, orthogonal to P1(e)², with halves of e for the T' and a constant that grows like
-the root of the size:  C_e² ≤ λ_e + C_e²/2,  that is  C_e² ≤ 2 λ_e.
+The same with a load on one side e of T, orthogonal to P1(e)², with halves of e for the T' and a constant that grows
+like the root of the size:  C_e² ≤ λ_e + C_e²/2,  that is  C_e² ≤ 2 λ_e.
 
 No constant from the literature enters. λ comes from dense eigenvalues in floating point arithmetic: it is computed, not
 proved digit by digit.
@@ -31,10 +31,6 @@ from scipy.linalg import null_space
 from manufactured.tensors import Array, basis
 from study.equilibrated.composite import CORNERS, SIDES, bernstein, composite, indices, thirds
 from study.fem.quadrature import simplex_rule
-
-LINEAR, QUADRATIC = 1, 2
-"""q, for which the constants are made."""
-
 
 ROUNDING = 1e-9
 """Relative singular values below which equations on the reference triangle are dependent."""
@@ -122,12 +118,11 @@ class _Divided:
         barycentric, weights = simplex_rule(2, 2 * degree)
         at = bernstein(degree, barycentric).T
         third = np.einsum("qa,taJp->tqJp", at, element.space).reshape(-1, 3, self.size)
-        self.values = np.zeros((4, len(third), 3, 4, self.size))
+        values = np.zeros((4, len(third), 3, 4, self.size))
         for child in range(4):
-            self.values[child, :, :, child] = third
-        self.values = self.values.reshape(-1, 3, 4 * self.size)
+            values[child, :, :, child] = third
+        self.values = values.reshape(-1, 3, 4 * self.size)
         self.weights = np.tile(weights / 24, 12)
-
 
 
 def _family(divided: _Divided, still: Array, moving: Array, loads: Array, products: Array) -> _Family:
@@ -197,4 +192,6 @@ def _side(side: int) -> _Family:
     rest = null_space(linear.T @ mass, rcond=ROUNDING)
     loads = np.kron(np.kron(np.eye(2), raised) @ rest, np.eye(2))
     # |ê| t̂ on a half is its traction times its share 1/2 of the side: t on the side is twice that.
-    return _family(divided, still, divided.outer[side].reshape(-1, unknowns), loads, 4 * _products(rest.T @ mass @ rest))
+    return _family(
+        divided, still, divided.outer[side].reshape(-1, unknowns), loads, 4 * _products(rest.T @ mass @ rest)
+    )

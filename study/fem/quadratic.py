@@ -1,8 +1,8 @@
 """V^h of degree 2 in Bernstein form: better admissible displacements than those of P1.
 
-On a cell v = Σ_α c_α B_α with a coefficient at every vertex and one at every edge. On Γ3 the trace v_ν is a polynomial in
-Bernstein form, and v_ν ≤ 0 follows from ν·c ≤ 0 for its coefficients: the functions with N v ≤ 0 lie in K, where values
-at nodes would not suffice. The converse fails, which costs a little of the cone and nothing of the bound.
+On a cell v = Σ_α c_α B_α with a coefficient at every vertex and one at every edge. On Γ3 the trace v_ν is a polynomial
+in Bernstein form, and v_ν ≤ 0 follows from ν·c ≤ 0 for its coefficients: the functions with N v ≤ 0 lie in K, where
+values at nodes would not suffice. The converse fails, which costs a little of the cone and nothing of the bound.
 
 Strains are linear on a cell. They are held at three points of it, at which products of two are integrated exactly.
 """
@@ -17,7 +17,7 @@ import scipy.sparse as sps
 from skfem import Mesh
 
 from manufactured.body import Body, Kind
-from manufactured.tensors import Array, Tensors, Vectors, basis
+from manufactured.tensors import Array, Points, Tensors, basis, mandel
 from study.fem.mesh import barycentric_gradients, boundary_parts, cell_volumes
 from study.fem.quadrature import simplex_rule
 
@@ -79,9 +79,7 @@ class Quadratic:
 
     def shapes(self, barycentric: Array) -> sps.csr_array:
         """v ↦ its values at the same points (3, q) of every cell, (2·cells·q, dofs)."""
-        values = np.array(
-            [*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)]
-        )
+        values = np.array([*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)])
         blocks = np.einsum("iq,dj->qdij", values, np.eye(2))
         return self._matrix(np.broadcast_to(blocks, (self.cells, *blocks.shape)))
 
@@ -92,7 +90,11 @@ class Quadratic:
             [
                 *(2 * np.multiply.outer(barycentric[i], slopes[:, i]) for i in range(3)),
                 *(
-                    2 * (np.multiply.outer(barycentric[a], slopes[:, b]) + np.multiply.outer(barycentric[b], slopes[:, a]))
+                    2
+                    * (
+                        np.multiply.outer(barycentric[a], slopes[:, b])
+                        + np.multiply.outer(barycentric[b], slopes[:, a])
+                    )
                     for a, b in EDGES
                 ),
             ],
@@ -102,13 +104,9 @@ class Quadratic:
 
     def _matrix(self, blocks: Array) -> sps.csr_array:
         """Rows (cells, q, m) by columns (coefficient of the cell, component): (cells, q, m, 6, 2) → sparse."""
-        columns = np.broadcast_to(
-            2 * self.numbers.T[:, None, None, :, None] + np.arange(2), blocks.shape
-        )
+        columns = np.broadcast_to(2 * self.numbers.T[:, None, None, :, None] + np.arange(2), blocks.shape)
         rows = int(np.prod(blocks.shape[:3]))
-        full = sps.csr_array(
-            (blocks.ravel(), columns.ravel(), 12 * np.arange(rows + 1)), shape=(rows, 2 * self.count)
-        )
+        full = sps.csr_array((blocks.ravel(), columns.ravel(), 12 * np.arange(rows + 1)), shape=(rows, 2 * self.count))
         full.eliminate_zeros()
         return sps.csr_array(full[:, self.free])
 
@@ -149,7 +147,8 @@ class Quadratic:
     @cached_property
     def N(self) -> sps.csr_array:
         """ν·c for the coefficients on Γ3 that are free, one row per piece and coefficient, (m, dofs)."""
-        normals, columns = [], []
+        normals: list[Array] = []
+        columns: list[Array] = []
         free = np.zeros(2 * self.count, dtype=bool)
         free[self.free] = True
         for part, edges in zip(self.body.parts, self.parts, strict=True):
@@ -171,7 +170,15 @@ class Quadratic:
         full[self.free] = v
         return full.reshape(-1, 2)
 
-    def embed(self, nodal: Vectors) -> Array:
-        """A continuous P1 function that vanishes on Γ1, as one of degree 2: nodal values (2, vertices) → (dofs,)."""
-        on_edges = nodal[:, self.mesh.facets].mean(axis=1)
-        return np.hstack([nodal, on_edges]).T.ravel()[self.free]
+    def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
+        """ε(v) at points of some cells, (2, n, q) → (3, n, q)."""
+        slopes = barycentric_gradients(self.mesh)[cells]
+        corner = self.mesh.p[:, self.mesh.t[0, cells]]
+        barycentric = np.einsum("nid,dnq->inq", slopes, points - corner[..., None])
+        barycentric[0] += 1
+        local = self.coefficients(v)[self.numbers[:, cells]]
+        gradient = np.einsum("inj,nik,inq->jknq", 2 * local[:3], slopes, barycentric, optimize=True)
+        for edge, (a, b) in enumerate(EDGES, start=3):
+            for first, second in ((a, b), (b, a)):
+                gradient += np.einsum("nj,nk,nq->jknq", 2 * local[edge], slopes[:, first], barycentric[second])
+        return mandel(gradient)

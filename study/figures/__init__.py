@@ -21,7 +21,7 @@ from study.figures.pictures import Picture, read_pictures
 from study.figures.profiles import draw_profiles
 from study.figures.zone import draw_zone
 
-__all__ = ["DataError", "draw_figures"]
+__all__ = ["DataError", "draw_figures", "draw_one"]
 
 Progress = Callable[[int, int, str], None]
 """Called after each figure with how many are done, how many there are, and its name."""
@@ -48,13 +48,14 @@ def draw_figures(
     figures = [*_convergence(rates, orders), *_runs(read_pictures(directory))]
     names, draws = zip(*figures, strict=True)
     written: list[Path] = []
-    for done, paths in enumerate(spread(partial(_draw, directory / "figures"), names, draws), start=1):
+    for done, paths in enumerate(spread(partial(draw_one, directory / "figures"), names, draws), start=1):
         written += paths
         progress(done, len(names), names[done - 1])
     return written
 
 
-def _draw(directory: Path, name: str, draw: Callable[[], Figure]) -> list[Path]:
+def draw_one(directory: Path, name: str, draw: Callable[[], Figure]) -> list[Path]:
+    """Draw one figure in the style of the study and save it as pdf, png and svg."""
     # The many small objects of a figure all live until it is saved: looking for garbage before finds nothing.
     with in_style(), uncollected():
         return save(draw(), directory, name)

@@ -1,0 +1,53 @@
+"""Problems whose solution and contact zone nobody knows: data only.
+
+* ramp: a wedge clamped in a wall on its left side, resting on the ground, with a load that travels down its top,
+
+      f_2 = −8 a(t) (1 − ((x_1 − c(t))/w)²)_+³ ν,   a = t²(3 − 2t),   c = 4/5 + 7t/5,   w = 4/5,
+
+  the angles are such that no corner is singular: 60° between Γ1 and Γ2, 90° at both ends of Γ3, 120° within Γ2. What
+  is left is the front of contact, r^{3/2}: u(t) ∈ H^{1+s} for s < 3/2, order 1.
+* bracket: an L-shaped body clamped at the top of its upright and pressed down on its foot; re-entrant corner, so u(t) ∈
+  H^{1+s} for s < 0.5445 only. Meshes of the family ``graded`` refine towards it and towards the ends of Γ1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from sympy import Expr, Rational, sqrt
+
+from manufactured.body import Kind, polygon
+from manufactured.cases.laws import not_proportional
+from manufactured.data import Data
+from manufactured.factor import x1
+from manufactured.symbols import pos, t
+
+
+def _bump(x: Expr) -> Expr:
+    """(1 − x²)_+³."""
+    return pos(1 - x**2, 3)
+
+
+def ramp() -> Data:
+    """The wedge under a travelling load."""
+    slope = 1 / sqrt(3)
+    height = Rational(1, 2) + 3 * slope
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
+    body = polygon([(0, 0), (3, 0), (3, 0.5), (0, float(height))], kinds)
+    strength = 8 * t**2 * (3 - 2 * t) * _bump((x1 - Rational(4, 5) - 7 * t / 5) / Rational(4, 5))
+    # The outward normal of the top is (sin 30°, cos 30°).
+    load = (-strength / 2, -strength * sqrt(3) / 2)
+    return Data.formulas(body, not_proportional(), f0=(0, 0), f2={2: load})
+
+
+def bracket() -> Data:
+    """The L-shaped body pressed down on its foot."""
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    body = polygon(corners, kinds, refine=((1.0, 1.0), (1.0, 2.0), (0.0, 2.0)))
+    strength = 4 * t * _bump((x1 - Rational(3, 2)) * 2)
+    return Data.formulas(body, not_proportional(), f0=(0, 0), f2={2: (0, -strength)})
+
+
+PROBLEMS: dict[str, Callable[[], Data]] = {"ramp": ramp, "bracket": bracket}
+"""By name."""
