@@ -97,8 +97,8 @@ class Setting:
         A, G = self.data.law.A, self.data.law.G
         if not np.isfinite(G.monotonicity):
             raise BoundError(
-                f"{self.data.law.name}: G has the monotonicity constant {G.monotonicity}; the bound needs a finite one,
-                " "−L_G if nothing better is known"
+                f"{self.data.law.name}: G has the monotonicity constant {G.monotonicity}; the bound needs a finite "
+                "one, −L_G if nothing better is known"
             )
         if isinstance(G, Linear):
             least = float(np.linalg.eigvals(np.linalg.solve(A.matrix, G.matrix)).real.min())
