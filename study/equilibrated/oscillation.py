@@ -36,6 +36,10 @@ ROUNDING = 1e-9
 """Relative singular values below which equations on the reference triangle are dependent."""
 
 
+BLOCK = 256
+"""Cells computed at a time."""
+
+
 @dataclass(frozen=True, eq=False)
 class _Family:
     """Stresses on the divided reference triangle that balance a space of loads.
@@ -76,9 +80,17 @@ class _Family:
 
 
 def cell_constants(F: Array, compliance: Array, q: int) -> Array:
-    """An upper bound of C_{T,q} for triangles x = F x̂ + b: (cells, 2, 2) → (cells,)."""
-    scale = 1 / abs(np.linalg.det(F))
-    return np.sqrt(4 / 3) * _volume(q).constants(F, compliance, scale)
+    """An upper bound of C_{T,q} for triangles x = F x̂ + b: (cells, 2, 2) → (cells,).
+
+    Cells that differ by their size, or by a half turn, are computed once.
+    """
+    size = np.sqrt(abs(np.linalg.det(F)))
+    shapes = (F / size[:, None, None]).reshape(-1, 4)
+    leading = np.take_along_axis(shapes, abs(shapes).argmax(axis=1)[:, None], axis=1)
+    shapes, where = np.unique(np.round(shapes * np.sign(leading), 12), axis=0, return_inverse=True)
+    blocks = np.array_split(shapes.reshape(-1, 2, 2), max(1, len(shapes) // BLOCK))
+    found = [_volume(q).constants(block, compliance, 1 / abs(np.linalg.det(block))) for block in blocks]
+    return np.sqrt(4 / 3) * np.concatenate(found)[where] * size
 
 
 def side_constants(F: Array, compliance: Array, side: int) -> Array:
