@@ -31,6 +31,17 @@ def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = 
     )
 
 
+def lame(tensor: Linear) -> tuple[float, float]:
+    """(μ, λ) of an isotropic tensor."""
+    return float(tensor.matrix[-1, -1]) / 2, float(tensor.matrix[0, 1])
+
+
+def kolosov_constant(tensor: Linear) -> float:
+    """κ = (λ + 3μ)/(λ + μ) of an isotropic tensor in the plane."""
+    mu, lam = lame(tensor)
+    return (lam + 3 * mu) / (lam + mu)
+
+
 def anisotropic() -> KelvinVoigt:
     """Two orthotropic tensors whose axes are those of neither the other nor the face: nn and sn are coupled."""
     A = _turned([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]], 0.5)

@@ -5,28 +5,38 @@
 on the unit square, A and G not proportional. Prop. 5.3 gives convergence and claims no rate; the
 interpolation error of a function in H^{1+s} predicts α − 3/2. c is off the vertices of structured
 meshes. The smooth factors keep the smooth part of the error, of order 1, small beside the rough
-one. For α < 2 the strain is unbounded at the front.
+one. For α < 2 the strain is unbounded at the front. The arguments are α, the law and factors of
+the other constants.
 """
 
-from sympy import Rational
+from sympy import Expr, Integer, Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
+LAW = not_proportional()
+ONE: Expr = Integer(1)
 
-def case(alpha: Rational) -> Case:
+
+def case(
+    alpha: Rational,
+    law: KelvinVoigt = LAW,
+    gap: Expr = ONE,
+    pressure: Expr = ONE,
+    place: Expr = ONE,
+) -> Case:
     body = unit_square()
-    law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
-    c = Rational(1, 3)
-    gap = 60 * t * pos(s - c, alpha) * (1 - s) ** 2
-    pressure = 200 * t * pos(c - s, alpha - 1) * s**2
-    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, rough=(float(c),))
+    c = place * Rational(1, 3)
+    w = 60 * gap * t * pos(s - c, alpha) * (1 - s) ** 2
+    p = 200 * pressure * t * pos(c - s, alpha - 1) * s**2
+    face = ContactFace.linear(part, law, body.T, w, p, c - s, rough=(float(c),))
     return Case(
         name=f"rough-{float(alpha):g}",
         summary=f"fixed front with w ~ r^{float(alpha):g}, p ~ r^{float(alpha - 1):g}",

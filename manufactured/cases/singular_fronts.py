@@ -13,18 +13,20 @@ Rough trace. For any exponent α > 1 and any isotropic A, G, with complex number
     u_s = −α y Re(a z^{α−1}),     u_n = Re(a z^α) + y Re(b z^{α−1})
 
 needs for u_n = W (x − c)_+^α and ε_nn = −Q (c − x)_+^{α−1} on y = 0; here α = 5/4: u(t) ∈ H^{9/4−ε}(Ω),
-u_ν(t) ∈ H^{7/4−ε}(Γ3). Both are multiplied by θ(t) = 1/4 + 2t and the cut-off (1 − y)²(1 + 2y).
+u_ν(t) ∈ H^{7/4−ε}(Γ3). Both are multiplied by θ(t) = 1/4 + 2t and the cut-off (1 − y)²(1 + 2y). The arguments of
+both are the law and factors of their other constants.
 
 Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
 """
 
 import numpy as np
-from sympy import Float, Rational
+from sympy import Expr, Float, Integer, Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
-from manufactured.cases.laws import not_proportional, proportional
+from manufactured.cases.laws import kolosov_constant, lame, not_proportional, proportional
 from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt, Linear
 from manufactured.profile import cutoff
 from manufactured.regularity import Regularity
 from manufactured.singular import Monomial, SingularFace, SingularField, kolosov
@@ -32,18 +34,22 @@ from manufactured.symbols import pos, s, t
 
 FRONT = Rational(2, 5)
 THETA = Rational(1, 4) + 2 * t
+PROPORTIONAL, NOT_PROPORTIONAL = proportional(2.0), not_proportional()
+ONE: Expr = Integer(1)
 
 
-def natural() -> Case:
+def natural(law: KelvinVoigt = PROPORTIONAL, mode: Expr = ONE, speed: Expr = ONE, place: Expr = ONE) -> Case:
     body = unit_square()
-    law = proportional(2.0)
     (part,) = body.of(Kind.CONTACT)
-    kappa = 2.0
+    front, theta = place * FRONT, mode * THETA.subs(t, speed * t)
+    assert isinstance(law.G, Linear)
+    kappa = kolosov_constant(law.A)
+    mu_A, mu_G = (Rational(lame(tensor)[0]) for tensor in (law.A, law.G))
     x, y = kolosov(kappa, 1j, -0.5j, 1.5)
-    field = SingularField((float(FRONT), 0.0), part.frame, x, y, THETA, depth=cutoff().b)
-    pressure = 3 * (2 * THETA.diff(t) + 4 * THETA) * pos(FRONT - s, Rational(1, 2))
-    gap = (kappa + 1) * THETA * pos(s - FRONT, Rational(3, 2))
-    face = SingularFace(part, gap, pressure, FRONT - s, field, rough=(float(FRONT),))
+    field = SingularField((float(front), 0.0), part.frame, x, y, theta, depth=cutoff().b)
+    pressure = 3 * (2 * mu_A * theta.diff(t) + 2 * mu_G * theta) * pos(front - s, Rational(1, 2))
+    gap = (kappa + 1) * theta * pos(s - front, Rational(3, 2))
+    face = SingularFace(part, gap, pressure, front - s, field, rough=(float(front),))
     return Case(
         name="natural-front",
         summary="the natural front of frictionless contact, w ~ r^{3/2}, fixed",
@@ -55,20 +61,26 @@ def natural() -> Case:
     )
 
 
-def rough_trace() -> Case:
+def rough_trace(
+    law: KelvinVoigt = NOT_PROPORTIONAL,
+    gap: Expr = ONE,
+    pressure: Expr = ONE,
+    speed: Expr = ONE,
+    place: Expr = ONE,
+) -> Case:
     body = unit_square()
-    law = not_proportional()
     (part,) = body.of(Kind.CONTACT)
-    alpha, W, Q = 1.25, 4.0, 3.0
+    front, theta = place * FRONT, THETA.subs(t, speed * t)
+    alpha, W, Q = 1.25, 4.0 * float(gap), 3.0 * float(pressure)
     a = W * (1 + 1j / np.tan(np.pi * alpha))
     b = 1j * Q / np.sin(np.pi * (alpha - 1)) - 1j * alpha * a
     x = (Monomial(1, -alpha * a, alpha - 1),)
     y = (Monomial(0, a, alpha), Monomial(1, b, alpha - 1))
-    field = SingularField((float(FRONT), 0.0), part.frame, x, y, THETA, depth=cutoff().b)
+    field = SingularField((float(front), 0.0), part.frame, x, y, theta, depth=cutoff().b)
     modulus, stiffness = (tensor.normal_modulus(part.normal) for tensor in (law.A, law.G))  # type: ignore[attr-defined]
-    pressure = Q * (modulus * THETA.diff(t) + stiffness * THETA) * pos(FRONT - s, Float(alpha) - 1)
-    gap = W * THETA * pos(s - FRONT, Float(alpha))
-    face = SingularFace(part, gap, pressure, FRONT - s, field, rough=(float(FRONT),))
+    p = Q * (modulus * theta.diff(t) + stiffness * theta) * pos(front - s, Float(alpha) - 1)
+    w = W * theta * pos(s - front, Float(alpha))
+    face = SingularFace(part, w, p, front - s, field, rough=(float(front),))
     return Case(
         name="rough-trace",
         summary="u(t) in H², its trace on Γ3 only in H^{7/4}: w ~ r^{5/4}",
