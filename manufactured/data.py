@@ -48,6 +48,7 @@ class Data:
         start: points ↦ u_0, (d, ...), with u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3.
         lines: lines (direction, offset) across which f_0 or ε(u_0) are rough for all times, for quadrature.
         points: vertices of Ω at which they are singular.
+        formulas_of: what the callables were made from, by which equal data are known as equal.
     """
 
     body: Body
@@ -58,6 +59,7 @@ class Data:
     initial: Callable[[Points], Tensors]
     lines: tuple[Line, ...] = ()
     points: tuple[tuple[float, ...], ...] = ()
+    formulas_of: object = None
 
     @classmethod
     def of(cls, solution: ExactSolution) -> Data:
@@ -76,6 +78,7 @@ class Data:
             lambda x: solution.at(x).strain(0.0),
             (*_rough(solution), *solution.law.steps),
             solution.singular,
+            solution,
         )
 
     @classmethod
@@ -129,6 +132,7 @@ class Data:
             lambda x: start(x),
             lambda x: mandel(gradient(x).reshape(dim, dim, *x.shape[1:])),
             (*lines, *law.steps),
+            formulas_of=(tuple(map(sp.sympify, f0)), _sorted(f2 or {}), displacement),
         )
 
     def check(self) -> None:
@@ -180,6 +184,10 @@ def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -
             "give loads of L²"
         )
     return values
+
+
+def _sorted(f2: Mapping[int, Sequence[sp.Expr | float]]) -> tuple[object, ...]:
+    return tuple((number, *map(sp.sympify, load)) for number, load in sorted(f2.items()))
 
 
 def _compiled(

@@ -12,7 +12,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from dataclasses import dataclass
 
 from sympy import Expr, Rational, sqrt
 
@@ -49,5 +49,39 @@ def bracket() -> Data:
     return Data.formulas(body, not_proportional(), f0=(0, 0), f2={2: (0, -strength)})
 
 
-PROBLEMS: dict[str, Callable[[], Data]] = {"ramp": ramp, "bracket": bracket}
-"""By name."""
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """Data with a prediction.
+
+    Attributes:
+        name, summary: for tables.
+        data: the data.
+        order: the order of ‖u − u^h‖_{L∞(0,T;V)} that is to be enclosed, None if none is predicted.
+        reason: why.
+    """
+
+    name: str
+    summary: str
+    data: Data
+    order: float | None
+    reason: str
+
+
+def problems() -> tuple[Problem, ...]:
+    """All of them."""
+    return (
+        Problem(
+            "ramp",
+            "a wedge clamped in a wall and resting on the ground, under a load that travels",
+            ramp(),
+            1.0,
+            "no corner is singular, and the front r^{3/2} lies in H^{5/2−ε} ⊂ H²",
+        ),
+        Problem(
+            "bracket",
+            "an L-shaped body pressed down on its foot",
+            bracket(),
+            None,
+            "u ∈ H^{1+s} for s < 0.5445 at the re-entrant corner, towards which meshes are graded",
+        ),
+    )

@@ -12,7 +12,7 @@ from typing import Any
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.data import Data
-from manufactured.problems import PROBLEMS
+from manufactured.problems import Problem, problems
 from study.fem.mesh import FAMILIES, MeshFamily
 
 
@@ -61,15 +61,9 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
         UsageError: no such name or file, or neither data nor a case.
     """
     name = reference.rpartition(":")[2]
-    if ":" in reference:
-        found = _from_file(reference)
-    elif reference in PROBLEMS:
-        found = PROBLEMS[reference]()
-    else:
-        try:
-            found = choose("case", reference, catalogue())
-        except UsageError as error:
-            raise UsageError(f"{error}; problems without a solution: {', '.join(PROBLEMS)}") from None
+    found = _from_file(reference) if ":" in reference else choose("problem", reference, (*catalogue(), *problems()))
+    if isinstance(found, Problem):
+        return found.name, found.data, None
     if isinstance(found, Case):
         return found.name, Data.of(found.solution), found
     if not isinstance(found, Data):

@@ -11,6 +11,7 @@ import numpy as np
 
 from manufactured.case import Case
 from manufactured.data import Data
+from manufactured.problems import Problem
 from manufactured.tensors import Array
 from study.bound.enclosure import Better, Computed, Enclosure, Itself, Trajectory, compute, enclose
 from study.bound.setting import BoundError, Setting
@@ -28,6 +29,7 @@ class BoundRow:
 
     Attributes:
         case, family, scheme, level, h, steps: what was computed; u_h is P1.
+        expected_order: the predicted order, not a number where none is predicted.
         trajectory: "bound" for ũ = u_h, "enclosure" for a better ũ.
         error: max_t ‖u(t) − u_h(t)‖_V over the sampled times.
         lowest, highest: what encloses it, the second over all times.
@@ -44,6 +46,7 @@ class BoundRow:
     level: int
     h: float
     steps: int
+    expected_order: float
     error: float
     lowest: float
     highest: float
@@ -133,8 +136,8 @@ def bounded(
 
 def measure_bound(
     case: Case, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
-) -> BoundRow:
-    """The row for a case with an exact solution.
+) -> tuple[BoundRow, Enclosure]:
+    """The row for a case with an exact solution, and the bounds over time.
 
     Raises:
         BoundError: f_0 ∉ L²(Ω)², so that no composite stress balances the load.
@@ -147,15 +150,48 @@ def measure_bound(
     setting = Setting(Data.of(case.solution), family(case.solution.body, level))
     computed = compute(setting, scheme, steps)
     found = enclose(setting, computed, trajectory, known_error(case, computed))
-    late = found.times >= case.solution.body.T / 2
+    return _row(case.name, case.order, family, level, scheme, computed, trajectory, found), found
+
+
+def measure_problem(
+    problem: Problem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
+) -> tuple[BoundRow, Enclosure]:
+    """The same for data alone: what compares with the error is not a number."""
+    setting = Setting(problem.data, family(problem.data.body, level))
+    computed = compute(setting, scheme, steps)
+    found = enclose(setting, computed, trajectory)
+    return _row(
+        problem.name,
+        math.nan if problem.order is None else problem.order,
+        family,
+        level,
+        scheme,
+        computed,
+        trajectory,
+        found,
+    ), found
+
+
+def _row(
+    name: str,
+    order: float,
+    family: MeshFamily,
+    level: int,
+    scheme: Scheme,
+    computed: Computed,
+    trajectory: Trajectory,
+    found: Enclosure,
+) -> BoundRow:
+    late = found.times >= computed.T / 2
     return BoundRow(
-        case=case.name,
+        case=name,
         family=family.name,
         scheme=scheme.name,
         trajectory=trajectory.name,
         level=level,
         h=found.h,
-        steps=steps,
+        steps=computed.steps,
+        expected_order=order,
         error=float(found.error.max()),
         lowest=found.lowest,
         highest=found.highest,

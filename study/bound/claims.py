@@ -1,0 +1,117 @@
+"""Verdicts on the guaranteed bound and the enclosure, from ``bounds.csv`` alone.
+
+That no error lies outside is a theorem (Prop. in ``paper/bound.tex``) about an implementation that may be wrong: a row
+fails when one sampled error of one mesh, scheme or time does. How close the ends are is a matter of efficiency; it is
+judged where it was announced, on the check-value case, and reported elsewhere.
+"""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+
+from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, Window
+
+STATEMENTS = {
+    "bound": "‖u(t) − u_h(t)‖_V ≤ y(t), from u_h and an admissible stress alone",
+    "enclosure": "d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t), without the exact solution",
+}
+INSIDE = Window(0.0, 1.0, "≤ 1 at every sampled time")
+CHECKED, CHECKED_LEVEL = "advance-recede", 32
+"""The case with check values, and the level at which the enclosure is announced to be tight."""
+TIGHT_ABOVE = Window(1.0, 1.15, "≤ 1.15 over [T/2, T]")
+TIGHT_BELOW = Window(0.85, 1.0, "≥ 0.85 over [T/2, T]")
+WIDTH = 0.2
+"""Width of an interval for the order that says something."""
+
+
+def judge_bounds(rows: pd.DataFrame) -> list[Verdict]:
+    """Every verdict that the rows allow."""
+    found: list[Verdict] = []
+    for (trajectory, case), mine in rows.groupby(["trajectory", "case"], sort=False):
+        label, name = str(trajectory), str(case)
+        if mine["error"].notna().all():
+            found += _inside(label, name, mine)
+        if label == "enclosure":
+            found += _tight(name, mine)
+            found += _orders(name, mine)
+    return found
+
+
+def _inside(label: str, case: str, rows: pd.DataFrame) -> list[Verdict]:
+    """No error above the bound, none below the lower bound, and how far the ends are from it."""
+    found = [_range(label, case, "largest error / upper bound", rows["above"], INSIDE)]
+    if label == "enclosure":
+        found.append(_range(label, case, "largest lower bound / error", rows["below"], INSIDE))
+    found.append(_range(label, case, "upper bound / error over [T/2, T], largest", rows["upper"], None))
+    return found
+
+
+def _tight(case: str, rows: pd.DataFrame) -> list[Verdict]:
+    mine = rows[(rows["case"] == CHECKED) & (rows["level"] == CHECKED_LEVEL)]
+    if mine.empty:
+        return []
+    where = f" at n = {CHECKED_LEVEL}"
+    return [
+        _range("enclosure", case, "upper bound / error" + where, mine["upper"], TIGHT_ABOVE),
+        _range("enclosure", case, "lower bound / error" + where, mine["lower"], TIGHT_BELOW),
+    ]
+
+
+def _range(label: str, case: str, quantity: str, values: pd.Series, window: Window | None) -> Verdict:
+    low, high = float(values.min()), float(values.max())
+    if window is None:
+        return Verdict(label, STATEMENTS[label], case, quantity, "reported", high, low, high, REPORTED)
+    inside = bool(((window.low <= values) & (values <= window.high)).all())
+    worst = low if window is TIGHT_BELOW else high
+    verdict = HOLDS if inside else FAILS
+    return Verdict(label, STATEMENTS[label], case, quantity, window.text, worst, low, high, verdict)
+
+
+def order_interval(coarse: pd.Series, fine: pd.Series) -> tuple[float, float]:
+    """What the observed order of max_t ‖u − u_h‖_V between two rows must lie in."""
+    ratio = math.log(coarse["h"] / fine["h"])
+    low = math.log(coarse["lowest"] / fine["highest"]) / ratio if coarse["lowest"] > 0 else -math.inf
+    high = math.log(coarse["highest"] / fine["lowest"]) / ratio if fine["lowest"] > 0 else math.inf
+    return low, high
+
+
+def _orders(case: str, rows: pd.DataFrame) -> list[Verdict]:
+    """The interval for the order between the coarsest and the finest level of every family and scheme.
+
+    With an exact solution it has to contain the order of the errors themselves; without one the predicted order, and
+    be narrow enough to say anything. Where none is predicted it is reported.
+    """
+    found = []
+    for (family, _), series in rows.groupby(["family", "scheme"], sort=False):
+        if len(series) < 2:
+            continue
+        coarse, fine = (row for _, row in series.sort_values("h", ascending=False).iloc[[0, -1]].iterrows())
+        low, high = order_interval(coarse, fine)
+        levels = f"n = {coarse['level']} to {fine['level']} on {family} meshes"
+        quantity = f"order of max_t ‖u − u_h‖_V, {levels}"
+        if rows["error"].notna().all():
+            observed = math.log(coarse["error"] / fine["error"]) / math.log(coarse["h"] / fine["h"])
+            verdict, expected = (
+                HOLDS if low <= observed <= high else FAILS,
+                "the order of the errors lies in the interval",
+            )
+        else:
+            observed = math.log((coarse["lowest"] + coarse["highest"]) / (fine["lowest"] + fine["highest"]))
+            observed /= math.log(coarse["h"] / fine["h"])
+            verdict, expected = _contains(low, high, float(fine["expected_order"]))
+        found.append(
+            Verdict("enclosure", STATEMENTS["enclosure"], case, quantity, expected, observed, low, high, verdict)
+        )
+    return found
+
+
+def _contains(low: float, high: float, order: float) -> tuple[str, str]:
+    """Whether an interval at most WIDTH wide contains an order."""
+    if math.isnan(order):
+        return REPORTED, "reported"
+    expected = f"contains {order:g}, at most {WIDTH} wide"
+    if high - low > WIDTH:
+        return UNDECIDED, expected
+    return (HOLDS if low <= order <= high else FAILS), expected
