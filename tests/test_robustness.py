@@ -314,7 +314,7 @@ def test_no_alarm_for_other_constants(name: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
-@pytest.mark.parametrize("by", [joint(1), joint(1, -1), joint(2)], ids=str)
+@pytest.mark.parametrize("by", [joint(1), joint(1, -1)], ids=["one side", "the other"])
 def test_no_alarm_for_constants_a_fifth_larger_or_smaller(name: str, by: Constants) -> None:
     """All at once. Both sides of a seed together have every constant larger and smaller."""
     case = changed(CASES[name], by)
