@@ -27,7 +27,7 @@ from typing import Protocol
 import numpy as np
 import sympy as sp
 
-from manufactured.symbols import FormulaError, Jet, Values, function, indices, pos, s, t
+from manufactured.symbols import FormulaError, Jet, Values, function, pos, s, t
 from manufactured.tensors import Array
 
 Components = tuple[Values, ...]
@@ -128,67 +128,85 @@ class Memory:
 
     @cached_property
     def terms(self) -> tuple[Term, ...]:
+        branches: dict[tuple[sp.Expr, ...], sp.Expr] = {}
+        for term in sp.Add.make_args(sp.expand(self.pressure)):
+            fronts, branch = smooth_branch(term, self.variables)
+            branches[fronts] = branches.get(fronts, sp.Integer(0)) + branch / self.viscosity
         return tuple(
-            Term.of(term / self.viscosity, self.variables, self.decay, self.T)
-            for term in sp.Add.make_args(sp.expand(self.pressure))
-            if term != 0
+            Term.of(fronts, branch, self.variables, self.decay) for fronts, branch in branches.items() if branch != 0
         )
 
     def at(self, points: Array) -> StrainAtPoints:
         return _MemoryAtPoints(self, points)
 
 
-class Convolution(Protocol):
-    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth branch P of p/a, for every |i| ≤ order."""
+class Convolution:
+    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr for a smooth branch P of p/a that is a polynomial of r, of degree m.
 
-    def __call__(self, points: Array, lower: Array, upper: Array | complex, order: int) -> Values: ...
+    With τ = b − a, by Taylor's formula at a,
 
+        ∫_a^b e^{−λ(b−r)} P(r) dr = Σ_{j≤m} ∂_r^j P(a) τ^{j+1} φ_{j+1}(−λτ),    φ_k(z) = Σ_n z^n/(n + k)!,
 
-class Closed:
-    """In closed form, P polynomial in t: R(s, b) − e^{−λ(b−a)} R(s, a), R = Σ_j (−1)^j ∂_r^j P/λ^{j+1}."""
+    where only τ depends on b: what a point needs is found once, when contact begins.
 
-    def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], decay: float) -> None:
-        self.decay = decay
-        scale, total = 1 / sp.Float(decay), sp.Integer(0)
-        while not smooth.is_zero:
-            total += scale * smooth.as_expr()
-            smooth, scale = smooth.diff(t), -scale / decay
-        self.branch = Jet(_nested(sp.Poly(total, t)), variables)
-
-    @staticmethod
-    def cancellation(degree: int, decay: float, T: float) -> float:
-        """How much larger than the integral the terms of R may be: max_j degree!/(degree−j)!/(λT)^j."""
-        return max(math.perm(degree, j) / (decay * T) ** j for j in range(degree + 1))
-
-    def __call__(self, points: Array, lower: Array, upper: Array | complex, order: int) -> Values:
-        first, last = (self.branch(points, r, order) for r in (lower, upper))
-        fading = np.exp(-self.decay * (upper - lower))
-        return {index: last[index] - fading * first[index] for index in first}
-
-
-class Gauss:
-    """By Gauss–Legendre quadrature, for slow decay, where the terms of the closed form cancel."""
+    Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
+    """
 
     def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], decay: float) -> None:
         self.decay = decay
-        self.branch = Jet(_nested(smooth), variables)
-        # Exact for the polynomial, with more points for the exponential.
-        self.rule = np.polynomial.legendre.leggauss(smooth.degree() // 2 + 1 + EXTRA)
+        self.derivatives = []
+        while True:
+            self.derivatives.append(Jet(_nested(smooth), variables))
+            if smooth.degree() <= 0:
+                break
+            smooth = smooth.diff(t)
 
-    def __call__(self, points: Array, lower: Array, upper: Array | complex, order: int) -> Values:
-        half = (upper - lower) / 2
-        total: Values = dict.fromkeys(indices(len(points), order), np.zeros(()))
-        for node, weight in zip(*self.rule, strict=True):
-            r = lower + half * (1 + node)
-            scale = weight * half * np.exp(-self.decay * (upper - r))
-            total = {index: total[index] + scale * value for index, value in self.branch(points, r, order).items()}
-        return total
+    def taylor(self, points: Array, lower: Array, order: int) -> Values:
+        """∂_s^i ∂_r^j P(s, a) for every |i| ≤ order: points (d−1, N) and a (N,) → (m + 1, N) each."""
+        values = [jet(points, lower, order) for jet in self.derivatives]
+        return {index: np.array([value[index] for value in values]) for index in values[0]}
+
+    def weights(self, duration: Array) -> Array:
+        """τ^{j+1} φ_{j+1}(−λτ), (m + 1, N)."""
+        found = phi(-self.decay * duration, len(self.derivatives))
+        power = duration
+        for row in found:
+            row *= power
+            power = power * duration
+        return found
 
 
-ACCEPTED = 1e3
-"""Largest cancellation for which the closed form is used: it costs three digits at most."""
-EXTRA = 14
-"""Gauss points beyond those for the polynomial; where ``Gauss`` is used λT is of order 10 at most."""
+SMALL = 12.0
+"""|z| up to which φ_k is found from φ_K by recurrence downwards; an error grows to |z|^K/K! ε there."""
+TERMS = 48
+"""Terms of the series of φ_K: |z|^n/(n + K)! is below the rounding of its sum after them."""
+
+
+def phi(z: Array, count: int) -> Array:
+    """φ_1, …, φ_count at z with Re z ≤ 0, (count, N).
+
+    φ_k = z φ_{k+1} + 1/k! downwards from the series of φ_count where |z| is small, upwards from (e^z − 1)/z elsewhere.
+    """
+    found = np.empty((count, *z.shape), dtype=np.result_type(z, float))
+    large = abs(z) > SMALL
+    near, far = np.where(large, 0.0, z), np.where(large, z, -1.0)
+    term = np.full_like(found[0], 1 / math.factorial(count))
+    total = term.copy()
+    biggest = float(abs(near).max(initial=0.0))
+    for n in range(1, TERMS):
+        if biggest**n * math.factorial(count) < 1e-18 * math.factorial(n + count):
+            break
+        term = term * near / (n + count)
+        total += term
+    found[-1] = total
+    for k in range(count - 1, 0, -1):
+        found[k - 1] = near * found[k] + 1 / math.factorial(k)
+    if large.any():
+        value = np.expm1(far) / far
+        for k in range(1, count + 1):
+            found[k - 1] = np.where(large, value, found[k - 1])
+            value = (value - 1 / math.factorial(k)) / far
+    return found
 
 
 def _nested(polynomial: sp.Poly) -> sp.Expr:
@@ -199,40 +217,47 @@ def _nested(polynomial: sp.Poly) -> sp.Expr:
     return nested
 
 
+def smooth_branch(term: sp.Expr, variables: tuple[sp.Symbol, ...]) -> tuple[tuple[sp.Expr, ...], sp.Expr]:
+    """A term of p as its moving fronts ψ and what it is where all ψ > 0.
+
+    Raises:
+        FormulaError: a front whose ψ is not a polynomial of t, or a term that is none between its fronts.
+    """
+    fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
+    for front in fronts:
+        # With m = 1 the second derivative along the face would have a term at the front; a switch in
+        # time alone has none.
+        lowest = 2 if front.args[0].free_symbols & set(variables) else 0
+        if not (front.args[0].is_polynomial(t) and front.args[1].is_integer and front.args[1] >= lowest):
+            raise FormulaError(
+                f"{front}: a front that moves needs pos(ψ, m) with ψ polynomial in t and an integer m ≥ 2; "
+                "replace other motions by a polynomial, the contact zone is yours to choose"
+            )
+    smooth = term.subs({p: p.args[0] ** p.args[1] for p in fronts})
+    if not smooth.is_polynomial(t):
+        raise FormulaError(
+            f"the pressure term {term} is not polynomial in t between its fronts, "
+            "so its memory has no closed form; use a polynomial in t"
+        )
+    return tuple(sorted({front.args[0] for front in fronts}, key=sp.default_sort_key)), smooth
+
+
 @dataclass(frozen=True, eq=False)
 class Term:
-    """One additive term of p/a.
+    """The terms of p/a with the same moving fronts.
 
     Attributes:
         moving: coefficient functions (s) ↦ [ψ's coefficients in t, highest first] of each moving ψ.
-        convolution: the memory of its smooth branch.
+        convolution: the memory of their smooth branch.
     """
 
     moving: tuple[Callable[..., list[Array]], ...]
     convolution: Convolution
 
     @classmethod
-    def of(cls, term: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float, T: float) -> Term:
-        fronts = [p for p in term.atoms(pos) if p.args[0].has(t)]
-        smooth = term.subs({p: p.args[0] ** p.args[1] for p in fronts})
-        for front in fronts:
-            # With m = 1 the second derivative along the face would have a term at the front; a switch in
-            # time alone has none.
-            lowest = 2 if front.args[0].free_symbols & set(variables) else 0
-            if not (front.args[0].is_polynomial(t) and front.args[1].is_integer and front.args[1] >= lowest):
-                raise FormulaError(
-                    f"{front}: a front that moves needs pos(ψ, m) with ψ polynomial in t and an integer m ≥ 2; "
-                    "replace other motions by a polynomial, the contact zone is yours to choose"
-                )
-        if not smooth.is_polynomial(t):
-            raise FormulaError(
-                f"the pressure term {term} is not polynomial in t between its fronts, "
-                "so its memory has no closed form; use a polynomial in t"
-            )
-        moving = tuple(function(variables, sp.Poly(front.args[0], t).all_coeffs()) for front in fronts)
-        polynomial = sp.Poly(smooth, t)
-        exact = Closed.cancellation(polynomial.degree(), decay, T) <= ACCEPTED
-        return cls(moving, (Closed if exact else Gauss)(polynomial, variables, decay))
+    def of(cls, fronts: tuple[sp.Expr, ...], branch: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> Term:
+        moving = tuple(function(variables, sp.Poly(front, t).all_coeffs()) for front in fronts)
+        return cls(moving, Convolution(sp.Poly(branch, t), variables, decay))
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
         """Entry and exit times of contact at each point: two arrays (J, N), equal where unused."""
@@ -291,12 +316,7 @@ class _MemoryAtPoints:
         self.memory = memory
         self.points = points
         self.flat = points.reshape(points.shape[0], -1)
-        self.contacts = [
-            _Contact(term, self.flat, entry, exit_, memory.decay)
-            for term in memory.terms
-            for entry, exit_ in zip(*term.intervals(self.flat.real, memory.T), strict=True)
-            if (entry < exit_).any()
-        ]
+        self.contacts = [_Contact(term, self.flat, memory) for term in memory.terms]
         self._start: dict[int, Values] = {}
         self._last: tuple[complex, int, tuple[Components, Components]] | None = None
 
@@ -324,27 +344,48 @@ class _MemoryAtPoints:
 
 
 class _Contact:
-    """∫ e^{−λ(t−r)} ∂^i P dr over one interval of contact per point, from its entry to now or its exit."""
+    """∫ e^{−λ(t−r)} ∂^i P dr of one term over all intervals of contact, from entry to now or exit.
 
-    def __init__(self, term: Term, points: Array, entry: Array, exit_: Array, decay: float) -> None:
-        self.convolution, self.decay = term.convolution, decay
-        self.touched = np.flatnonzero(entry < exit_)
+    Attributes:
+        touched: the point of each interval, (M,); a point may have several.
+        entry, exit: (M,).
+    """
+
+    def __init__(self, term: Term, points: Array, memory: Memory) -> None:
+        self.convolution, self.decay = term.convolution, memory.decay
+        entry, exit_ = term.intervals(points.real, memory.T)
+        used = entry < exit_
+        self.touched = np.nonzero(used)[1]
         self.points = points[:, self.touched]
-        self.entry, self.exit = entry[self.touched], exit_[self.touched]
-        self._whole: dict[int, Values] = {}
+        self.entry, self.exit = entry[used], exit_[used]
+        self._found: dict[int, tuple[Values, Values]] = {}
 
     def subtract(self, totals: Values, time: complex, order: int) -> None:
         """totals[i] −= the integral up to ``time`` for ∂^i, at the points that are ever touched."""
-        if order not in self._whole:
-            self._whole[order] = self.convolution(self.points, self.entry, self.exit, order)
+        taylor, whole = self._at_entry(order)
         now = np.real(time)
         over = np.flatnonzero(self.exit <= now)
+        if over.size:
+            since = np.exp(-self.decay * (time - self.exit[over]))
+            for index, total in totals.items():
+                np.subtract.at(total, self.touched[over], since * whole[index][over])
         touching = np.flatnonzero((self.entry < now) & (self.exit > now))
-        since = np.exp(-self.decay * (time - self.exit[over]))
-        present = self.convolution(self.points[:, touching], self.entry[touching], time, order)
-        for index, total in totals.items():
-            total[self.touched[over]] -= since * self._whole[order][index][over]
-            total[self.touched[touching]] -= present[index]
+        if touching.size:
+            weights = self.convolution.weights(time - self.entry[touching])
+            every = touching.size == self.entry.size
+            for index, total in totals.items():
+                mine = taylor[index] if every else taylor[index][:, touching]
+                # A point touches in one interval at a time.
+                total[self.touched[touching]] -= np.einsum("jn,jn->n", mine, weights)
+
+    def _at_entry(self, order: int) -> tuple[Values, Values]:
+        """Taylor coefficients at the entry, and the integral up to the exit."""
+        if order not in self._found:
+            taylor = self.convolution.taylor(self.points, self.entry, order)
+            weights = self.convolution.weights(self.exit - self.entry)
+            whole = {index: np.einsum("jn,jn->n", value, weights) for index, value in taylor.items()}
+            self._found[order] = taylor, whole
+        return self._found[order]
 
 
 @dataclass(frozen=True, eq=False)
