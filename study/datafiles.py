@@ -30,6 +30,7 @@ TEXT = {
     "statements",
     "reason",
     "twin",
+    "trajectory",
 }
 """Columns that hold words even where they look like numbers or are empty."""
 

@@ -19,6 +19,10 @@ from manufactured.admissibility import Finding, SelfProofError, examine
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study import pictures
+from study.bound.claims import judge_bounds
+from study.bound.jobs import BoundJob
+from study.bound.measure import BoundRow
+from study.bound.plan import full_bounds, quick_bounds
 from study.claims import complete, judge
 from study.datafiles import SERIES, DataError, read_csv
 from study.equivalence import Gaps
@@ -142,6 +146,8 @@ class Plan:
                 yield resolve(job.case), job.family, job.level
             elif isinstance(job, PictureJob):
                 yield resolve(job.case), pictures.FAMILY.name, pictures.LEVEL
+            elif isinstance(job, BoundJob) and job.problem in self.cases:
+                yield resolve(job.problem), job.family, job.level
 
     def steps(self, case: Case, level: int) -> int:
         """Time steps at a level: of the size asked for, or as many as the case's pace says."""
@@ -155,6 +161,8 @@ class Plan:
                 found.append((resolve(job.case).name, job.family, job.scheme, str(job.level)))
             elif isinstance(job, EquivalenceJob):
                 found.append((resolve(job.case).name, job.family, str(job.level)))
+            elif isinstance(job, BoundJob):
+                found.append((job.trajectory.name, job.problem, job.family, job.scheme, str(job.level)))
             elif isinstance(job, StatementJob):
                 found.append((job.label, job.setting.case, job.setting.family, str(job.setting.level), "statement"))
         return sorted(found)
@@ -199,7 +207,11 @@ class Plan:
             ]
             if plane:
                 jobs.append(PictureJob(reference))
-        return jobs + (self.statement_jobs() if self.statements else [])
+        return jobs + ([*self.statement_jobs(), *self.bound_jobs()] if self.statements else [])
+
+    def bound_jobs(self) -> list[BoundJob]:
+        """The bounds of the errors of the cases of the plan."""
+        return (full_bounds if self.name == "full" else quick_bounds)(self.resolved())
 
     def statement_jobs(self) -> list[Job]:
         """The measurements of numbered statements on the cases of the plan."""
@@ -292,7 +304,8 @@ def work(job: Job) -> dict[str, Any]:
 
 def collect(plan: Plan, store: Store) -> None:
     """Write the data files of a plan from its finished jobs."""
-    done: dict[type, list[dict[str, Any]]] = {RateJob: [], EquivalenceJob: [], PictureJob: [], StatementJob: []}
+    kinds = RateJob, EquivalenceJob, PictureJob, StatementJob, BoundJob
+    done: dict[type, list[dict[str, Any]]] = {kind: [] for kind in kinds}
     for job in plan.jobs():
         result = store.load(job.key, job.fingerprint())
         assert result is not None, job.key
@@ -311,10 +324,26 @@ def collect(plan: Plan, store: Store) -> None:
     _write_csv(
         store.data / "statements.csv", pd.DataFrame(statement_rows(done[StatementJob]), columns=STATEMENT_COLUMNS)
     )
+    _write_csv(store.data / "bounds.csv", pd.DataFrame([result["row"] for result in done[BoundJob]], columns=BOUNDS))
+    _write_csv(store.data / "enclosures.csv", pd.DataFrame(enclosure_rows(done[BoundJob]), columns=ENCLOSURES))
     _write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.resolved()]))
     for result in done[PictureJob]:
         write_text(store.data / "pictures" / f"{result['case']}.json", json.dumps(result) + "\n")
     write_text(store.data / "provenance.json", json.dumps(provenance(plan), indent=2) + "\n")
+
+
+BOUND_KEY = ["trajectory", "case", "family", "scheme", "level"]
+BOUNDS = [field.name for field in fields(BoundRow)]
+ENCLOSURES = [*BOUND_KEY, "time", "error", "distance", "bound"]
+
+
+def enclosure_rows(results: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """One row per bound and time."""
+    return [
+        {**{key: result["row"][key] for key in BOUND_KEY}, **dict(zip(result["times"], values, strict=True))}
+        for result in results
+        for values in zip(*result["times"].values(), strict=True)
+    ]
 
 
 STATEMENT_KEY = ["label", "case", "family", "level"]
@@ -383,6 +412,7 @@ def check(directory: Path) -> list[Verdict]:
     rates = read_csv(directory, "rates.csv", [*RATE_KEY, *(field.name for field in fields(Row))])
     equivalence = read_csv(directory, "equivalence.csv", [*EQUIVALENCE_KEY, *Gaps._fields])
     statements = read_csv(directory, "statements.csv", STATEMENT_COLUMNS)
+    bounds = read_csv(directory, "bounds.csv", BOUNDS)
     cases = read_csv(directory, "cases.csv", ["case", "expected_order", "proved_order", "twin"])
     unknown = sorted({*rates["case"], *equivalence["case"]} - set(cases["case"]))
     if unknown:
@@ -390,9 +420,11 @@ def check(directory: Path) -> list[Verdict]:
             f"{directory}/data/cases.csv lacks {', '.join(unknown)}: make it with `study run --out {directory}`"
         )
     found = keys(rates, RATE_KEY) | keys(equivalence, EQUIVALENCE_KEY)
+    found |= keys(bounds, BOUND_KEY)
     found |= {(*key, "statement") for key in keys(statements, STATEMENT_KEY)}
     planned = {tuple(key) for key in provenance["planned"]}
-    verdicts = [complete(planned, found), *judge(rates, equivalence, cases), *judge_statements(statements)]
+    verdicts = [complete(planned, found), *judge(rates, equivalence, cases), *judge_bounds(bounds)]
+    verdicts += judge_statements(statements)
     ordered = sorted(verdicts, key=lambda verdict: position(verdict.label))
     _write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in ordered]))
     return ordered

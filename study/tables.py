@@ -25,15 +25,15 @@ EQUIVALENCE += ["membership"]
 
 
 def write_tables(directory: Path) -> list[Path]:
-    """Write ``rates``, ``ledger`` and ``equivalence`` as csv, md and tex under ``directory/tables``.
+    """Write ``rates``, ``ledger``, ``equivalence`` and ``bounds`` as csv, md and tex under ``directory/tables``.
 
-    Returns the nine files. The LaTeX files are longtables to \\input outside any float; they need the
+    Returns the files. The LaTeX files are longtables to \\input outside any float; they need the
     packages array, booktabs and longtable.
 
     Raises:
         DataError: a data file is missing or lacks a column; nothing is written then.
     """
-    tables = [rates_table(directory), ledger_table(directory), equivalence_table(directory)]
+    tables = [rates_table(directory), ledger_table(directory), equivalence_table(directory), bounds_table(directory)]
     return [path for table in tables for path in table.write(directory / "tables")]
 
 
@@ -152,6 +152,26 @@ def equivalence_table(directory: Path) -> Table:
         Column("membership", "membership"),
     ]
     return _table("equivalence", columns, read_csv(directory, "equivalence.csv", EQUIVALENCE), grouped=2)
+
+
+def bounds_table(directory: Path) -> Table:
+    """How close the guaranteed bounds are, grouped by kind and case, from ``bounds.csv``."""
+    columns = [
+        Column("trajectory", "kind", "l"),
+        Column("case", "case", "l", names=True),
+        Column("family", "meshes", "l", names=True),
+        Column("scheme", "scheme", "l", names=True),
+        Column("level", "level"),
+        Column("lowest", "max error ≥"),
+        Column("error", "max error"),
+        Column("highest", "max error ≤"),
+        Column("upper", "upper / error", form="{:.3f}"),
+        Column("lower", "lower / error", form="{:.3f}"),
+        Column("residual", "∫ r"),
+        Column("oscillation", "∫ η"),
+        Column("contact", "∫ c"),
+    ]
+    return _table("bounds", columns, read_csv(directory, "bounds.csv", [c.name for c in columns]), grouped=2)
 
 
 def _table(name: str, columns: Sequence[Column], frame: pd.DataFrame, grouped: int) -> Table:

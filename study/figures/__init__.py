@@ -17,6 +17,7 @@ from study.datafiles import DataError, read_csv, read_rates
 from study.figures.body import draw_body
 from study.figures.canvas import in_style, save, uncollected
 from study.figures.convergence import draw_case, draw_overview
+from study.figures.enclosure import draw_enclosure
 from study.figures.pictures import Picture, read_pictures
 from study.figures.profiles import draw_profiles
 from study.figures.zone import draw_zone
@@ -36,16 +37,16 @@ def draw_figures(
 ) -> list[Path]:
     """Draw every figure into ``directory/figures`` as pdf, png and svg; returns the files.
 
-    ``convergence-CASE`` for every case of ``rates.csv``, ``convergence`` for all cases of Prop. 5.4
-    and ``convergence-prop-5-3`` for the rough ones; ``zone-CASE``, ``profiles-CASE`` and ``body-CASE``
-    for every file in ``pictures``.
+    ``enclosure-CASE`` for every case with one; ``convergence-CASE`` for every case of ``rates.csv``, ``convergence``
+    for all cases of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones; ``zone-CASE``, ``profiles-CASE`` and
+    ``body-CASE`` for every file in ``pictures``.
 
     Raises:
         DataError: a data file is missing or damaged; nothing is drawn then.
     """
     rates = read_rates(directory)
     orders = _expected_orders(directory, rates)
-    figures = [*_convergence(rates, orders), *_runs(read_pictures(directory))]
+    figures = [*_convergence(rates, orders), *_enclosures(directory), *_runs(read_pictures(directory))]
     names, draws = zip(*figures, strict=True)
     written: list[Path] = []
     for done, paths in enumerate(spread(partial(draw_one, directory / "figures"), names, draws), start=1):
@@ -90,6 +91,15 @@ def _overview_name(claim: str) -> str:
     return (
         "convergence" if claim == "Prop. 5.4" else "convergence-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
     )
+
+
+def _enclosures(directory: Path) -> Iterator[tuple[str, Callable[[], Figure]]]:
+    """One figure for every case and mesh family with an enclosure, all levels in it."""
+    columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
+    series = read_csv(directory, "enclosures.csv", columns)
+    chosen = series[series["trajectory"] == "enclosure"]
+    for (case, family), mine in chosen.groupby(["case", "family"], sort=False):
+        yield f"enclosure-{case}", partial(draw_enclosure, mine, f"{case}, {family}")
 
 
 def _runs(pictures: list[Picture]) -> Iterator[tuple[str, Callable[[], Figure]]]:

@@ -15,18 +15,23 @@ COLOURS = (BLUE, VERMILLION, GREEN)
 def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
     """Bands [d − y, d + y] of every level with the bound from u_h alone, and upper and lower ends in relation.
 
-    From ``level``, ``time``, ``lower``, ``upper``, ``plain``, ``distance`` and, where it is known, ``error``: below,
-    the ends over the error, or over d where the error is unknown.
+    From ``level``, ``time``, ``distance``, ``bound`` and, where they are known, ``error`` and ``plain``: below, the
+    ends over the error, or over d where the error is unknown.
     """
     figure = Figure(figsize=(COLUMN, 4.2))
     above, below = figure.subplots(2, sharex=True, height_ratios=(3, 2))
     known = bool(series["error"].notna().all())
+    alone = "plain" in series
+    series = series.assign(
+        lower=(series["distance"] - series["bound"]).clip(lower=0), upper=series["distance"] + series["bound"]
+    )
     floor = series["upper"].min() / 3
     handles: list[Line2D | Patch] = []
     for (level, of_level), colour in zip(series.groupby("level"), COLOURS * len(series), strict=False):
         time = of_level["time"]
         above.fill_between(time, of_level["lower"].clip(lower=floor), of_level["upper"], color=colour, alpha=0.35, lw=0)
-        above.plot(time, of_level["plain"], color=colour, lw=0.8, ls=":")
+        if alone:
+            above.plot(time, of_level["plain"], color=colour, lw=0.8, ls=":")
         middle = of_level["error" if known else "distance"]
         above.plot(time, middle, color=colour, lw=0.9)
         for end in ("lower", "upper"):
@@ -40,9 +45,8 @@ def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
     below.set_ylim(0, 2)
     below.set_ylabel("ends / error" if known else r"ends / $\|\tilde u - u_h\|_V$")
     below.set_xlabel(r"time $t$")
-    handles += [
-        Line2D([], [], color=BLACK, lw=0.9, label="error" if known else r"$\|\tilde u - u_h\|_V$"),
-        Line2D([], [], color=BLACK, lw=0.8, ls=":", label=r"bound from $u_h$ alone"),
-    ]
+    handles.append(Line2D([], [], color=BLACK, lw=0.9, label="error" if known else r"$\|\tilde u - u_h\|_V$"))
+    if alone:
+        handles.append(Line2D([], [], color=BLACK, lw=0.8, ls=":", label=r"bound from $u_h$ alone"))
     legend(figure, handles, columns=2)
     return figure

@@ -45,7 +45,7 @@ STATEMENTS: tuple[Statement, ...] = (
 )
 """In the order of the source."""
 
-ORDERS = ("data", "Prop. 5.4", "Prop. 5.3", "axes", "(5.36)", "Thm 4.2")
+ORDERS = ("data", "Prop. 5.4", "Prop. 5.3", "axes", "(5.36)", "Thm 4.2", "bound", "enclosure")
 """The statements of ``claims``, which head the ledger."""
 
 
