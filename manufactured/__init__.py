@@ -10,6 +10,7 @@ from manufactured.body import Body, BodyError, Kind, Part, box, polygon, unit_sq
 from manufactured.case import Case, CaseError
 from manufactured.catalogue import catalogue
 from manufactured.contact import ContactFace
+from manufactured.data import Data, LoadError
 from manufactured.exact import ExactSolution
 from manufactured.factor import Factor, x1, x2, x3
 from manufactured.law import (
@@ -36,6 +37,7 @@ __all__ = [
     "Case",
     "CaseError",
     "ContactFace",
+    "Data",
     "DeviatoricBall",
     "ExactSolution",
     "Factor",
@@ -45,6 +47,7 @@ __all__ = [
     "Kind",
     "LawError",
     "Linear",
+    "LoadError",
     "Memory",
     "Monomial",
     "Part",
