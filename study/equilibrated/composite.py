@@ -1,4 +1,4 @@
-"""The composite equilibrium triangle: symmetric stresses, piecewise polynomial on the thirds, with continuous tractions.
+"""The composite equilibrium triangle: symmetric stresses, polynomials on the thirds, with continuous tractions.
 
 A triangle is cut at its barycentre into three thirds (Alfeld split). The element of degree k consists of the symmetric
 stresses that are polynomials of degree k on every third and whose tractions σν are continuous across the three inner
@@ -48,7 +48,9 @@ def bernstein(degree: int, barycentric: Array) -> Array:
     """B_α(λ) = |α|!/α! λ^α: (v, ...) → (polynomials, ...), in the order of ``indices``."""
     return np.array(
         [
-            factorial(degree) / prod(map(factorial, alpha)) * prod(x**a for x, a in zip(barycentric, alpha, strict=True))
+            factorial(degree)
+            / prod(map(factorial, alpha))
+            * prod(x**a for x, a in zip(barycentric, alpha, strict=True))
             for alpha in indices(degree, len(barycentric))
         ]
     )

@@ -1,7 +1,7 @@
 """Problem 3.2 in time on composite stresses: σ^h_n ∈ Σ^h(t_n), found without any displacement.
 
-With ε̇ ≈ (w ε_n − past)/k, for backward Euler (w = 1, past = ε_{n−1}) and BDF2 (w = 3/2, past = 2ε_{n−1} − ½ε_{n−2}), the
-law (2.1) reads σ_n = C ε_n − (A/k) past, C = (w/k) A + G, and (3.12), (3.15) say that σ_n minimises over Σ^h(t_n)
+With ε̇ ≈ (w ε_n − past)/k, for backward Euler (w = 1, past = ε_{n−1}) and BDF2 (w = 3/2, past = 2ε_{n−1} − ½ε_{n−2}),
+the law (2.1) reads σ_n = C ε_n − (A/k) past, C = (w/k) A + G, and (3.12), (3.15) say that σ_n minimises over Σ^h(t_n)
 
     ½ (C⁻¹τ, τ)_Q + (C⁻¹ (A/k) past, τ)_Q,
 
@@ -22,6 +22,7 @@ from manufactured.tensors import Array, Tensors
 from study.equilibrated.hybrid import EquilibratedStress, Equilibrium
 from study.equilibrated.loads import ProjectedLoads
 from study.equilibrated.stresses import StressSpace
+from study.solve.signorini import Signorini
 
 
 class EquilibriumError(ValueError):
@@ -73,12 +74,12 @@ BDF2 = Multistep("bdf2", 1.5, (2.0, -0.5))
 
 
 class _Step:
-    def __init__(self, data: Data, space: StressSpace, scheme: Multistep, k: float) -> None:
+    def __init__(self, data: Data, space: StressSpace, scheme: Multistep, k: float, solver: type[Signorini]) -> None:
         A, G = linear(data.law)
         self.scheme = scheme
         self.viscous = tensor_at(A, space.points) / k
         self.compliance = np.linalg.inv(scheme.w * self.viscous + tensor_at(G, space.points))
-        self.equilibrium = Equilibrium(space, self.compliance)
+        self.equilibrium = Equilibrium(space, self.compliance, solver)
 
     def __call__(self, time: float, loads: ProjectedLoads, history: list[Tensors]) -> DualState:
         past = sum(c * strain for c, strain in zip(self.scheme.past, reversed(history), strict=False))
@@ -89,7 +90,9 @@ class _Step:
         return DualState(time, stress, strain)
 
 
-def march(data: Data, space: StressSpace, scheme: Multistep, steps: int) -> Iterator[DualState]:
+def march(
+    data: Data, space: StressSpace, scheme: Multistep, steps: int, solver: type[Signorini] = Signorini
+) -> Iterator[DualState]:
     """The states at t_1, …, t_steps; a scheme with more than one past value starts with backward Euler.
 
     Raises:
@@ -100,10 +103,10 @@ def march(data: Data, space: StressSpace, scheme: Multistep, steps: int) -> Iter
     k = data.body.T / steps
     loads = ProjectedLoads(data, space)
     history = [data.initial(space.points)]
-    step = _Step(data, space, BACKWARD_EULER, k)
+    step = _Step(data, space, BACKWARD_EULER, k, solver)
     for n in range(1, steps + 1):
         if n == len(scheme.past) and scheme.past != step.scheme.past:
-            step = _Step(data, space, scheme, k)
+            step = _Step(data, space, scheme, k, solver)
         state = step(n * k, loads, history)
         history = [*history, state.strain][-len(scheme.past) :]
         yield state

@@ -70,9 +70,10 @@ class Equilibrium:
     Args:
         space: the stresses.
         compliance: C⁻¹ in Mandel form, (3, 3), or at the points, (cells, Q, 3, 3).
+        solver: (S, N) ↦ the contact solve.
     """
 
-    def __init__(self, space: StressSpace, compliance: Array) -> None:
+    def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
         self.space, self.compliance = space, compliance
         cells, freedoms = space.cells, space.basis.shape[-1]
         # (cells, 3 Q, p): matrix products then need no copies.
@@ -90,7 +91,7 @@ class Equilibrium:
         ).tocsc()
         S = sps.csc_array(full[self.free][:, self.free])
         self.S = sps.csc_array((S + S.T) / 2)
-        self.solve = Signorini(self.S, self.N)
+        self.solve = solver(self.S, self.N)
 
     def _number(self) -> None:
         """Numbers of the unknown moments: edge by edge, polynomial by polynomial, two components."""
@@ -158,9 +159,7 @@ class Equilibrium:
 
     def pressure(self, stress: EquilibratedStress) -> Array:
         """Bernstein coefficients of −τ_ν ≥ 0 on the edges ``contact``, (edges of Γ3, n)."""
-        found = np.empty((self.total // (2 * (self.space.degree + 1)), self.space.degree + 1))
-        found[self.space.edges] = -stress.tractions[..., 0]
-        return found[self.contact]
+        return -self.space.seen_from(self.contact, stress.tractions)[..., 0]
 
 
 def _times(vectors: Array, matrices: Array) -> Array:

@@ -25,7 +25,7 @@ EDGE_POINTS = 6
 """Gauss points for f_2 on an edge."""
 
 
-def _cut(space: StressSpace) -> tuple[Mesh, Points]:
+def cut(space: StressSpace) -> tuple[Mesh, Points]:
     """The mesh of the thirds, those of a cell one after the other, and their vertices, (2, 3, thirds)."""
     mesh = space.mesh
     vertices = np.vstack([mesh.t, mesh.p.shape[1] + np.arange(space.cells)])
@@ -34,7 +34,7 @@ def _cut(space: StressSpace) -> tuple[Mesh, Points]:
     return MeshTri(points, np.ascontiguousarray(cells)), points[:, cells]
 
 
-def _barycentric(corners: Points, x: Points) -> Array:
+def barycentric(corners: Points, x: Points) -> Array:
     """Coordinates of points of triangles (2, 3, n) in their vertices: (2, n, q) → (3, n, q)."""
     edges = np.moveaxis(corners[:, :2] - corners[:, 2:], 2, 0)
     found = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])
@@ -92,12 +92,12 @@ class ProjectedLoads:
 
     def __init__(self, data: Data, space: StressSpace) -> None:
         self.space = space
-        mesh, corners = _cut(space)
+        mesh, corners = cut(space)
         lines = [Line(direction, offset) for direction, offset in data.lines]
         cells = np.repeat(space.mesh.p[:, space.mesh.t], 3, axis=2)
         self._blocks = []
         for rule in cell_rules(mesh, max(DEGREE, 2 * space.degree), lines, data.points):
-            local, full = (_barycentric(c[:, :, rule.cells], rule.points) for c in (corners, cells))
+            local, full = (barycentric(c[:, :, rule.cells], rule.points) for c in (corners, cells))
             shapes, whole = bernstein(space.degree - 1, local), bernstein(space.degree, full)
             self._blocks.append(_Block(data, rule, shapes, whole))
         x, weights = np.polynomial.legendre.leggauss(EDGE_POINTS)

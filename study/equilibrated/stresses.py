@@ -1,7 +1,7 @@
 """Σ^h: composite equilibrium stresses on a mesh, joined by their tractions.
 
-The freedoms of one cell are split into the part with Div σ = 0, unknown, and the lift of a given divergence. A stress is
-held by its values at the points of a quadrature rule on the thirds, at which products of two stresses are integrated
+The freedoms of one cell are split into the part with Div σ = 0, unknown, and the lift of a given divergence. A stress
+is held by its values at the points of a quadrature rule on the thirds, at which products of two stresses are integrated
 exactly, and by the Bernstein coefficients of its tractions on the edges, in axes (ν, τ) on Γ3 and Cartesian elsewhere.
 """
 
@@ -157,6 +157,17 @@ class StressSpace:
     def on(self, kind: Kind) -> list[tuple[Part, Array]]:
         """The pieces of one kind with their edges."""
         return [(part, edges) for part, edges in zip(self.body.parts, self.parts, strict=True) if part.kind is kind]
+
+    def seen_from(self, edges: Array, tractions: Array) -> Array:
+        """Tractions on edges of the boundary, with the outward normal: (cells, 3, n, 2) → (edges, n, 2)."""
+        found = np.empty((len(self.lengths), *tractions.shape[2:]))
+        found[self.edges] = tractions
+        return found[edges]
+
+    def coefficients(self, values: Tensors) -> Array:
+        """Values at the points of polynomials of degree k → Bernstein coefficients, (3, thirds, polynomials)."""
+        inverse = np.linalg.pinv(bernstein(self.degree, self._rule[0]))
+        return values.reshape(3, 3 * self.cells, -1) @ inverse
 
     # ---- data
 

@@ -1,0 +1,335 @@
+"""Composite equilibrium stresses: what they have to satisfy, looked at from outside, and a solver that knows nothing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import clarabel
+import numpy as np
+import pytest
+import scipy.sparse as sps
+from scipy.linalg import qr
+from sympy import Expr
+
+from manufactured import isotropic, t, unit_square, x2
+from manufactured.body import Kind
+from manufactured.data import Data
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
+from manufactured.tensors import Array, basis
+from study.equilibrated.composite import SIDES, bernstein, composite, indices, thirds
+from study.equilibrated.dual import BACKWARD_EULER, BDF2, EquilibriumError, Multistep, march, tensor_at
+from study.equilibrated.hybrid import EquilibratedStress, Equilibrium, Loads
+from study.equilibrated.loads import ProjectedLoads, cut
+from study.equilibrated.stresses import StressSpace
+from study.fem.mesh import FAMILIES, MeshError, MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.naming import resolve
+
+BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entrant", "junction")
+"""Cases on bodies of different shape: turned, with an interface, with several contact faces, re-entrant, refined."""
+MESHED = [(name, family) for name in BODIES for family in FAMILIES if family.serves(resolve(name).solution.body)]
+LAW = KelvinVoigt(isotropic(2, 3), isotropic(1, 0.5), "linear")
+DEGREES = (1, 2)
+
+
+def stress_at(solution: ExactSolution, family: MeshFamily, degree: int, time: float = 0.4):
+    """Space, loads, a stress that balances them with contact, as Problem 3.2 asks at one time."""
+    space = StressSpace(family(solution.body, 4), solution.body, degree)
+    loads = ProjectedLoads(Data.of(solution), space)(time)
+    equilibrium = Equilibrium(space, np.linalg.inv(solution.law.A.matrix))
+    strain = solution.at(space.points).strain(time)
+    return space, loads, equilibrium, equilibrium(loads, -strain)
+
+
+@pytest.mark.parametrize(("degree", "dimension", "free"), [(1, 15, 9), (2, 36, 18)])
+def test_the_element_has_the_dimensions_of_the_literature(degree: int, dimension: int, free: int) -> None:
+    """Johnson and Mercier: 15; without divergence 15 − 6, 36 − 18."""
+    element = composite(degree)
+    assert element.space.shape[-1] == dimension
+    assert element.free.shape[-1] == free
+    assert free == dimension - 3 * len(indices(degree - 1)) * 2
+
+
+@pytest.mark.parametrize("degree", DEGREES)
+def test_every_traction_in_equilibrium_with_the_divergence_is_there(degree: int) -> None:
+    """Tractions and divergences of the element: all of them but for the three conditions of equilibrium."""
+    element = composite(degree)
+    flat = element.space.reshape(-1, element.space.shape[-1])
+    both = np.vstack([t.reshape(-1, flat.shape[0]) @ flat for t in (element.tractions, element.divergence)])
+    assert np.linalg.matrix_rank(both, tol=1e-9) == len(both) - 3
+
+
+def test_there_is_no_element_of_degree_0() -> None:
+    with pytest.raises(ValueError, match="start with degree 1"):
+        composite(0)
+
+
+class Seen:
+    """A stress by its values alone: polynomials fitted to them on every third, and what follows from those."""
+
+    def __init__(self, space: StressSpace, stress: EquilibratedStress) -> None:
+        self.space, self.exponents = space, [a[:2] for a in indices(space.degree)]
+        self.corners = np.moveaxis(thirds(space.mesh.p[:, space.mesh.t]), 3, 2)  # (2, 3 vertices, cells, 3 thirds)
+        self.centre = self.corners.mean(axis=1)
+        points = space.points.reshape(2, space.cells, 3, -1)
+        values = stress.values.reshape(3, space.cells, 3, -1)
+        monomials = self.monomials(points - self.centre[..., None])
+        self.fit = np.einsum("ctmq,Ictq->Ictm", np.linalg.pinv(np.moveaxis(monomials, 0, -1)), values)
+        self.size = abs(values).max()
+        self.misfit = abs(np.einsum("mctq,Ictm->Ictq", monomials, self.fit) - values).max() / self.size
+
+    def monomials(self, x: Array) -> Array:
+        """Scaled by h, so that fitting is well conditioned."""
+        h = np.sqrt(self.space.volumes)[:, None, None]
+        return np.array([(x[0] / h) ** a * (x[1] / h) ** b for a, b in self.exponents])
+
+    def at(self, x: Array) -> Array:
+        """σ at points of the thirds, (2, cells, 3, n) → (2, 2, cells, 3, n)."""
+        mandel = np.einsum("mctn,Ictm->Ictn", self.monomials(x - self.centre[..., None]), self.fit)
+        return np.einsum("Iij,I...->ij...", basis(2), mandel)
+
+    def divergence(self, x: Array) -> Array:
+        """Div σ by central differences, exact for degrees up to 2, (2, cells, 3, n)."""
+        step = 1e-2 * np.sqrt(self.space.volumes)[:, None, None]
+        found = np.zeros(x.shape)
+        for j, direction in enumerate(np.eye(2)):
+            shift = direction[:, None, None, None] * step
+            found += (self.at(x + shift)[:, j] - self.at(x - shift)[:, j]) / (2 * step)
+        return found
+
+    def traction(self, along: Array, a: Array, b: Array) -> Array:
+        """σν on the segments from a to b, (2, cells, 3, n), ν to the right."""
+        points = a[..., None] * (1 - along) + b[..., None] * along
+        d = (b - a) / np.linalg.norm(b - a, axis=0)
+        return np.einsum("ijctn,jct->ictn", self.at(points), np.array([d[1], -d[0]]))
+
+
+@pytest.mark.parametrize("degree", DEGREES)
+@pytest.mark.parametrize(("name", "family"), MESHED, ids=lambda v: getattr(v, "name", v))
+def test_a_stress_is_admissible_on_every_mesh_and_body(name: str, family: MeshFamily, degree: int) -> None:
+    """Everything that Σ^h(t) asks, from point values on the thirds; nothing of the element is used."""
+    space, loads, equilibrium, stress = stress_at(resolve(name).solution, family, degree)
+    seen = Seen(space, stress)
+    tolerance = 1e-9 * seen.size
+    assert seen.misfit <= 1e-10
+
+    # Div σ + P f_0 = 0 on every third.
+    points = space.points.reshape(2, space.cells, 3, -1)
+    force = space.evaluate(loads.force).reshape(points.shape)
+    h = np.sqrt(space.volumes).min()
+    assert abs(seen.divergence(points) + force).max() * h <= 10 * tolerance
+
+    # Tractions on the sides of the thirds: a to b, b to the centre, the centre to a, each counterclockwise or not.
+    along = np.linspace(0, 1, degree + 2)
+    a, b, centre = (seen.corners[:, v] for v in range(3))
+    flips = np.sign(np.linalg.det(space.map))
+    # Third i ends with b at the centre's line to vertex SIDES[i][1], where the next one that has it begins.
+    for vertex in range(3):
+        ends = [third for third in range(3) if SIDES[third][1] == vertex]
+        begins = [third for third in range(3) if SIDES[third][0] == vertex]
+        one = seen.traction(along, b, centre)[:, :, ends[0]]
+        other = seen.traction(along, a, centre)[:, :, begins[0]]
+        assert abs(one - other).max() <= tolerance
+
+    outer = seen.traction(along, a, b) * flips[:, None, None]
+    start, end = space.mesh.t[[side[0] for side in SIDES]].T, space.mesh.t[[side[1] for side in SIDES]].T
+    forward = space.mesh.facets[0, space.edges] == start
+    assert (np.where(forward, space.mesh.facets[1, space.edges] == end, space.mesh.facets[0, space.edges] == end)).all()
+    outer = np.where(forward[..., None], outer, outer[..., ::-1])
+    total = np.zeros((len(space.lengths), 2, len(along)))
+    np.add.at(total, space.edges, np.moveaxis(outer, 0, 2))
+    inner = space.mesh.f2t[1] >= 0
+    assert abs(total[inner]).max() <= 10 * tolerance
+    shapes = bernstein(degree, np.array([1 - along, along]))
+    for part, edges in space.on(Kind.LOADED):
+        assert abs(total[edges] - np.einsum("nad,aq->ndq", loads.surface[edges], shapes)).max() <= 10 * tolerance, part
+    pressed = 0.0
+    for part, edges in space.on(Kind.CONTACT):
+        normal, shear = (np.einsum("d,ndq->nq", axis, total[edges]) for axis in (part.normal, part.tangent))
+        assert abs(shear).max() <= 10 * tolerance
+        assert normal.max() <= 10 * tolerance
+        pressed = max(pressed, -normal.min())
+    assert pressed > 1e-3 * seen.size
+    mine = -np.concatenate([np.einsum("d,ndq->nq", p.normal, total[e]) for p, e in space.on(Kind.CONTACT)])
+    assert equilibrium.pressure(stress) @ shapes == pytest.approx(mine, abs=10 * tolerance)
+
+
+def moments_of(space: StressSpace, displacement: Callable[[Array], Array]) -> Array:
+    """∫_e v B_i in the axes of the edges, (edges, n, 2)."""
+    x, weights = np.polynomial.legendre.leggauss(6)
+    along = np.array([1 - x, 1 + x]) / 2
+    v = displacement(np.einsum("den,eq->dnq", space.mesh.p[:, space.mesh.facets], along))
+    shapes = bernstein(space.degree, along) * weights / 2
+    return np.einsum("nij,jnq,aq,n->nai", space.frames, v, shapes, space.lengths)
+
+
+# u = t v with v = (0, −y(1 − y)): ε_yy = −t(1 − 2y); pressed on y = 0, clamped at y = 1.
+(MU_A, LAMBDA_A), (MU_G, LAMBDA_G) = (2, 3), (1, 0.5)
+
+
+def pressed_square() -> Data:
+    """f_0, f_2 and u_0 of u = t v: σ is linear in x and in t."""
+    stiff = (2 * MU_A + LAMBDA_A) + (2 * MU_G + LAMBDA_G) * t
+    beside: Expr = -(LAMBDA_A + LAMBDA_G * t) * (1 - 2 * x2)
+    body = unit_square()
+    sides = {i: (float(part.normal[0]) * beside, 0) for i, part in enumerate(body.parts) if part.kind is Kind.LOADED}
+    return Data.formulas(body, LAW, (0, -2 * stiff), sides)
+
+
+@pytest.mark.parametrize("degree", DEGREES)
+@pytest.mark.parametrize("scheme", [BACKWARD_EULER, BDF2], ids=lambda s: s.name)
+@pytest.mark.parametrize("family", [f for f in FAMILIES if f.serves(unit_square())], ids=lambda f: f.name)
+def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme: Multistep, degree: int) -> None:
+    """Stress, strains, multipliers and pressure at every time, to round-off: nothing is approximated."""
+    data = pressed_square()
+    space = StressSpace(family(data.body, 3), data.body, degree)
+    v = moments_of(space, lambda x: np.array([0 * x[0], -x[1] * (1 - x[1])]))
+    edges = np.concatenate([edges for _, edges in space.on(Kind.CONTACT)])
+    for state in march(data, space, scheme, 4):
+        time, slope = state.time, -(1 - 2 * space.points[1])
+        zero = 0 * slope
+        stress = np.array([(LAMBDA_A + LAMBDA_G * time) * slope, (2 * MU_A + LAMBDA_A) * slope, zero])
+        stress[1] += (2 * MU_G + LAMBDA_G) * time * slope
+        assert state.stress.values == pytest.approx(stress, abs=1e-10)
+        assert state.strain == pytest.approx(np.array([zero, time * slope, zero]), abs=1e-11)
+        assert state.stress.moments == pytest.approx(time * v, abs=1e-11)
+        pressure = -space.seen_from(edges, state.stress.tractions)[..., 0]
+        assert pressure == pytest.approx(2 * MU_A + LAMBDA_A + (2 * MU_G + LAMBDA_G) * time)
+
+
+def unreduced(space: StressSpace, loads: Loads, compliance: Array, strain: Array) -> Array:
+    """min ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q by an interior point method for Bernstein coefficients of Cartesian components.
+
+    Continuity, equilibrium and the inequality are constraints of a quadratic programme; the unknowns are all
+    piecewise polynomials on the thirds. Returns the values at the points, (3, cells, Q).
+    """
+    mesh, _ = cut(space)
+    k, E = space.degree, basis(2)
+    places = {alpha: i for i, alpha in enumerate(indices(k))}
+    m, thirds_ = len(places), mesh.t.shape[1]
+    # The mesh sorts the vertices of its cells; coefficients belong to the order of SIDES.
+    centres = mesh.p.shape[1] - space.cells + np.arange(space.cells)
+    cells = np.stack([np.array([*space.mesh.t[list(side)], centres]) for side in SIDES], axis=2).reshape(3, -1)
+    unknown = np.arange(thirds_ * m * 3).reshape(thirds_, m, 3)
+    gradients = np.linalg.inv(np.concatenate([np.ones((thirds_, 1, 3)), np.moveaxis(mesh.p[:, cells], 2, 0)], axis=1))[
+        :, :, 1:
+    ]
+    rows: list[Array] = []
+    right: list[float] = []
+    below: list[Array] = []
+
+    def traction(third: int, vertices: Array, i: int, direction: Array, normal: Array) -> Array:
+        """Coefficient i of σν·direction on the edge from vertices[0] to vertices[1] of a third."""
+        alpha = [0, 0, 0]
+        first, second = (int(np.flatnonzero(cells[:, third] == v)[0]) for v in vertices)
+        alpha[first], alpha[second] = k - i, i
+        row = np.zeros(unknown.size)
+        row[unknown[third, places[tuple(alpha)]]] = np.einsum("Iij,i,j->I", E, direction, normal)
+        return row
+
+    kinds = {}
+    for part, edges in zip(space.body.parts, space.parts, strict=True):
+        for e in edges:
+            kinds[tuple(sorted(space.mesh.facets[:, e]))] = part, e
+    for facet, (one, other) in zip(mesh.facets.T, mesh.f2t.T, strict=True):
+        along = mesh.p[:, facet[1]] - mesh.p[:, facet[0]]
+        normal = np.array([along[1], -along[0]]) / np.linalg.norm(along)
+        part, e = kinds.get(tuple(sorted(facet)), (None, -1))
+        for i in range(k + 1):
+            if part is None:
+                for d in np.eye(2):
+                    rows.append(traction(one, facet, i, d, normal) - traction(other, facet, i, d, normal))
+                    right.append(0.0)
+            elif part.kind is Kind.LOADED:
+                ends = space.mesh.facets[:, e]
+                at = i if ends[0] == facet[0] else k - i
+                for j, d in enumerate(np.eye(2)):
+                    rows.append(traction(one, facet, i, d, part.normal))
+                    right.append(loads.surface[e, at, j])
+            elif part.kind is Kind.CONTACT:
+                rows.append(traction(one, facet, i, part.tangent, part.normal))
+                right.append(0.0)
+                below.append(traction(one, facet, i, part.normal, part.normal))
+    force = loads.force.reshape(thirds_, -1, 2)
+    for third in range(thirds_):
+        for b, beta in enumerate(indices(k - 1)):
+            for j in range(2):
+                row = np.zeros(unknown.size)
+                for vertex in range(3):
+                    alpha = tuple(c + (i == vertex) for i, c in enumerate(beta))
+                    row[unknown[third, places[alpha]]] += k * E[:, j] @ gradients[third, vertex]
+                rows.append(row)
+                right.append(-force[third, b, j])
+
+    at = space.barycentric.reshape(3, 3, -1)
+    local = np.linalg.solve(thirds(np.eye(3))[:, :, 0], at[:, 0])
+    shapes = bernstein(k, local)
+    weights = space.weights.reshape(thirds_, -1)
+    C = np.broadcast_to(compliance, (*space.weights.shape, 3, 3)).reshape(thirds_, -1, 3, 3)
+    H = sps.block_diag(
+        [np.einsum("aq,bq,q,qIJ->aIbJ", shapes, shapes, w, c).reshape(3 * m, 3 * m) for w, c in zip(weights, C)]
+    )
+    g = np.einsum("aq,tq,Itq->taI", shapes, weights, strain.reshape(3, thirds_, -1)).ravel()
+    # The conditions around a barycentre depend on each other: keep a basis of the rows.
+    equal, known = np.array(rows), np.array(right)
+    _, R, order = qr(equal.T, mode="economic", pivoting=True)
+    rank = int((abs(np.diag(R)) > 1e-10 * abs(R[0, 0])).sum())
+    chosen = order[:rank]
+    A = sps.csc_matrix(np.vstack([equal[chosen], np.array(below)]))
+    bounds = np.concatenate([known[chosen], np.zeros(len(below))])
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = 1e-12
+    cones = [clarabel.ZeroConeT(rank), clarabel.NonnegativeConeT(len(below))]
+    found = clarabel.DefaultSolver(sps.triu(H, format="csc"), g, A, bounds, cones, settings).solve()
+    coefficients = np.array(found.x).reshape(thirds_, m, 3)
+    assert abs(equal @ found.x - known).max() <= 1e-8 * max(abs(known).max(), 1.0)
+    return np.einsum("taI,aq->Itq", coefficients, shapes).reshape(3, space.cells, -1)
+
+
+@pytest.mark.parametrize("degree", DEGREES)
+@pytest.mark.parametrize(
+    ("name", "family", "n"),
+    [
+        ("advance-recede", Shaken(), 3),
+        ("corner", Shaken(), 4),
+        ("hexagon", Unstructured(), 3),
+        ("layered", Shaken(), 2),
+    ],
+    ids=lambda v: getattr(v, "name", str(v)),
+)
+def test_the_hybridised_solve_agrees_with_an_interior_point_method(name: str, family, n: int, degree: int) -> None:
+    """For a stress with and without pressure on Γ3."""
+    solution = resolve(name).solution
+    space = StressSpace(family(solution.body, n), solution.body, degree)
+    loads = ProjectedLoads(Data.of(solution), space)(0.4)
+    compliance = np.linalg.inv(tensor_at(solution.law.A, space.points))
+    strain = -solution.at(space.points).strain(0.4)
+    equilibrium = Equilibrium(space, compliance)
+    stress = equilibrium(loads, strain)
+    pressure = equilibrium.pressure(stress)
+    other = unreduced(space, loads, compliance, strain)
+    assert other == pytest.approx(stress.values, abs=1e-7 * abs(other).max())
+    assert (pressure > 1e-6 * pressure.max()).any()
+    assert (pressure < 1e-6 * pressure.max()).any()
+
+
+def test_a_stress_without_contact_balances_its_loads_and_leaves_the_foundation_alone() -> None:
+    space, loads, equilibrium, _ = stress_at(resolve("corner").solution, Shaken(), 1)
+    free = equilibrium.balance(loads)
+    assert abs(equilibrium.pressure(free)).max() <= 1e-9 * abs(free.values).max()
+    doubled = equilibrium.balance(2.0 * loads)
+    assert doubled.values == pytest.approx(2 * free.values, abs=1e-9 * abs(free.values).max())
+
+
+def test_what_cannot_be_posed_is_refused() -> None:
+    data = pressed_square()
+    space = StressSpace(OneDiagonal()(data.body, 2), data.body)
+    with pytest.raises(EquilibriumError, match="one step or more"):
+        next(march(data, space, BDF2, 0))
+    yielding = resolve("yield-and-release").solution
+    with pytest.raises(EquilibriumError, match="linear G"):
+        next(march(Data.of(yielding), space, BDF2, 2))
+    solid = resolve("cube-disc").solution
+    with pytest.raises(MeshError, match="made for triangles"):
+        StressSpace(OneDiagonal()(solid.body, 2), solid.body)
