@@ -1,7 +1,18 @@
 """Shared by all tests."""
 
+from collections.abc import Iterator
+
+import pytest
 from hypothesis import settings
+from threadpoolctl import threadpool_limits
 
 # Machines differ in speed: a deadline would test the machine, not the mathematics.
 settings.register_profile("study", deadline=None, max_examples=25, derandomize=True)
 settings.load_profile("study")
+
+
+@pytest.fixture(autouse=True, scope="session")
+def one_thread() -> Iterator[None]:
+    """Tests run in parallel: the processes share the cores already."""
+    with threadpool_limits(1):
+        yield

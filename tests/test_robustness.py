@@ -14,7 +14,6 @@ import numpy as np
 import pandas as pd
 import pytest
 from sympy import Expr, Rational, sympify
-from threadpoolctl import threadpool_limits
 
 from manufactured import (
     Body,
@@ -232,9 +231,8 @@ def families_of(case: Case) -> list[MeshFamily]:
 
 
 def alarms(case: Case, families: Sequence[MeshFamily], levels: Sequence[int]) -> list[str]:
-    """The rows of the ledger that do not hold; measured with one thread, as the processes share the cores already."""
-    with threadpool_limits(1):
-        rows = [asdict(measure_case(case, f, n, Midpoint(), steps_for(case, n))) for f in families for n in levels]
+    """The rows of the ledger that do not hold."""
+    rows = [asdict(measure_case(case, f, n, Midpoint(), steps_for(case, n))) for f in families for n in levels]
     judge = {"Prop. 5.3": prop_5_3, "Prop. 5.4": prop_5_4}[case.proposition]
     verdicts = judge(case.name, pd.DataFrame(rows), case.order)
     return [f"{v.quantity}: {v.observed:.4g} in [{v.low:.4g}, {v.high:.4g}]" for v in verdicts if v.verdict != HOLDS]
