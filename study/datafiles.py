@@ -69,6 +69,12 @@ def read_rates(directory: Path) -> pd.DataFrame:
     return rates.assign(discrete_order=np.concatenate(orders) if orders else [])
 
 
+def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
+    """The levels of a series in order with the consecutive orders of a column as ``order``."""
+    ordered = series.sort_values("level")
+    return ordered.assign(order=_orders(ordered["h"].to_numpy(), ordered[column].to_numpy()))
+
+
 def read_claims(directory: Path) -> pd.DataFrame:
     """``claims.csv``, in which every verdict is one that is known."""
     claims = read_csv(directory, "claims.csv", LEDGER)

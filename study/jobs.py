@@ -11,6 +11,8 @@ import numpy as np
 import sympy as sp
 
 from manufactured.case import Case
+from study.equilibrated.measure import Place, measure_stresses
+from study.equilibrated.measure import steps_for as stress_steps
 from study.equivalence import compare
 from study.fem.mesh import MeshFamily
 from study.naming import choose, family_named, resolve
@@ -113,6 +115,33 @@ class EquivalenceJob:
 
     def run(self) -> dict[str, Any]:
         return asdict(compare(resolve(self.case), family_named(self.family), self.level, self.steps))
+
+
+@dataclass(frozen=True)
+class StressJob:
+    """One row of ``stresses.csv``."""
+
+    place: Place
+
+    @property
+    def key(self) -> str:
+        return f"stress__{self.place.case}__{self.place.family}__{self.place.level:05d}"
+
+    @property
+    def cost(self) -> float:
+        return 60.0 * self.place.level**2 * self._steps
+
+    @property
+    def _steps(self) -> int:
+        return stress_steps(resolve(self.place.case), self.place.level)
+
+    def fingerprint(self) -> str:
+        case, family = resolve(self.place.case), family_named(self.place.family)
+        return fingerprint("stress", case.solution, family, self.place.level, self._steps)
+
+    def run(self) -> dict[str, Any]:
+        case, family = resolve(self.place.case), family_named(self.place.family)
+        return asdict(measure_stresses(case, family, self.place.level, self._steps))
 
 
 @dataclass(frozen=True)

@@ -25,11 +25,13 @@ from study.bound.measure import BoundRow
 from study.bound.plan import full_bounds, quick_bounds
 from study.claims import complete, judge
 from study.datafiles import SERIES, DataError, read_csv
+from study.equilibrated.claims import judge_stresses
+from study.equilibrated.measure import StressRow, places
 from study.equivalence import Gaps
 from study.fem.gauge import rough_lines
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, boundary_parts
 from study.fem.quadrature import rough_cells
-from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, StatementJob
+from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, StatementJob, StressJob
 from study.naming import UsageError, family_named, resolve
 from study.rates import orders
 from study.statements import STATEMENTS, position
@@ -70,7 +72,7 @@ class Plan:
         scheme: name of the time scheme.
         name: quick or full, for the provenance.
         k: time step at every level; without it each case's own.
-        statements: whether the numbered statements are measured one by one, too.
+        statements: whether the numbered statements are measured one by one, and Problem 3.2 on its own space, too.
         finest: pairs (case, level) measured beside these on the first family of the case.
     """
 
@@ -144,6 +146,8 @@ class Plan:
         for job in self.jobs():
             if isinstance(job, RateJob | EquivalenceJob):
                 yield resolve(job.case), job.family, job.level
+            elif isinstance(job, StressJob):
+                yield resolve(job.place.case), job.place.family, job.place.level
             elif isinstance(job, PictureJob):
                 yield resolve(job.case), pictures.FAMILY.name, pictures.LEVEL
             elif isinstance(job, BoundJob) and job.problem in self.cases:
@@ -163,6 +167,8 @@ class Plan:
                 found.append((resolve(job.case).name, job.family, str(job.level)))
             elif isinstance(job, BoundJob):
                 found.append((job.trajectory.name, job.problem, job.family, job.scheme, str(job.level)))
+            elif isinstance(job, StressJob):
+                found.append((job.place.case, job.place.family, str(job.place.level), "stress"))
             elif isinstance(job, StatementJob):
                 found.append((job.label, job.setting.case, job.setting.family, str(job.setting.level), "statement"))
         return sorted(found)
@@ -207,7 +213,11 @@ class Plan:
             ]
             if plane:
                 jobs.append(PictureJob(reference))
-        return jobs + ([*self.statement_jobs(), *self.bound_jobs()] if self.statements else [])
+        return jobs + ([*self.stress_jobs(), *self.statement_jobs(), *self.bound_jobs()] if self.statements else [])
+
+    def stress_jobs(self) -> list[Job]:
+        """Problem 3.2 on its own stress space, on the cases of the plan."""
+        return [StressJob(place) for place in places(self.name == "full") if place.case in self.cases]
 
     def bound_jobs(self) -> list[BoundJob]:
         """The bounds of the errors of the cases of the plan."""
@@ -304,7 +314,7 @@ def work(job: Job) -> dict[str, Any]:
 
 def collect(plan: Plan, store: Store) -> None:
     """Write the data files of a plan from its finished jobs."""
-    kinds = RateJob, EquivalenceJob, PictureJob, StatementJob, BoundJob
+    kinds = RateJob, EquivalenceJob, StressJob, PictureJob, StatementJob, BoundJob
     done: dict[type, list[dict[str, Any]]] = {kind: [] for kind in kinds}
     for job in plan.jobs():
         result = store.load(job.key, job.fingerprint())
@@ -321,6 +331,8 @@ def collect(plan: Plan, store: Store) -> None:
     columns.insert(columns.index("time_share") + 1, columns.pop(columns.index("order")))
     _write_csv(store.data / "rates.csv", rates[columns])
     _write_csv(store.data / "equivalence.csv", pd.DataFrame(done[EquivalenceJob]))
+    columns = [field.name for field in fields(StressRow)]
+    _write_csv(store.data / "stresses.csv", pd.DataFrame(done[StressJob], columns=columns))
     _write_csv(
         store.data / "statements.csv", pd.DataFrame(statement_rows(done[StatementJob]), columns=STATEMENT_COLUMNS)
     )
@@ -411,6 +423,7 @@ def check(directory: Path) -> list[Verdict]:
     provenance = read_provenance(directory)
     rates = read_csv(directory, "rates.csv", [*RATE_KEY, *(field.name for field in fields(Row))])
     equivalence = read_csv(directory, "equivalence.csv", [*EQUIVALENCE_KEY, *Gaps._fields])
+    stresses = read_csv(directory, "stresses.csv", [field.name for field in fields(StressRow)])
     statements = read_csv(directory, "statements.csv", STATEMENT_COLUMNS)
     bounds = read_csv(directory, "bounds.csv", BOUNDS)
     cases = read_csv(directory, "cases.csv", ["case", "expected_order", "proved_order", "twin"])
@@ -421,9 +434,11 @@ def check(directory: Path) -> list[Verdict]:
         )
     found = keys(rates, RATE_KEY) | keys(equivalence, EQUIVALENCE_KEY)
     found |= keys(bounds, BOUND_KEY)
+    found |= {(*key, "stress") for key in keys(stresses, EQUIVALENCE_KEY)}
     found |= {(*key, "statement") for key in keys(statements, STATEMENT_KEY)}
     planned = {tuple(key) for key in provenance["planned"]}
     verdicts = [complete(planned, found), *judge(rates, equivalence, cases), *judge_bounds(bounds)]
+    verdicts += judge_stresses(stresses, {case: resolve(case).regularity for case in stresses["case"].unique()})
     verdicts += judge_statements(statements)
     ordered = sorted(verdicts, key=lambda verdict: position(verdict.label))
     _write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in ordered]))

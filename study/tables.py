@@ -1,4 +1,6 @@
-"""Tables from the data files: rates, ledger and equivalence as CSV, Markdown and LaTeX, and short ones for a terminal.
+"""Tables from the data files: rates, ledger, equivalence, stresses and bounds as CSV, Markdown and LaTeX.
+
+Short ones for a terminal are in ``summary``.
 
 Nothing is solved here. The files show numbers to four significant digits and all hold the same text, so
 that they agree digit for digit; orders have three decimals.
@@ -13,7 +15,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.datafiles import DataError, read_claims, read_csv, read_rates
+from study.datafiles import DataError, read_claims, read_csv, read_rates, with_order
 from study.latex import encode, longtable, prose
 from study.store import write_text, write_whole
 from study.summary import cell, ledger_text, rates_text
@@ -22,10 +24,12 @@ __all__ = ["DataError", "ledger_text", "rates_text", "write_tables"]
 
 EQUIVALENCE = ["case", "form", "level", "h", "steps", "displacement_gap", "stress_gap", "admissibility", "energy_gap"]
 EQUIVALENCE += ["membership"]
+STRESSES = ["case", "family", "level", "h", "steps", "unknowns", "stress", "stress_sup", "best", "strain", "pressure"]
+STRESSES += ["displacement", "primal_stress", "primal_displacement", "time_share"]
 
 
 def write_tables(directory: Path) -> list[Path]:
-    """Write ``rates``, ``ledger``, ``equivalence`` and ``bounds`` as csv, md and tex under ``directory/tables``.
+    """Write every table as csv, md and tex under ``directory/tables``.
 
     Returns the files. The LaTeX files are longtables to \\input outside any float; they need the
     packages array, booktabs and longtable.
@@ -33,7 +37,8 @@ def write_tables(directory: Path) -> list[Path]:
     Raises:
         DataError: a data file is missing or lacks a column; nothing is written then.
     """
-    tables = [rates_table(directory), ledger_table(directory), equivalence_table(directory), bounds_table(directory)]
+    makers = rates_table, ledger_table, equivalence_table, stress_table, bounds_table
+    tables = [make(directory) for make in makers]
     return [path for table in tables for path in table.write(directory / "tables")]
 
 
@@ -172,6 +177,31 @@ def bounds_table(directory: Path) -> Table:
         Column("contact", "∫ c"),
     ]
     return _table("bounds", columns, read_csv(directory, "bounds.csv", [c.name for c in columns]), grouped=2)
+
+
+def stress_table(directory: Path) -> Table:
+    """Problem 3.2 on its own stress space, grouped by case and mesh family, from ``stresses.csv``; time in per cent."""
+    columns = [
+        Column("case", "case", "l", names=True),
+        Column("family", "meshes", "l", names=True),
+        Column("level", "level"),
+        Column("steps", "steps"),
+        Column("unknowns", "unknowns"),
+        Column("stress", "‖σ − σ^h‖_Q"),
+        Column("order", "order", form="{:.3f}"),
+        Column("stress_sup", "largest in t"),
+        Column("best", "best possible"),
+        Column("strain", "strains"),
+        Column("pressure", "pressure"),
+        Column("displacement", "multipliers"),
+        Column("primal_stress", "to σ(u^h)"),
+        Column("primal_displacement", "to u^h"),
+        Column("time_share_percent", "time, %"),
+    ]
+    rows = read_csv(directory, "stresses.csv", STRESSES)
+    series = [with_order(frame, "stress") for _, frame in rows.groupby(["case", "family"], sort=False)]
+    shown = pd.concat(series) if series else rows.assign(order=[])
+    return _table("stresses", columns, shown.assign(time_share_percent=100 * shown["time_share"]), grouped=2)
 
 
 def _table(name: str, columns: Sequence[Column], frame: pd.DataFrame, grouped: int) -> Table:

@@ -1,4 +1,4 @@
-"""Composite equilibrium stresses: what they have to satisfy, looked at from outside, and a solver that knows nothing."""
+"""Composite equilibrium stresses: what they have to satisfy, seen from outside, and a solver that knows nothing."""
 
 from __future__ import annotations
 
@@ -267,7 +267,10 @@ def unreduced(space: StressSpace, loads: Loads, compliance: Array, strain: Array
     weights = space.weights.reshape(thirds_, -1)
     C = np.broadcast_to(compliance, (*space.weights.shape, 3, 3)).reshape(thirds_, -1, 3, 3)
     H = sps.block_diag(
-        [np.einsum("aq,bq,q,qIJ->aIbJ", shapes, shapes, w, c).reshape(3 * m, 3 * m) for w, c in zip(weights, C)]
+        [
+            np.einsum("aq,bq,q,qIJ->aIbJ", shapes, shapes, w, c).reshape(3 * m, 3 * m)
+            for w, c in zip(weights, C, strict=True)
+        ]
     )
     g = np.einsum("aq,tq,Itq->taI", shapes, weights, strain.reshape(3, thirds_, -1)).ravel()
     # The conditions around a barycentre depend on each other: keep a basis of the rows.
@@ -315,7 +318,7 @@ def test_the_hybridised_solve_agrees_with_an_interior_point_method(name: str, fa
 
 
 def test_a_stress_without_contact_balances_its_loads_and_leaves_the_foundation_alone() -> None:
-    space, loads, equilibrium, _ = stress_at(resolve("corner").solution, Shaken(), 1)
+    _, loads, equilibrium, _ = stress_at(resolve("corner").solution, Shaken(), 1)
     free = equilibrium.balance(loads)
     assert abs(equilibrium.pressure(free)).max() <= 1e-9 * abs(free.values).max()
     doubled = equilibrium.balance(2.0 * loads)

@@ -105,6 +105,29 @@ def equivalence() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["case", "form", "level", "h", "steps", *gaps])
 
 
+def stresses() -> pd.DataFrame:
+    """Problem 3.2 on a stress space of its own."""
+    columns = [
+        "case",
+        "family",
+        "level",
+        "h",
+        "steps",
+        "unknowns",
+        "stress",
+        "stress_sup",
+        "best",
+        "strain",
+        "pressure",
+    ]
+    columns += ["displacement", "primal_stress", "primal_displacement", "admissibility", "time_share"]
+    rows = [
+        ["advance-recede", "shaken", n, 1 / n, 2 * n, 8 * n**2, *[1 / n**2] * 6, 1 / n, 2 / n**2, 1e-14, 0.1 / n]
+        for n in (16, 8)
+    ]
+    return pd.DataFrame(rows, columns=columns)
+
+
 def picture(case: str, level: int, steps: int, sides: Sequence[Side]) -> dict[str, Any]:
     """A lifted displacement on the unit square with contact on some sides, in the form of ``pictures/CASE.json``."""
     grid, times = np.linspace(0, 1, level + 1), np.linspace(0, 1, steps + 1)
@@ -181,7 +204,7 @@ BOTTOM, RIGHT = side((0.0, 1.0), advancing), side((-1.0, 0.0), patches)
 def write_data(directory: Path, cases: dict[str, tuple[float, float]], levels: Sequence[int], level: int) -> Path:
     """All data files of a run; pictures at one level."""
     (directory / "data" / "pictures").mkdir(parents=True)
-    frames = {"rates": rates(cases, levels), "claims": claims(), "equivalence": equivalence()}
+    frames = {"rates": rates(cases, levels), "claims": claims(), "equivalence": equivalence(), "stresses": stresses()}
     listed = [{"case": case, "expected_order": order} for case, (order, _) in cases.items()]
     frames["cases"] = pd.DataFrame([*listed, {"case": "two-faces", "expected_order": 1.0}])
     for name, frame in frames.items():
@@ -218,7 +241,9 @@ def replace(path: Path, old: str, new: str) -> None:
 
 
 def test_every_table_is_written_in_three_formats_and_nothing_is_left_over(drawn: Path) -> None:
-    expected = [f"{name}.{form}" for name in ("equivalence", "ledger", "rates") for form in ("csv", "md", "tex")]
+    expected = [
+        f"{name}.{form}" for name in ("equivalence", "ledger", "rates", "stresses") for form in ("csv", "md", "tex")
+    ]
     assert files(drawn / "tables") == expected
 
 
@@ -266,7 +291,14 @@ def test_the_discrete_order_is_that_of_the_discrete_error(drawn: Path) -> None:
         np.testing.assert_allclose(series["discrete_order"], [np.nan, *[order] * (len(LEVELS) - 1)], atol=6e-4)
 
 
-@pytest.mark.parametrize("name", ["rates", "ledger", "equivalence"])
+def test_the_table_of_stresses_has_levels_in_order_with_their_orders(drawn: Path) -> None:
+    table = pd.read_csv(drawn / "tables" / "stresses.csv")
+    assert table["level"].tolist() == [8, 16]
+    np.testing.assert_allclose(table["order"], [np.nan, 2.0])
+    np.testing.assert_allclose(table["time_share_percent"], [1.25, 0.625])
+
+
+@pytest.mark.parametrize("name", ["rates", "ledger", "equivalence", "stresses"])
 def test_markdown_shows_the_cells_of_the_csv_table(drawn: Path, name: str) -> None:
     cells = pd.read_csv(drawn / "tables" / f"{name}.csv", dtype=str, keep_default_na=False).to_numpy()
     lines = (drawn / "tables" / f"{name}.md").read_text(encoding="utf-8").splitlines()[2:]
@@ -274,7 +306,7 @@ def test_markdown_shows_the_cells_of_the_csv_table(drawn: Path, name: str) -> No
     assert [[re.sub(r"\\(.)", r"\1", cell) for cell in row] for row in split] == cells.tolist()
 
 
-@pytest.mark.parametrize("name", ["rates", "ledger", "equivalence"])
+@pytest.mark.parametrize("name", ["rates", "ledger", "equivalence", "stresses"])
 def test_latex_is_well_formed(drawn: Path, name: str) -> None:
     text = (drawn / "tables" / f"{name}.tex").read_text(encoding="utf-8")
     assert text.isascii()
@@ -340,7 +372,7 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
 @pytest.mark.parametrize(
     ("present", "name"),
     [
-        *((write_tables, name) for name in ("rates.csv", "claims.csv", "equivalence.csv")),
+        *((write_tables, name) for name in ("rates.csv", "claims.csv", "equivalence.csv", "stresses.csv")),
         *((draw_figures, name) for name in ("rates.csv", "cases.csv", "pictures")),
         (rates_text, "rates.csv"),
         (ledger_text, "claims.csv"),

@@ -19,7 +19,7 @@ import numpy as np
 from manufactured.data import Data
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Tensors
-from study.equilibrated.hybrid import EquilibratedStress, Equilibrium
+from study.equilibrated.hybrid import EquilibratedStress, Equilibrium, Loads
 from study.equilibrated.loads import ProjectedLoads
 from study.equilibrated.stresses import StressSpace
 from study.solve.signorini import Signorini
@@ -37,11 +37,13 @@ class DualState:
         time: t_n, n ≥ 1.
         stress: σ^h_n with the multipliers of its equilibrium.
         strain: ε_n at the points, (3, cells, Q).
+        loads: P f_0 and P f_2 at t_n.
     """
 
     time: float
     stress: EquilibratedStress
     strain: Tensors
+    loads: Loads
 
 
 def tensor_at(C: Linear, x: Array) -> Array:
@@ -85,9 +87,10 @@ class _Step:
         past = sum(c * strain for c, strain in zip(self.scheme.past, reversed(history), strict=False))
         rate = np.einsum("cqIJ,Jcq->Icq", self.viscous, past, optimize=True)
         known = np.einsum("cqIJ,Jcq->Icq", self.compliance, rate, optimize=True)
-        stress = self.equilibrium(loads(time), known)
+        now = loads(time)
+        stress = self.equilibrium(now, known)
         strain = known + np.einsum("cqIJ,Jcq->Icq", self.compliance, stress.values, optimize=True)
-        return DualState(time, stress, strain)
+        return DualState(time, stress, strain, now)
 
 
 def march(

@@ -16,7 +16,7 @@ from study.statements.law import ElasticityOperator, Projection, Viscosity
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms import Norms
 from study.statements.residual import Residual
-from study.statements.slips import NOT_MEASURED, SLIPS
+from study.statements.slips import SLIPS
 from study.statements.wellposed import BoundedVelocity, Dependence, OneTrajectory
 
 STATEMENTS: tuple[Statement, ...] = (
@@ -41,11 +41,10 @@ STATEMENTS: tuple[Statement, ...] = (
     InterpolationOnContact(),
     FullyDiscrete(),
     SLIPS,
-    NOT_MEASURED,
 )
 """In the order of the source."""
 
-ORDERS = ("data", "Prop. 5.4", "Prop. 5.3", "axes", "(5.36)", "Thm 4.2", "bound", "enclosure")
+ORDERS = ("data", "Prop. 5.4", "Prop. 5.3", "axes", "(5.36)", "Thm 4.2", "Thm 4.2, own space", "bound", "enclosure")
 """The statements of ``claims``, which head the ledger."""
 
 

@@ -1,4 +1,4 @@
-"""Slips in the text of the source and how they have to be read, and what is not measured at all."""
+"""Slips in the text of the source and how they have to be read."""
 
 from __future__ import annotations
 
@@ -67,14 +67,3 @@ SLIPS = Listed(
         ("(5.20), (5.21)", "R is taken in L¹(0,T;V)", "read: in L¹(0,T): R(t; v) is a number"),
     ),
 )
-
-NOT_MEASURED = Listed(
-    "not measured",
-    "needs a stress space of its own, which this study does not have",
-    (
-        ("Thm 4.2, 4.3", "Problem 3.2 on a conforming stress space of its own against Problem 3.1", ""),
-        ("(4.13), strongly", "σ_τ = 0 and σν = f_2 to round-off, for stresses of that space", ""),
-        ("fully discrete", "an error bound guaranteed without the exact solution, never below the error", ""),
-    ),
-)
-"""What the ledger should have and does not: a row says so instead of passing."""
