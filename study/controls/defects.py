@@ -15,6 +15,7 @@ from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.tensors import Array
+from study.equilibrated import measure as own
 from study.fem.gauge import DEGREE, Gauge, Sample
 from study.fem.space import Space
 from study.solve.evolution import BackwardEuler, Problem, Scheme, State
@@ -312,3 +313,28 @@ def stress_from_displacement(sides: Sides) -> Sides:
     """The stress of Problem 3.1 in place of that of Problem 3.2: agreement is perfect, and says nothing."""
     honest = sides.stresses(sides.displacements)
     return replace(sides, stresses=lambda problem: Derived.beside(honest, problem))
+
+
+# Theorem 4.2 on a stress space of its own.
+
+
+def foundation_pulls_nothing(setup: own.Setup) -> own.Setup:
+    """σ_ν = 0 in place of σ_ν ≤ 0 on Γ3: what is left if the multipliers there are not held at u_ν ≤ 0."""
+    return replace(setup, solver=Unconstrained)
+
+
+def law_of_stresses_swapped(setup: own.Setup) -> own.Setup:
+    """A and G in each other's place in Problem 3.2."""
+    law = setup.data.law
+    assert isinstance(law.G, Linear)
+    return replace(setup, data=replace(setup.data, law=replace(law, A=law.G, G=law.A)))
+
+
+def history_forgotten(setup: own.Setup) -> own.Setup:
+    """ε̇ ≈ w ε_n/k, as if the body had come from rest in every step."""
+    return replace(setup, scheme=replace(setup.scheme, past=(0.0, 0.0)))
+
+
+def surface_load_left_out(setup: own.Setup) -> own.Setup:
+    """σν = 0 in place of σν = f_2 on Γ2."""
+    return replace(setup, data=replace(setup.data, surface_load=lambda part, x: lambda time: np.zeros_like(x)))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Generic
 
 from study.controls import defects
-from study.controls.settings import Equivalence, S, Setting, Sweep
+from study.controls.settings import Equivalence, OwnSpace, S, Setting, Sweep
 
 
 @dataclass(frozen=True)
@@ -37,12 +37,14 @@ RESIDUAL = "residual of the contact solves"
 CLAMPED = "u^h = 0 on Γ1"
 PREDICTED = "‖u − Π^h u‖_V / leading term"
 ALONE = "mistake in 3.1 alone that the stress gap shows"
-"""Quantities of ``claims.prop_5_4`` and, the last one, of ``independence.StandsAlone``."""
+STRESS = "order of ‖σ − σ^h‖_Q, shaken meshes"
+STRAIN = "order of ‖ε(u) − ε^h‖_Q for the strains that belong to σ^h, shaken meshes"
+"""Quantities of ``claims.prop_5_4``, ``independence.StandsAlone`` and ``equilibrated.claims``."""
 
 FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
 NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
 MOVING, PATCH = Sweep("advance-recede"), Sweep("travelling-patch")
-BOTH = Equivalence("advance-recede")
+BOTH, OWN = Equivalence("advance-recede"), OwnSpace("natural-front")
 """The smallest settings in which every row holds without a defect and the named row fails with it."""
 
 CONTROLS: tuple[Control[Any], ...] = (
@@ -94,4 +96,8 @@ CONTROLS: tuple[Control[Any], ...] = (
         defects.stress_from_displacement,
         ALONE,
     ),
+    Control("stress without contact", "σ_ν = 0 in place of σ_ν ≤ 0", OWN, defects.foundation_pulls_nothing, STRESS),
+    Control("stress law swapped", "A and G swapped in Problem 3.2", OWN, defects.law_of_stresses_swapped, STRAIN),
+    Control("stress without memory", "the strains of the past are 0", OWN, defects.history_forgotten, STRAIN),
+    Control("stress without f_2", "σν = 0 in place of f_2 on Γ2", OWN, defects.surface_load_left_out, STRESS),
 )

@@ -13,12 +13,14 @@ from manufactured.body import Kind, polygon
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from study.claims import prop_5_4, theorem_4_2
+from study.equilibrated import measure as own
+from study.equilibrated.claims import judge_stresses
 from study.equivalence import gaps
 from study.naming import family_named, resolve
 from study.solve.evolution import Midpoint
 from study.statements.independence import Sides, StandsAlone, independence
 from study.sweep import Setup, measure, steps_for
-from study.verdict import Verdict
+from study.verdict import REPORTED, Verdict
 
 S = TypeVar("S")
 
@@ -96,6 +98,33 @@ class Equivalence:
             *theorem_4_2(self.case, pd.DataFrame([agreement._asdict()])),
             *StandsAlone().judge(shown.assign(**place)),
         ]
+
+
+@dataclass(frozen=True)
+class OwnSpace:
+    """Theorem 4.2 on a stress space of its own for a case of the catalogue on a few levels of one mesh family.
+
+    Attributes:
+        case: its name.
+        family: name of the mesh family.
+        levels: coarse to fine.
+    """
+
+    case: str
+    family: str = "shaken"
+    levels: tuple[int, ...] = (8, 16)
+
+    def __str__(self) -> str:
+        return f"stresses of {self.case}, n = {' '.join(map(str, self.levels))}"
+
+    def verdicts(self, defect: Callable[[own.Setup], own.Setup]) -> list[Verdict]:
+        case, family = resolve(self.case), family_named(self.family)
+        rows = []
+        for level in self.levels:
+            setup = defect(own.Setup.of(case.solution, family, level, own.steps_for(case, level)))
+            rows.append(asdict(own.row(setup, case.name, family.name, level)))
+        found = judge_stresses(pd.DataFrame(rows), {case.name: case.regularity})
+        return [verdict for verdict in found if verdict.verdict != REPORTED]
 
 
 def turned(solution: ExactSolution, angle: float) -> ExactSolution:

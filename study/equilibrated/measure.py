@@ -324,14 +324,14 @@ def steps_for(case: Case, level: int) -> int:
     return 2 * round(min(max(1.0, case.pace / 2), 4.0) * case.solution.body.T * level / 2)
 
 
+def row(setup: Setup, case: str, family: str, level: int) -> StressRow:
+    """The line of a setup."""
+    found = {name: float(value) for name, value in measure(setup).items()}
+    space = setup.space
+    unknowns = 2 * (space.degree + 1) * (len(space.lengths) - sum(len(edges) for _, edges in space.on(Kind.CLAMPED)))
+    return StressRow(case, family, level, size(space.mesh), setup.steps, unknowns, **found)
+
+
 def measure_stresses(case: Case, family: MeshFamily, level: int, steps: int) -> StressRow:
     """The row of one (case, family, level)."""
-    setup = Setup.of(case.solution, family, level, steps)
-    found = {name: float(value) for name, value in measure(setup).items()}
-    unknowns = 2 * (setup.space.degree + 1) * free_edges(setup.space)
-    return StressRow(case.name, family.name, level, size(setup.space.mesh), steps, unknowns, **found)
-
-
-def free_edges(space: StressSpace) -> int:
-    """The number of edges off Γ1."""
-    return len(space.lengths) - sum(len(edges) for _, edges in space.on(Kind.CLAMPED))
+    return row(Setup.of(case.solution, family, level, steps), case.name, family.name, level)
