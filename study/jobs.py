@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import hashlib
+import inspect
 import re
+import sys
 from dataclasses import asdict, dataclass, fields, is_dataclass
 from typing import Any, Protocol
 
@@ -162,7 +164,9 @@ class StatementJob:
 
     def fingerprint(self) -> str:
         case, family = resolve(self.setting.case), family_named(self.setting.family)
-        return fingerprint(self.label, case.solution, case.regularity, case.pace, family, self.setting)
+        # A statement is measured anew whenever its own file changes: each is small.
+        source = inspect.getsource(sys.modules[type(statement_labelled(self.label)).__module__])
+        return fingerprint(self.label, source, case.solution, case.regularity, case.pace, family, self.setting)
 
     def run(self) -> dict[str, Any]:
         return {
