@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 
 import clarabel
 import numpy as np
+import pandas as pd
 import pytest
 import scipy.sparse as sps
 from scipy.linalg import qr
@@ -15,15 +17,21 @@ from manufactured import isotropic, t, unit_square, x2
 from manufactured.body import Kind
 from manufactured.data import Data
 from manufactured.exact import ExactSolution
-from manufactured.law import KelvinVoigt
+from manufactured.law import KelvinVoigt, Linear
+from manufactured.regularity import Regularity
 from manufactured.tensors import Array, basis
+from study.equilibrated.claims import ADMISSIBLE, QUANTITIES, judge_stresses, predicted
 from study.equilibrated.composite import SIDES, bernstein, composite, indices, thirds
 from study.equilibrated.dual import BACKWARD_EULER, BDF2, EquilibriumError, Multistep, march, tensor_at
 from study.equilibrated.hybrid import EquilibratedStress, Equilibrium, Loads
 from study.equilibrated.loads import ProjectedLoads, cut
+from study.equilibrated.measure import Exact, places
 from study.equilibrated.stresses import StressSpace
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.naming import resolve
+from study.naming import family_named, resolve
+from study.statements.base import Setting
+from study.statements.hypercircle import Hypercircle
+from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 
 BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entrant", "junction")
 """Cases on bodies of different shape: turned, with an interface, with several contact faces, re-entrant, refined."""
@@ -32,12 +40,12 @@ LAW = KelvinVoigt(isotropic(2, 3), isotropic(1, 0.5), "linear")
 DEGREES = (1, 2)
 
 
-def stress_at(solution: ExactSolution, family: MeshFamily, degree: int, time: float = 0.4):
+def stress_at(solution: ExactSolution, family: MeshFamily, degree: int, now: float = 0.4):
     """Space, loads, a stress that balances them with contact, as Problem 3.2 asks at one time."""
     space = StressSpace(family(solution.body, 4), solution.body, degree)
-    loads = ProjectedLoads(Data.of(solution), space)(time)
+    loads = ProjectedLoads(Data.of(solution), space)(now)
     equilibrium = Equilibrium(space, np.linalg.inv(solution.law.A.matrix))
-    strain = solution.at(space.points).strain(time)
+    strain = solution.at(space.points).strain(now)
     return space, loads, equilibrium, equilibrium(loads, -strain)
 
 
@@ -186,15 +194,15 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme: M
     v = moments_of(space, lambda x: np.array([0 * x[0], -x[1] * (1 - x[1])]))
     edges = np.concatenate([edges for _, edges in space.on(Kind.CONTACT)])
     for state in march(data, space, scheme, 4):
-        time, slope = state.time, -(1 - 2 * space.points[1])
+        now, slope = state.time, -(1 - 2 * space.points[1])
         zero = 0 * slope
-        stress = np.array([(LAMBDA_A + LAMBDA_G * time) * slope, (2 * MU_A + LAMBDA_A) * slope, zero])
-        stress[1] += (2 * MU_G + LAMBDA_G) * time * slope
+        stress = np.array([(LAMBDA_A + LAMBDA_G * now) * slope, (2 * MU_A + LAMBDA_A) * slope, zero])
+        stress[1] += (2 * MU_G + LAMBDA_G) * now * slope
         assert state.stress.values == pytest.approx(stress, abs=1e-10)
-        assert state.strain == pytest.approx(np.array([zero, time * slope, zero]), abs=1e-11)
-        assert state.stress.moments == pytest.approx(time * v, abs=1e-11)
+        assert state.strain == pytest.approx(np.array([zero, now * slope, zero]), abs=1e-11)
+        assert state.stress.moments == pytest.approx(now * v, abs=1e-11)
         pressure = -space.seen_from(edges, state.stress.tractions)[..., 0]
-        assert pressure == pytest.approx(2 * MU_A + LAMBDA_A + (2 * MU_G + LAMBDA_G) * time)
+        assert pressure == pytest.approx(2 * MU_A + LAMBDA_A + (2 * MU_G + LAMBDA_G) * now)
 
 
 def unreduced(space: StressSpace, loads: Loads, compliance: Array, strain: Array) -> Array:
@@ -336,3 +344,91 @@ def test_what_cannot_be_posed_is_refused() -> None:
     solid = resolve("cube-disc").solution
     with pytest.raises(MeshError, match="made for triangles"):
         StressSpace(OneDiagonal()(solid.body, 2), solid.body)
+
+
+ROWS = [
+    {"case": "a", "family": "shaken", "level": n, "h": 1 / n, "best": n**-2.0, "admissibility": 1e-13}
+    | {"time_share": 0.1, "stress_sup": n**-2.0}
+    for n in (8, 16, 32)
+]
+SMOOTH = {"stress": 2, "strain": 2, "pressure": 2, "displacement": 2, "primal_stress": 1, "primal_displacement": 2}
+
+
+def judged(orders: dict[str, float], regularity: Regularity, levels: int = 3, **changed: float) -> dict[str, str]:
+    """Verdicts on rows with given orders, by quantity without the family."""
+    rows = [row | {name: 2 * row["h"] ** p for name, p in orders.items()} | changed for row in ROWS[:levels]]
+    found = judge_stresses(pd.DataFrame(rows), {"a": regularity})
+    return {v.quantity.removesuffix(", shaken meshes"): v.verdict for v in found if v.verdict != REPORTED}
+
+
+def test_predicted_orders_hold_and_every_other_one_fails() -> None:
+    assert set(judged(SMOOTH, Regularity()).values()) == {HOLDS}
+    for name, text in QUANTITIES.items():
+        for order in (0.5 * SMOOTH[name], SMOOTH[name] + 1.3):
+            changed = judged(SMOOTH | {name: order}, Regularity())
+            assert changed[f"order of {text}"] == FAILS, (name, order)
+    wrong = judged(SMOOTH, Regularity(), admissibility=1e-6)
+    assert [quantity for quantity, verdict in wrong.items() if verdict == FAILS] == [ADMISSIBLE]
+    late = judged(SMOOTH, Regularity(), time_share=2.0)
+    assert [quantity for quantity, verdict in late.items() if verdict == FAILS] == ["time share of ‖σ − σ^h‖_Q"]
+    below = judged(SMOOTH, Regularity(), best=1.0)
+    assert below["‖σ − σ^h‖_Q / that of the best polynomials"] == FAILS
+
+
+def test_one_level_leaves_orders_undecided() -> None:
+    found = judged(SMOOTH, Regularity(), levels=1)
+    assert {verdict for quantity, verdict in found.items() if quantity.startswith("order")} == {UNDECIDED}
+
+
+def test_predictions_follow_the_regularity() -> None:
+    """A moving front, a corner on uniform and on graded meshes."""
+    front = predicted(Regularity(gap=4, pressure=2, moving=True), "shaken")
+    assert (front["stress"].low, front["stress"].high) == (1.5, 2)
+    assert front["displacement"].low == 1.5
+    corner = Regularity(corner=0.5445)
+    uniform, graded = predicted(corner, "unstructured"), predicted(corner, "graded")
+    assert (uniform["stress"].low, uniform["stress"].high) == (0.5445, 0.5445)
+    assert uniform["displacement"].low == pytest.approx(1.089)
+    assert graded["stress"].low == pytest.approx(2.5 * 0.5445)
+    assert graded["primal_stress"].low == 1
+
+
+def test_every_case_serves_and_the_quick_study_has_eight() -> None:
+    assert len({place.case for place in places(full=False)}) >= 8
+    assert {place.case for place in places(full=False)} <= {place.case for place in places(full=True)}
+    assert max(place.level for place in places(full=True)) == 64
+    for place in places(full=True):
+        solution = resolve(place.case).solution
+        assert family_named(place.family).serves(solution.body)
+        assert isinstance(solution.law.G, Linear)
+
+
+def test_measured_quantities_vanish_for_what_is_exact() -> None:
+    """Projections of u onto the edges, the exact pressure and strain, give zero; another time does not."""
+    solution = resolve("full-contact").solution
+    space = StressSpace(Shaken()(solution.body, 4), solution.body)
+    exact = Exact(solution, space)
+    strain = solution.at(space.points).strain(0.5)
+    assert exact.strain(0.5, strain)[0] == 0
+    assert exact.strain(0.4, strain)[0] > 0
+    vertices = solution.at(space.mesh.p).displacement(0.5)
+    apart = exact.mean_square(exact.moments(0.5) - exact.moments_of(vertices))
+    assert 0 < apart < 0.1 * exact.mean_square(exact.moments(0.5))
+    error, best, size = exact.stress(0.5, solution.at(space.points).stress(0.5))
+    assert 0.5 * best < error < 2 * best < 0.1 * size
+
+
+def test_the_bound_of_both_errors_is_never_below_them() -> None:
+    found = Hypercircle().measure(Setting("full-contact", "shaken", 4))
+    assert found["safe"] <= 1
+    assert found["guaranteed"] == pytest.approx(1 / found["safe"])
+    assert found["plain_2"] == pytest.approx(1, abs=0.02)
+
+
+@pytest.mark.slow
+def test_a_mesh_with_64_cells_along_a_side_and_64_steps_take_less_than_a_minute() -> None:
+    solution = resolve("advance-recede").solution
+    space = StressSpace(Shaken()(solution.body, 64), solution.body)
+    start = time.perf_counter()
+    assert sum(1 for _ in march(Data.of(solution), space, BDF2, 64)) == 64
+    assert time.perf_counter() - start <= 60

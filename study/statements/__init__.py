@@ -9,6 +9,7 @@ from study.statements.bounds import ErrorBounds
 from study.statements.constraint import Interpolant, VertexConstraint
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
+from study.statements.hypercircle import Hypercircle
 from study.statements.independence import StandsAlone
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn
@@ -33,6 +34,7 @@ STATEMENTS: tuple[Statement, ...] = (
     Lipschitz(),
     NaturalConditions(),
     StandsAlone(),
+    Hypercircle(),
     VertexConstraint(),
     Interpolant(),
     ErrorBounds(),
