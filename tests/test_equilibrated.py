@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 
@@ -331,6 +333,16 @@ def test_a_stress_without_contact_balances_its_loads_and_leaves_the_foundation_a
     assert abs(equilibrium.pressure(free)).max() <= 1e-9 * abs(free.values).max()
     doubled = equilibrium.balance(2.0 * loads)
     assert doubled.values == pytest.approx(2 * free.values, abs=1e-9 * abs(free.values).max())
+
+
+def test_problem_3_2_in_time_knows_no_displacement() -> None:
+    """A fresh interpreter that has loaded it holds no finite element space and no time scheme of displacements."""
+    code = "import study.equilibrated.dual, sys; print(*sys.modules)"
+    loaded = set(
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
+    )
+    assert "study.equilibrated.hybrid" in loaded
+    assert not loaded & {"study.fem.space", "study.fem.gauge", "study.solve.evolution", "study.solve.stress"}
 
 
 def test_what_cannot_be_posed_is_refused() -> None:

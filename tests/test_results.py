@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 
 from manufactured import catalogue
+from study.equilibrated.measure import measure_stresses, places
 from study.equivalence import compare
 from study.naming import family_named, resolve
 from study.rates import orders
@@ -46,6 +47,17 @@ def test_both_formulations_agree_again(case: str) -> None:
     assert max(row.displacement_gap, row.stress_gap, row.admissibility, row.energy_gap, row.membership) <= 1e-7
 
 
+def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
+    """Level 8, on some of the cases."""
+    committed = pd.read_csv(RESULTS / "data" / "stresses.csv").query("level == 8")
+    assert set(committed["case"]) == {place.case for place in places(full=True)}
+    for row in committed.iloc[::4].to_dict("records"):
+        case, family = resolve(row["case"]), family_named(row["family"])
+        again = asdict(measure_stresses(case, family, row["level"], row["steps"]))
+        for column in ("unknowns", "h", "stress", "strain", "pressure", "displacement", "primal_stress"):
+            assert again[column] == pytest.approx(row[column], rel=1e-5), (row["case"], column)
+
+
 def test_the_committed_verdicts_follow_from_the_committed_data_and_all_hold(tmp_path: Path) -> None:
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs", "pictures"))
     verdicts = check(tmp_path)
@@ -80,7 +92,7 @@ def test_no_verdict_on_prop_5_4_rests_on_the_interpolant_of_the_start() -> None:
 
 
 def test_every_table_and_figure_of_the_committed_run_is_there() -> None:
-    for name in ("rates", "ledger", "equivalence"):
+    for name in ("rates", "ledger", "equivalence", "stresses"):
         assert {path.suffix for path in (RESULTS / "tables").glob(f"{name}.*")} == {".csv", ".md", ".tex"}
     kinds = ("convergence", "zone", "profiles", "body")
     plane = [case for case in CASES if resolve(case).solution.body.dim == 2]
