@@ -23,6 +23,7 @@ from manufactured.tensors import Points, Tensors, Vectors, mandel
 
 POINTS, TIMES = 64, 5
 ROUNDING = 1e-12
+KNOWN = {str(symbol): symbol for symbol in (x1, x2, x3, t)}
 
 
 class LoadError(ValueError):
@@ -106,19 +107,18 @@ class Data:
         """
         dim = body.dim
         zero = (sp.Integer(0),) * dim
-        force = _compiled(f0, dim, "f0", (t,))
+        place = (x1, x2, x3)[:dim]
+        force = _compiled(f0, dim, "f0", (*place, t))
         loads = {}
         for number, load in (f2 or {}).items():
             if not 0 <= number < len(body.parts) or body.parts[number].kind is not Kind.LOADED:
                 loaded = [i for i, part in enumerate(body.parts) if part.kind is Kind.LOADED]
                 raise FormulaError(f"f2 is given on part {number}, but the parts of Γ2 have the numbers {loaded}")
-            loads[body.parts[number]] = _compiled(load, dim, f"f2 on part {number}", (t,))
-        none = _compiled(zero, dim, "f2", (t,))
-        displacement = tuple(map(sp.sympify, u0 if u0 is not None else zero))
-        start = _compiled(displacement, dim, "u0", ())
-        gradient = _compiled(
-            [sp.diff(u, x) for u, x in product(displacement, (x1, x2, x3)[:dim])], dim * dim, "∇u0", ()
-        )
+            loads[body.parts[number]] = _compiled(load, dim, f"f2 on part {number}", (*place, t))
+        none = _compiled(zero, dim, "f2", (*place, t))
+        displacement = tuple(map(_formula, u0 if u0 is not None else zero))
+        start = _compiled(displacement, dim, "u0", place)
+        gradient = _compiled([sp.diff(u, x) for u, x in product(displacement, place)], dim * dim, "∇u0", place)
 
         def surface_load(part: Part, x: Points) -> ForceInTime:
             load = loads.get(part, none)
@@ -132,7 +132,7 @@ class Data:
             lambda x: start(x),
             lambda x: mandel(gradient(x).reshape(dim, dim, *x.shape[1:])),
             (*lines, *law.steps),
-            formulas_of=(tuple(map(sp.sympify, f0)), _sorted(f2 or {}), displacement),
+            formulas_of=(tuple(map(_formula, f0)), _sorted(f2 or {}), displacement),
         )
 
     def check(self) -> None:
@@ -144,6 +144,10 @@ class Data:
             LoadError: f_0, f_2, u_0 or ε(u_0) is not finite or has the wrong shape, u_0 does not vanish on Γ1, or
                 u_0 is not in K.
         """
+        with np.errstate(all="ignore"):  # what is not finite is refused below
+            self._look()
+
+    def _look(self) -> None:
         body, rng = self.body, np.random.default_rng(0)
         inside = _inside(body, rng)
         dim = body.dim
@@ -187,24 +191,29 @@ def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -
 
 
 def _sorted(f2: Mapping[int, Sequence[sp.Expr | float]]) -> tuple[object, ...]:
-    return tuple((number, *map(sp.sympify, load)) for number, load in sorted(f2.items()))
+    return tuple((number, *map(_formula, load)) for number, load in sorted(f2.items()))
+
+
+def _formula(formula: sp.Expr | float) -> sp.Expr:
+    """With the symbols of this package: derivatives do not see others of the same name."""
+    expression = sp.sympify(formula)
+    return expression.subs({a: KNOWN[a.name] for a in expression.free_symbols if a.name in KNOWN})
 
 
 def _compiled(
-    formulas: Sequence[sp.Expr | float], count: int, name: str, more: tuple[sp.Symbol, ...]
+    formulas: Sequence[sp.Expr | float], count: int, name: str, symbols: tuple[sp.Symbol, ...]
 ) -> Callable[..., Vectors]:
     """(x, …) ↦ the values of some formulas, (count, ...)."""
-    expressions = [sp.sympify(formula) for formula in formulas]
+    expressions = [_formula(formula) for formula in formulas]
     if len(expressions) != count:
         raise FormulaError(f"{name} has {len(expressions)} components, expected {count}")
-    strange = sorted({str(a) for e in expressions for a in e.free_symbols} - {"x1", "x2", "x3", *map(str, more)})
+    strange = sorted({str(a) for e in expressions for a in e.free_symbols - {*symbols}})
     if strange:
-        raise FormulaError(f"{name} has the symbols {', '.join(strange)}; use x1, x2, x3" + " and t" * bool(more))
-    call = function([x1, x2, x3, *more], expressions)
+        raise FormulaError(f"{name} has the symbols {', '.join(strange)}; use {', '.join(map(str, symbols))}")
+    call = function(symbols, expressions)
 
-    def values(x: Points, *others: float) -> Vectors:
-        coordinates = [*x, *[0.0] * (3 - len(x))]
-        return np.array([np.broadcast_to(value, x.shape[1:]) for value in call(*coordinates, *others)])
+    def values(x: Points, *time: float) -> Vectors:
+        return np.array([np.broadcast_to(value, x.shape[1:]) for value in call(*x, *time)])
 
     return values
 

@@ -24,7 +24,7 @@ from manufactured.law import LawError
 from manufactured.symbols import FormulaError
 from study import run
 from study.bound.enclosure import Better
-from study.bound.measure import Bounded, bounded, check_bound
+from study.bound.measure import Bounded, bounded, check_bound, check_force
 from study.bound.report import levels, series, text, write
 from study.bound.setting import BoundError
 from study.controls import register
@@ -232,6 +232,7 @@ def do_bound(options: argparse.Namespace) -> int:
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     better = Better(options.refine, options.shorter)
+    check_force(case)
     plan = check_bound(data, family, options.levels, options.steps, better)
     found: dict[int, Bounded] = {}
     for level, steps in plan.items():

@@ -208,7 +208,7 @@ class Majorant:
         )
 
     def _left_out(self, snapshot: Snapshot) -> Array:
-        """η_T = C_{T,1} ‖Π g‖_T + C_{T,2} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e, g = f_0 − P f_0, (cells,)."""
+        """η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e, g = f_0 − P f_0, (cells,)."""
         setting = self.setting
         linear, quadratic = setting.cell_constants
         total = linear * snapshot.bowed + quadratic * snapshot.rest

@@ -14,7 +14,7 @@ from manufactured.data import Data
 from manufactured.problems import Problem
 from manufactured.tensors import Array
 from study.bound.enclosure import Better, Computed, Enclosure, Itself, Trajectory, compute, enclose
-from study.bound.setting import BoundError, Setting
+from study.bound.setting import BoundError, Setting, refuse_solids
 from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.solve.evolution import Scheme
@@ -95,6 +95,7 @@ def check_bound(
             "ũ needs 0 or more refinements and 1 or more steps in one of u_h, "
             f"got {better.refinements} and {better.shorter}"
         )
+    refuse_solids(data)
     data.check()
     if not family.serves(data.body):
         served = ", ".join(known.name for known in FAMILIES if known.serves(data.body))
@@ -102,6 +103,19 @@ def check_bound(
     for level in levels:
         boundary_parts(Setting(data, family(data.body, level)).mesh, data.body)
     return {level: steps or steps_for(data, level) for level in levels}
+
+
+def check_force(case: Case | None) -> None:
+    """Refuse a case with f_0 ∉ L²(Ω)², whose oscillation is infinite and whose load no composite stress balances.
+
+    Raises:
+        BoundError: it is one.
+    """
+    if case is not None and not case.regularity.force_in_L2:
+        raise BoundError(
+            f"case {case.name}: {case.regularity} has f_0 ∉ L²(Ω)², and the bound needs stresses with Div σ = −P f_0; "
+            "take a case with f_0 in L²"
+        )
 
 
 def known_error(case: Case | None, computed: Computed) -> Callable[[float, Array], float] | None:
@@ -140,13 +154,9 @@ def measure_bound(
     """The row for a case with an exact solution, and the bounds over time.
 
     Raises:
-        BoundError: f_0 ∉ L²(Ω)², so that no composite stress balances the load.
+        BoundError: f_0 ∉ L²(Ω)².
     """
-    if not case.regularity.force_in_L2:
-        raise BoundError(
-            f"case {case.name}: {case.regularity} has f_0 ∉ L²(Ω)², and the bound needs stresses with Div σ = −P f_0; "
-            "take a case with f_0 in L²"
-        )
+    check_force(case)
     setting = Setting(Data.of(case.solution), family(case.solution.body, level))
     computed = compute(setting, scheme, steps)
     found = enclose(setting, computed, trajectory, known_error(case, computed))

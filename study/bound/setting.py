@@ -31,6 +31,14 @@ class BoundError(ValueError):
     """No bound can be given for the data."""
 
 
+def refuse_solids(data: Data) -> None:
+    """Raise BoundError unless the body is plane."""
+    if data.body.dim != 2:
+        raise BoundError(
+            f"the bound rests on composite triangles, the body has dimension {data.body.dim}; give a plane body"
+        )
+
+
 @dataclass(frozen=True, eq=False)
 class Setting:
     """Spaces and matrices on one mesh.
@@ -43,11 +51,7 @@ class Setting:
     mesh: Mesh
 
     def __post_init__(self) -> None:
-        if self.data.body.dim != 2:
-            raise BoundError(
-                f"the bound rests on composite triangles, the body has dimension {self.data.body.dim}; "
-                "give a plane body"
-            )
+        refuse_solids(self.data)
         self.monotonicity  # noqa: B018
 
     @cached_property

@@ -1,0 +1,195 @@
+"""The command ``study bound``: what it prints, writes and refuses."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.cli import main
+from study.naming import resolve_data
+
+USER = """
+from manufactured import *
+from manufactured.cases.laws import not_proportional
+from manufactured.data import Data
+
+kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
+body = polygon([(0, 0), (2, 0), (2, 1), (0, 1)], kinds)
+TOP = 2
+
+
+def press() -> Data:
+    load = -2 * t * pos(1 - (2 * (x1 - 1)) ** 2, 2)
+    return Data.formulas(body, not_proportional(), f0=(0, -t / 5), f2={TOP: (0, load)})
+
+
+infinite = Data.formulas(body, not_proportional(), f0=(0, 1 / t))
+unlike = Data.formulas(body, not_proportional(), f0=(0, 0), u0=(x2, 0))
+number = 3
+
+
+def wrong_part():
+    return Data.formulas(body, not_proportional(), f0=(0, 0), f2={0: (0, 1)})
+
+
+def solid():
+    return Data.formulas(box(), not_proportional(3), f0=(0, 0, 0))
+"""
+
+
+@pytest.fixture
+def user(tmp_path: Path) -> str:
+    resolve_data.cache_clear()
+    path = tmp_path / "mine.py"
+    path.write_text(USER)
+    return str(path)
+
+
+@pytest.fixture(scope="module")
+def finished(tmp_path_factory) -> tuple[Path, str]:
+    out = tmp_path_factory.mktemp("bounds")
+    with pytest.MonkeyPatch.context() as patch:
+        printed: list[str] = []
+        patch.setattr("builtins.print", lambda *text, **_: printed.append(" ".join(map(str, text))))
+        options = ["--levels", "4", "8", "--refine", "0", "--shorter", "2", "--out", str(out)]
+        assert main(["bound", "advance-recede", *options]) == 0
+    return out / "advance-recede", "\n".join(printed)
+
+
+def test_tables_are_printed_with_the_error_between_its_ends(finished) -> None:
+    directory, printed = finished
+    assert "exact solution known" in printed
+    assert re.search(r"t +lower +error +upper +upper/lower +from u_h alone", printed)
+    rows = re.findall(r"^ +([\d.]+) +([\d.]+) +([\d.]+) +([\d.]+) +\S+ +([\d.]+)$", printed, re.MULTILINE)
+    assert len(rows) == 8
+    assert all(float(low) <= float(error) <= float(high) for _, low, error, high, _ in rows)
+    assert all(float(error) <= float(alone) for _, _, error, _, alone in rows)
+    assert len(re.findall(r"^ +[48] +\[[\d.]+, [\d.]+\]", printed, re.MULTILINE)) == 2
+    for line in printed.splitlines():
+        if line.startswith("written: "):
+            files = [Path(name) for name in line.removeprefix("written: ").split(", ")]
+            assert all(file.is_file() for file in files)
+            assert {file.parent for file in files} == {directory}
+            break
+    else:
+        raise AssertionError("says nothing of what was written")
+
+
+def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
+    directory, _ = finished
+    levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
+    assert list(levels["level"]) == [4, 8]
+    assert (levels["lowest"] <= levels["error"]).all()
+    assert (levels["error"] <= levels["highest"]).all()
+    assert (levels["error"] <= levels["plain"]).all()
+    coarse, fine = (row for _, row in levels.iterrows())
+    assert np.isnan(coarse["order_low"])
+    observed = np.log(coarse["error"] / fine["error"]) / np.log(coarse["h"] / fine["h"])
+    assert fine["order_low"] <= observed <= fine["order_high"]
+    assert set(series["level"]) == {4, 8}
+    assert (series["lower"] <= series["error"] + 1e-9).all()
+    assert (series["error"] <= series["upper"] + 1e-9).all()
+    assert np.allclose(series["upper"], series["distance"] + series["bound"], atol=1e-8)
+    assert np.allclose(series["lower"], np.maximum(series["distance"] - series["bound"], 0), atol=1e-8)
+    assert (series.groupby("level")["time"].last() == 1).all()
+
+
+def test_the_trajectory_is_on_disk_with_its_mesh_and_times(finished) -> None:
+    directory, _ = finished
+    levels = pd.read_csv(directory / "levels.csv").set_index("level")
+    for level in (4, 8):
+        with np.load(directory / f"trajectory-{level}.npz") as found:
+            p, cells, times, u = (found[name] for name in ("p", "t", "times", "u"))
+        steps = int(levels.loc[level, "steps"])
+        assert p.shape[0] == 2
+        assert cells.shape[0] == 3
+        assert cells.max() == p.shape[1] - 1
+        assert times.shape == (steps + 1,)
+        assert u.shape == (steps + 1, 2, p.shape[1])
+        assert (times[0], times[-1]) == (0, 1)
+        on_top, on_bottom = np.isclose(p[1], 1), np.isclose(p[1], 0)
+        assert abs(u[:, :, on_top]).max() == 0
+        assert u[:, 1, on_bottom].min() >= -1e-12
+        assert abs(u[-1]).max() > 0
+
+
+def test_the_figure_is_drawn(finished) -> None:
+    directory, _ = finished
+    for suffix in ("pdf", "svg", "png"):
+        assert (directory / f"enclosure.{suffix}").stat().st_size > 1000
+
+
+def test_a_users_problem_without_a_solution_goes_the_same_way(user: str, tmp_path: Path, capsys) -> None:
+    """Written as formulas in some 15 lines; the interval gets narrower from level to level."""
+    out = tmp_path / "out"
+    options = ["--levels", "4", "8", "--steps", "4", "--refine", "1", "--shorter", "2", "--out", str(out)]
+    assert main(["bound", f"{user}:press", *options]) == 0
+    printed = capsys.readouterr().out
+    assert "press: ‖u(t) − u_h(t)‖_V enclosed, solution unknown" in printed
+    assert "unknown" in printed
+    levels = pd.read_csv(out / "press" / "levels.csv")
+    assert levels["error"].isna().all()
+    assert list(levels["steps"]) == [4, 4]
+    assert (levels["lowest"] < levels["highest"]).all()
+    assert levels["highest"].is_monotonic_decreasing
+    with np.load(out / "press" / "trajectory-4.npz") as found:
+        assert np.isfinite(found["u"]).all()
+    assert (out / "press" / "enclosure.png").is_file()
+
+
+def refused(capsys, *arguments: str) -> str:
+    assert main(["bound", *arguments]) == 2
+    found = capsys.readouterr()
+    assert "Traceback" not in found.err
+    assert found.out == ""
+    return found.err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nonsense"], "unknown problem 'nonsense'; known: .*advance-recede.*ramp, bracket"),
+        (["full-contact", "--levels", "1", "4"], "levels must be 2 or more and increase, got 1 4"),
+        (["full-contact", "--levels", "8", "4"], "increase, got 8 4"),
+        (["full-contact", "--steps", "0"], "--steps must be 1 or more, got 0"),
+        (["full-contact", "--refine", "-1"], "0 or more refinements"),
+        (["full-contact", "--shorter", "0"], "1 or more steps in one of u_h"),
+        (["full-contact", "--scheme", "rk4"], "unknown scheme 'rk4'; known: backward-euler, bdf2, midpoint"),
+        (["full-contact", "--family", "x"], "unknown mesh family 'x'; known: one-diagonal"),
+        (["hexagon", "--family", "one-diagonal"], "does not mesh this body; take one of unstructured"),
+        (["corner", "--family", "one-diagonal", "--levels", "3"], "not a vertex of the mesh"),
+        (["rough-2"], "f_0 ∉ L²"),
+        (["cube-disc"], "dimension 3; give a plane body"),
+    ],
+)
+def test_what_cannot_be_bounded_is_refused_with_the_reason(capsys, tmp_path, arguments, message: str) -> None:
+    out = tmp_path / "out"
+    assert re.search(message, refused(capsys, *arguments, "--out", str(out)), re.DOTALL)
+    assert not out.exists()
+
+
+@pytest.mark.parametrize(
+    ("name", "message"),
+    [
+        ("infinite", "f_0 is not finite at x = .* at t = 0"),
+        ("unlike", "on Γ1, where it has to vanish"),
+        ("number", "is a int, expected manufactured.Data or a manufactured.Case"),
+        ("wrong_part", "f2 is given on part 0, but the parts of Γ2 have the numbers"),
+        ("solid", "dimension 3"),
+        ("missing", "defines no 'missing'"),
+    ],
+)
+def test_a_users_data_that_make_no_problem_are_refused_with_the_reason(
+    capsys, tmp_path, user, name: str, message: str
+) -> None:
+    out = tmp_path / "out"
+    assert re.search(message, refused(capsys, f"{user}:{name}", "--out", str(out)), re.DOTALL)
+    assert not out.exists()
+
+
+def test_a_file_that_is_not_there_is_refused(capsys, tmp_path) -> None:
+    assert "there is no file" in refused(capsys, f"{tmp_path}/none.py:press", "--out", str(tmp_path / "out"))

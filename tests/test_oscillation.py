@@ -1,0 +1,229 @@
+"""The constants that bound what P f leaves out: their invariance, and that they are upper bounds close to the truth.
+
+The truth is approached from below: on a triangle refined four times, the largest ∫ g·v/(‖g‖ ‖ε(v)‖_A) over continuous
+quadratic g ⟂ P_q(T)² and v. Every such quotient is one that the constant has to bound.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+import scipy.sparse as sps
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.linalg import eigh, null_space
+from scipy.sparse.linalg import splu
+from skfem import MeshTri
+
+from manufactured import Linear, isotropic
+from manufactured.cases.laws import anisotropic, not_proportional
+from manufactured.tensors import Array, rotation
+from study.equilibrated.composite import CORNERS, SIDES
+from study.equilibrated.oscillation import cell_constants, side_constants
+from study.fem.quadratic import Quadratic
+from study.fem.quadrature import simplex_rule
+
+TRIANGLES = {
+    "right isosceles": np.eye(2),
+    "equilateral": np.array([[1.0, 0.5], [0.0, np.sqrt(3) / 2]]),
+    "obtuse": np.array([[1.0, -0.6], [0.0, 0.7]]),
+    "flat": np.array([[1.0, 0.3], [0.0, 0.3]]),
+}
+TENSORS = {"identity": np.eye(3), "isotropic": not_proportional().A.matrix, "anisotropic": anisotropic().A.matrix}
+NUMBERINGS = [(0, 1, 2), (1, 2, 0), (2, 0, 1), (0, 2, 1), (2, 1, 0), (1, 0, 2)]
+CELLS, SIDES_TOO = 1.3, 1.6
+"""How many times too large the constants may be at most; halving a side costs √2 where halving a cell costs √(4/3)."""
+
+
+def of_corners(corners: Array) -> Array:
+    """F of the triangle with the given vertices, (2, 3) → (1, 2, 2)."""
+    return np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1)[None]
+
+
+def cell(F: Array, C: Array, q: int) -> float:
+    return float(cell_constants(np.reshape(F, (1, 2, 2)), np.linalg.inv(C), q)[0])
+
+
+def sides(F: Array, C: Array) -> list[float]:
+    return [float(side_constants(np.reshape(F, (1, 2, 2)), np.linalg.inv(C), side)[0]) for side in range(3)]
+
+
+def turn(angle: float) -> Array:
+    return np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+
+
+shapes = st.sampled_from(list(TRIANGLES.values()))
+tensors = st.sampled_from(list(TENSORS.values()))
+
+
+@given(shapes, tensors, st.floats(1e-4, 1e3), st.sampled_from([1, 2, 3]))
+def test_constants_of_cells_grow_like_the_size_and_those_of_sides_like_its_root(F, C, size, q) -> None:
+    assert cell(size * F, C, q) == pytest.approx(size * cell(F, C, q), rel=1e-8)
+    assert sides(size * F, C) == pytest.approx(np.sqrt(size) * np.array(sides(F, C)), rel=1e-8)
+
+
+@given(shapes, tensors, st.floats(0.01, 100), st.sampled_from([1, 2, 3]))
+def test_constants_fall_like_the_root_of_the_tensor(F, C, scale, q) -> None:
+    assert cell(F, scale * C, q) == pytest.approx(cell(F, C, q) / np.sqrt(scale), rel=1e-8)
+    assert sides(F, scale * C) == pytest.approx(np.array(sides(F, C)) / np.sqrt(scale), rel=1e-8)
+
+
+@pytest.mark.parametrize("numbering", NUMBERINGS)
+@given(shapes, tensors, st.tuples(st.floats(-5, 5), st.floats(-5, 5)), st.sampled_from([1, 2, 3]))
+def test_constants_know_no_numbers_of_vertices_and_no_place(numbering, F, C, shift, q) -> None:
+    plain = F @ CORNERS
+    corners = (plain + np.array(shift)[:, None])[:, numbering]
+    again = of_corners(corners)
+    assert cell(again, C, q) == pytest.approx(cell(F, C, q), rel=1e-6)
+    # Side i lies opposite to vertex i, which now is vertex numbering[i].
+    assert sides(again, C) == pytest.approx([sides(F, C)[i] for i in numbering], rel=1e-6)
+
+
+@given(shapes, tensors, st.floats(0, 2 * np.pi), st.sampled_from([1, 2, 3]))
+def test_constants_turn_with_the_triangle_and_its_tensor(F, C, angle, q) -> None:
+    R = turn(angle)
+    turned = rotation(R) @ C @ rotation(R).T
+    assert cell(R @ F, turned, q) == pytest.approx(cell(F, C, q), rel=1e-6)
+    assert sides(R @ F, turned) == pytest.approx(sides(F, C), rel=1e-6)
+    isotropic_one = TENSORS["isotropic"]
+    assert cell(R @ F, isotropic_one, q) == pytest.approx(cell(F, isotropic_one, q), rel=1e-6)
+
+
+def test_many_cells_at_once_get_the_constants_of_each() -> None:
+    """Equal shapes are computed once and large numbers in blocks: neither may mix up cells."""
+    rng = np.random.default_rng(0)
+    F = np.concatenate([rng.normal(size=(300, 2, 2)) + 2 * np.eye(2), np.tile(-np.eye(2), (3, 1, 1))])
+    F = F[abs(np.linalg.det(F)) > 0.3]
+    together = cell_constants(F, np.eye(3), 2)
+    chosen = [0, 1, 7, len(F) // 2, len(F) - 1]
+    assert together[chosen] == pytest.approx([cell(F[i], np.eye(3), 2) for i in chosen], rel=1e-9)
+
+
+def test_a_higher_degree_leaves_less_out() -> None:
+    constants = [cell(np.eye(2), np.eye(3), q) for q in (1, 2, 3)]
+    assert constants == sorted(constants, reverse=True)
+    assert constants[2] < 0.8 * constants[0]
+
+
+# ---- bounds from below
+
+
+class Whole(Quadratic):
+    """Displacements of one triangle, fixed nowhere."""
+
+    @property
+    def free(self) -> Array:  # type: ignore[override]
+        return np.arange(2 * self.count)
+
+
+@dataclass(frozen=True)
+class Refined:
+    """Continuous quadratic displacements on a triangle refined some times.
+
+    Attributes:
+        space: they.
+        inverse: functional ↦ the displacement that minimises the energy, for functionals that vanish on rigid motions.
+    """
+
+    space: Whole
+    stiffness: sps.csc_array
+
+    @classmethod
+    def of(cls, F: Array, C: Array, times: int) -> Refined:
+        mesh = MeshTri(F @ CORNERS, np.array([[0], [1], [2]])).refined(times)
+        space = Whole(mesh, None)
+        return cls(space, space.form(C, np.ones((space.cells, 3))))
+
+    def largest(self, load: Array, mass: Array) -> float:
+        """sup ∫ g·v/(‖g‖ ‖ε(v)‖_A), columns ∫ g_i·v of the loads and their products ∫ g_i·g_j."""
+        # g ⟂ rigid motions, so any regularisation that sees only those gives the same energy.
+        points = self.places()
+        rigid = np.zeros((2 * self.space.count, 3))
+        rigid[0::2, 0] = rigid[1::2, 1] = 1
+        rigid[0::2, 2], rigid[1::2, 2] = -points[1], points[0]
+        K = self.stiffness
+        fixed = sps.block_array([[K, sps.csc_array(rigid)], [sps.csc_array(rigid.T), None]], format="csc")
+        v = splu(fixed).solve(np.vstack([load, np.zeros((3, load.shape[1]))]))[: len(load)]
+        return float(np.sqrt(eigh(load.T @ v, mass, eigvals_only=True)[-1]))
+
+    def places(self) -> Array:
+        """Where the coefficients of a linear function are its values: vertices, then middles of edges, (2, count)."""
+        mesh = self.space.mesh
+        return np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)])
+
+
+def on_cell(F: Array, C: Array, q: int, times: int) -> float:
+    """The largest quotient for a load ⟂ P_q(T)² in the triangle."""
+    refined = Refined.of(F, C, times)
+    space = refined.space
+    barycentric, weights = simplex_rule(2, 2 + max(2, q))
+    at = space.shapes(barycentric)
+    w = np.repeat(np.multiply.outer(space.volumes, weights).ravel(), 2)
+    mass = (at.T @ (sps.diags_array(w) @ at)).toarray()
+    x = np.linalg.solve(F, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric).reshape(2, -1))
+    monomials = [x[0] ** i * x[1] ** j for i in range(q + 1) for j in range(q + 1 - i)]
+    orthogonal = np.array([np.kron(p, unit) for p in monomials for unit in np.eye(2)])
+    loads = null_space((orthogonal * w) @ at.toarray())
+    return refined.largest(mass @ loads, loads.T @ mass @ loads)
+
+
+def on_side(F: Array, C: Array, side: int, times: int) -> float:
+    """The largest quotient for a piecewise quadratic load ⟂ P1(e)² on one side."""
+    refined = Refined.of(F, C, times)
+    space, mesh = refined.space, refined.space.mesh
+    a, b = (F @ CORNERS[:, SIDES[side][end]] for end in (0, 1))
+    along = (b - a) / np.linalg.norm(b - a)
+    boundary = mesh.boundary_facets()
+    ends = mesh.p[:, mesh.facets[:, boundary]]
+    distance = abs(along[0] * (ends[1] - a[1]) - along[1] * (ends[0] - a[0])).max(axis=0)
+    edges = boundary[distance < 1e-12]
+    assert len(edges) == 2**times
+    numbers = space.on_edges(edges)
+    lengths = np.linalg.norm(np.diff(mesh.p[:, mesh.facets[:, edges]], axis=1)[:, 0], axis=0)
+    # ∫_0^1 B_i B_j of degree 2.
+    local = np.array([[6, 3, 1], [3, 4, 3], [1, 3, 6]]) / 30
+    mass = np.zeros((space.count, space.count))
+    for k, length in enumerate(lengths):
+        mass[np.ix_(numbers[:, k], numbers[:, k])] += length * local
+    used = np.unique(numbers)
+    place = along @ (refined.places()[:, used] - a[:, None])
+    # Coefficients of 1 and of the place along the side, both linear.
+    linear = np.array([np.ones(len(used)), place])
+    loads = np.kron(null_space(linear @ mass[np.ix_(used, used)]), np.eye(2))
+    full = np.zeros((2 * space.count, loads.shape[1]))
+    full[(2 * used[:, None] + np.arange(2)).ravel()] = loads
+    moments = np.kron(mass, np.eye(2)) @ full
+    return refined.largest(moments, full.T @ moments)
+
+
+@pytest.mark.parametrize("q", [1, 2, 3])
+@pytest.mark.parametrize("tensor", TENSORS)
+@pytest.mark.parametrize("shape", TRIANGLES)
+def test_the_constant_of_a_cell_bounds_what_loads_can_do_and_not_by_much(shape: str, tensor: str, q: int) -> None:
+    F, C = TRIANGLES[shape], TENSORS[tensor]
+    found, least = cell(F, C, q), on_cell(F, C, q, 3)
+    assert least <= found <= CELLS * least
+
+
+@pytest.mark.parametrize("side", range(3))
+@pytest.mark.parametrize("tensor", TENSORS)
+@pytest.mark.parametrize("shape", TRIANGLES)
+def test_the_constant_of_a_side_bounds_what_loads_can_do_and_not_by_much(shape: str, tensor: str, side: int) -> None:
+    F, C = TRIANGLES[shape], TENSORS[tensor]
+    found, least = sides(F, C)[side], on_side(F, C, side, 4)
+    assert least <= found <= SIDES_TOO * least
+
+
+def test_loads_that_are_not_orthogonal_to_linear_ones_exceed_the_constant() -> None:
+    """The comparison can fail: orthogonal to rigid motions and constants only, a load does more."""
+    F, C = np.eye(2), np.eye(3)
+    assert on_cell(F, C, 1, 3) > cell(F, C, 2)
+    assert on_cell(F, C, 2, 3) > cell(F, C, 3)
+
+
+def test_a_stiffer_body_bears_the_same_loads_better() -> None:
+    stiff = isotropic(1.0, 20.0)
+    assert isinstance(stiff, Linear)
+    assert cell(np.eye(2), stiff.matrix, 1) < cell(np.eye(2), isotropic(1.0, 0.0).matrix, 1)

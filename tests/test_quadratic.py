@@ -1,0 +1,317 @@
+"""Displacements of degree 2: the cone, strains, forms and moments, and how P1 is embedded."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from manufactured import Body, Kind, catalogue, polygon, unit_square, x1, x2
+from manufactured.cases.laws import anisotropic, not_proportional
+from manufactured.data import Data
+from manufactured.problems import problems
+from manufactured.tensors import Array, Points, Tensors, mandel
+from study.bound.enclosure import _embedding, _prolongation
+from study.bound.setting import BoundError, Setting
+from study.equilibrated.composite import bernstein
+from study.fem.material import form
+from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured, boundary_parts
+from study.fem.quadratic import Quadratic
+from study.fem.space import Space
+
+CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
+BODIES = {
+    "square": (unit_square(), Shaken()),
+    "criss-cross": (unit_square(), CrissCross()),
+    "corner of Γ3": (polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [CONTACT, LOADED, CLAMPED, CONTACT]), OneDiagonal()),
+    "hexagon": (
+        next(case.solution.body for case in catalogue() if case.name == "hexagon"),
+        Unstructured(),
+    ),
+    "bracket": (next(p.data.body for p in problems() if p.name == "bracket"), Unstructured()),
+}
+LEVEL = 4
+
+
+@lru_cache
+def quadratic(body: str) -> Quadratic:
+    found, family = BODIES[body]
+    return Quadratic(family(found, LEVEL), found)
+
+
+@lru_cache
+def setting(body: str, refinements: int = 0) -> Setting:
+    found, family = BODIES[body]
+    data = Data.formulas(found, anisotropic() if body == "square" else not_proportional(), f0=(0, 0))
+    return Setting(data, family(found, LEVEL).refined(refinements) if refinements else family(found, LEVEL))
+
+
+def in_cells(space: Quadratic, rng: np.random.Generator, q: int = 5) -> tuple[Array, Points]:
+    """Random barycentric coordinates (3, q), the same in every cell, and their points (2, cells, q)."""
+    barycentric = rng.dirichlet(np.ones(3), q).T
+    return barycentric, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric)
+
+
+def values(space: Quadratic, v: Array, barycentric: Array) -> Array:
+    """v at the points, (2, cells, q)."""
+    return np.moveaxis((space.shapes(barycentric) @ v).reshape(space.cells, -1, 2), 2, 0)
+
+
+def strains(space: Quadratic, v: Array, barycentric: Array) -> Tensors:
+    return np.moveaxis((space.strains(barycentric) @ v).reshape(space.cells, -1, 3), 2, 0)
+
+
+def on_contact(space: Quadratic, v: Array, x: Array) -> Array:
+    """v_ν at places x in [0, 1] of every edge of Γ3, (edges, points)."""
+    found = []
+    for part, edges in zip(space.body.parts, space.parts, strict=True):
+        if part.kind is CONTACT:
+            normal = space.coefficients(v)[space.on_edges(edges)] @ part.normal
+            found.append(normal.T @ bernstein(2, np.array([1 - x, x])))
+    return np.concatenate(found)
+
+
+# ---- the cone
+
+
+@pytest.mark.parametrize("body", BODIES)
+@given(st.integers(0, 10**6))
+def test_functions_whose_coefficients_do_not_penetrate_do_so_nowhere(body: str, seed: int) -> None:
+    space, rng = quadratic(body), np.random.default_rng(seed)
+    v = rng.normal(size=space.dofs)
+    for _ in range(400):  # push what penetrates out, one row after the other: rows of a corner meet in one vertex
+        violated = space.N @ v
+        if violated.max() <= 0:
+            break
+        v -= space.N.T @ np.maximum(violated, 0) * 1.01
+    assert (space.N @ v).max() <= 1e-12
+    assert on_contact(space, v, rng.random(50)).max() <= 1e-12
+
+
+def test_the_cone_is_that_of_the_trace_of_the_coefficients_and_neither_larger_nor_of_another_sign() -> None:
+    """The trace at the ends and the middles of edges recovers the coefficients; each of them has its row."""
+    for name in BODIES:
+        space = quadratic(name)
+        v = np.random.default_rng(0).normal(size=space.dofs)
+        trace = on_contact(space, v, np.array([0.0, 0.5, 1.0]))
+        rows = np.concatenate([trace[:, 0], 2 * trace[:, 1] - (trace[:, 0] + trace[:, 2]) / 2, trace[:, 2]])
+        free = rows[abs(rows) > 1e-14]  # zero where Γ3 meets Γ1
+        assert set(np.round(space.N @ v, 9)) == set(np.round(free, 9))
+
+
+def test_values_at_nodes_that_do_not_penetrate_would_not_suffice() -> None:
+    """A parabola with the values −1, 0, 0 at the start, the middle and the end of an edge is positive in between."""
+    space = quadratic("square")
+    (edges,) = (edges for part, edges in zip(space.body.parts, space.parts, strict=True) if part.kind is CONTACT)
+    # Its coefficients are −1, 1/2, 0.
+    start, middle, _ = space.on_edges(edges)[:, 1]
+    full = np.zeros((space.count, 2))
+    full[start, 1], full[middle, 1] = 1.0, -0.5
+    v = full.ravel()[space.free]
+    nodal = on_contact(space, v, np.array([0.0, 0.5, 1.0]))[1]
+    assert nodal.max() <= 0
+    assert on_contact(space, v, np.array([0.75]))[1] > 0.1
+    assert (space.N @ v).max() > 0
+
+
+# ---- values and strains
+
+
+def polynomial(rng: np.random.Generator) -> tuple[Array, Array, Array]:
+    """u_i = c_i + g_i·x + x·H_i x with random c, g and symmetric H."""
+    H = rng.normal(size=(2, 2, 2))
+    return rng.normal(size=2), rng.normal(size=(2, 2)), H + H.swapaxes(1, 2)
+
+
+def at(p: tuple[Array, Array, Array], x: Points) -> Array:
+    c, g, H = p
+    return np.einsum("i,...->i...", c, np.ones(x.shape[1:])) + np.einsum("ij,j...->i...", g, x) + _form(H, x, x)
+
+
+def _form(H: Array, x: Points, y: Points) -> Array:
+    return np.einsum("ijk,j...,k...->i...", H, x, y)
+
+
+def gradient(p: tuple[Array, Array, Array], x: Points) -> Array:
+    _, g, H = p
+    return g.reshape(2, 2, *[1] * (x.ndim - 1)) + 2 * np.einsum("ijk,k...->ij...", H, x)
+
+
+class Unclamped(Quadratic):
+    """Fixed nowhere, so that every polynomial belongs to it."""
+
+    @property
+    def free(self) -> Array:  # type: ignore[override]
+        return np.arange(2 * self.count)
+
+
+def coefficients_of(space: Quadratic, p: tuple[Array, Array, Array]) -> Array:
+    """At a vertex the value; at an edge the polar form u(a, b) of its ends."""
+    c, g, H = p
+    a, b = space.mesh.p[:, space.mesh.facets[0]], space.mesh.p[:, space.mesh.facets[1]]
+    polar = c[:, None] + g @ (a + b) / 2 + _form(H, a, b)
+    return np.hstack([at(p, space.mesh.p), polar]).T.ravel()
+
+
+@pytest.mark.parametrize("body", BODIES)
+@given(st.integers(0, 10**6))
+def test_quadratic_polynomials_have_their_values_and_strains_at_every_point(body: str, seed: int) -> None:
+    rng, plain = np.random.default_rng(seed), quadratic(body)
+    space = Unclamped(plain.mesh, plain.body)
+    p = polynomial(rng)
+    v = coefficients_of(space, p)
+    barycentric, x = in_cells(space, rng)
+    assert np.allclose(values(space, v, barycentric), at(p, x), atol=1e-11)
+    expected = mandel(gradient(p, x))
+    assert np.allclose(strains(space, v, barycentric), expected, atol=1e-10)
+    some = rng.permutation(space.cells)[:3]
+    assert np.allclose(space.strain_at(v, some, x[:, some]), expected[:, some], atol=1e-10)
+
+
+@given(st.integers(0, 10**6))
+def test_strains_at_given_points_are_those_at_the_same_points_of_every_cell(seed: int) -> None:
+    rng, space = np.random.default_rng(seed), quadratic("hexagon")
+    v = rng.normal(size=space.dofs)
+    barycentric, x = in_cells(space, rng)
+    assert np.allclose(space.strain_at(v, np.arange(space.cells), x), strains(space, v, barycentric), atol=1e-9)
+    assert np.allclose(space.strain(v), space.strain_at(v, np.arange(space.cells), space.points), atol=1e-9)
+
+
+def test_functions_are_continuous_and_vanish_on_the_clamped_part() -> None:
+    rng = np.random.default_rng(3)
+    for name in BODIES:
+        space = quadratic(name)
+        v = rng.normal(size=space.dofs)
+        coefficients = space.coefficients(v)
+        for part, edges in zip(space.body.parts, boundary_parts(space.mesh, space.body), strict=True):
+            clamped = abs(coefficients[space.on_edges(edges)]).max() == 0
+            assert clamped == (part.kind is CLAMPED)
+        # A point of every inner edge, three tenths from its first vertex, from both cells.
+        found: dict[int, list[Array]] = {}
+        for local, (a, b) in enumerate(((0, 1), (1, 2), (0, 2))):
+            shares = np.zeros((3, 2))
+            shares[a], shares[b] = (0.7, 0.3), (0.3, 0.7)
+            trace = values(space, v, shares)
+            turned = (space.mesh.t[a] > space.mesh.t[b]).astype(int)
+            for cell, edge in enumerate(space.mesh.t2f[local]):
+                found.setdefault(int(edge), []).append(trace[:, cell, turned[cell]])
+        pairs = [both for both in found.values() if len(both) == 2]
+        assert len(pairs) > space.cells
+        assert all(np.allclose(first, second, atol=1e-12) for first, second in pairs)
+
+
+# ---- P1 in degree 2
+
+
+@pytest.mark.parametrize("refinements", [0, 1, 2])
+@pytest.mark.parametrize("body", BODIES)
+def test_linear_functions_keep_their_values_and_strains_on_refined_meshes(body: str, refinements: int) -> None:
+    rng = np.random.default_rng(refinements)
+    coarse, fine = setting(body), setting(body, refinements)
+    space, V = Space(coarse.mesh, coarse.data.body), fine.displacements
+    v = rng.normal(size=space.dofs)
+    w = _prolongation(space, fine) @ v
+    barycentric, x = in_cells(V, rng, 3)
+    finder = coarse.mesh.element_finder()
+    cells = finder(*x.reshape(2, -1))
+    nodal, corners = space.nodal(v), coarse.mesh.p[:, coarse.mesh.t[:, cells]]
+    matrix = np.concatenate([np.ones((1, 3, len(cells))), corners])
+    local = np.linalg.solve(np.moveaxis(matrix, 2, 0), np.vstack([np.ones(len(cells)), x.reshape(2, -1)]).T[..., None])
+    expected = np.einsum("dvc,cv->dc", nodal[:, coarse.mesh.t[:, cells]], local[..., 0])
+    assert np.allclose(values(V, w, barycentric).reshape(2, -1), expected, atol=1e-9)
+    assert np.allclose(strains(V, w, barycentric).reshape(3, -1), space.strain(v)[:, cells], atol=1e-8)
+    if refinements == 0:
+        assert abs(_embedding(space, fine) - _prolongation(space, fine)).max() == 0
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_the_matrix_of_degree_2_is_that_of_p1_on_linear_functions(body: str) -> None:
+    found = setting(body)
+    space = Space(found.mesh, found.data.body)
+    J = _embedding(space, found)
+    expected = form(space, found.data.law.A)
+    assert abs(J.T @ found.M @ J - expected).max() <= 1e-12 * abs(expected).max()
+    v = np.random.default_rng(0).normal(size=space.dofs)
+    assert found.norm(J @ v) == pytest.approx(np.sqrt(v @ (expected @ v)), rel=1e-12)
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_linear_functions_of_the_cone_stay_in_it(body: str) -> None:
+    coarse, fine = setting(body), setting(body, 1)
+    space = Space(coarse.mesh, coarse.data.body)
+    J, rng = _prolongation(space, fine), np.random.default_rng(1)
+    v = rng.normal(size=space.dofs)
+    for _ in range(400):
+        v -= space.N.T @ np.maximum(space.N @ v, 0) * 1.01
+    assert (space.N @ v).max() <= 1e-12
+    assert (fine.displacements.N @ (J @ v)).max() <= 1e-12
+
+
+def test_a_mesh_that_is_no_refinement_is_refused() -> None:
+    coarse = setting("square")
+    other = Setting(coarse.data, OneDiagonal()(coarse.data.body, LEVEL).refined())
+    with pytest.raises(BoundError, match="no refinement"):
+        _prolongation(Space(coarse.mesh, coarse.data.body), other)
+
+
+# ---- forms, functionals and moments
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_the_form_is_the_integral_of_the_products_of_strains(body: str) -> None:
+    found, rng = setting(body), np.random.default_rng(5)
+    V = found.displacements
+    u, v = rng.normal(size=(2, V.dofs))
+    x, w = np.polynomial.legendre.leggauss(4)
+    # Gauss points of the square folded onto the triangle: nothing of the rule of the space.
+    a, b = (g.ravel() for g in np.meshgrid((x + 1) / 2, (x + 1) / 2))
+    weights = np.multiply.outer(w, w).ravel() / 4 * 2 * (1 - a)
+    barycentric = np.array([a, (1 - a) * b, (1 - a) * (1 - b)])
+    A = found.data.law.A.matrix
+    integral = np.einsum(
+        "IJ,Jcq,Icq,q,c->", A, strains(V, u, barycentric), strains(V, v, barycentric), weights, V.volumes
+    )
+    assert v @ (found.M @ u) == pytest.approx(integral, rel=1e-11)
+    stress = np.einsum("IJ,Jcq->Icq", A, V.strain(u))
+    assert v @ V.functional(stress) == pytest.approx(integral, rel=1e-11)
+
+
+@pytest.mark.parametrize("body", BODIES)
+def test_normal_moments_are_integrals_of_the_trace_with_the_polynomials_of_stresses(body: str) -> None:
+    found, rng = setting(body), np.random.default_rng(7)
+    v = rng.normal(size=found.displacements.dofs)
+    x, w = np.polynomial.legendre.leggauss(8)
+    x, w = (x + 1) / 2, w / 2
+    lengths = np.concatenate([found.stresses.lengths[edges] for _, edges in found.stresses.on(CONTACT)])
+    trace = on_contact(found.displacements, v, x)
+    expected = np.einsum("eq,iq,q,e->ei", trace, bernstein(found.stresses.degree, np.array([1 - x, x])), w, lengths)
+    assert np.allclose(found.normal_moments(v), expected, atol=1e-13)
+
+
+def test_loads_act_as_the_integrals_of_polynomial_formulas() -> None:
+    """f_0 of degree 2 and f_2 of degree 3 are their own projections; the load is integrated independently."""
+    body: Body = unit_square()
+    f0, f2 = (1 + x1 * x2, x1 - 3 * x2**2), {1: (x2**3, 2 - x2), 3: (x2, x2**2)}
+    data = Data.formulas(body, not_proportional(), f0=f0, f2=f2)
+    found = Setting(data, Shaken()(body, 3))
+    V, rng = found.displacements, np.random.default_rng(2)
+    v = rng.normal(size=V.dofs)
+    x, w = np.polynomial.legendre.leggauss(6)
+    a, b = (g.ravel() for g in np.meshgrid((x + 1) / 2, (x + 1) / 2))
+    weights = np.multiply.outer(w, w).ravel() / 2 * (1 - a)
+    barycentric = np.array([a, (1 - a) * b, (1 - a) * (1 - b)])
+    X, Y = np.einsum("dvc,vq->dcq", found.mesh.p[:, found.mesh.t], barycentric)
+    u = values(V, v, barycentric)
+    expected = np.einsum("cq,q,c->", u[0] * (1 + X * Y) + u[1] * (X - 3 * Y**2), weights, V.volumes)
+    place = (x + 1) / 2
+    for side, load in ((1, lambda y: np.array([y**3, 2 - y])), (3, lambda y: np.array([y, y**2]))):
+        edges = V.parts[side]
+        ends = found.mesh.p[:, found.mesh.facets[:, edges]]
+        y = np.outer(ends[1, 0], 1 - place) + np.outer(ends[1, 1], place)
+        shape = bernstein(2, np.array([1 - place, place]))
+        trace = np.einsum("ned,nq->deq", V.coefficients(v)[V.on_edges(edges)], shape)
+        expected += np.einsum("deq,deq,q,e->", trace, load(y), w / 2, found.stresses.lengths[edges])
+    assert found.functional(found.loads(0.0)) @ v == pytest.approx(expected, rel=1e-11)
