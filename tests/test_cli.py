@@ -134,7 +134,7 @@ def test_the_catalogue_is_listed_as_text_and_as_json(capsys) -> None:
 def finished(tmp_path_factory) -> Path:
     """A small run of the case in the README, as a newcomer would make it."""
     directory = tmp_path_factory.mktemp("user")
-    (code,) = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)
+    code = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)[0]
     (directory / "pocket.py").write_text(code)
     assert len(code.splitlines()) < 25
     out = directory / "results"
