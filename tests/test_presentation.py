@@ -128,6 +128,21 @@ def stresses() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=columns)
 
 
+def bounds() -> pd.DataFrame:
+    """One enclosure."""
+    names = ["trajectory", "case", "family", "scheme", "level", "lowest", "error", "highest", "upper", "lower"]
+    row = ["enclosure", "advance-recede", "shaken", "midpoint", 8, 1.9, 2.0, 2.2, 1.1, 0.95, 0.01, 0.02, 0.003]
+    return pd.DataFrame([row], columns=[*names, "residual", "oscillation", "contact"])
+
+
+def enclosures() -> pd.DataFrame:
+    """One enclosure over time."""
+    times = np.linspace(0, 1, 9)
+    columns = {"error": 2 - times / 2, "distance": 1.9 - times / 2, "bound": 0.2 + 0 * times}
+    place = {"trajectory": "enclosure", "case": "advance-recede", "family": "shaken", "level": 8}
+    return pd.DataFrame({"time": times, **columns}).assign(**place)
+
+
 def picture(case: str, level: int, steps: int, sides: Sequence[Side]) -> dict[str, Any]:
     """A lifted displacement on the unit square with contact on some sides, in the form of ``pictures/CASE.json``."""
     grid, times = np.linspace(0, 1, level + 1), np.linspace(0, 1, steps + 1)
@@ -204,7 +219,14 @@ BOTTOM, RIGHT = side((0.0, 1.0), advancing), side((-1.0, 0.0), patches)
 def write_data(directory: Path, cases: dict[str, tuple[float, float]], levels: Sequence[int], level: int) -> Path:
     """All data files of a run; pictures at one level."""
     (directory / "data" / "pictures").mkdir(parents=True)
-    frames = {"rates": rates(cases, levels), "claims": claims(), "equivalence": equivalence(), "stresses": stresses()}
+    frames = {
+        "rates": rates(cases, levels),
+        "claims": claims(),
+        "equivalence": equivalence(),
+        "stresses": stresses(),
+        "bounds": bounds(),
+        "enclosures": enclosures(),
+    }
     listed = [{"case": case, "expected_order": order} for case, (order, _) in cases.items()]
     frames["cases"] = pd.DataFrame([*listed, {"case": "two-faces", "expected_order": 1.0}])
     for name, frame in frames.items():
@@ -242,13 +264,16 @@ def replace(path: Path, old: str, new: str) -> None:
 
 def test_every_table_is_written_in_three_formats_and_nothing_is_left_over(drawn: Path) -> None:
     expected = [
-        f"{name}.{form}" for name in ("equivalence", "ledger", "rates", "stresses") for form in ("csv", "md", "tex")
+        f"{name}.{form}"
+        for name in ("bounds", "equivalence", "ledger", "rates", "stresses")
+        for form in ("csv", "md", "tex")
     ]
     assert files(drawn / "tables") == expected
 
 
 def test_every_figure_is_written_in_three_formats_and_nothing_is_left_over(drawn: Path) -> None:
-    names = ["convergence", "convergence-prop-5-3", *(f"convergence-{case}" for case in CASES)]
+    names = ["convergence", "convergence-prop-5-3", "enclosure-advance-recede"]
+    names += [f"convergence-{case}" for case in CASES]
     names += [f"{kind}-{case}" for kind in ("zone", "profiles", "body") for case in ("advance-recede", "two-faces")]
     assert files(drawn / "figures") == sorted(f"{name}.{form}" for name in names for form in ("pdf", "png", "svg"))
 
@@ -298,7 +323,7 @@ def test_the_table_of_stresses_has_levels_in_order_with_their_orders(drawn: Path
     np.testing.assert_allclose(table["time_share_percent"], [1.25, 0.625])
 
 
-@pytest.mark.parametrize("name", ["rates", "ledger", "equivalence", "stresses"])
+@pytest.mark.parametrize("name", ["rates", "ledger", "equivalence", "stresses", "bounds"])
 def test_markdown_shows_the_cells_of_the_csv_table(drawn: Path, name: str) -> None:
     cells = pd.read_csv(drawn / "tables" / f"{name}.csv", dtype=str, keep_default_na=False).to_numpy()
     lines = (drawn / "tables" / f"{name}.md").read_text(encoding="utf-8").splitlines()[2:]
@@ -306,7 +331,7 @@ def test_markdown_shows_the_cells_of_the_csv_table(drawn: Path, name: str) -> No
     assert [[re.sub(r"\\(.)", r"\1", cell) for cell in row] for row in split] == cells.tolist()
 
 
-@pytest.mark.parametrize("name", ["rates", "ledger", "equivalence", "stresses"])
+@pytest.mark.parametrize("name", ["rates", "ledger", "equivalence", "stresses", "bounds"])
 def test_latex_is_well_formed(drawn: Path, name: str) -> None:
     text = (drawn / "tables" / f"{name}.tex").read_text(encoding="utf-8")
     assert text.isascii()
@@ -372,7 +397,10 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
 @pytest.mark.parametrize(
     ("present", "name"),
     [
-        *((write_tables, name) for name in ("rates.csv", "claims.csv", "equivalence.csv", "stresses.csv")),
+        *(
+            (write_tables, name)
+            for name in ("rates.csv", "claims.csv", "equivalence.csv", "stresses.csv", "bounds.csv")
+        ),
         *((draw_figures, name) for name in ("rates.csv", "cases.csv", "pictures")),
         (rates_text, "rates.csv"),
         (ledger_text, "claims.csv"),
@@ -449,4 +477,4 @@ def test_a_single_level_can_be_drawn(tmp_path: Path) -> None:
     directory = write_data(tmp_path, {"advance-recede": (1.0, 28.0)}, (16,), level=8)
     shutil.rmtree(directory / "data" / "pictures")
     (directory / "data" / "pictures").mkdir()
-    assert len(draw_figures(directory)) == 6
+    assert len(draw_figures(directory)) == 9
