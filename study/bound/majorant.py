@@ -213,7 +213,8 @@ class Majorant:
             BoundError: it is negative, so that ũ(t) ∉ K.
         """
         found = sum(QUADRATIC[i, j] * float(np.vdot(normals[i], moments[j])) for i, j in PAIRS)
-        size = max(map(np.linalg.norm, normals)) * max(map(np.linalg.norm, moments))
+        largest = max(abs(v).max() for v in (piece.start, piece.control, piece.end))
+        size = max(map(np.linalg.norm, normals)) * float(largest) * float(self.setting.stresses.lengths.max())
         if found < -ROUNDING * size:
             raise BoundError(
                 f"∫ σ̃_ν ũ_ν < 0 between t = {piece.a:.4g} and {piece.b:.4g}: the trajectory leaves K, where the bound "
