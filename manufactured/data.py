@@ -151,6 +151,13 @@ class Data:
         body, rng = self.body, np.random.default_rng(0)
         inside = _inside(body, rng)
         dim = body.dim
+        for name, tensor in (("A", self.law.A), ("G", self.law.G)):
+            values, factor = tensor.factor(inside), tensor.factor
+            if values.min() < factor.low * (1 - ROUNDING) or values.max() > factor.high * (1 + ROUNDING):
+                raise LoadError(
+                    f"the factor of {name} takes values from {values.min():.4g} to {values.max():.4g}, stated are "
+                    f"{factor.low:g} and {factor.high:g}; constants rest on these bounds, correct them"
+                )
         for time in np.linspace(0.0, body.T, TIMES):
             _finite("f_0", self.body_force(inside)(time), inside, dim, f" at t = {time:.4g}")
             for part in body.of(Kind.LOADED):

@@ -4,8 +4,8 @@
 
       f_2 = −8 a(t) (1 − ((x_1 − c(t))/w)²)_+³ ν,   a = t²(3 − 2t),   c = 4/5 + 7t/5,   w = 4/5,
 
-  the angles are such that no corner is singular: 60° between Γ1 and Γ2, 90° at both ends of Γ3, 120° within Γ2. What
-  is left is the front of contact, r^{3/2}: u(t) ∈ H^{1+s} for s < 3/2, order 1.
+  the angles are such that no corner is singular while its ends touch the ground: 60° between Γ1 and Γ2, 90° at both
+  ends of Γ3, 120° within Γ2. What is left is the front of contact, r^{3/2}: u(t) ∈ H^{1+s} for s < 3/2, order 1.
 * bracket: an L-shaped body clamped at the top of its upright and pressed down on its foot; re-entrant corner, so u(t) ∈
   H^{1+s} for s < 0.5445 only. Meshes of the family ``graded`` refine towards it and towards the ends of Γ1.
 """

@@ -15,7 +15,7 @@ from pathlib import Path
 import pandas as pd
 from tqdm import tqdm
 
-from manufactured.admissibility import SelfProofError
+from manufactured.admissibility import SelfProofError, examine
 from manufactured.body import BodyError
 from manufactured.case import CaseError
 from manufactured.catalogue import catalogue
@@ -233,6 +233,8 @@ def do_bound(options: argparse.Namespace) -> int:
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     better = Better(options.refine, options.shorter)
     check_force(case)
+    if case and (failed := [finding for finding in examine(case.solution) if not finding.passes]):
+        raise SelfProofError(f"case {name}", failed)
     plan = check_bound(data, family, options.levels, options.steps, better)
     found: dict[int, Bounded] = {}
     for level, steps in plan.items():

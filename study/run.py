@@ -437,7 +437,7 @@ def check(directory: Path) -> list[Verdict]:
     found |= {(*key, "stress") for key in keys(stresses, EQUIVALENCE_KEY)}
     found |= {(*key, "statement") for key in keys(statements, STATEMENT_KEY)}
     planned = {tuple(key) for key in provenance["planned"]}
-    verdicts = [complete(planned, found), *judge(rates, equivalence, cases), *judge_bounds(bounds)]
+    verdicts = [complete(planned, found), *judge(rates, equivalence, cases), *judge_bounds(bounds, set(cases["case"]))]
     verdicts += judge_stresses(stresses, {case: resolve(case).regularity for case in stresses["case"].unique()})
     verdicts += judge_statements(statements)
     ordered = sorted(verdicts, key=lambda verdict: position(verdict.label))

@@ -20,6 +20,7 @@ import scipy.sparse as sps
 from skfem import Mesh
 
 from manufactured.tensors import Array
+from study.bound.claims import order_interval
 from study.bound.majorant import Interval, Majorant, Piece, spline
 from study.bound.setting import BoundError, Setting
 from study.fem.quadrature import Line, cell_rules
@@ -135,7 +136,8 @@ class Enclosure:
         bound: y at the times, (n,).
         error: the true error where it is known, else not a number, (n,).
         intervals: how y came about, one interval up to each time.
-        highest: bound of the error over all of [0, T], between the times as well.
+        start: bound of the error at t = 0.
+        between: bound of the error over the interval up to each time, (n,).
     """
 
     h: float
@@ -144,7 +146,17 @@ class Enclosure:
     bound: Array
     error: Array
     intervals: tuple[Interval, ...]
-    highest: float
+    start: float
+    between: Array
+
+    @property
+    def highest(self) -> float:
+        """A bound of the error over all of [0, T], between the times as well."""
+        return max(self.start, float(self.between.max()))
+
+    def bound_at(self, times: Array) -> Array:
+        """Bounds at any times of (0, T]: those of the intervals the times lie in, (m,)."""
+        return self.between[np.searchsorted(self.times[:-1], times)]
 
     @property
     def lower(self) -> Array:
@@ -188,37 +200,30 @@ def enclose(
     pieces = spline(trajectory.nodes(fine, computed))
     first = next(pieces)
     start = _initial_error(fine, first.start)
-    intervals, distances, errors = [], [], []
-    highest = start + fine.norm(first.start - J @ computed.nodes[0])
+    intervals, distances, errors, between = [], [], [], []
     for piece, interval in Majorant(fine)(_chain(first, pieces), start):
         u = computed.at(piece.b)
         distances.append(fine.norm(piece.end - J @ u))
         errors.append(error(piece.b, u) if error else math.nan)
         intervals.append(interval)
-        highest = max(highest, interval.inside + _farthest(fine, piece, computed, J))
+        between.append(interval.inside + _farthest(fine, piece, computed, J))
         progress(piece.b)
     return Enclosure(
-        h=coarse_size(computed),
+        h=computed.space.h,
         times=np.array([interval.b for interval in intervals]),
         distance=np.array(distances),
         bound=np.array([interval.at_b for interval in intervals]),
         error=np.array(errors),
         intervals=tuple(intervals),
-        highest=highest,
+        start=start + fine.norm(first.start - J @ computed.nodes[0]),
+        between=np.array(between),
     )
-
-
-def coarse_size(computed: Computed) -> float:
-    """h of the mesh of u_h."""
-    return computed.space.h
 
 
 def order(coarse: Enclosure, fine: Enclosure) -> tuple[float, float]:
     """An interval that contains the observed order log(E/E')/log(h/h') of E = max_t ‖u(t) − u_h(t)‖_V."""
-    ratio = math.log(coarse.h / fine.h)
-    low = coarse.lowest / fine.highest
-    high = coarse.highest / fine.lowest if fine.lowest > 0 else math.inf
-    return (math.log(low) / ratio if low > 0 else -math.inf), math.log(high) / ratio
+    ends = (coarse.lowest, coarse.highest), (fine.lowest, fine.highest)
+    return order_interval(*ends, math.log(coarse.h / fine.h))
 
 
 def _chain(first: Piece, rest: Iterator[Piece]) -> Iterator[Piece]:

@@ -43,12 +43,13 @@ import numpy as np
 
 from manufactured.law import Linear, Yield
 from manufactured.tensors import Array, Tensors
-from study.bound.setting import Setting
+from study.bound.setting import BoundError, Setting
 from study.equilibrated.hybrid import Loads
 from study.equilibrated.loads import Snapshot
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """∫_0^1 B_i B_j for the Bernstein polynomials of degree 2."""
+ROUNDING = 1e-6
 PAIRS = tuple(product(range(3), repeat=2))
 
 
@@ -79,7 +80,7 @@ class Piece:
 
 
 def spline(nodes: Iterable[tuple[float, Array]]) -> Iterator[Piece]:
-    """The pieces of the quadratic B-spline with nodes (t_j, d_j) as control points."""
+    """The pieces of the quadratic B-spline with nodes (t_j, d_j), equally spaced in time, as control points."""
     iterator = iter(nodes)
     before, old = next(iterator)
     knot, point = before, old
@@ -167,11 +168,17 @@ class Majorant:
 
     def __call__(self, pieces: Iterable[Piece], start: float) -> Iterator[tuple[Piece, Interval]]:
         """The bound on every piece, from a bound of ‖u_0 − ũ(0)‖_V."""
-        y, left = start, None
+        y, left, before = start, None, None
         for piece in pieces:
+            rate = piece.rate(end=False)
             if left is None:
-                left = self.knot(piece.a, piece.start, piece.rate(end=False))
-            right = self.knot(piece.b, piece.end, piece.rate(end=True))
+                left = self.knot(piece.a, piece.start, rate)
+            elif abs(rate - before).max() > ROUNDING * abs(rate).max():
+                raise BoundError(
+                    f"ũ̇ jumps at t = {piece.a:.6g}: the nodes of a trajectory have to be equally spaced in time"
+                )
+            before = piece.rate(end=True)
+            right = self.knot(piece.b, piece.end, before)
             interval = self._interval(piece, left, right, y)
             yield piece, interval
             y, left = interval.at_b, right

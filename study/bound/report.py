@@ -31,10 +31,14 @@ def series(level: int, found: Bounded) -> pd.DataFrame:
             "upper": enclosure.upper,
             "distance": enclosure.distance,
             "bound": enclosure.bound,
-            "plain": np.interp(enclosure.times, plain.times, plain.upper),
+            "plain": plain.bound_at(enclosure.times),
         }
     )
-    return frame.round({name: DIGITS for name in frame.columns[1:]})
+    # Ends are rounded away from what they enclose.
+    down, up = ["lower"], ["upper", "bound", "plain"]
+    frame[down] = np.floor(frame[down] * 10**DIGITS) / 10**DIGITS
+    frame[up] = np.ceil(frame[up] * 10**DIGITS) / 10**DIGITS
+    return frame.round({name: DIGITS for name in ("time", "error", "distance")})
 
 
 def levels(found: dict[int, Bounded]) -> pd.DataFrame:

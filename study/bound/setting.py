@@ -23,6 +23,8 @@ from study.fem.quadratic import Quadratic
 from study.solve.evolution import Problem
 
 KEPT = 8
+STEP = 1e-9
+"""Relative distance at which a line on which the material changes lies on a vertex."""
 DEGREE = 3
 """Degree of stresses: P f_0 then has degree 2, rigid motions of the cells among them."""
 
@@ -52,7 +54,19 @@ class Setting:
 
     def __post_init__(self) -> None:
         refuse_solids(self.data)
+        self._refuse_steps()
         self.monotonicity  # noqa: B018
+
+    def _refuse_steps(self) -> None:
+        """Integrals of strains and stresses rest on tensors that are smooth in every cell."""
+        for direction, offset in self.data.law.steps:
+            distance = (np.array(direction) @ self.mesh.p - offset)[self.mesh.t]
+            near = STEP * np.ptp(distance, axis=0)
+            if ((distance.min(axis=0) < -near) & (distance.max(axis=0) > near)).any():
+                raise BoundError(
+                    f"A or G jumps across the line {direction}·x = {offset:g}, which runs through cells of the mesh; "
+                    "list it as an interface of the body, so that meshes follow it, or take a level that meets it"
+                )
 
     @cached_property
     def displacements(self) -> Quadratic:

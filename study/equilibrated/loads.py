@@ -1,7 +1,7 @@
 """P f_0 and P f_2: the data as composite stresses can balance them, and what is left over.
 
-P are the L² projections onto polynomials of degree k − 1 on the thirds of cells and of degree k on the edges of Γ2. The
-thirds are cut along the lines at which the data are rough (``study.fem.quadrature``).
+P are the L² projections onto polynomials of degree k − 1 on the thirds of cells and of degree k on the edges of Γ2.
+Thirds and edges are cut along the lines at which the data are rough (``study.fem.quadrature``).
 """
 
 from __future__ import annotations
@@ -11,18 +11,22 @@ from dataclasses import dataclass
 import numpy as np
 from skfem import Mesh, MeshTri
 
-from manufactured.body import Kind
+from manufactured.body import Kind, Part
 from manufactured.data import Data
 from manufactured.tensors import Array, Points
 from study.equilibrated.composite import SIDES, bernstein
 from study.equilibrated.hybrid import Loads
 from study.equilibrated.stresses import StressSpace
-from study.fem.quadrature import CellRule, Line, cell_rules, simplex_rule
+from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule, simplex_rule
 
 DEGREE = 4
 """Degree of the rule for f_0 on a third, at least; 2k if that is more."""
 EDGE_POINTS = 6
 """Gauss points for f_2 on an edge."""
+GRADED_POINTS = 28
+"""Where edges are cut and their rules graded with the power 8: exact to degree 6, for products of two of degree 3."""
+PARALLEL = 1e-9
+"""Sine of an angle below which a line is parallel to a part."""
 
 
 def cut(space: StressSpace) -> tuple[Mesh, Points]:
@@ -70,6 +74,36 @@ class _Block:
         )
 
 
+class _Edges:
+    """The edges of one piece of Γ2 with their quadrature, cut where lines of the data meet them."""
+
+    def __init__(self, data: Data, space: StressSpace, part: Part, edges: Array) -> None:
+        crossings = _crossings(data, part)
+        rule = facet_rule(space.mesh, edges, part, crossings, GRADED_POINTS if crossings else EDGE_POINTS)
+        self.edges, self.weights = edges, rule.weights
+        self.shapes = bernstein(space.degree, rule.shapes)
+        self.load = data.surface_load(part, part.point(rule.s))
+        gram = np.einsum("anq,bnq,nq->nab", self.shapes, self.shapes, rule.weights)
+        self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), self.shapes, rule.weights)
+
+    def __call__(self, time: float) -> tuple[Array, Array]:
+        """P f_2, (n, k + 1, 2), and ‖f_2 − P f_2‖_e, (n,)."""
+        values = self.load(time)
+        coefficients = np.einsum("naq,dnq->nad", self.projection, values)
+        left = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)
+        return coefficients, np.sqrt(np.einsum("dnq,dnq,nq->n", left, left, self.weights))
+
+
+def _crossings(data: Data, part: Part) -> tuple[float, ...]:
+    """Coordinates along a part at which lines of the data meet it."""
+    found = []
+    for direction, offset in data.lines:
+        slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)
+        if abs(slope) > PARALLEL and 0 < (offset - start) / slope < part.measure:
+            found.append(float((offset - start) / slope))
+    return tuple(sorted(found))
+
+
 @dataclass(frozen=True, eq=False)
 class Snapshot:
     """The data at one time.
@@ -100,17 +134,7 @@ class ProjectedLoads:
             local, full = (barycentric(c[:, :, rule.cells], rule.points) for c in (corners, cells))
             shapes, whole = bernstein(space.degree - 1, local), bernstein(space.degree, full)
             self._blocks.append(_Block(data, rule, shapes, whole))
-        x, weights = np.polynomial.legendre.leggauss(EDGE_POINTS)
-        x, self._weights = (x + 1) / 2, weights / 2
-        self._shapes = bernstein(space.degree, np.array([1 - x, x]))
-        self._projection = np.linalg.solve(
-            (self._shapes * self._weights) @ self._shapes.T, self._shapes * self._weights
-        )
-        self._edges = []
-        for part, edges in space.on(Kind.LOADED):
-            ends = space.mesh.p[:, space.mesh.facets[:, edges]]
-            points = np.einsum("den,eq->dnq", ends, np.array([1 - x, x]))
-            self._edges.append((edges, data.surface_load(part, points)))
+        self._pieces = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
 
     def __call__(self, time: float) -> Loads:
         """P f_0 and P f_2."""
@@ -127,11 +151,8 @@ class ProjectedLoads:
             force[block.cells], squares[block.cells], moments[block.cells] = block(time)
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
         around = np.zeros(len(surface))
-        for edges, load in self._edges:
-            values = load(time)
-            surface[edges] = np.einsum("aq,dnq->nad", self._projection, values)
-            left = values - np.einsum("nad,aq->dnq", surface[edges], self._shapes)
-            around[edges] = np.sqrt(np.einsum("dnq,dnq,q->n", left, left, self._weights) * space.lengths[edges])
+        for piece in self._pieces:
+            surface[piece.edges], around[piece.edges] = piece(time)
         total = squares.reshape(-1, 3).sum(axis=1)
         of_cells = moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
         bowed = np.einsum("cad,ab,cbd->c", of_cells, np.linalg.inv(gram), of_cells) / space.volumes
