@@ -434,7 +434,7 @@ def test_the_bound_of_both_errors_is_never_below_them() -> None:
     found = Hypercircle().measure(Setting("full-contact", "shaken", 4))
     assert found["safe"] <= 1
     assert found["guaranteed"] == pytest.approx(1 / found["safe"])
-    assert found["plain_2"] == pytest.approx(1, abs=0.02)
+    assert found["plain_3"] == pytest.approx(1, abs=0.02)
 
 
 @pytest.mark.slow
