@@ -48,6 +48,7 @@ from study.bound.enclosure import Better, Computed, Enclosure, Itself, Trajector
 from study.bound.enclosure import _prolongation as prolongation
 from study.bound.majorant import Balance, Interval, Majorant, Piece, spline
 from study.bound.measure import known_error, measure_bound
+from study.bound.plan import eligible
 from study.bound.setting import BoundError, Setting
 from study.equilibrated.composite import SIDES, bernstein, thirds
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
@@ -56,7 +57,7 @@ from study.fem.space import Space
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
 
 CASES = {case.name: case for case in catalogue()}
-BOUNDED = [case for case in catalogue() if case.solution.body.dim == 2 and case.regularity.force_in_L2]
+BOUNDED = [case for case in catalogue() if eligible(case)]
 ROUNDING = 1e-9
 """Relative; errors in round-off are compared with bounds in round-off."""
 
@@ -708,7 +709,7 @@ def test_a_constant_residual_and_no_contact_give_the_documented_value() -> None:
 def made(h: float, lower: float, upper: float) -> Enclosure:
     """max_t ‖u − u_h‖_V ∈ [lower, upper]."""
     middle, radius = np.array([(lower + upper) / 2]), np.array([(upper - lower) / 2])
-    return Enclosure(h, np.array([1.0]), middle, radius, np.array([math.nan]), (), upper)
+    return Enclosure(h, np.array([1.0]), middle, radius, np.array([math.nan]), (), 0.0, np.array([upper]))
 
 
 positive = st.floats(1e-3, 1e3)
@@ -789,3 +790,18 @@ def test_a_heterogeneous_body_has_the_least_ratio_of_its_tensors() -> None:
     viscous = np.einsum("Icq,Icq->cq", law.A.at(x)(strains), strains)
     assert setting.monotonicity <= (elastic / viscous).min()
     assert setting.monotonicity > 0
+
+
+def test_a_material_that_jumps_inside_cells_is_refused_by_its_line() -> None:
+    case = next(case for case in catalogue() if case.name == "layered-unmet")
+    with pytest.raises(BoundError, match="runs through cells of the mesh; list it as an interface"):
+        Setting(Data.of(case.solution), OneDiagonal()(case.solution.body, 4))
+
+
+def test_nodes_at_unequal_distances_are_refused() -> None:
+    case = next(case for case in catalogue() if case.name == "no-contact")
+    setting = Setting(Data.of(case.solution), OneDiagonal()(case.solution.body, 2))
+    nodes = [(time, (1 + time) * np.ones(setting.displacements.dofs)) for time in (0.0, 0.25, 0.5)]
+    nodes.append((1.0, 3 * nodes[-1][1]))
+    with pytest.raises(BoundError, match="equally spaced in time"):
+        list(Majorant(setting)(spline(nodes), 1.0))

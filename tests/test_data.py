@@ -9,6 +9,7 @@ import sympy as sp
 from manufactured import (
     BodyError,
     Case,
+    Factor,
     FormulaError,
     FrobeniusBall,
     KelvinVoigt,
@@ -324,3 +325,10 @@ def test_an_unknown_name_is_refused_with_all_cases_and_problems() -> None:
     with pytest.raises(UsageError) as refusal:
         resolve_data("nonsense")
     assert all(known in str(refusal.value) for known in [*CASES, "ramp", "bracket"])
+
+
+def test_a_factor_beyond_its_stated_bounds_is_refused() -> None:
+    """Constants rest on the bounds."""
+    law = KelvinVoigt(isotropic(1, 1, factor=Factor(1 + 10 * x1, 11.0, 11.0)), isotropic(1, 1), "wrong bounds")
+    with pytest.raises(LoadError, match=r"the factor of A takes values from .* stated are 11 and 11"):
+        Data.formulas(unit_square(), law, f0=(0, 0)).check()
