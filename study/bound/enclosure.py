@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from itertools import pairwise
+from itertools import chain, pairwise
 from typing import Protocol
 
 import numpy as np
@@ -201,7 +201,7 @@ def enclose(
     first = next(pieces)
     start = _initial_error(fine, first.start)
     intervals, distances, errors, between = [], [], [], []
-    for piece, interval in Majorant(fine)(_chain(first, pieces), start):
+    for piece, interval in Majorant(fine)(chain([first], pieces), start):
         u = computed.at(piece.b)
         distances.append(fine.norm(piece.end - J @ u))
         errors.append(error(piece.b, u) if error else math.nan)
@@ -224,11 +224,6 @@ def order(coarse: Enclosure, fine: Enclosure) -> tuple[float, float]:
     """An interval that contains the observed order log(E/E')/log(h/h') of E = max_t ‖u(t) − u_h(t)‖_V."""
     ends = (coarse.lowest, coarse.highest), (fine.lowest, fine.highest)
     return order_interval(*ends, math.log(coarse.h / fine.h))
-
-
-def _chain(first: Piece, rest: Iterator[Piece]) -> Iterator[Piece]:
-    yield first
-    yield from rest
 
 
 def _farthest(setting: Setting, piece: Piece, computed: Computed, J: sps.csr_array) -> float:
@@ -265,13 +260,13 @@ def _embedding(space: Space, setting: Setting) -> sps.csr_array:
 
 def _prolongation(space: Space, setting: Setting) -> sps.csr_array:
     """P1 on a mesh into degree 2 on a refinement of it, (dofs, n_dofs)."""
-    mesh, chain = space.mesh, sps.csr_array(sps.eye_array(space.mesh.p.shape[1]))
+    mesh, refined = space.mesh, sps.csr_array(sps.eye_array(space.mesh.p.shape[1]))
     while mesh.t.shape[1] < setting.mesh.t.shape[1]:
-        chain = sps.csr_array(_with_middles(mesh) @ chain)
+        refined = sps.csr_array(_with_middles(mesh) @ refined)
         mesh = mesh.refined()
     if not np.array_equal(mesh.p, setting.mesh.p):
         raise BoundError("the mesh of ũ is no refinement of the mesh of u_h")
-    return _into(space, setting, chain)
+    return _into(space, setting, refined)
 
 
 def _with_middles(mesh: Mesh) -> sps.csr_array:
@@ -282,8 +277,8 @@ def _with_middles(mesh: Mesh) -> sps.csr_array:
     return sps.csr_array(sps.vstack([sps.eye_array(count), middles]))
 
 
-def _into(space: Space, setting: Setting, chain: sps.csr_array) -> sps.csr_array:
-    """The coefficients of degree 2 from vertex values of the same mesh, after a chain of refinements."""
-    scalar = _with_middles(setting.mesh) @ chain
+def _into(space: Space, setting: Setting, refined: sps.csr_array) -> sps.csr_array:
+    """The coefficients of degree 2 from vertex values of the same mesh, after its refinements."""
+    scalar = _with_middles(setting.mesh) @ refined
     full = sps.csr_array(sps.kron(scalar, sps.eye_array(2)))
     return sps.csr_array(full[setting.displacements.free][:, space.free])

@@ -128,10 +128,7 @@ class Setting:
     @cached_property
     def M(self) -> sps.csc_array:
         """The matrix of (·,·)_V."""
-        return self._form(self.data.law.A.matrix, self.data.law.A.factor(self.displacements.points))
-
-    def _form(self, C: Array, factor: Array) -> sps.csc_array:
-        return self.displacements.form(C, factor)
+        return self.displacements.form(self.data.law.A.matrix, self.data.law.A.factor(self.displacements.points))
 
     def norm(self, v: Array) -> float:
         """‖v‖_V."""
@@ -190,7 +187,7 @@ class Setting:
 
         return Problem(
             M=self.M,
-            reference=self._form(G.reference, factor),
+            reference=V.form(G.reference, factor),
             remainder=None if isinstance(G, Linear) else remainder,
             N=V.N,
             load=load,
