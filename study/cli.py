@@ -22,19 +22,23 @@ from manufactured.catalogue import catalogue
 from manufactured.data import LoadError
 from manufactured.law import LawError
 from manufactured.symbols import FormulaError
-from study import run
 from study.bound.enclosure import Better
 from study.bound.measure import Bounded, bounded, check_bound, check_force
 from study.bound.report import levels, series, text, write
 from study.bound.setting import BoundError
+from study.collect import collect, describe
 from study.controls import register
 from study.controls.judge import controls_text, run_controls, settings, write_controls
 from study.datafiles import DataError
+from study.execute import JobsError, execute
 from study.fem.mesh import MeshError
 from study.figures import draw_figures, draw_one
 from study.figures.enclosure import draw_enclosure
+from study.judgement import check
 from study.junit import write_junit
 from study.naming import UsageError, choose, family_named, resolve_data
+from study.plan import Levels, full, quick
+from study.provenance import protect, read_provenance
 from study.published import TableError, as_json, as_text, read_table, report
 from study.rates import RatesError
 from study.solve.evolution import SCHEMES
@@ -71,7 +75,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except REFUSALS as error:
         print(f"study: {error}", file=sys.stderr)
         return USAGE
-    except run.JobsError as error:
+    except JobsError as error:
         print(f"study: {error}", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
@@ -90,15 +94,15 @@ def parser() -> argparse.ArgumentParser:
 
     sweep = commands.add_parser("run", help="measure, judge, write tables and figures; resumes where it was stopped")
     size = sweep.add_mutually_exclusive_group()
-    size.add_argument("--quick", dest="plan", action="store_const", const=run.quick, help="about a minute (default)")
-    size.add_argument("--full", dest="plan", action="store_const", const=run.full, help="all levels")
+    size.add_argument("--quick", dest="plan", action="store_const", const=quick, help="about a minute (default)")
+    size.add_argument("--full", dest="plan", action="store_const", const=full, help="all levels")
     sweep.add_argument("--case", action="extend", nargs="+", metavar="NAME|FILE.py:NAME", help="only these cases")
     sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a unit length, increasing")
     sweep.add_argument("--scheme", default="midpoint", help="time scheme (default midpoint)")
     sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
     _jobs(sweep)
     _out(sweep)
-    sweep.set_defaults(command=do_run, plan=run.quick)
+    sweep.set_defaults(command=do_run, plan=quick)
 
     check = commands.add_parser("check", help="judge the data on disk; nothing is solved")
     check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
@@ -146,7 +150,7 @@ def _out(command: argparse.ArgumentParser) -> None:
 
 def list_cases(options: argparse.Namespace) -> int:
     """``study cases``."""
-    found = [run.describe(case) for case in catalogue()]
+    found = [describe(case) for case in catalogue()]
     if options.json:
         print(json.dumps(found, indent=2, ensure_ascii=False))
         return OK
@@ -165,21 +169,21 @@ def do_run(options: argparse.Namespace) -> int:
     if options.case:
         plan = replace(plan, cases=tuple(options.case), families=None, statements=False)
     if options.levels:
-        levels = run.Levels(tuple(options.levels))
+        levels = Levels(tuple(options.levels))
         # The interior point method is for small problems.
         small = tuple(n for n in options.levels if n <= 16) or levels.all[:1]
         plan = replace(plan, plane=levels, rough=levels, solid=levels, equivalence=small, solid_equivalence=small[:1])
     store = Store(options.out)
     with ProcessPoolExecutor(options.jobs) as executor:
         plan.check(executor.map)
-        run.protect(plan, options.out)
+        protect(plan, options.out)
         store.check()
         jobs = plan.jobs()
         with _bar(round(sum(job.cost for job in jobs))) as bar:
             bar.set_description(f"{len(jobs)} jobs")
-            run.execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
-            run.collect(plan, store)
-            verdicts = run.check(options.out)
+            execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
+            collect(plan, store)
+            verdicts = check(options.out)
             written = write_tables(options.out)
             written += draw_figures(
                 options.out,
@@ -195,7 +199,7 @@ def do_run(options: argparse.Namespace) -> int:
 
 def do_check(options: argparse.Namespace) -> int:
     """``study check``."""
-    verdicts = run.check(options.out)
+    verdicts = check(options.out)
     if options.junit:
         write_junit(options.junit, verdicts)
     print(ledger_text(options.out))
@@ -256,7 +260,7 @@ def do_bound(options: argparse.Namespace) -> int:
 
 def do_tables(options: argparse.Namespace) -> int:
     """``study tables``."""
-    run.read_provenance(options.out)
+    read_provenance(options.out)
     for path in write_tables(options.out):
         print(path)
     return OK
@@ -264,7 +268,7 @@ def do_tables(options: argparse.Namespace) -> int:
 
 def do_figures(options: argparse.Namespace) -> int:
     """``study figures``."""
-    run.read_provenance(options.out)
+    read_provenance(options.out)
     for path in draw_figures(options.out):
         print(path)
     return OK

@@ -9,6 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from study.store import write_text
+
 VERDICTS = ("holds", "reported", "undecided", "fails")
 """From best to worst."""
 
@@ -58,6 +60,11 @@ def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFra
             f"{path} lacks the columns {', '.join(lacking)}: make it again with `study run --out {directory}`"
         )
     return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT], ""))
+
+
+def write_csv(path: Path, table: pd.DataFrame) -> None:
+    """Write a data file whole or not at all: 12 digits, Unix line ends."""
+    write_text(path, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
 
 
 def read_rates(directory: Path) -> pd.DataFrame:

@@ -128,7 +128,7 @@ def modules_after(code: str) -> set[str]:
 
 
 def test_what_a_run_computes_with_knows_no_defect() -> None:
-    loaded = modules_after("import study.run, study.jobs, study.sweep, study.claims, study.equivalence, study.tables")
+    loaded = modules_after("import study.plan, study.execute, study.collect, study.judgement, study.tables")
     assert "study.sweep" in loaded
     assert "study.controls.defects" not in loaded
 

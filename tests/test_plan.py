@@ -7,10 +7,11 @@ from dataclasses import replace
 import pytest
 
 from manufactured import catalogue
+from study.collect import statement_rows
 from study.fem.mesh import FAMILIES, MeshError
 from study.jobs import EquivalenceJob, RateJob, StatementJob
 from study.naming import resolve
-from study.run import Levels, full, quick, statement_rows
+from study.plan import Levels, full, quick
 from study.statements import ORDERS, STATEMENTS, position
 
 PLANS = {"quick": quick(), "full": full()}

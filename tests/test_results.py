@@ -12,9 +12,9 @@ import pytest
 from manufactured import catalogue
 from study.equilibrated.measure import measure_stresses, places
 from study.equivalence import compare
+from study.judgement import check
 from study.naming import family_named, resolve
 from study.rates import orders
-from study.run import check
 from study.solve.evolution import Midpoint
 from study.sweep import measure_case
 from study.verdict import HOLDS, REPORTED

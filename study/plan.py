@@ -1,43 +1,26 @@
-"""A run: choose the jobs, do what is not done yet, write the data files, judge them."""
+"""What a run computes: which cases, on which mesh families, at which levels."""
 
 from __future__ import annotations
 
-import json
-import platform
-from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
-from dataclasses import asdict, dataclass, fields, replace
-from importlib.metadata import version
+from collections.abc import Callable, Hashable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from itertools import pairwise
-from pathlib import Path
 from typing import Any
-
-import pandas as pd
-from threadpoolctl import threadpool_limits
 
 from manufactured.admissibility import Finding, SelfProofError, examine
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study import pictures
-from study.bound.claims import judge_bounds
 from study.bound.jobs import BoundJob
-from study.bound.measure import BoundRow
 from study.bound.plan import full_bounds, quick_bounds
-from study.claims import complete, judge
-from study.datafiles import SERIES, DataError, read_csv
-from study.equilibrated.claims import judge_stresses
-from study.equilibrated.measure import StressRow, places
-from study.equivalence import Gaps
+from study.equilibrated.measure import places
 from study.fem.gauge import rough_lines
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, boundary_parts
 from study.fem.quadrature import rough_cells
 from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, StatementJob, StressJob
 from study.naming import UsageError, family_named, resolve
-from study.rates import orders
-from study.statements import STATEMENTS, position
-from study.store import FORMAT, Store, require_format, write_text
-from study.sweep import Row, steps_for
-from study.verdict import Verdict
+from study.statements import STATEMENTS
+from study.sweep import steps_for
 
 
 @dataclass(frozen=True)
@@ -266,230 +249,3 @@ def full() -> Plan:
             (name, 256) for name in ("full-contact", "no-contact", "fixed-front-off-vertex", "advance-recede")
         ),
     )
-
-
-class JobsError(RuntimeError):
-    """Some jobs raised; the others are finished and kept."""
-
-
-Notify = Callable[[float], None]
-"""Called with the cost of each finished job."""
-
-
-def execute(jobs: Sequence[Job], store: Store, executor: Executor, notify: Notify) -> None:
-    """Do the jobs that the store does not hold, most expensive first, keeping each as it ends.
-
-    Raises:
-        JobsError: after all others are done; names each failed job and its error.
-    """
-    pending: dict[Future[dict[str, Any]], Job] = {}
-    for job in sorted(jobs, key=lambda job: -job.cost):
-        if store.load(job.key, job.fingerprint()) is None:
-            pending[executor.submit(work, job)] = job
-        else:
-            notify(job.cost)
-    failed = []
-    try:
-        while pending:
-            for future in wait(pending, return_when=FIRST_COMPLETED).done:
-                job = pending.pop(future)
-                error = future.exception()
-                if error is None:
-                    store.save(job.key, job.fingerprint(), future.result())
-                else:
-                    failed.append(f"{job.key}: {type(error).__name__}: {error}")
-                notify(job.cost)
-    finally:
-        for future in pending:
-            future.cancel()
-    if failed:
-        raise JobsError("\n".join([f"{len(failed)} job(s) failed, the rest is kept:", *failed]))
-
-
-def work(job: Job) -> dict[str, Any]:
-    """Run one job with one thread: the processes share the cores already."""
-    with threadpool_limits(1):
-        return job.run()
-
-
-def collect(plan: Plan, store: Store) -> None:
-    """Write the data files of a plan from its finished jobs."""
-    kinds = RateJob, EquivalenceJob, StressJob, PictureJob, StatementJob, BoundJob
-    done: dict[type, list[dict[str, Any]]] = {kind: [] for kind in kinds}
-    for job in plan.jobs():
-        result = store.load(job.key, job.fingerprint())
-        assert result is not None, job.key
-        # What a case is a case of may be relabelled without measuring it again.
-        claim = {"claim": resolve(job.case).proposition} if isinstance(job, RateJob) else {}
-        done[type(job)].append(claim | result)
-    rates = pd.DataFrame(done[RateJob])
-    rates["order"] = [float("nan")] * len(rates)
-    for _, group in rates.groupby(SERIES, sort=False):
-        if len(group) > 1:
-            rates.loc[group.index[1:], "order"] = orders(group["h"].to_numpy(), group["error"].to_numpy())
-    columns = list(rates.columns)
-    columns.insert(columns.index("time_share") + 1, columns.pop(columns.index("order")))
-    _write_csv(store.data / "rates.csv", rates[columns])
-    _write_csv(store.data / "equivalence.csv", pd.DataFrame(done[EquivalenceJob]))
-    columns = [field.name for field in fields(StressRow)]
-    _write_csv(store.data / "stresses.csv", pd.DataFrame(done[StressJob], columns=columns))
-    _write_csv(
-        store.data / "statements.csv", pd.DataFrame(statement_rows(done[StatementJob]), columns=STATEMENT_COLUMNS)
-    )
-    _write_csv(store.data / "bounds.csv", pd.DataFrame([result["row"] for result in done[BoundJob]], columns=BOUNDS))
-    _write_csv(store.data / "enclosures.csv", pd.DataFrame(enclosure_rows(done[BoundJob]), columns=ENCLOSURES))
-    _write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.resolved()]))
-    for result in done[PictureJob]:
-        write_text(store.data / "pictures" / f"{result['case']}.json", json.dumps(result) + "\n")
-    write_text(store.data / "provenance.json", json.dumps(provenance(plan), indent=2) + "\n")
-
-
-BOUND_KEY = ["trajectory", "case", "family", "scheme", "level"]
-BOUNDS = [field.name for field in fields(BoundRow)]
-ENCLOSURES = [*BOUND_KEY, "time", "error", "distance", "bound"]
-
-
-def enclosure_rows(results: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """One row per bound and time."""
-    return [
-        {**{key: result["row"][key] for key in BOUND_KEY}, **dict(zip(result["times"], values, strict=True))}
-        for result in results
-        for values in zip(*result["times"].values(), strict=True)
-    ]
-
-
-STATEMENT_KEY = ["label", "case", "family", "level"]
-STATEMENT_COLUMNS = [*STATEMENT_KEY, "h", "quantity", "value"]
-
-
-def statement_rows(results: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """One row per measured quantity."""
-    return [
-        {
-            **{key: result[key] for key in STATEMENT_KEY},
-            "h": result["measured"]["h"],
-            "quantity": quantity,
-            "value": value,
-        }
-        for result in results
-        for quantity, value in result["measured"].items()
-        if quantity != "h"
-    ]
-
-
-def describe(case: Case) -> dict[str, Any]:
-    """The line of a case in the catalogue."""
-    motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
-    return {
-        "case": case.name,
-        "summary": case.summary,
-        "dimension": case.solution.body.dim,
-        "law": case.solution.law.name,
-        "zone": motion,
-        "regularity": str(case.regularity),
-        "expected_order": case.order,
-        "proved_order": case.regularity.proved_order,
-        "twin": case.twin,
-        "statements": f"{case.proposition}, Thm 4.2",
-        "reason": case.reason,
-    }
-
-
-def provenance(plan: Plan) -> dict[str, Any]:
-    """What made the data: format, plan and versions. No date, so that equal runs give equal files."""
-    packages = ("numpy", "scipy", "scikit-fem", "clarabel", "sympy")
-    return {
-        "format": FORMAT,
-        "study": version("signorini-study"),
-        "plan": plan.name,
-        "planned": plan.keys(),
-        "python": platform.python_version(),
-        "machine": platform.machine(),
-        "packages": {name: version(name) for name in packages},
-    }
-
-
-RATE_KEY = ["case", "family", "scheme", "level"]
-EQUIVALENCE_KEY = ["case", "family", "level"]
-
-
-def check(directory: Path) -> list[Verdict]:
-    """Judge the data on disk and write ``claims.csv``; nothing is solved.
-
-    Raises:
-        UsageError: no data.
-        StoreError, DataError: data of another format, missing or damaged.
-    """
-    provenance = read_provenance(directory)
-    rates = read_csv(directory, "rates.csv", [*RATE_KEY, *(field.name for field in fields(Row))])
-    equivalence = read_csv(directory, "equivalence.csv", [*EQUIVALENCE_KEY, *Gaps._fields])
-    stresses = read_csv(directory, "stresses.csv", [field.name for field in fields(StressRow)])
-    statements = read_csv(directory, "statements.csv", STATEMENT_COLUMNS)
-    bounds = read_csv(directory, "bounds.csv", BOUNDS)
-    cases = read_csv(directory, "cases.csv", ["case", "expected_order", "proved_order", "twin"])
-    unknown = sorted({*rates["case"], *equivalence["case"]} - set(cases["case"]))
-    if unknown:
-        raise DataError(
-            f"{directory}/data/cases.csv lacks {', '.join(unknown)}: make it with `study run --out {directory}`"
-        )
-    found = keys(rates, RATE_KEY) | keys(equivalence, EQUIVALENCE_KEY)
-    found |= keys(bounds, BOUND_KEY)
-    found |= {(*key, "stress") for key in keys(stresses, EQUIVALENCE_KEY)}
-    found |= {(*key, "statement") for key in keys(statements, STATEMENT_KEY)}
-    planned = {tuple(key) for key in provenance["planned"]}
-    verdicts = [complete(planned, found), *judge(rates, equivalence, cases), *judge_bounds(bounds, set(cases["case"]))]
-    verdicts += judge_stresses(stresses, {case: resolve(case).regularity for case in stresses["case"].unique()})
-    verdicts += judge_statements(statements)
-    ordered = sorted(verdicts, key=lambda verdict: position(verdict.label))
-    _write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in ordered]))
-    return ordered
-
-
-def judge_statements(rows: pd.DataFrame) -> list[Verdict]:
-    """The verdicts of every numbered statement that was measured, or that needs no measurement."""
-    found: list[Verdict] = []
-    for statement in STATEMENTS:
-        mine = rows[rows["label"] == statement.label]
-        if len(mine) or (len(rows) and not statement.settings(True)):
-            found += statement.judge(mine)
-    return found
-
-
-def keys(table: pd.DataFrame, columns: list[str]) -> set[tuple[str, ...]]:
-    """What identifies the rows of a table, as text."""
-    return set(table[columns].astype(str).itertuples(index=False, name=None))
-
-
-def read_provenance(directory: Path) -> dict[str, Any]:
-    """``provenance.json`` of a finished run.
-
-    Raises:
-        UsageError: there is none.
-        StoreError: it is of another format, or damaged.
-    """
-    path = directory / "data" / "provenance.json"
-    if not path.is_file():
-        raise UsageError(f"{path.parent} holds no finished run; make one with: study run --out {directory}")
-    content = Store.read(path)
-    require_format(path, content)
-    assert content is not None
-    return content
-
-
-def protect(plan: Plan, directory: Path) -> None:
-    """Refuse a run that would replace a larger one on disk.
-
-    Raises:
-        UsageError: rows of the finished run are not in the plan.
-    """
-    if (directory / "data" / "provenance.json").exists():
-        lost = {tuple(key) for key in read_provenance(directory)["planned"]} - set(plan.keys())
-        if lost:
-            raise UsageError(
-                f"{directory} holds a run with {len(lost)} rows that this one does not have (such as "
-                f"{' '.join(min(lost))}); give another directory with --out, or remove that one"
-            )
-
-
-def _write_csv(path: Path, table: pd.DataFrame) -> None:
-    write_text(path, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
