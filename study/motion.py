@@ -123,19 +123,28 @@ def von_mises(stress: Tensors) -> Array:
     return np.asarray(np.sqrt(1.5 * np.sum(deviator**2, axis=0)))
 
 
-def balance(times: Array, powers: Sequence[Power]) -> dict[str, Array]:
-    """Energies over time, (times,) each: stored, and what dissipated, contact and load have summed to since t = 0.
+def balance(found: Sequence[Frame]) -> dict[str, Array]:
+    """Energies at the times of the frames, (times,) each, with these ``times``.
 
-    Powers are integrated by the trapezoidal rule, so stored − stored(0) + dissipated + contact − work is of the
-    second order in k, and not zero: it is not what the scheme solves.
+    ``stored``, and what dissipation, contact and load have done since the first one: ``dissipated``, ``contact``,
+    ``work``. Powers are integrated by the trapezoidal rule, so ``defect``, stored − stored(0) + dissipated + contact −
+    work, is of the second order in the time step, and not zero: it is not what the scheme solves.
     """
+    times = np.array([frame.time for frame in found])
 
-    def integral(values: list[float]) -> Array:
+    def since_start(values: list[float]) -> Array:
         return np.concatenate([[0.0], np.cumsum(np.diff(times) * (np.array(values[1:]) + values[:-1]) / 2)])
 
+    stored = np.array([frame.power.stored for frame in found])
+    dissipated = since_start([frame.power.viscous for frame in found])
+    contact = since_start([frame.power.contact for frame in found])
+    work = since_start([frame.power.load for frame in found])
+    defect = stored - stored[0] + dissipated + contact - work
     return {
-        "stored": np.array([power.stored for power in powers]),
-        "dissipated": integral([power.viscous for power in powers]),
-        "contact": integral([power.contact for power in powers]),
-        "work": integral([power.load for power in powers]),
+        "times": times,
+        "stored": stored,
+        "dissipated": dissipated,
+        "contact": contact,
+        "work": work,
+        "defect": defect,
     }
