@@ -18,7 +18,7 @@ from study.equilibrated.measure import steps_for as stress_steps
 from study.equivalence import compare
 from study.fem.mesh import MeshFamily
 from study.naming import choose, family_named, resolve
-from study.pictures import picture
+from study.pictures import FORM, picture
 from study.solve.evolution import SCHEMES, Scheme
 from study.statements import STATEMENTS
 from study.statements.base import Setting, Statement
@@ -196,7 +196,7 @@ class PictureJob:
         return 30_000.0
 
     def fingerprint(self) -> str:
-        return fingerprint(resolve(self.case).solution, "picture")
+        return fingerprint(resolve(self.case).solution, "picture", FORM)
 
     def run(self) -> dict[str, Any]:
         return picture(resolve(self.case))

@@ -1,4 +1,4 @@
-"""What the figures of a case need from one solved problem: contact history and deformed shapes."""
+"""What the figures and the report of a case need from one solved problem: contact history, motion and stress."""
 
 from __future__ import annotations
 
@@ -12,8 +12,12 @@ from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.mesh import Unstructured, facet_measures
 from study.fem.space import Space
-from study.solve.evolution import BDF2, Problem
+from study.motion import balance, frames, von_mises
+from study.packing import Packed
+from study.solve.evolution import Problem
 
+FORM = 2
+"""To be raised whenever a picture holds more or other things: older ones are then made anew."""
 FAMILY = Unstructured()
 LEVEL = 24
 STEPS = 64
@@ -23,32 +27,34 @@ FINE = 400
 
 
 def picture(case: Case) -> dict[str, Any]:
-    """Contact gap and pressure over time, exact and computed, and the deformed mesh at three times.
+    """Contact gap and pressure, displacement and stress over time, and the deformed mesh at three times.
 
     The computed pressure at a vertex is its contact force over the integral of its shape function.
+    ``displacement`` (times, 2, vertices) and ``von_mises`` (times, cells) are packed.
     """
     solution = case.solution
     space = Space(FAMILY(solution.body, LEVEL), solution.body)
     gauge = Gauge(solution, space)
     problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
-    weights = contact_weights(space)
-    times, normal, pressure, shapes = [], [], [], []
-    for n, state in enumerate(BDF2().march(problem, STEPS)):
-        if n % EVERY == 0:
-            times.append(state.time)
-            normal.append(problem.N @ state.u)
-            pressure.append(state.multipliers / weights)
-        if any(n == round(share * STEPS) for share in SHAPES):
-            shapes.append({"time": state.time, "displacement": _short(space.nodal(state.u))})
+    found = list(frames(space, solution.law, problem, STEPS))
+    shown = found[::EVERY]
+    times = np.array([frame.time for frame in shown])
+    displacement = np.array([space.nodal(frame.u) for frame in shown])
+    normal = np.array([frame.normal for frame in shown])
+    pressure = np.array([frame.multipliers for frame in shown]) / contact_weights(space)
+    instants = [round(share * STEPS / EVERY) for share in SHAPES]
     return {
         "case": case.name,
         "family": FAMILY.name,
         "level": LEVEL,
-        "times": _short(np.array(times)),
+        "times": _short(times),
         "vertices": _short(space.mesh.p),
         "cells": space.mesh.t.tolist(),
-        "shapes": shapes,
-        "faces": _faces(solution, space, np.array(times), np.array(normal), np.array(pressure)),
+        "shapes": [{"time": times[n], "displacement": _short(displacement[n])} for n in instants],
+        "displacement": Packed.of(displacement).record(),
+        "von_mises": Packed.of(np.array([von_mises(frame.stress) for frame in shown])).record(),
+        "energy": {name: _short(values) for name, values in balance(found).items()},
+        "faces": _faces(solution, space, times, normal, pressure),
     }
 
 
@@ -108,5 +114,5 @@ def _intervals(s: Array, level: Array) -> list[list[float]]:
 
 
 def _short(values: Array) -> Any:
-    """Six significant digits: what a figure can show."""
-    return np.vectorize(lambda v: float(f"{v:.6g}"))(values).tolist()
+    """Four significant digits: what a figure can show."""
+    return np.vectorize(lambda v: float(f"{v:.4g}"))(values).tolist()

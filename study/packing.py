@@ -1,0 +1,62 @@
+"""Many small numbers in little space: whole multiples of a unit, as differences in time, compressed."""
+
+from __future__ import annotations
+
+import zlib
+from base64 import b64decode, b64encode
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+STEPS = 999
+"""Multiples of the unit up to the largest value: three digits, a tenth of a pixel in a picture of a body."""
+
+
+@dataclass(frozen=True, eq=False)
+class Packed:
+    """Values over time, rounded to multiples of a unit.
+
+    Attributes:
+        unit: the largest absolute value / STEPS; 1 where all vanish.
+        multiples: the values / unit, between −STEPS and STEPS, (times, ...).
+    """
+
+    unit: float
+    multiples: NDArray[np.int16]
+
+    @classmethod
+    def of(cls, values: NDArray[np.float64]) -> Packed:
+        """Values over time, (times, ...), to within half a unit."""
+        unit = float(f"{np.max(np.abs(values), initial=0.0) / STEPS:.6g}") or 1.0
+        return cls(unit, np.round(values / unit).astype(np.int16))
+
+    @property
+    def values(self) -> NDArray[np.float64]:
+        """The rounded values, (times, ...)."""
+        return self.unit * self.multiples
+
+    def record(self) -> dict[str, Any]:
+        """For a JSON file: the first time and then the changes, as they compress to a third."""
+        changes = np.diff(self.multiples, axis=0, prepend=np.int16(0)).astype("<i2")
+        return {
+            "unit": self.unit,
+            "shape": list(changes.shape),
+            "changes": b64encode(zlib.compress(changes.tobytes(), 9)).decode("ascii"),
+        }
+
+    @classmethod
+    def read(cls, record: Mapping[str, Any]) -> Packed:
+        """What ``record`` made.
+
+        Raises:
+            KeyError, TypeError, ValueError: it was not made so.
+        """
+        try:
+            content = zlib.decompress(b64decode(record["changes"], validate=True))
+        except zlib.error as error:
+            raise ValueError(str(error)) from error
+        changes = np.frombuffer(content, dtype="<i2").reshape(record["shape"])
+        return cls(float(record["unit"]), np.cumsum(changes, axis=0, dtype=np.int16))
