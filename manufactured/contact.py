@@ -16,8 +16,10 @@ holds on a Γ1 at that depth.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
+from typing import NamedTuple
 
 import numpy as np
 import sympy as sp
@@ -25,6 +27,7 @@ import sympy as sp
 from manufactured.body import Part
 from manufactured.law import KelvinVoigt, LawError, Linear
 from manufactured.memory import Components, Coupled, FaceStrain, Memory, rate
+from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
 from manufactured.symbols import FormulaError, Jet, Values, s, s1, s2
 from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
@@ -160,17 +163,20 @@ class Lifting:
 
     def traces(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
         """(w, (q, r)), or its rate, with derivatives along the face: w up to order+1, (q, r) up to order."""
+        w, strain = self._on_face(time, rate, order)
+        return self._spread(w), tuple(self._spread(values) for values in strain)
+
+    def _on_face(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
+        """The traces at the different places along the face."""
         gap = self.face.gap_rate_jet if rate else self.face.gap_jet
-        return self._spread(gap(self.s, time, order + 1)), tuple(
-            self._spread(values) for values in self.strain_on_face(time, order)[rate]
-        )
+        return gap(self.s, time, order + 1), self.strain_on_face(time, order)[rate]
 
     def _spread(self, values: Values) -> Values:
         return values if self.where is None else {index: v[self.where] for index, v in values.items()}
 
     def displacement(self, time: complex, rate: bool = False) -> Vectors:
         """u (or u̇) in global axes, (d, ...)."""
-        deep = self.face.profile.e is not ZERO
+        deep = self._deep
         w, (q, *shear) = self.traces(time, rate, int(deep))
         zero, first = _indices(len(self.s))
         local = []
@@ -194,48 +200,96 @@ class Lifting:
 
     def strain(self, time: complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)) in global axes, Mandel (D, ...)."""
-        w, strain = self.traces(time, rate, 1 + (self.face.profile.e is not ZERO))
+        w, strain = self.traces(time, rate, 1 + self._deep)
         local = self._local(w, strain, (0,) * len(self.s), 0)
         return self._everywhere(local if self.rotation is None else np.tensordot(self.rotation, local, axes=1))
 
     def strain_gradient(self, time: complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇) in global axes, (D, d, ...); exists almost everywhere."""
-        w, strain = self.traces(time, rate, 2 + (self.face.profile.e is not ZERO))
+        w, strain = self.traces(time, rate, 2 + self._deep)
         zero, first = _indices(len(self.s))
         local = np.array([self._local(w, strain, i, 0) for i in first] + [self._local(w, strain, zero, 1)])
         if self.rotation is not None:
             local = np.moveaxis(np.tensordot(self.rotation, local, axes=([1], [1])), 0, 1)
         return self._everywhere(np.moveaxis(np.tensordot(self.frame, local, axes=1), 0, 1))
 
+    def modes(self) -> Modes:
+        """ε(u) as a sum of products, one for each term of the local strain."""
+        shear = len(self.strain_on_face(0.0, 0)[0]) - 1
+        terms = _terms(len(self.s), self._deep, shear)
+        axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
+
+        def amplitudes(time: float, rate: bool) -> Array:
+            w, strain = self._on_face(time, rate, 1 + self._deep)
+            return np.array([(w, *strain)[term.source][term.along].ravel() for term in terms])
+
+        return Modes(
+            tensors=np.array([axes[:, term.row] for term in terms]),
+            points=np.flatnonzero(self.reach),
+            shapes=np.array([term.factor * self._profile(term.profile, 0).ravel() for term in terms]),
+            places=np.arange(self.y.size) if self.where is None else self.where.ravel(),
+            count=self.s[0].size,
+            amplitudes=amplitudes,
+        )
+
+    @property
+    def _deep(self) -> bool:
+        """Whether second derivatives of q are needed."""
+        return self.face.profile.e is not ZERO
+
     def _local(self, w: Values, strain: Components, along: tuple[int, ...], into: int) -> Tensors:
         """∂_s^along ∂_y^into of the local strain, for into ∈ {0, 1}, in the axes (s, n)."""
-        (q, *shear), n = strain, len(self.s)
-        first = _indices(n)[1]
-        deep = self.face.profile.e is not ZERO
-
-        def d(*steps: tuple[int, ...]) -> tuple[int, ...]:
-            return tuple(map(sum, zip(along, *steps, strict=True)))
-
-        def f(name: str) -> Array:
-            return self._profile(name, into)
-
-        components = np.empty((len(pairs(n + 1)), *self.y.shape), dtype=np.result_type(w[d()], q[d()], self.y))
-        for row, (i, j) in enumerate(pairs(n + 1)):
-            if i == j == n:
-                components[row] = w[d()] * f("b'") + q[d()] * f("d'")
-            elif j == n:
-                component = w[d(first[i])] * f("a'+b") + q[d(first[i])] * f("e'+d")
-                if shear:
-                    component += shear[i][d()] * f("c'")
-                components[row] = np.sqrt(0.5) * component
-            else:
-                component = w[d(first[i], first[j])] * f("a")
-                if deep:
-                    component = component + q[d(first[i], first[j])] * f("e")
-                if shear:
-                    component = component + (shear[i][d(first[j])] + shear[j][d(first[i])]) * (f("c") / 2)
-                components[row] = component if i == j else np.sqrt(2.0) * component
+        n, traces = len(self.s), (w, *strain)
+        dtype = np.result_type(w[along], strain[0][along], self.y)
+        components = np.zeros((len(pairs(n + 1)), *self.y.shape), dtype=dtype)
+        for term in _terms(n, self._deep, len(strain) - 1):
+            trace = traces[term.source][_plus(term.along, along)]
+            components[term.row] += term.factor * trace * self._profile(term.profile, into)
         return components
+
+
+class _Term(NamedTuple):
+    """factor · ∂^along (w, q or r) · (function of y) in one component of the local strain.
+
+    Attributes:
+        row: of the Mandel vector in the axes (s, n).
+        factor: √2 or √½ for components off the diagonal.
+        source: 0 for w, 1 for q, 2 + i for r_i.
+        along: derivatives along the face.
+        profile: a name in ``TERMS``.
+    """
+
+    row: int
+    factor: float
+    source: int
+    along: tuple[int, ...]
+    profile: str
+
+
+@lru_cache
+def _terms(n: int, deep: bool, shear: int) -> tuple[_Term, ...]:
+    """The terms of the strain of a lifting, n coordinates along the face, ``shear`` of them with an r_i."""
+    zero, first = _indices(n)
+    found = []
+    for row, (i, j) in enumerate(pairs(n + 1)):
+        if i == j == n:
+            found += [_Term(row, 1.0, 0, zero, "b'"), _Term(row, 1.0, 1, zero, "d'")]
+        elif j == n:
+            half = math.sqrt(0.5)
+            found += [_Term(row, half, 0, first[i], "a'+b"), _Term(row, half, 1, first[i], "e'+d")]
+            found += [_Term(row, half, 2 + i, zero, "c'")] * (shear > 0)
+        else:
+            factor = 1.0 if i == j else math.sqrt(2.0)
+            found += [_Term(row, factor, 0, _plus(first[i], first[j]), "a")]
+            found += [_Term(row, factor, 1, _plus(first[i], first[j]), "e")] * deep
+            if shear:
+                found += [_Term(row, factor / 2, 2 + k, first[m], "c") for k, m in ((i, j), (j, i))]
+    return tuple(found)
+
+
+def _plus(*indices: tuple[int, ...]) -> tuple[int, ...]:
+    """The sum of multi-indices."""
+    return tuple(map(sum, zip(*indices, strict=True)))
 
 
 TERMS: dict[str, tuple[tuple[str, int], ...]] = {

@@ -11,6 +11,7 @@ import sympy as sp
 from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.law import KelvinVoigt
+from manufactured.modes import Modes
 from manufactured.symbols import Jet, Values
 from manufactured.tensors import Array, Points, Tensors, Vectors, basis, traction
 
@@ -21,6 +22,7 @@ class ContributionAtPoints(Protocol):
     def displacement(self, time: complex, rate: bool = False) -> Vectors: ...
     def strain(self, time: complex, rate: bool = False) -> Tensors: ...
     def strain_gradient(self, time: complex, rate: bool = False) -> Array: ...
+    def modes(self) -> Modes: ...
 
 
 class Contribution(Protocol):
@@ -175,6 +177,10 @@ class Fields:
     def strain_rate(self, time: complex) -> Tensors:
         """ε(u̇), (D, ...)."""
         return _sum([part.strain(time, rate=True) for part in self._parts])
+
+    def modes(self) -> list[Modes]:
+        """ε(u) as sums of products, one for each contribution; points are counted through in the order of ``x``."""
+        return [part.modes() for part in self._parts]
 
     def strain_gradient(self, time: complex) -> Array:
         """∂_j ε(u), (D, d, ...)."""

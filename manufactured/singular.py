@@ -23,6 +23,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
+from manufactured.modes import Modes
 from manufactured.profile import Piecewise
 from manufactured.symbols import Jet, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
@@ -102,6 +103,17 @@ class SingularAtPoints:
     def strain_gradient(self, time: complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇), (3, 2, ...)."""
         return self._theta(time, rate) * self._strain_gradient
+
+    def modes(self) -> Modes:
+        """ε(u) as θ(t) times one field for each component."""
+        shapes = self._strain.reshape(len(self._strain), -1)
+
+        def amplitudes(time: float, rate: bool) -> Array:
+            return np.full((len(shapes), 1), self._theta(time, rate))
+
+        points = np.flatnonzero(shapes.any(axis=0))
+        places = np.zeros(len(points), dtype=int)
+        return Modes(np.eye(len(shapes)), points, shapes[:, points], places, 1, amplitudes)
 
     @cached_property
     def _displacement(self) -> Array:

@@ -51,8 +51,9 @@ from study.bound.measure import known_error, measure_bound
 from study.bound.plan import eligible
 from study.bound.setting import BoundError, Setting
 from study.equilibrated.composite import SIDES, bernstein, thirds
+from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.fem.quadrature import Line, cell_rules
+from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
 

@@ -14,6 +14,7 @@ from manufactured import Body, BodyError, Kind, Part, box, catalogue, isotropic,
 from manufactured.tensors import mandel
 from study.fem.gauge import Gauge
 from study.fem.independent import load_from_forces, predicted_interpolation
+from study.fem.line import Line
 from study.fem.mesh import (
     FAMILIES,
     CrissCross,
@@ -25,7 +26,7 @@ from study.fem.mesh import (
     boundary_parts,
     facet_measures,
 )
-from study.fem.quadrature import Line, cell_rules, facet_rule, simplex_rule
+from study.fem.quadrature import cell_rules, facet_rule, simplex_rule
 from study.fem.space import Space
 from study.pictures import contact_weights
 

@@ -23,7 +23,8 @@ from manufactured.tensors import Array
 from study.bound.claims import order_interval
 from study.bound.majorant import Interval, Majorant, Piece, spline
 from study.bound.setting import BoundError, Setting
-from study.fem.quadrature import Line, cell_rules
+from study.fem.line import Line
+from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve.evolution import Midpoint, Problem, Scheme
 from study.solve.signorini import Signorini

@@ -17,7 +17,8 @@ from manufactured.tensors import Array, Points
 from study.equilibrated.composite import SIDES, bernstein
 from study.equilibrated.hybrid import Loads
 from study.equilibrated.stresses import StressSpace
-from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule, simplex_rule
+from study.fem.line import Line
+from study.fem.quadrature import CellRule, cell_rules, facet_rule, simplex_rule
 
 DEGREE = 4
 """Degree of the rule for f_0 on a third, at least; 2k if that is more."""

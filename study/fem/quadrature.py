@@ -19,37 +19,12 @@ from skfem.refdom import RefTet, RefTri
 
 from manufactured.body import Part
 from manufactured.tensors import Array, Points
-from study.fem.mesh import MeshError, cell_volumes, facet_measures
+from study.fem.line import TOUCHING, Line
+from study.fem.mesh import MeshError, barycentric_gradients, cell_volumes, facet_measures
+from study.fem.sharing import shared
 
 GRADING = 8
 """s = c + L ξ^8 turns (s − c)^{2(α−2)}, α > 3/2, into a power of ξ of 0 or more."""
-
-TOUCHING = 1e-9
-"""Relative distance below which a vertex lies on a line."""
-
-
-@dataclass(frozen=True)
-class Line:
-    """The line {x : direction·x = offset} along which a strain is rough, in 2D; the direction is a unit vector.
-
-    Raises:
-        MeshError: it is not.
-    """
-
-    direction: tuple[float, ...]
-    offset: float
-
-    def __post_init__(self) -> None:
-        length = float(np.linalg.norm(self.direction))
-        if abs(length - 1) > TOUCHING:
-            raise MeshError(
-                f"the direction {self.direction} of a line has the length {length:.9g}, expected 1; "
-                "divide it and the offset by its length"
-            )
-
-    def __str__(self) -> str:
-        terms = " + ".join(f"{c:.4g} x{i}" for i, c in enumerate(self.direction, start=1) if abs(c) > TOUCHING)
-        return f"{{{terms} = {self.offset:.4g}}}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +43,13 @@ class CellRule:
 
 
 def cell_rules(
-    mesh: Mesh, degree: int, lines: Sequence[Line], points: Sequence[tuple[float, ...]] = (), *, block: int = 4096
+    mesh: Mesh,
+    degree: int,
+    lines: Sequence[Line],
+    points: Sequence[tuple[float, ...]] = (),
+    along: Sequence[Line] = (),
+    *,
+    block: int = 4096,
 ) -> list[CellRule]:
     """Rules that cover every cell once, in blocks of cells that fit a cache.
 
@@ -80,6 +61,7 @@ def cell_rules(
         degree: up to 8 in 3D, 19 in 2D.
         lines: where the integrand is rough, in 2D.
         points: vertices of the mesh at which the integrand is singular, in 2D.
+        along: at most two lines, not parallel, in 2D; points of ordinary cells get distances from them that many share.
         block: most ordinary cells in one rule.
 
     Raises:
@@ -91,7 +73,7 @@ def cell_rules(
     rules = [rule(cells=cells) for cells, rule in zip(special, made, strict=True) if cells.size]
     ordinary = np.ones(mesh.t.shape[1], dtype=bool)
     ordinary[np.concatenate([*special, np.empty(0, dtype=int)])] = False
-    return rules + _standard(mesh, np.flatnonzero(ordinary), degree, block)
+    return rules + _standard(mesh, np.flatnonzero(ordinary), degree, along, block)
 
 
 def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[tuple[float, ...]]) -> list[Array]:
@@ -131,12 +113,19 @@ def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
     return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
 
 
-def _standard(mesh: Mesh, cells: Array, degree: int, block: int) -> list[CellRule]:
+def _standard(mesh: Mesh, cells: Array, degree: int, along: Sequence[Line], block: int) -> list[CellRule]:
     """The standard rule on ordinary cells."""
     barycentric, weights = simplex_rule(mesh.dim(), degree)
-    volumes = cell_volumes(mesh)
+    volumes = cell_volumes(mesh)[:, None]
     blocks = [cells[start : start + block] for start in range(0, cells.size, block)]
-    return [CellRule(b, _place(mesh.p, mesh.t[:, b], barycentric), volumes[b, None] * weights) for b in blocks]
+    if not along:
+        return [CellRule(b, _place(mesh.p, mesh.t[:, b], barycentric), volumes[b] * weights) for b in blocks]
+    gradients = barycentric_gradients(mesh)
+    found = []
+    for b in blocks:
+        points, shares = shared(mesh.p[:, mesh.t[:, b]], gradients[b], barycentric, weights, along)
+        found.append(CellRule(b, points, volumes[b] * shares))
+    return found
 
 
 def _place(vertices: Points, simplices: Array, barycentric: Array) -> Points:

@@ -1,0 +1,31 @@
+"""Strains as sums of products of a field that time does not change and a function of place along a face and time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from manufactured.tensors import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Modes:
+    """A strain at points x_p, ε(x_p, t) = Σ_k E_k φ_k(x_p) T_k(s_{j(p)}, t), zero at the points not listed.
+
+    Many points share a coordinate s_j along the face, so the T_k, which are all that changes with time, are few.
+
+    Attributes:
+        tensors: E_k, Mandel (K, D).
+        points: positions p of the points at which the strain does not vanish for all times, (n,).
+        shapes: φ_k(x_p), (K, n).
+        places: j(p), (n,).
+        count: the number J of different s_j.
+        amplitudes: (t, whether of the rate) ↦ T_k(s_j, t) or ∂_t T_k(s_j, t), (K, J).
+    """
+
+    tensors: Array
+    points: Array
+    shapes: Array
+    places: Array
+    count: int
+    amplitudes: Callable[[float, bool], Array]

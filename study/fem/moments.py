@@ -1,0 +1,132 @@
+"""Integrals of an exact strain over cells and over the body, as matrices that act on its amplitudes.
+
+With ε(x, t) = Σ_k E_k φ_k(x) T_k(s_j, t) (``manufactured.modes``) and a quadrature with points x_p and weights w_p,
+
+    ∫_T ε dx = Σ_k E_k Σ_j B_k[T, j] T_k(s_j, t),      B_k[T, j] = Σ {w_p φ_k(x_p) : x_p ∈ T, j(p) = j},
+
+so that formulas are evaluated once for each place along a face, not once for each point of a cell.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import scipy.sparse as sps
+
+from manufactured.modes import Modes
+from manufactured.tensors import Array, Tensors
+from study.fem.quadrature import CellRule
+
+Amplitudes = Sequence[Array]
+"""T_k(s_j, t) of each contribution at one time, (K, J)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """The points of a quadrature on all cells, one after the other.
+
+    Attributes:
+        x: (d, n).
+        cells: the cell of each point, (n,).
+        weights: (n,).
+        count: the number of cells.
+    """
+
+    x: Array
+    cells: Array
+    weights: Array
+    count: int
+
+    @classmethod
+    def of(cls, rules: Sequence[CellRule]) -> Points:
+        """The points of rules that cover every cell once."""
+        return cls(
+            np.concatenate([rule.points.reshape(len(rule.points), -1) for rule in rules], axis=1),
+            np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in rules]),
+            np.concatenate([rule.weights.ravel() for rule in rules]),
+            sum(len(rule.cells) for rule in rules),
+        )
+
+    def totals(self, values: Array) -> Array:
+        """Σ of values (n,) over the points of each cell, (cells,)."""
+        return np.bincount(self.cells, values, self.count)
+
+
+class CellIntegrals:
+    """∫_T α ε(t) dx on every cell.
+
+    Args:
+        modes: the contributions to ε at the points.
+        points: the quadrature.
+        weights: its weights times α, (n,).
+    """
+
+    def __init__(self, modes: Sequence[Modes], points: Points, weights: Array) -> None:
+        self._parts = [list(_by_tensor(part, points, weights)) for part in modes]
+
+    def __call__(self, amplitudes: Amplitudes) -> Tensors:
+        """(D, cells)."""
+        return sum(
+            np.multiply.outer(tensor, matrix @ part[rows].ravel())
+            for part, groups in zip(amplitudes, self._parts, strict=True)
+            for tensor, rows, matrix in groups
+        )
+
+
+def _by_tensor(modes: Modes, points: Points, weights: Array):  # type: ignore[no-untyped-def]
+    """(E, the modes with E_k = E, their B_k side by side) for each different tensor."""
+    distinct, group = np.unique(modes.tensors, axis=0, return_inverse=True)
+    cells, weights = points.cells[modes.points], weights[modes.points]
+    for i, tensor in enumerate(distinct):
+        rows = np.flatnonzero(group == i)
+        data = np.concatenate([weights * modes.shapes[k] for k in rows])
+        columns = np.concatenate([modes.places + n * modes.count for n in range(len(rows))])
+        shape = (points.count, len(rows) * modes.count)
+        yield tensor, rows, sps.csr_array((data, (np.tile(cells, len(rows)), columns)), shape=shape)
+
+
+class Energy:
+    """∫_Ω α C ε·ε dx.
+
+    Args:
+        modes: the contributions to ε at the points.
+        weights: quadrature weights times α, (n,).
+        C: symmetric, Mandel (D, D).
+    """
+
+    def __init__(self, modes: Sequence[Modes], weights: Array, C: Array) -> None:
+        self._own = [_own(part, weights, C) for part in modes]
+        self._mixed = [(i, j, _mixed(modes[i], modes[j], weights, C)) for i, j in combinations(range(len(modes)), 2)]
+
+    def __call__(self, amplitudes: Amplitudes) -> float:
+        own = sum(np.einsum("kj,klj,lj->", T, C, T) for T, C in zip(amplitudes, self._own, strict=True))
+        mixed = sum(amplitudes[i].ravel() @ (C @ amplitudes[j].ravel()) for i, j, C in self._mixed)
+        return float(own + 2 * mixed)
+
+
+def _own(modes: Modes, weights: Array, C: Array) -> Array:
+    """Σ_p w_p C E_k·E_l φ_k φ_l over the points of each place, (K, K, J): points of two places never meet."""
+    found = np.zeros((len(modes.tensors), len(modes.tensors), modes.count))
+    weights = weights[modes.points]
+    for (k, l), product in np.ndenumerate(modes.tensors @ C @ modes.tensors.T):
+        if product and k <= l:
+            found[k, l] = np.bincount(modes.places, product * weights * modes.shapes[k] * modes.shapes[l], modes.count)
+            found[l, k] = found[k, l]
+    return found
+
+
+def _mixed(one: Modes, other: Modes, weights: Array, C: Array) -> sps.csr_array:
+    """The same for two contributions at the points that both reach, (K J, K' J')."""
+    common, mine, others = np.intersect1d(one.points, other.points, assume_unique=True, return_indices=True)
+    weights, j, jj = weights[common], one.places[mine], other.places[others]
+    data, rows, columns = [np.empty(0)], [np.empty(0, dtype=int)], [np.empty(0, dtype=int)]
+    for (k, l), product in np.ndenumerate(one.tensors @ C @ other.tensors.T):
+        if product:
+            data.append(product * weights * one.shapes[k, mine] * other.shapes[l, others])
+            rows.append(j + k * one.count)
+            columns.append(jj + l * other.count)
+    shape = (len(one.tensors) * one.count, len(other.tensors) * other.count)
+    return sps.csr_array((np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))), shape=shape)

@@ -1,0 +1,110 @@
+"""Exact strains as sums of products, quadrature points that share coordinates, and the integrals made of both."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from manufactured.catalogue import catalogue
+from study.fem.gauge import Gauge, rules, shared_lines
+from study.fem.line import Line
+from study.fem.mesh import FAMILIES, Unstructured
+from study.fem.quadrature import simplex_rule
+from study.fem.sharing import shared
+from study.fem.space import Space
+from study.naming import resolve
+
+PLANE = [case for case in catalogue() if case.solution.body.dim == 2]
+
+
+@pytest.mark.parametrize("case", catalogue(), ids=lambda case: case.name)
+@pytest.mark.parametrize("rate", [False, True], ids=["strain", "rate"])
+def test_the_modes_of_a_solution_sum_to_its_strain(case, rate: bool) -> None:
+    solution = case.solution
+    x = solution.body.sample(np.random.default_rng(1), 300)
+    fields, time = solution.at(x), 0.37 * solution.body.T
+    expected = fields.strain_rate(time) if rate else fields.strain(time)
+    found = np.zeros_like(expected)
+    for part in fields.modes():
+        amplitudes = part.amplitudes(time, rate)[:, part.places]
+        found[:, part.points] += np.einsum("kD,kn,kn->Dn", part.tensors, part.shapes, amplitudes)
+    assert abs(found - expected).max() <= 1e-13 * abs(expected).max()
+
+
+@pytest.mark.parametrize(
+    "case", ["advance-recede", "corner", "hexagon", "re-entrant", "heterogeneous", "cube-two-faces"]
+)
+def test_means_and_oscillation_are_those_of_the_strain_at_the_points_of_the_rule(case: str) -> None:
+    solution = resolve(case).solution
+    family = next(family for family in FAMILIES if family.serves(solution.body) and family.name != "one-diagonal")
+    space = Space(family(solution.body, 6), solution.body)
+    gauge, time = Gauge(solution, space), 0.61 * solution.body.T
+    sample, oscillation = gauge.sample(time), 0.0
+    for rule in rules(solution, space.mesh, gauge.degree, shared_lines(solution)):
+        strain, weights = solution.at(rule.points).strain(time), rule.weights * solution.law.A.factor(rule.points)
+        mean = np.einsum("Inq,nq->In", strain, weights) / weights.sum(axis=1)
+        apart = strain - mean[..., None]
+        oscillation += np.einsum("Inq,Inq,nq->", np.tensordot(solution.law.A.matrix, apart, axes=1), apart, weights)
+        assert abs(sample.means[:, rule.cells] - mean).max() <= 1e-12 * abs(mean).max()
+    assert sample.oscillation == pytest.approx(oscillation, rel=1e-10)
+
+
+@pytest.mark.parametrize("level", [8, 16])
+def test_points_of_a_mesh_without_structure_lie_on_few_lines(level: int) -> None:
+    solution = resolve("rotated").solution
+    mesh = Unstructured()(solution.body, level)
+    s = [
+        solution.faces[0].part.coordinates(rule.points)[0].ravel()
+        for rule in rules(solution, mesh, 4, shared_lines(solution))
+    ]
+    lines = len(np.unique(np.round(np.concatenate(s), 12)))
+    # At most 128 in one cell's width, and every cell has six points.
+    assert lines <= 128 * level * 1.5
+    assert lines < 6 * mesh.t.shape[1] / (1.5 * level / 8)
+
+
+@given(seed=st.integers(0, 10**6), degree=st.sampled_from([4, 6]), angle=st.floats(0.2, 2.9), both=st.booleans())
+def test_a_rule_with_shared_coordinates_is_exact_inside_and_positive(
+    seed: int, degree: int, angle: float, both: bool
+) -> None:
+    rng = np.random.default_rng(seed)
+    corners = rng.normal(size=(2, 3, 5))
+    edges = corners[:, 1:] - corners[:, :1]
+    lines = [Line((1.0, 0.0), 0.2), Line((float(np.cos(angle)), float(np.sin(angle))), -0.1)][: 1 + both]
+    inverse = np.linalg.inv(np.moveaxis(edges, 2, 0).swapaxes(1, 2)).swapaxes(1, 2)
+    gradients = np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
+    barycentric, weights = simplex_rule(2, degree)
+    points, shares = shared(corners, gradients, barycentric, weights, lines)
+    offsets = points - corners[:, 0, :, None]
+    local = np.einsum("nid,dnq->inq", inverse, offsets)
+    assert min(local.min(), (1 - local.sum(axis=0)).min()) > 0
+    assert shares.min() > 0
+    # Means of x^i y^j over the reference triangle: 2 i! j!/(i + j + 2)!.
+    for i, j, mean in [(0, 0, 1), (1, 0, 1 / 3), (0, 1, 1 / 3), (2, 0, 1 / 6), (1, 1, 1 / 12), (0, 2, 1 / 6)]:
+        assert np.allclose((local[0] ** i * local[1] ** j * shares).sum(axis=1), mean, rtol=1e-11)
+    for line in lines:
+        distance = np.einsum("d,dnq->nq", line.direction, points) - line.offset
+        for one in distance:
+            # Spacings are powers of two and at least this part of the width of the points of a cell.
+            multiples = one / np.exp2(np.floor(np.log2(np.ptp(one))) - 12)
+            assert np.allclose(multiples, np.rint(multiples), atol=1e-6)
+
+
+@pytest.mark.parametrize("case", PLANE[::4], ids=lambda case: case.name)
+def test_sharing_coordinates_changes_the_mean_strains_by_less_than_the_rule_itself_leaves(case) -> None:
+    solution = case.solution
+    mesh = next(family for family in FAMILIES if family.serves(solution.body))(solution.body, 8)
+    time, found = 0.7 * solution.body.T, {}
+    for name, degree, lines in (("plain", 4, []), ("shared", 4, shared_lines(solution)), ("fine", 12, [])):
+        found[name] = np.concatenate(
+            [
+                np.einsum("Inq,nq->In", solution.at(rule.points).strain(time), rule.weights)[:, np.argsort(rule.cells)]
+                for rule in rules(solution, mesh, degree, lines)
+            ],
+            axis=1,
+        )
+    plain, moved = (np.linalg.norm(found[name] - found["fine"]) for name in ("plain", "shared"))
+    size = np.linalg.norm(found["fine"])
+    assert moved <= max(3 * plain, 1e-4 * size)
