@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: study full controls test lint lock clean
+.PHONY: study full controls test bench bench-growth bench-peers lint lock clean
 
 study: $(READY)  ## quick study into results/quick, a minute and a half
 	$(BIN)/study run --quick --out results/quick
@@ -19,6 +19,19 @@ controls: $(READY)  ## deliberate defects that the verdicts must catch, half a m
 
 test: $(READY)  ## the test suite without the slow levels
 	$(BIN)/pytest --numprocesses auto
+
+# Benchmarks are not tests: a slow machine or a missing peer is no failure.
+bench: $(READY)  ## ratios of timings into results/benchmarks, some minutes; warns where one got worse
+	mkdir -p build && rm -f build/timings.json
+	-OMP_NUM_THREADS=1 $(BIN)/pytest -p no:xdist --benchmark-columns=median,iqr,rounds \
+		--benchmark-json=build/timings.json tests/benchmarks/bench_ratios.py
+	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.ratios build/timings.json
+
+bench-growth: $(READY)  ## time and memory on finer and finer meshes, some minutes and 10 GB of memory
+	-PYTHONPATH=tests $(BIN)/python -m benchmarks.growth
+
+bench-peers: $(READY)  ## the same matrices solved by other programs, ten minutes
+	-PYTHONPATH=tests $(BIN)/python -m benchmarks.compare
 
 lint: $(READY)  ## style and types
 	$(BIN)/ruff check .

@@ -1,0 +1,102 @@
+"""The timings behind the table of ratios, by pytest-benchmark: `make bench`. Collected only when named."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import asdict
+from itertools import cycle, islice
+from typing import Any
+
+import pytest
+
+from benchmarks.level import SOLVERS, Place, Watched, compile_formulas, errors
+from study.naming import resolve
+from study.solve import signorini
+from study.solve.factor import Factor
+from study.sweep import steps_for
+
+LEVELS = [int(n) for n in os.environ.get("BENCH_LEVELS", "256 512").split()]
+PLACES = [Place("advance-recede", family, n) for n in LEVELS for family in ("one-diagonal", "shaken")]
+SOLIDS = [Place("cube-disc", "one-diagonal", 18)]
+NONLINEAR = [Place(case, "shaken", 64) for case in ("yield-and-release", "yield-on-a-part")]
+DIRECT = SOLVERS["direct"]
+RIGHTS = 12
+"""Right sides of consecutive steps on which solves are timed."""
+REPEATED = 256
+"""Largest n at which whole levels are repeated: beyond, one takes a minute and more."""
+
+
+@pytest.fixture(scope="module", params=PLACES + SOLIDS, ids=lambda place: f"{place.case}-{place.family}-{place.n}")
+def watched(request: pytest.FixtureRequest) -> tuple[Place, Watched]:
+    """A place and its contact solver after the first RIGHTS steps."""
+    watched = Watched(DIRECT, RIGHTS)
+    setup = request.param.setup(watched)
+    for _ in islice(setup.scheme.march(setup.problem, setup.steps), RIGHTS + 1):
+        pass
+    return request.param, watched
+
+
+def describe(benchmark: Any, quantity: str, place: Place, dofs: int, **counts: float) -> None:
+    """What the table of ratios needs to know."""
+    benchmark.extra_info.update(quantity=quantity, **asdict(place), dofs=dofs, **counts)
+
+
+def bench_factorisation(benchmark: Any, watched: tuple[Place, Watched]) -> None:
+    place, seen = watched
+    last = seen.contact.factor.order[seen.contact.end]
+    describe(benchmark, "factorisation", place, seen.S.shape[0])
+    benchmark.pedantic(Factor, args=(seen.S, last), rounds=3)
+
+
+def bench_condensation(benchmark: Any, watched: tuple[Place, Watched], monkeypatch: pytest.MonkeyPatch) -> None:
+    """The contact solver as it is made, but for the factorisation, which is at hand."""
+    place, seen = watched
+    factor = seen.contact.factor
+    monkeypatch.setattr(signorini, "Factor", lambda S, last: factor)
+    describe(benchmark, "condensation", place, seen.S.shape[0])
+    benchmark.pedantic(DIRECT.make, args=(seen.S, seen.N), rounds=5)
+
+
+def bench_solve(benchmark: Any, watched: tuple[Place, Watched]) -> None:
+    place, seen = watched
+    rights = cycle(seen.rights)
+    describe(benchmark, "solve", place, seen.S.shape[0])
+    bare = DIRECT.bare(seen.contact)
+    benchmark.pedantic(bare, setup=lambda: ((next(rights),), {}), rounds=2 * RIGHTS, warmup_rounds=1)
+
+
+def bench_step(benchmark: Any, watched: tuple[Place, Watched]) -> None:
+    """Consecutive steps, so that the active set starts from that of the step before, as in a march."""
+    place, seen = watched
+    rights = cycle(seen.rights)
+    describe(benchmark, "step", place, seen.S.shape[0])
+    benchmark.pedantic(seen.contact, setup=lambda: ((next(rights),), {}), rounds=2 * RIGHTS, warmup_rounds=1)
+
+
+@pytest.mark.parametrize("place", PLACES + SOLIDS, ids=lambda place: f"{place.case}-{place.family}-{place.n}")
+def bench_level(benchmark: Any, place: Place) -> None:
+    """Mesh, assembly, factorisation, condensation, and load, solve and error at every step."""
+
+    def level() -> None:
+        setup = place.setup()
+        errors(setup)
+        describe(benchmark, "level", place, setup.space.dofs)
+
+    compile_formulas(place.case)
+    benchmark.pedantic(level, rounds=2 if place.n <= REPEATED else 1)
+
+
+@pytest.mark.parametrize("place", NONLINEAR, ids=lambda place: f"{place.case}-{place.family}-{place.n}")
+def bench_nonlinear_law(benchmark: Any, place: Place) -> None:
+    """With the step size that the study itself takes at this level."""
+    watched = Watched(DIRECT, 0)
+    steps = steps_for(resolve(place.case), place.n)
+    setup = place.setup(watched, steps)
+
+    def march() -> None:
+        spent = sum(state.iterations for state in setup.scheme.march(setup.problem, steps))
+        describe(
+            benchmark, "nonlinear", place, setup.space.dofs, solves_per_step=spent / steps, factorisations=watched.made
+        )
+
+    benchmark.pedantic(march, rounds=1)

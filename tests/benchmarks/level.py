@@ -1,0 +1,95 @@
+"""What is measured: one level of a case, from the mesh to the error at every step, and the contact solver inside."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from time import perf_counter
+from typing import Any
+
+import scipy.sparse as sps
+
+from manufactured.tensors import Array
+from study.naming import family_named, resolve
+from study.solve.evolution import Midpoint
+from study.solve.signorini import Signorini
+from study.sweep import Setup
+
+STEPS = 64
+"""Time steps of a level, unless said otherwise."""
+
+
+@dataclass(frozen=True)
+class Solver:
+    """A contact solver as data.
+
+    Attributes:
+        make: (S, N) ↦ the contact solve.
+        bare: a contact solve ↦ b ↦ S⁻¹b with the same factorisation or preconditioner.
+    """
+
+    make: Callable[[sps.csc_array, sps.csr_array], Any]
+    bare: Callable[[Any], Callable[[Array], Array]]
+
+
+SOLVERS = {"direct": Solver(Signorini, lambda contact: contact.factor)}
+
+
+class Watched:
+    """A contact solver that keeps what it is given and how long it takes.
+
+    Attributes:
+        made: how often a solver was made for a matrix.
+        S, N: what it was last made for.
+        contact: the solver made.
+        setup_seconds: what making it took.
+        rights: the first ``keep`` right sides.
+        step_seconds: the seconds of every contact solve.
+    """
+
+    def __init__(self, solver: Solver, keep: int) -> None:
+        self.solver, self.keep = solver, keep
+        self.made = 0
+        self.rights: list[Array] = []
+        self.step_seconds: list[float] = []
+
+    def __call__(self, S: sps.csc_array, N: sps.csr_array) -> Callable[[Array], tuple[Array, Array]]:
+        self.S, self.N, self.made = S, N, self.made + 1
+        start = perf_counter()
+        self.contact = self.solver.make(S, N)
+        self.setup_seconds = perf_counter() - start
+        return self._solve
+
+    def _solve(self, b: Array) -> tuple[Array, Array]:
+        if len(self.rights) < self.keep:
+            self.rights.append(b)
+        start = perf_counter()
+        solution = self.contact(b)
+        self.step_seconds.append(perf_counter() - start)
+        return solution
+
+
+@dataclass(frozen=True)
+class Place:
+    """A case on one mesh."""
+
+    case: str
+    family: str
+    n: int
+
+    def setup(self, solver: Any = Signorini, steps: int = STEPS) -> Setup:
+        """Mesh, space, matrices and quadrature for the midpoint rule with a solver."""
+        setup = Setup.of(resolve(self.case).solution, family_named(self.family), self.n, Midpoint(), steps)
+        return replace(setup, problem=replace(setup.problem, solver=solver))
+
+
+def errors(setup: Setup) -> list[float]:
+    """‖u(t_n) − u_n‖_V at every node: solves all steps."""
+    gauge = setup.gauge
+    states = setup.scheme.march(setup.problem, setup.steps)
+    return [gauge.distance(gauge.sample(state.time), state.u) for state in states]
+
+
+def compile_formulas(case: str) -> None:
+    """Solve a tiny level, so that what is done once in a process is not counted as work of a level."""
+    errors(Place(case, "one-diagonal", 4).setup(steps=2))

@@ -1,0 +1,31 @@
+"""The condensed contact solve of this study."""
+
+from importlib.metadata import version
+from time import perf_counter
+
+import numpy as np
+from problem import Answer, main
+from scipy import sparse as sps
+
+from study.solve.evolution import BackwardEuler, Problem
+
+
+def solve(given):
+    steps = len(given.loads)
+    problem = Problem(
+        M=sps.csc_array(given.M),
+        reference=sps.csc_array(given.G),
+        remainder=None,
+        N=sps.csr_array(given.N),
+        load=lambda t: given.loads[round(t / given.k) - 1],
+        u0=given.u0,
+        T=steps * given.k,
+    )
+    start = perf_counter()
+    states = list(BackwardEuler().march(problem, steps))
+    seconds = perf_counter() - start
+    return Answer(np.array([state.u for state in states[1:]]), 0.0, seconds, version("signorini-study"))
+
+
+if __name__ == "__main__":
+    main(solve)
