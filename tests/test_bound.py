@@ -466,8 +466,9 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: 
     intervals = [interval for _, interval in Majorant(setting)(pieces, 0.0)]
     size = setting.norm(pieces[-1].end)
     assert size > 1
-    assert intervals[-1].at_b <= 1e-8 * size
-    assert max(interval.inside for interval in intervals) <= 1e-8 * size
+    # Rounding of the products in c, some 1e-14 of ‖u‖², comes under a square root.
+    assert intervals[-1].at_b <= 1e-6 * size
+    assert max(interval.inside for interval in intervals) <= 1e-6 * size
 
 
 @pytest.mark.parametrize("family", [OneDiagonal(), Unstructured()], ids=lambda family: family.name)
