@@ -7,9 +7,9 @@ import json
 import os
 import sys
 from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
+from concurrent.futures import BrokenExecutor
+from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -26,21 +26,23 @@ from study.bound.enclosure import Better
 from study.bound.measure import Bounded, bounded, check_bound, check_force
 from study.bound.report import levels, series, text, write
 from study.bound.setting import BoundError
+from study.cluster import connected
 from study.collect import collect, describe
 from study.controls import register
 from study.controls.judge import controls_text, run_controls, settings, write_controls
 from study.datafiles import DataError
-from study.execute import JobsError, execute
+from study.execute import JobsError, Pool, execute, refuse_too_large, unfinished
 from study.fem.mesh import MeshError
-from study.figures import draw_figures, draw_one
-from study.figures.enclosure import draw_enclosure
+from study.figures import draw_figures, draw_one, enclosure
 from study.judgement import check
 from study.junit import write_junit
-from study.naming import UsageError, choose, family_named, resolve_data
-from study.plan import Levels, full, quick
+from study.naming import UsageError, absolute, choose, family_named, resolve_data
+from study.plan import Levels, Plan, full, quick
+from study.processes import Processes
 from study.provenance import protect, read_provenance
 from study.published import TableError, as_json, as_text, read_table, report
 from study.rates import RatesError
+from study.report import write_report
 from study.solve.evolution import SCHEMES
 from study.store import Store, StoreError
 from study.summary import ledger_text, rates_text
@@ -78,6 +80,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except JobsError as error:
         print(f"study: {error}", file=sys.stderr)
         return FAILED
+    except BrokenExecutor:
+        print(
+            "study: a worker process was killed, perhaps for want of memory: run the same command again, with fewer "
+            "--jobs if it does not help; what is finished is kept",
+            file=sys.stderr,
+        )
+        return FAILED
     except KeyboardInterrupt:
         print("study: interrupted; finished jobs are kept, the same command does the rest", file=sys.stderr)
         return 130
@@ -101,6 +110,9 @@ def parser() -> argparse.ArgumentParser:
     sweep.add_argument("--scheme", default="midpoint", help="time scheme (default midpoint)")
     sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
     _jobs(sweep)
+    sweep.add_argument(
+        "--cluster", metavar="ADDRESS", help="measure on the workers of a Dask scheduler, tcp://HOST:PORT"
+    )
     _out(sweep)
     sweep.set_defaults(command=do_run, plan=quick)
 
@@ -133,10 +145,18 @@ def parser() -> argparse.ArgumentParser:
     bound.add_argument("--out", type=Path, default=Path("bounds"), metavar="DIR", help="directory (default bounds)")
     bound.set_defaults(command=do_bound)
 
-    for name, command, what in (("tables", do_tables, "tables"), ("figures", do_figures, "figures")):
-        present = commands.add_parser(name, help=f"make the {what} again from the data on disk")
-        _out(present)
-        present.set_defaults(command=command)
+    page = commands.add_parser("report", help="make one HTML page of the data on disk, to be read without a network")
+    _out(page)
+    page.set_defaults(command=do_report)
+
+    tables = commands.add_parser("tables", help="make the tables again from the data on disk")
+    _out(tables)
+    tables.set_defaults(command=do_tables)
+
+    figures = commands.add_parser("figures", help="draw the figures again from the data on disk")
+    _jobs(figures)
+    _out(figures)
+    figures.set_defaults(command=do_figures)
     return top
 
 
@@ -167,34 +187,47 @@ def do_run(options: argparse.Namespace) -> int:
     _check_jobs(options.jobs)
     plan = replace(plan, scheme=options.scheme, k=options.step)
     if options.case:
-        plan = replace(plan, cases=tuple(options.case), families=None, statements=False)
+        plan = replace(plan, cases=tuple(map(absolute, options.case)), families=None, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
         # The interior point method is for small problems.
         small = tuple(n for n in options.levels if n <= 16) or levels.all[:1]
         plan = replace(plan, plane=levels, rough=levels, solid=levels, equivalence=small, solid_equivalence=small[:1])
+    plan.check_settings()
     store = Store(options.out)
-    with ProcessPoolExecutor(options.jobs) as executor:
-        plan.check(executor.map)
-        protect(plan, options.out)
-        store.check()
-        jobs = plan.jobs()
-        with _bar(round(sum(job.cost for job in jobs))) as bar:
-            bar.set_description(f"{len(jobs)} jobs")
-            execute(jobs, store, executor, lambda cost: bar.update(round(cost)))
-            collect(plan, store)
-            verdicts = check(options.out)
-            written = write_tables(options.out)
-            written += draw_figures(
-                options.out,
-                executor.map,
-                lambda done, total, name: bar.set_description(f"figure {done} of {total}", refresh=sys.stderr.isatty()),
-            )
+    with Processes(options.jobs) as processes, _pool(options.cluster, plan, processes) as pool:
+        refuse_too_large(unfinished(plan.jobs(), store), pool)
+        plan.check(processes.map)
+        with store.locked():
+            verdicts, written = _measure(plan, store, pool, processes)
     print(f"\n{rates_text(options.out)}")
     print(ledger_text(options.out))
     print(f"data: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
     print("written: " + ", ".join(sorted({f"{path.parent}/*{path.suffix}" for path in written})))
     return _exit(verdicts)
+
+
+def _pool(cluster: str | None, plan: Plan, processes: Processes) -> AbstractContextManager[Pool]:
+    return connected(cluster, plan.cases) if cluster else nullcontext(Pool.of(processes))
+
+
+def _measure(plan: Plan, store: Store, pool: Pool, processes: Processes) -> tuple[list[Verdict], list[Path]]:
+    """Measure what is missing in a directory of one's own; judge and present all of it."""
+    protect(plan, store.directory)
+    store.check()
+    jobs = plan.jobs()
+    with _bar(round(sum(job.cost for job in jobs))) as bar:
+        bar.set_description(f"{len(jobs)} jobs")
+        execute(jobs, store, pool, lambda cost: bar.update(round(cost)))
+        collect(plan, store)
+        verdicts = check(store.directory)
+        written = write_tables(store.directory)
+        written += draw_figures(
+            store.directory,
+            processes.map,
+            lambda done, total, name: bar.set_description(f"figure {done} of {total}", refresh=sys.stderr.isatty()),
+        )
+    return verdicts, written
 
 
 def do_check(options: argparse.Namespace) -> int:
@@ -211,7 +244,7 @@ def do_controls(options: argparse.Namespace) -> int:
     _check_jobs(options.jobs)
     Store(options.out).check()
     controls = register.CONTROLS
-    with ProcessPoolExecutor(options.jobs) as executor, _bar(len(settings(controls)) + len(controls)) as bar:
+    with Processes(options.jobs) as executor, _bar(len(settings(controls)) + len(controls)) as bar:
         bar.set_description(f"{len(controls)} defects")
         findings = run_controls(controls, executor, bar.update)
     written = write_controls(options.out, findings)
@@ -251,7 +284,7 @@ def do_bound(options: argparse.Namespace) -> int:
             found[level] = bounded(data, case, family, level, scheme, steps, better, progress)
     table, over_time = levels(found), pd.concat([series(level, one) for level, one in found.items()])
     written = write(options.out / name, table, over_time, found)
-    written += draw_one(options.out / name, "enclosure", partial(draw_enclosure, over_time, name))
+    written += draw_one(options.out / name, enclosure("enclosure", over_time, name))
     print(f"\n{text(name, table, over_time)}\n")
     print("written: " + ", ".join(map(str, written)))
     inside = all(one.enclosure.contains and one.plain.contains for one in found.values())
@@ -266,11 +299,19 @@ def do_tables(options: argparse.Namespace) -> int:
     return OK
 
 
+def do_report(options: argparse.Namespace) -> int:
+    """``study report``."""
+    print(write_report(options.out))
+    return OK
+
+
 def do_figures(options: argparse.Namespace) -> int:
     """``study figures``."""
+    _check_jobs(options.jobs)
     read_provenance(options.out)
-    for path in draw_figures(options.out):
-        print(path)
+    with Processes(options.jobs) as executor:
+        for path in draw_figures(options.out, executor.map):
+            print(path)
     return OK
 
 

@@ -28,6 +28,7 @@ from study.figures.logarithmic import slope_triangle
 from study.figures.pictures import read_pictures
 from study.figures.zone import caps, strands
 from study.latex import encode
+from study.packing import Packed
 from study.store import StoreError, write_text, write_whole
 from study.tables import DataError, ledger_text, rates_text, write_tables
 
@@ -159,7 +160,16 @@ def picture(case: str, level: int, steps: int, sides: Sequence[Side]) -> dict[st
         "cells": cells.tolist(),
         "shapes": [{"time": t, "displacement": np.asarray(u).tolist()} for t, u in displacements],
         "faces": [contact_face(number, grid, times, side) for number, side in enumerate(sides, start=1)],
+        "von_mises": Packed.of(np.multiply.outer(times, x[0, cells[0]])).record(),
+        "energy": energy(times),
     }
+
+
+def energy(times: Array) -> dict[str, Any]:
+    """A load of power 2t, of which half is stored; a thousandth of its work is lost."""
+    half = times**2 / 2
+    series = {"times": times, "stored": half, "dissipated": half, "contact": 0 * half, "work": 1.001 * times**2}
+    return {name: values.tolist() for name, values in series.items()} | {"defect": (-0.001 * times**2).tolist()}
 
 
 def lift(x: Array, side: Side, t: float) -> Array:
@@ -271,11 +281,13 @@ def test_every_table_is_written_in_three_formats_and_nothing_is_left_over(drawn:
     assert files(drawn / "tables") == expected
 
 
-def test_every_figure_is_written_in_three_formats_and_nothing_is_left_over(drawn: Path) -> None:
-    names = ["convergence", "convergence-prop-5-3", "enclosure-advance-recede"]
+def test_every_figure_is_written_in_three_formats_with_a_caption_and_nothing_is_left_over(drawn: Path) -> None:
+    names = ["convergence", "convergence-prop-5-3", "effectivity", "enclosure-advance-recede"]
     names += [f"convergence-{case}" for case in CASES]
-    names += [f"{kind}-{case}" for kind in ("zone", "profiles", "body") for case in ("advance-recede", "two-faces")]
-    assert files(drawn / "figures") == sorted(f"{name}.{form}" for name in names for form in ("pdf", "png", "svg"))
+    kinds = ("zone", "profiles", "body", "energy")
+    names += [f"{kind}-{case}" for kind in kinds for case in ("advance-recede", "two-faces")]
+    forms = ("pdf", "png", "svg", "txt")
+    assert files(drawn / "figures") == sorted(f"{name}.{form}" for name in names for form in forms)
 
 
 def test_a_second_run_gives_the_same_bytes_and_loads_no_solver(drawn: Path, data: Path) -> None:
@@ -421,6 +433,8 @@ def test_a_missing_file_is_named_with_the_command_that_makes_it(data: Path, pres
         ("claims.csv", "undecided", "perhaps", "perhaps"),
         ("cases.csv", "rough", "smooth", "lacks the cases rough-1.75"),
         ("pictures/two-faces.json", '"zone_exact"', '"zone"', "two-faces.json is not a picture"),
+        ("pictures/two-faces.json", '"energy"', '"zone"', "two-faces.json is not a picture"),
+        ("bounds.csv", "upper", "something", "lacks the columns upper"),
     ],
 )
 def test_a_damaged_file_is_named(data: Path, name: str, old: str, new: str, complaint: str) -> None:
@@ -477,4 +491,5 @@ def test_a_single_level_can_be_drawn(tmp_path: Path) -> None:
     directory = write_data(tmp_path, {"advance-recede": (1.0, 28.0)}, (16,), level=8)
     shutil.rmtree(directory / "data" / "pictures")
     (directory / "data" / "pictures").mkdir()
-    assert len(draw_figures(directory)) == 9
+    names = ("convergence-advance-recede", "convergence", "effectivity", "enclosure-advance-recede")
+    assert {path.stem for path in draw_figures(directory)} == set(names)

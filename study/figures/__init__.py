@@ -1,6 +1,7 @@
 """Figures from the data files; nothing is solved here.
 
-``draw_figures`` draws all of them; each module has one small function per kind of figure.
+``drawings`` lists all of them; each module has one function that draws a kind of figure from its data alone, and one
+that says in a caption what to see in it.
 """
 
 from __future__ import annotations
@@ -11,18 +12,21 @@ from functools import partial
 from pathlib import Path
 
 import pandas as pd
-from matplotlib.figure import Figure
 
 from study.datafiles import DataError, read_csv, read_rates
-from study.figures.body import draw_body
-from study.figures.canvas import in_style, save, uncollected
-from study.figures.convergence import draw_case, draw_overview
-from study.figures.enclosure import draw_enclosure
+from study.figures.body import caption_body, draw_body
+from study.figures.canvas import Drawing, in_style, save, save_caption, uncollected
+from study.figures.convergence import caption_case, caption_overview, draw_case, draw_overview
+from study.figures.defects import caption_defects, draw_defects
+from study.figures.effectivity import caption_effectivity, draw_effectivity
+from study.figures.enclosure import caption_enclosure, draw_enclosure
+from study.figures.energy import caption_energy, draw_energy
+from study.figures.growth import caption_growth, draw_growth, read_growth
 from study.figures.pictures import Picture, read_pictures
-from study.figures.profiles import draw_profiles
-from study.figures.zone import draw_zone
+from study.figures.profiles import caption_profiles, draw_profiles
+from study.figures.zone import caption_zone, draw_zone
 
-__all__ = ["DataError", "draw_figures", "draw_one"]
+__all__ = ["DataError", "draw_figures", "draw_one", "drawings", "enclosure"]
 
 Progress = Callable[[int, int, str], None]
 """Called after each figure with how many are done, how many there are, and its name."""
@@ -35,31 +39,45 @@ Spread = Callable[..., Iterable[list[Path]]]
 def draw_figures(
     directory: Path, spread: Spread = map, progress: Progress = lambda done, total, name: None
 ) -> list[Path]:
-    """Draw every figure into ``directory/figures`` as pdf, png and svg; returns the files.
-
-    ``enclosure-CASE`` for every case with one; ``convergence-CASE`` for every case of ``rates.csv``, ``convergence``
-    for all cases of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones; ``zone-CASE``, ``profiles-CASE`` and
-    ``body-CASE`` for every file in ``pictures``.
+    """Draw every figure into ``directory/figures`` as pdf, png and svg with its caption in a txt; returns the files.
 
     Raises:
         DataError: a data file is missing or damaged; nothing is drawn then.
     """
-    rates = read_rates(directory)
-    orders = _expected_orders(directory, rates)
-    figures = [*_convergence(rates, orders), *_enclosures(directory), *_runs(read_pictures(directory))]
-    names, draws = zip(*figures, strict=True)
+    found = drawings(directory)
     written: list[Path] = []
-    for done, paths in enumerate(spread(partial(draw_one, directory / "figures"), names, draws), start=1):
+    for done, paths in enumerate(spread(partial(draw_one, directory / "figures"), found), start=1):
         written += paths
-        progress(done, len(names), names[done - 1])
+        progress(done, len(found), found[done - 1].name)
     return written
 
 
-def draw_one(directory: Path, name: str, draw: Callable[[], Figure]) -> list[Path]:
-    """Draw one figure in the style of the study and save it as pdf, png and svg."""
+def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
+    """Draw one figure in the style of the study and save it as pdf, png and svg, with its caption."""
     # The many small objects of a figure all live until it is saved: looking for garbage before finds nothing.
     with in_style(), uncollected():
-        return save(draw(), directory, name)
+        return [*save(drawing.draw(), directory, drawing.name), save_caption(drawing, directory)]
+
+
+def drawings(directory: Path) -> list[Drawing]:
+    """Every figure of the data in a directory, not drawn yet.
+
+    ``convergence-CASE`` for every case of ``rates.csv``, ``convergence`` for all cases of Prop. 5.4 and
+    ``convergence-prop-5-3`` for the rough ones; ``enclosure-CASE`` for every case with one; ``effectivity`` of
+    ``bounds.csv``; ``defects`` of ``controls.csv`` and ``growth`` of ``benchmarks/growth.csv`` where they were
+    measured; ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` for every file in ``pictures``.
+
+    Raises:
+        DataError: a data file is missing or damaged.
+    """
+    rates = read_rates(directory)
+    return [
+        *_convergence(rates, _expected_orders(directory, rates)),
+        *_bounds(directory),
+        *_defects(directory),
+        *_growth(directory),
+        *_runs(read_pictures(directory)),
+    ]
 
 
 def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
@@ -75,15 +93,22 @@ def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
     return orders
 
 
-def _convergence(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[tuple[str, Callable[[], Figure]]]:
+def _convergence(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
     """One figure per case and one overview per claim; a second time scheme would get its own, by its name."""
     several = rates["scheme"].nunique() > 1
     for scheme, of_scheme in rates.groupby("scheme", sort=False):
         suffix = f"-{scheme}" if several else ""
-        for case, of_case in of_scheme.groupby("case", sort=False):
-            yield f"convergence-{case}{suffix}", partial(draw_case, of_case, orders[str(case)])
-        for claim, of_claim in of_scheme.groupby("claim", sort=False):
-            yield _overview_name(str(claim)) + suffix, partial(draw_overview, of_claim, orders)
+        for case, mine in of_scheme.groupby("case", sort=False):
+            order = orders[str(case)]
+            yield Drawing(
+                f"convergence-{case}{suffix}", partial(draw_case, mine, order), partial(caption_case, mine, order)
+            )
+        for claim, mine in of_scheme.groupby("claim", sort=False):
+            yield Drawing(
+                _overview_name(str(claim)) + suffix,
+                partial(draw_overview, mine, orders),
+                partial(caption_overview, mine, orders),
+            )
 
 
 def _overview_name(claim: str) -> str:
@@ -93,17 +118,44 @@ def _overview_name(claim: str) -> str:
     )
 
 
-def _enclosures(directory: Path) -> Iterator[tuple[str, Callable[[], Figure]]]:
-    """One figure for every case and mesh family with an enclosure, all levels in it."""
+def _bounds(directory: Path) -> Iterator[Drawing]:
+    """The effectivities, and for every case and mesh family with an enclosure one figure with all its levels."""
+    bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
+    if bounds["upper"].notna().any():
+        yield Drawing("effectivity", partial(draw_effectivity, bounds), partial(caption_effectivity, bounds))
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
     series = read_csv(directory, "enclosures.csv", columns)
     chosen = series[series["trajectory"] == "enclosure"]
     for (case, family), mine in chosen.groupby(["case", "family"], sort=False):
-        yield f"enclosure-{case}", partial(draw_enclosure, mine, f"{case}, {family}")
+        yield enclosure(f"enclosure-{case}", mine, f"{case}, {family}")
 
 
-def _runs(pictures: list[Picture]) -> Iterator[tuple[str, Callable[[], Figure]]]:
+def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
+    """The enclosure of an error over time, ``draw_enclosure``."""
+    return Drawing(name, partial(draw_enclosure, series, title), partial(caption_enclosure, series, title))
+
+
+def _defects(directory: Path) -> Iterator[Drawing]:
+    """The defects, where `study controls` has measured them."""
+    if (directory / "data" / "controls.csv").is_file():
+        controls = read_csv(directory, "controls.csv", ("defect", "what", "label", "quantity", "verdict", "caught"))
+        yield Drawing("defects", partial(draw_defects, controls), partial(caption_defects, controls))
+
+
+def _growth(directory: Path) -> Iterator[Drawing]:
+    growth = read_growth(directory)
+    if growth is not None:
+        yield Drawing("growth", partial(draw_growth, growth), partial(caption_growth, growth))
+
+
+def _runs(pictures: list[Picture]) -> Iterator[Drawing]:
+    """The figures of every picture."""
+    kinds = {
+        "zone": (draw_zone, caption_zone),
+        "profiles": (draw_profiles, caption_profiles),
+        "body": (draw_body, caption_body),
+        "energy": (draw_energy, caption_energy),
+    }
     for picture in pictures:
-        yield f"zone-{picture.case}", partial(draw_zone, picture)
-        yield f"profiles-{picture.case}", partial(draw_profiles, picture)
-        yield f"body-{picture.case}", partial(draw_body, picture)
+        for kind, (draw, caption) in kinds.items():
+            yield Drawing(f"{kind}-{picture.case}", partial(draw, picture), partial(caption, picture))

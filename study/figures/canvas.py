@@ -1,9 +1,10 @@
-"""What all figures share: the style, the look of a mesh family, and saving."""
+"""What all figures share: the style, the look of a mesh family, captions, and saving."""
 
 from __future__ import annotations
 
 import gc
-from collections.abc import Iterable, Iterator, Sequence
+import textwrap
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from itertools import cycle
@@ -16,7 +17,7 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from study.store import write_whole
+from study.store import write_text, write_whole
 
 STYLE = Path(__file__).parent.parent / "style.mplstyle"
 _ANONYMOUS: dict[str, dict[str, None]] = {
@@ -24,13 +25,28 @@ _ANONYMOUS: dict[str, dict[str, None]] = {
     "png": {"Software": None},
     "svg": {"Date": None, "Creator": None},
 }
-COLUMN = 3.5
-"""Width of a column in inches."""
+COLUMN, PAGE = 3.5, 7.0
+"""Width of a column and of a page in inches."""
 
 # Okabe and Ito, Color Universal Design (2008); their yellow is too light for lines.
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, BLACK = "#E69F00", "#56B4E9", "#000000"
 GREY = "#8C8C8C"
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure that can be drawn from data alone.
+
+    Attributes:
+        name: the name of its files.
+        draw: makes the figure, in the style of the study (``in_style``).
+        caption: says what is shown and what to see, with numbers from the same data.
+    """
+
+    name: str
+    draw: Callable[[], Figure]
+    caption: Callable[[], str]
 
 
 @dataclass(frozen=True)
@@ -61,6 +77,11 @@ def looks(families: Iterable[str]) -> dict[str, Look]:
 def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower") -> None:
     """A legend under (or, with ``side`` "upper", over) the axes, outside them."""
     figure.legend(handles=handles, loc=f"outside {side} center", ncols=columns)
+
+
+def save_caption(drawing: Drawing, directory: Path) -> Path:
+    """Write ``directory/name.txt``: the caption in lines of 100 characters."""
+    return write_text(directory / f"{drawing.name}.txt", textwrap.fill(drawing.caption(), 100) + "\n")
 
 
 def save(figure: Figure, directory: Path, name: str) -> list[Path]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import textwrap
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import pandas as pd
@@ -80,6 +80,59 @@ def draw_overview(rates: pd.DataFrame, orders: Mapping[str, float]) -> Figure:
     figure.supylabel(r"$\max_t\,\|u-u^h\|_V$")
     legend(figure, _family_handles(look), columns=max(2, int(width / ENTRY)), side="upper")
     return figure
+
+
+def caption_case(rates: pd.DataFrame, order: float) -> str:
+    """What to see."""
+    families = dict(_by_family(rates))
+    finest = [series.iloc[-1] for series in families.values()]
+    orders = [_last_order(series) for series in families.values() if len(series) > 1]
+    closer = [row["error"] / row["discrete_error"] for row in finest if row["discrete_error"] > 0]
+    seen = [f"time makes at most {100 * rates['time_share'].max():.2g} % of the error on any mesh"]
+    if closer:
+        seen.insert(0, f"on the finest meshes u^h is {_spread(closer)} times closer to Π^h u than to u")
+    if orders:
+        seen.insert(0, f"on the two finest meshes of a family the order is {_spread(orders)}, expected {order:.3g}")
+    return (
+        f"Convergence of {rates['case'].iloc[0]} on the mesh families {', '.join(families)}: the largest error over "
+        "time in the norm of V (filled markers), the discrete error ‖Π^h u − u^h‖_V (open) and what discretisation in "
+        f"time contributes (dotted) against the mesh size h; the triangle has the expected order. What to see: "
+        f"{'; '.join(seen)}. What is below {FLOOR:g} of the smallest error is not shown."
+    )
+
+
+def caption_overview(rates: pd.DataFrame, orders: Mapping[str, float]) -> str:
+    """What to see."""
+    found = [
+        (_last_order(series) - orders[str(case)], str(case), family)
+        for case, of_case in rates.groupby("case", sort=False)
+        for family, series in _by_family(of_case)
+        if len(series) > 1
+    ]
+    seen = "single levels show no order"
+    if found:
+        (low, *lowest), (high, *highest) = min(found), max(found)
+        seen = (
+            "whether the curves run parallel to their triangles; the last order differs from the expected one by "
+            f"{low:+.2g} ({', '.join(lowest)}) to {high:+.2g} ({', '.join(highest)})"
+        )
+    return (
+        f"The error max_t ‖u − u^h‖_V of all {rates['case'].nunique()} cases of {rates['claim'].iloc[0]} against the "
+        "mesh size h, on every mesh family; the triangles have the expected orders, which are written above them. "
+        f"What to see: {seen}."
+    )
+
+
+def _last_order(series: pd.DataFrame) -> float:
+    """log(e_1/e_2)/log(h_1/h_2) on the two finest levels."""
+    (h1, e1), (h2, e2) = series[["h", "error"]].to_numpy()[-2:]
+    return math.log(e1 / e2) / math.log(h1 / h2)
+
+
+def _spread(values: Sequence[float]) -> str:
+    """The smallest and the largest, or the only one."""
+    low, high = (f"{value:.3g}" for value in (min(values), max(values)))
+    return low if low == high else f"{low} … {high}"
 
 
 def _columns(panels: int) -> int:

@@ -50,3 +50,21 @@ def draw_enclosure(series: pd.DataFrame, title: str) -> Figure:
         handles.append(Line2D([], [], color=BLACK, lw=0.8, ls=":", label=r"bound from $u_h$ alone"))
     legend(figure, handles, columns=2)
     return figure
+
+
+def caption_enclosure(series: pd.DataFrame, title: str) -> str:
+    """What to see."""
+    parts = []
+    for level, mine in series.groupby("level"):
+        last = mine.loc[mine["time"].idxmax()]
+        low, high = max(last["distance"] - last["bound"], 0.0), last["distance"] + last["bound"]
+        parts.append(f"[{low:.3g}, {high:.3g}] with n = {level}")
+    known = bool(series["error"].notna().all())
+    line = "the error itself" if known else "the distance to a better displacement"
+    inside = series[(series["error"] - series["distance"]).abs() <= series["bound"]]
+    seen = f"the error lies in its band at {len(inside)} of {len(series)} times; " if known else ""
+    return (
+        f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands are guaranteed, lines are {line}; below, "
+        f"the ends of the bands in relation to it. What to see: {seen}at the last time the bands are "
+        f"{', '.join(parts)}."
+    )

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.datafiles import DataError, read_csv
+from study.packing import Packed
 
 Array = NDArray[np.float64]
 CONTACT = 1e-8
@@ -20,10 +21,31 @@ CONTACT = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """The displacement of every vertex at one time, (2, vertices)."""
+    """The body at one time: the displacement of every vertex, (2, vertices), the von Mises stress, (cells,)."""
 
     time: float
     displacement: Array
+    von_mises: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """The balance of energy, (times,) each: stored, what the rest has summed to since t = 0, and the defect.
+
+    The defect, stored − stored(0) + dissipated + contact − work, is zero without discretisation in time.
+    """
+
+    times: Array
+    stored: Array
+    dissipated: Array
+    contact: Array
+    work: Array
+    defect: Array
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> Energy:
+        """From the entry ``energy``."""
+        return cls(**{field.name: np.array(record[field.name], dtype=float) for field in fields(cls)})
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,11 +77,11 @@ class Face:
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> Face:
         """From one entry of ``faces``."""
-        fields = ("normal", "s", "x", "gap", "gap_exact", "pressure", "pressure_exact")
+        arrays = ("normal", "s", "x", "gap", "gap_exact", "pressure", "pressure_exact")
         zone = record["zone_exact"]
         return cls(
             number=int(record["face"]),
-            **{field: np.array(record[field], dtype=float) for field in fields},
+            **{field: np.array(record[field], dtype=float) for field in arrays},
             zone_times=np.array(zone["times"], dtype=float),
             zone=[[(float(a), float(b)) for a, b in intervals] for intervals in zone["intervals"]],
         )
@@ -69,10 +91,26 @@ class Face:
         """Where and when a node is in contact, (times, nodes)."""
         return np.asarray(self.pressure > CONTACT * self.pressure.max(initial=0.0))
 
+    @property
+    def spacing(self) -> float:
+        """The mean distance of neighbouring nodes, the length of a cell."""
+        return float(np.ptp(self.s)) / (len(self.s) - 1)
+
+    def computed_zone(self, instant: int) -> list[tuple[float, float]]:
+        """Where nodes in contact are the nearest ones: intervals from midpoint to midpoint."""
+        middle = (self.s[1:] + self.s[:-1]) / 2
+        ends = np.concatenate([self.s[:1], middle, self.s[-1:]])
+        change = np.flatnonzero(np.diff(self.touching[instant], prepend=False, append=False))
+        return [(float(ends[a]), float(ends[b])) for a, b in zip(change[::2], change[1::2], strict=True)]
+
+    def point(self, s: Array) -> Array:
+        """The points at positions s, (2, ...)."""
+        return np.array([np.interp(s, self.s, component) for component in self.x])
+
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """One run: the mesh, three deformed shapes, and the faces in time."""
+    """One run: the mesh, some deformed shapes, the faces and the energy in time."""
 
     case: str
     family: str
@@ -82,6 +120,30 @@ class Picture:
     cells: NDArray[np.int64]
     shapes: list[Shape]
     faces: list[Face]
+    energy: Energy
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> Picture:
+        """From what ``study.pictures.picture`` returns."""
+        times, von_mises = np.array(record["times"], dtype=float), Packed.read(record["von_mises"]).values
+        return cls(
+            case=str(record["case"]),
+            family=str(record["family"]),
+            level=int(record["level"]),
+            times=times,
+            vertices=np.array(record["vertices"], dtype=float),
+            cells=np.array(record["cells"], dtype=np.int64),
+            shapes=[
+                Shape(
+                    time=float(shape["time"]),
+                    displacement=np.array(shape["displacement"], dtype=float),
+                    von_mises=von_mises[np.argmin(abs(times - shape["time"]))],
+                )
+                for shape in record["shapes"]
+            ],
+            faces=[Face.of(face) for face in record["faces"]],
+            energy=Energy.of(record["energy"]),
+        )
 
     @classmethod
     def read(cls, path: Path) -> Picture:
@@ -91,17 +153,7 @@ class Picture:
             DataError: the file is not what ``study run`` writes.
         """
         try:
-            record = json.loads(path.read_text(encoding="utf-8"))
-            return cls(
-                case=str(record["case"]),
-                family=str(record["family"]),
-                level=int(record["level"]),
-                times=np.array(record["times"], dtype=float),
-                vertices=np.array(record["vertices"], dtype=float),
-                cells=np.array(record["cells"], dtype=np.int64),
-                shapes=[Shape(float(s["time"]), np.array(s["displacement"], dtype=float)) for s in record["shapes"]],
-                faces=[Face.of(face) for face in record["faces"]],
-            )
+            return cls.of(json.loads(path.read_text(encoding="utf-8")))
         except (KeyError, TypeError, ValueError) as error:
             raise DataError(f"{path} is not a picture ({error!r}): make it again with `study run`") from error
 
@@ -131,3 +183,13 @@ def heading(picture: Picture) -> str:
 def symbol(face: Face, picture: Picture) -> str:
     """Γ3, or Γ3,i where there are several pieces, for use between dollar signs."""
     return rf"\Gamma_{{3,{face.number}}}" if len(picture.faces) > 1 else r"\Gamma_3"
+
+
+def name(face: Face, picture: Picture) -> str:
+    """Γ3, or Γ3,i where there are several pieces, for captions."""
+    return f"Γ3,{face.number}" if len(picture.faces) > 1 else "Γ3"
+
+
+def place(picture: Picture) -> str:
+    """Case and mesh for captions."""
+    return f"{picture.case}, {picture.family} mesh with n = {picture.level}"

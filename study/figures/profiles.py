@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from study.figures.canvas import BLACK, BLUE, COLUMN, VERMILLION, legend
-from study.figures.pictures import Array, Picture, heading, symbol
+from study.figures.pictures import Array, Picture, heading, place, symbol
 
 MARKERS = 24
 """At most about so many markers on a line."""
@@ -44,6 +44,31 @@ def draw_profiles(picture: Picture) -> Figure:
     figure.suptitle(heading(picture))
     legend(figure, _handles(), columns=3)
     return figure
+
+
+def caption_profiles(picture: Picture) -> str:
+    """What to see."""
+    instants = [picture.nearest(shape.time) for shape in picture.shapes]
+    times = ", ".join(f"{picture.times[instant]:.3g}" for instant in instants)
+    gap = _largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in picture.faces])
+    pressure = _largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in picture.faces])
+    return (
+        f"Gap and contact pressure along Γ3 at t = {times} ({place(picture)}): lines are exact, markers computed. "
+        "What to see: there is a gap or a pressure, never both, and markers on the lines: at the nodes the gap is off "
+        f"by at most {gap}; the pressure, a nodal force divided by the integral of its shape function, by "
+        f"{pressure}."
+    )
+
+
+def _largest_difference(pairs: list[tuple[Array, Array]]) -> str:
+    """max |computed − exact|, in per cent of max |exact| where that is not round-off."""
+    difference = max(float(abs(computed - exact).max()) for computed, exact in pairs)
+    size = max(float(abs(exact).max()) for _, exact in pairs)
+    return (
+        f"{100 * difference / size:.2g} % of the largest"
+        if size > ROUND_OFF
+        else f"{difference:.1e}, the largest being 0"
+    )
 
 
 def _draw_row(panels: list[Axes], s: Array, exact: Array, computed: Array, colour: str) -> None:
