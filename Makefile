@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: study full controls test bench bench-growth bench-peers lint lock clean
+.PHONY: study full controls test bench bench-growth bench-peers lint paper lock clean
 
 study: $(READY)  ## quick study into results/quick, a minute and a half
 	$(BIN)/study run --quick --out results/quick
@@ -38,6 +38,10 @@ lint: $(READY)  ## style and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+paper: $(READY)  ## the article from the data of the full study, paper/build/article.pdf; needs latexmk
+	$(BIN)/study tables --out results
+	latexmk -cd -pdf -Werror -halt-on-error -interaction=nonstopmode -outdir=build paper/article.tex
+
 $(READY): requirements.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "Python 3.11 or newer is needed, $$($(PYTHON) --version 2>&1) was found: set PYTHON=..."; exit 1; }
@@ -54,4 +58,4 @@ lock:  ## renew the pins
 	rm -rf $(VENV)-lock
 
 clean:
-	rm -rf $(VENV) results/quick
+	rm -rf $(VENV) results/quick paper/build

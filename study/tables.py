@@ -15,6 +15,7 @@ from pathlib import Path
 
 import pandas as pd
 
+from study.article import write_article
 from study.datafiles import DataError, read_claims, read_csv, read_rates, with_order
 from study.latex import encode, longtable, prose
 from study.store import write_text, write_whole
@@ -29,7 +30,7 @@ STRESSES += ["displacement", "primal_stress", "primal_displacement", "time_share
 
 
 def write_tables(directory: Path) -> list[Path]:
-    """Write every table as csv, md and tex under ``directory/tables``.
+    """Write every table as csv, md and tex under ``directory/tables``, and what the article takes from a full run.
 
     Returns the files. The LaTeX files are longtables to \\input outside any float; they need the
     packages array, booktabs and longtable.
@@ -39,7 +40,7 @@ def write_tables(directory: Path) -> list[Path]:
     """
     makers = rates_table, ledger_table, equivalence_table, stress_table, bounds_table
     tables = [make(directory) for make in makers]
-    return [path for table in tables for path in table.write(directory / "tables")]
+    return [path for table in tables for path in table.write(directory / "tables")] + write_article(directory)
 
 
 @dataclass(frozen=True)

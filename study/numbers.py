@@ -1,0 +1,180 @@
+"""Macros of LaTeX for the measured numbers in the text of the article, each a small formula on the data files.
+
+Extremes are rounded outwards: a smallest value down, a largest up, so that no sentence says more than was seen.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
+from typing import TYPE_CHECKING
+
+import pandas as pd
+
+from study.latex import encode, prose
+
+if TYPE_CHECKING:
+    from study.article import Data
+
+
+def macros(data: Data) -> str:
+    """\\newcommand lines, sorted by nothing but their subject."""
+    groups = (_ledger, _plan, _smooth, _rough, _equivalence, _bounds, _beyond, _made_with)
+    lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
+    return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
+
+
+Named = Iterator[tuple[str, str]]
+
+
+def _ledger(data: Data) -> Named:
+    """How many rows of the ledger hold, and how many defects were caught."""
+    claims = data.claims
+    yield "ledgerRows", str(len(claims))
+    yield "ledgerStatements", str(claims["label"].nunique())
+    for verdict in ("holds", "fails", "undecided", "reported"):
+        yield f"ledger{verdict.capitalize()}", str(int((claims["verdict"] == verdict).sum()))
+    injected = data.controls[data.controls["caught"] != ""]
+    yield "controls", str(len(injected))
+    yield "controlsCaught", str(int((injected["caught"] == "yes").sum()))
+
+
+def _plan(data: Data) -> Named:
+    """The size of the study."""
+    plane = data.rates[data.rates["dim"] == 2]
+    yield "caseCount", str(len(data.cases))
+    for name, claim in (("casesSmooth", "Prop. 5.4"), ("casesRough", "Prop. 5.3")):
+        yield name, str(data.rates.loc[data.rates["claim"] == claim, "case"].nunique())
+    yield "casesSolid", str(int((data.cases["dimension"] == 3).sum()))
+    yield "sweepRows", str(len(data.rates))
+    yield "planned", str(len(data.provenance["planned"]))
+    yield "levelCoarsest", str(int(plane["level"].min()))
+    yield "levelFinest", str(int(plane["level"].max()))
+    yield "levelSolid", str(int(data.rates.loc[data.rates["dim"] == 3, "level"].max()))
+    yield "dofsMost", f"{int(data.rates['dofs'].max()):,}".replace(",", r"\,")
+    yield "familyCount", str(plane.loc[plane["family"] != "graded", "family"].nunique())
+    yield "dataMissing", _count(data.rows("data", "rows of the plan")["observed"].max())
+
+
+def _smooth(data: Data) -> Named:
+    """Prop. 5.4."""
+    label = "Prop. 5.4"
+    yield from _extremes("orderLevel", data.rows(label, "order of the error, level"))
+    fitted = data.rows(label, "order of the error, fitted")["observed"]
+    yield "orderFittedMin", _down(fitted.min())
+    yield "orderFittedMax", _up(fitted.max())
+    yield from _extremes("orderDiagonal", data.rows(label, "order of ‖Π^h u − u^h‖_V, superclose"))
+    yield from _extremes("orderOther", data.rows(label, "order of ‖Π^h u − u^h‖_V, other"))
+    yield from _extremes("pythagoras", data.rows(label, "size of the error"))
+    yield from _extremes("leadingTerm", data.rows("(5.23)", "‖u − Π^h u‖_V / leading"), 3)
+    yield "shareDiscrete", _percent(data.rows(label, "‖Π^h u − u^h‖_V / ‖u")["high"].max())
+    yield "shareTimeDiscrete", _percent(data.rows(label, "time share of")["high"].max())
+    yield "shareTime", _percent(data.rows(label, "time share")["high"].max())
+    yield "shareQuadrature", _percent(data.rows(label, "change under finer")["high"].max())
+    yield "residualMost", _power(data.rows(label, "residual of the contact")["high"].max())
+    later = data.rows(label, "cases with the supremum")
+    yield "supremumLater", _count(later["observed"].iloc[0])
+
+
+def _rough(data: Data) -> Named:
+    """Prop. 5.3 and what (5.36) has to do with the order."""
+    label = "Prop. 5.3"
+    yield "ratioMost", _up(data.rows(label, "ratio of consecutive")["high"].max())
+    yield "limitMost", _percent(data.rows(label, "limit e∞")["high"].max())
+    yield "roughQuadrature", _percent(data.rows(label, "change under finer")["high"].max())
+    yield from _extremes("graded", data.rows(label, "order seen on graded"))
+    seen = data.rows("(5.36)", "order seen").set_index("case")
+    order = data.cases.set_index("case")["expected_order"]
+    missing = [case for case in seen.index if order[case] == 1]
+    yield "missing", str(len(missing))
+    yield from _extremes("missingSeen", seen.loc[missing])
+    proved = data.cases.set_index("case")["proved_order"]
+    yield "missingProved", f"{proved[missing].min():g}"
+    for name, case in (("natural", "natural-front"), ("trace", "rough-trace"), ("moving", "moving-rough")):
+        yield from _extremes(f"{name}Seen", seen.loc[[case]])
+        yield f"{name}Proved", f"{proved[case]:g}"
+
+
+def _equivalence(data: Data) -> Named:
+    """Theorem 4.2."""
+    for name, quantity in (
+        ("agreeDisplacement", "displacement of Problem 3.2"),
+        ("agreeStress", "stress of Problem 3.2"),
+        ("agreeMembership", "u ∈ K^h though never imposed"),
+    ):
+        yield name, _power(data.rows("Thm 4.2", quantity)["high"].max())
+    yield "agreeCases", str(data.equivalence["case"].nunique())
+    yield "agreeProblems", str(len(data.equivalence))
+    label = "Thm 4.2, own space"
+    yield "ownCases", str(data.claims.loc[data.claims["label"] == label, "case"].nunique())
+    yield "ownAdmissible", _power(data.rows(label, "σ^hν continuous")["high"].max())
+    yield from _extremes("ownBest", data.rows(label, "‖σ − σ^h‖_Q / that of the best"))
+    frozen = data.rows("Prager–Synge", "guaranteed bound of both errors")
+    yield "frozenMost", _up(frozen["high"].max(), 3)
+
+
+def _bounds(data: Data) -> Named:
+    """The guaranteed bound and the enclosures."""
+    yield from _extremes("boundUpper", data.rows("bound", "upper bound / error over"), 1)
+    yield "encloseUpperMax", _up(data.rows("enclosure", "upper bound / error over")["high"].max())
+    computed = data.bounds[data.bounds["trajectory"] == "enclosure"]
+    yield "encloseLeast", _down(computed["lower"].min())
+    yield "encloseRows", str(len(computed))
+    for name, case in (("ramp", "ramp"), ("bracket", "bracket"), ("check", "advance-recede")):
+        yield from _extremes(f"{name}Order", data.rows("enclosure", "order of max_t", case))
+    finest = computed[computed["case"] == "advance-recede"].sort_values("level").iloc[-1]
+    yield "checkLevel", str(finest["level"])
+    yield "checkUpper", _up(finest["upper"])
+    yield "checkLower", _down(finest["lower"])
+
+
+def _beyond(data: Data) -> Named:
+    """How many predictions about the fully discrete error came true."""
+    expected = data.rows("beyond: fully discrete", "")["expected"]
+    for outcome in ("agrees", "undecided", "differs"):
+        yield f"discrete{outcome.capitalize()}", str(int(expected.str.endswith(f": {outcome}").sum()))
+    constant = data.rows("(5.20)–(5.21), (5.42)", "error / (c")
+    yield "roomLeast", _down(1 / constant["high"].max(), 0)
+    yield "roomMost", _up(1 / constant["low"].min(), 0)
+
+
+def _made_with(data: Data) -> Named:
+    """The programs behind the committed data."""
+    yield "withPython", prose(data.provenance["python"])
+    packages = data.provenance["packages"]
+    yield "withPackages", ", ".join(f"{prose(name)} {prose(packages[name])}" for name in packages)
+
+
+def _extremes(name: str, rows: pd.DataFrame, digits: int = 2) -> Named:
+    yield f"{name}Min", _down(rows["low"].min(), digits)
+    yield f"{name}Max", _up(rows["high"].max(), digits)
+
+
+def _down(value: float, digits: int = 2) -> str:
+    return str(_rounded(value, digits, ROUND_FLOOR))
+
+
+def _up(value: float, digits: int = 2) -> str:
+    return str(_rounded(value, digits, ROUND_CEILING))
+
+
+def _rounded(value: float, digits: int, direction: str) -> Decimal:
+    return Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-digits), direction)
+
+
+def _upper(value: float) -> float:
+    """Rounded up to two significant digits."""
+    return float(_rounded(value, 1 - math.floor(math.log10(value)), ROUND_CEILING))
+
+
+def _count(value: float) -> str:
+    return f"{value:.0f}"
+
+
+def _percent(value: float) -> str:
+    return rf"{_upper(100 * value):.2g}\,\%"
+
+
+def _power(value: float) -> str:
+    return encode(f"{_upper(value):.1e}")

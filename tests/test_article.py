@@ -1,0 +1,192 @@
+"""The article types no result: its numbers and tables come from the data, and say no more than the data do."""
+
+from __future__ import annotations
+
+import json
+import re
+import shutil
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.article import Data, write_article
+from study.datafiles import DataError, read_claims
+from study.margin import bounds, used, worst
+
+ROOT = Path(__file__).parent.parent
+PAPER, RESULTS = ROOT / "paper", ROOT / "results"
+SOURCES = sorted(PAPER.glob("*.tex"))
+NAMES = ("rates", "claims", "cases", "bounds", "equivalence", "controls")
+
+SETTINGS = {"95": "confidence of intervals, in per cent", "3.11": "the oldest Python"}
+"""Decimal numbers and percentages that are settings, not results."""
+STATEMENT = r"(?:Problems?|Theorems?|Propositions?)[~ ][2-5]\.\d+(?: and(?:~| |\n)(?:Proposition~)?[2-5]\.\d+)?"
+EQUATION = r"\([2-5]\.\d{1,2}\)"
+LAYOUT = r"\.\d+\\linewidth|\\setlength\{[^}]*\}\{[^}]*\}|\\documentclass\[[^]]*\]"
+MACRO = re.compile(r"\\newcommand\{\\([A-Za-z]+)\}\{(.*)\}")
+
+
+def text(path: Path) -> str:
+    """The LaTeX source without its comments."""
+    return re.sub(r"(?<!\\)%.*", "", path.read_text(encoding="utf-8"))
+
+
+def typed_results(source: str) -> list[str]:
+    """Decimal numbers, percentages and powers of ten that are no numbers of statements, layout or settings."""
+    bare = re.sub(f"{STATEMENT}|{EQUATION}|{LAYOUT}", "", source)
+    found = re.findall(r"\d*\.\d+|\d+(?=(?:\\,|~|\s)*\\%)|10\^\{?-?\d+", bare)
+    return [number for number in found if number not in SETTINGS]
+
+
+def macros(directory: Path = RESULTS) -> dict[str, str]:
+    lines = (directory / "article" / "numbers.tex").read_text(encoding="utf-8").splitlines()
+    return {match[1]: match[2] for line in lines if (match := MACRO.fullmatch(line))}
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """A directory with the data of the article only, to spoil."""
+    (tmp_path / "data").mkdir()
+    for name in (*(f"{name}.csv" for name in NAMES), "provenance.json"):
+        shutil.copy(RESULTS / "data" / name, tmp_path / "data" / name)
+    return tmp_path
+
+
+@pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.name)
+def test_no_result_is_typed_into_the_article(source: Path) -> None:
+    assert typed_results(text(source)) == []
+
+
+def test_a_typed_result_would_be_found() -> None:
+    assert typed_results(r"the order is 0.97, of Proposition~5.4 and (5.36)") == ["0.97"]
+    assert typed_results(r"the time share is 2\,\%, the gap $10^{-7}$, the width .48\linewidth") == ["2", "10^{-7"]
+    assert typed_results(r"orders (0.97) and 1.03 by Propositions 5.3 and 5.4") == ["0.97", "1.03"]
+
+
+def test_the_tables_and_macros_are_those_of_the_committed_data(copy: Path) -> None:
+    written = write_article(copy)
+    assert {path.name for path in written} == {path.name for path in (RESULTS / "article").iterdir()}
+    for path in written:
+        assert path.read_bytes() == (RESULTS / "article" / path.name).read_bytes(), (
+            f"{path.name} is not that of results/data: run `study tables --out results`"
+        )
+
+
+def test_every_macro_is_used_and_every_file_exists() -> None:
+    source = "\n".join(text(path) for path in SOURCES)
+    commands = set(re.findall(r"\\([A-Za-z]+)", source))
+    assert set(macros()) <= commands
+    for name in re.findall(r"\\input\{([^}]*)\}", source):
+        assert (PAPER / f"{name}.tex").is_file(), name
+    for name in re.findall(r"\\includegraphics\[[^]]*\]\{([^}]*)\}", source):
+        assert (RESULTS / "figures" / f"{name}.pdf").is_file(), name
+
+
+def test_every_reference_is_cited_and_every_citation_has_one() -> None:
+    source = "\n".join(text(path) for path in SOURCES)
+    cited = {key for keys in re.findall(r"\\cite\{([^}]*)\}", source) for key in keys.split(",")}
+    listed = re.findall(r"@\w+\{(\w+),", (PAPER / "references.bib").read_text(encoding="utf-8"))
+    assert Counter(listed) == Counter(cited)
+
+
+def test_counts_of_the_ledger_are_those_of_its_file() -> None:
+    claims, found = pd.read_csv(RESULTS / "data" / "claims.csv"), macros()
+    assert int(found["ledgerRows"]) == len(claims)
+    for verdict in ("holds", "fails", "undecided", "reported"):
+        assert int(found[f"ledger{verdict.capitalize()}"]) == (claims["verdict"] == verdict).sum()
+
+
+def test_orders_in_the_text_enclose_those_computed_from_the_errors_and_no_more() -> None:
+    rates, found = pd.read_csv(RESULTS / "data" / "rates.csv"), macros()
+    orders = [
+        np.diff(np.log(series["error"])) / np.diff(np.log(series["h"]))
+        for _, series in rates[rates["claim"] == "Prop. 5.4"].sort_values("level").groupby(["case", "family"])
+    ]
+    low, high = float(found["orderLevelMin"]), float(found["orderLevelMax"])
+    assert low <= np.concatenate(orders).min() < low + 0.01
+    assert high - 0.01 < np.concatenate(orders).max() <= high
+
+
+def test_extremes_are_rounded_outwards(copy: Path) -> None:
+    path = copy / "data" / "claims.csv"
+    claims = pd.read_csv(path)
+    rows = (claims["label"] == "Prop. 5.4") & (claims["quantity"] == "order of the error, level by level")
+    claims.loc[rows, ["low", "high"]] = [[0.8999, 1.1001]] * int(rows.sum())
+    claims.to_csv(path, index=False)
+    write_article(copy)
+    assert (macros(copy)["orderLevelMin"], macros(copy)["orderLevelMax"]) == ("0.89", "1.11")
+
+
+@pytest.mark.parametrize(
+    ("expected", "ends"),
+    [
+        ("1 ± 0.15, every consecutive order", (0.85, 1.15)),
+        ("2, − 0.3 + 0.2", (1.7, 2.2)),
+        ("1.5 … 2, − 0.15 + 0.2", (1.35, 2.2)),
+        ("3/2 … 2 on one-diagonal meshes (superclose), ± 0.2", (1.3, 2.2)),
+        ("0.7 … 1.4 over two refinements: orders", (0.7, 1.4)),
+        ("≤ 2 % of the error", (-np.inf, 0.02)),
+        ("≤ 0 up to 1e-12", (-np.inf, 1e-12)),
+        ("≥ 1/2 of that at the vertex", (0.5, np.inf)),
+    ],
+)
+def test_the_ends_of_a_window_are_read_from_its_text(expected: str, ends: tuple[float, float]) -> None:
+    assert bounds(expected) == pytest.approx(ends)
+
+
+@pytest.mark.parametrize("expected", ["0 of 1885", "contains 1, at most 0.2 wide", "< 0.99, or carried by e"])
+def test_a_window_that_is_not_one_of_numbers_has_no_ends(expected: str) -> None:
+    assert bounds(expected) is None
+
+
+def test_a_row_holds_if_and_only_if_it_stays_within_its_window() -> None:
+    claims = read_claims(RESULTS)
+    judged = claims[claims["verdict"].isin(["holds", "fails"])]
+    shares = judged.apply(used, axis=1)
+    told = shares.notna()
+    # Text has no more digits than the data: equality counts as inside.
+    assert ((shares[told] <= 1 + 1e-9) == (judged.loc[told, "verdict"] == "holds")).all()
+    assert told.mean() > 0.95
+
+
+def test_the_share_grows_towards_either_end() -> None:
+    def row(low: float, high: float, expected: str) -> pd.Series:
+        return pd.Series({"expected": expected, "observed": low, "low": low, "high": high})
+
+    assert used(row(1.0, 1.0, "1 ± 0.1")) == pytest.approx(0.0, abs=1e-12)
+    assert used(row(0.95, 1.02, "1 ± 0.1")) == pytest.approx(0.5)
+    assert worst(row(0.95, 1.02, "1 ± 0.1")) == 0.95
+    assert used(row(0.0, 0.3, "≤ 0.2")) == pytest.approx(1.5)
+    assert used(row(0.8, 3.0, "≥ 0.4")) == pytest.approx(0.5)
+
+
+def test_only_a_full_run_with_its_controls_makes_the_article(copy: Path) -> None:
+    provenance = copy / "data" / "provenance.json"
+    made = json.loads(provenance.read_text(encoding="utf-8"))
+    provenance.write_text(json.dumps(made | {"plan": "quick"}), encoding="utf-8")
+    assert write_article(copy) == []
+    provenance.write_text(json.dumps(made), encoding="utf-8")
+    cases = pd.read_csv(copy / "data" / "cases.csv")
+    cases[cases["case"] == "corner"].to_csv(copy / "data" / "cases.csv", index=False)
+    assert write_article(copy) == []
+    cases.to_csv(copy / "data" / "cases.csv", index=False)
+    (copy / "data" / "controls.csv").unlink()
+    assert write_article(copy) == []
+    assert not (copy / "article").exists()
+
+
+def test_a_row_that_the_article_speaks_of_may_not_be_missing(copy: Path) -> None:
+    path = copy / "data" / "claims.csv"
+    claims = pd.read_csv(path)
+    claims[claims["case"] != "natural-front"].to_csv(path, index=False)
+    data = Data.read(copy)
+    assert data is not None
+    with pytest.raises(DataError, match="natural-front"):
+        data.rows("(5.36)", "order seen", "natural-front")
+    claims[claims["label"] != "Thm 4.2"].to_csv(path, index=False)
+    with pytest.raises(DataError, match=r"Thm 4\.2"):
+        write_article(copy)
+    assert not (copy / "article").exists()
