@@ -36,7 +36,7 @@ class Packed:
     @property
     def values(self) -> NDArray[np.float64]:
         """The rounded values, (times, ...)."""
-        return self.unit * self.multiples
+        return self.unit * self.multiples.astype(np.float64)
 
     def record(self) -> dict[str, Any]:
         """For a JSON file: the first time and then the changes, as they compress to a third."""

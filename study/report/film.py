@@ -1,0 +1,92 @@
+"""What the page needs to show a case in motion, from ``pictures/CASE.json``."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from study.datafiles import DataError
+from study.figures.body import SHARE
+from study.figures.pictures import CONTACT, Face, Picture
+from study.packing import Packed
+
+SHADES = 255
+BRIGHTEST = 0.95
+"""Stresses above this quantile share the last colour: peaks at fronts and corners would leave the rest dark."""
+
+Array = NDArray[np.float64]
+
+
+def read_film(path: Path) -> dict[str, Any]:
+    """A picture in the form that the script of the page reads.
+
+    ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y; ``shades``: of the stress of each
+    cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` makes the largest displacement a given share
+    of the body.
+
+    Raises:
+        DataError: the file is no picture, or an older one without motion.
+    """
+    picture = Picture.read(path)
+    record = json.loads(path.read_text(encoding="utf-8"))
+    try:
+        displacement, stress = (Packed.read(record[name]) for name in ("displacement", "von_mises"))
+        _require(displacement.multiples.shape, (len(picture.times), *picture.vertices.shape))
+        _require(stress.multiples.shape, (len(picture.times), picture.cells.shape[1]))
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(
+            f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: an older "
+            "version wrote it; the `study run` that wrote it makes it anew"
+        ) from error
+    brightest = float(np.quantile(stress.values, BRIGHTEST)) or float(stress.values.max()) or 1.0
+    shades = np.round(SHADES * np.sqrt(np.minimum(stress.values / brightest, 1)))
+    return {
+        "times": picture.times.tolist(),
+        "vertices": picture.vertices.tolist(),
+        "cells": picture.cells.T.ravel().tolist(),
+        "unit": displacement.unit,
+        "displacement": _base64(displacement.multiples.astype("<i2")),
+        "shades": _base64(shades.astype(np.uint8)),
+        "brightest": brightest,
+        "magnification": _magnification(picture.vertices, displacement.values),
+        "faces": [_face(face) for face in picture.faces],
+    }
+
+
+def _require(found: tuple[int, ...], expected: tuple[int, ...]) -> None:
+    if found != expected:
+        raise ValueError(f"shape {found}, expected {expected}")
+
+
+def _base64(values: NDArray[Any]) -> str:
+    return b64encode(values.tobytes()).decode("ascii")
+
+
+def _magnification(vertices: Array, displacement: Array) -> float:
+    """Rounded down to two digits, so that it can be stated."""
+    largest = float(np.linalg.norm(displacement, axis=1).max())
+    if largest == 0:
+        return 1.0
+    exact = SHARE * float(np.ptp(vertices, axis=1).max()) / largest
+    unit = 10.0 ** (np.floor(np.log10(exact)) - 1)
+    return float(f"{np.floor(exact / unit) * unit:.2g}")
+
+
+def _face(face: Face) -> dict[str, Any]:
+    return {
+        "face": face.number,
+        "normal": face.normal.tolist(),
+        "s": face.s.tolist(),
+        "x": face.x.tolist(),
+        "gap": face.gap.tolist(),
+        "gap_exact": face.gap_exact.tolist(),
+        "pressure": face.pressure.tolist(),
+        "pressure_exact": face.pressure_exact.tolist(),
+        "touches": CONTACT * face.pressure.max(initial=0.0),
+        "zone": {"times": face.zone_times.tolist(), "intervals": face.zone},
+    }

@@ -1,0 +1,312 @@
+"""The page of results shows every row of the data, asks no network for anything, and refuses data it cannot show."""
+
+from __future__ import annotations
+
+import base64
+import json
+import re
+import shutil
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from manufactured.catalogue import catalogue
+from study import jobs
+from study.cli import main
+from study.jobs import PictureJob
+from study.naming import resolve
+from study.packing import STEPS, Packed
+from study.pictures import picture
+from study.report import write_report
+from study.report.plots import finest_orders
+from study.report.sources import ROOT, sources
+from study.report.typeset import typeset
+from study.tables import DataError, bounds_table, equivalence_table, ledger_table, rates_table, stress_table
+
+RESULTS = Path(__file__).parents[1] / "results"
+PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
+HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
+TABLES = ("bounds", "cases", "claims", "enclosures", "equivalence", "rates", "stresses")
+FILES = [*(f"{name}.csv" for name in TABLES), "pictures/corner.json"]
+
+
+def write_data(directory: Path) -> Path:
+    """The committed data of three cases, with pictures of the two plane ones and with text that is hard on HTML."""
+    data = directory / "data"
+    (data / "pictures").mkdir(parents=True)
+    for name in TABLES:
+        frame = pd.read_csv(RESULTS / "data" / f"{name}.csv", dtype=str)
+        frame = frame[frame["case"].isin([*PLANE, SOLID]) | (name == "claims") & (frame["case"] == "all cases")]
+        if name == "cases":
+            frame.loc[frame["case"] == SOLID, "summary"] = HOSTILE
+        if name == "claims":
+            frame.iloc[-1, frame.columns.get_loc("quantity")] = HOSTILE
+        frame.to_csv(data / f"{name}.csv", index=False)
+    for name in ("controls.csv", "provenance.json"):
+        shutil.copy(RESULTS / "data" / name, data)
+    for case in PLANE:
+        (data / "pictures" / f"{case}.json").write_text(json.dumps(picture(resolve(case))))
+    return directory
+
+
+class Page(HTMLParser):
+    """The elements of a page: tags with attributes, rows of tables as texts, scripts of data."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.tags: list[tuple[str, dict[str, str | None]]] = []
+        self.rows: list[list[str]] = []
+        self.data: list[str] = []
+        self.text = ""
+        self._in_cell = self._in_data = False
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.append((tag, dict(attrs)))
+        if tag == "tr":
+            self.rows.append([])
+        if tag in ("td", "th"):
+            self.rows[-1].append("")
+            self._in_cell = True
+        if tag == "script" and dict(attrs).get("type") == "application/json":
+            self.data.append("")
+            self._in_data = True
+
+    def handle_endtag(self, tag: str) -> None:
+        self._in_cell &= tag not in ("td", "th")
+        self._in_data &= tag != "script"
+
+    def handle_data(self, data: str) -> None:
+        self.text += data
+        if self._in_cell:
+            self.rows[-1][-1] += data
+        if self._in_data:
+            self.data[-1] += data
+
+
+def plain(text: str) -> str:
+    """Text without the marks of scripts, which the page raises and lowers instead."""
+    return re.sub(r"[\^_{}]", "", text)
+
+
+@pytest.fixture(scope="module")
+def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Data and page; tests only read them."""
+    made = write_data(tmp_path_factory.mktemp("report"))
+    write_report(made)
+    return made
+
+
+@pytest.fixture(scope="module")
+def text(directory: Path) -> str:
+    return (directory / "report.html").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def page(text: str) -> Page:
+    return Page(text)
+
+
+@pytest.fixture
+def data(directory: Path, tmp_path: Path) -> Path:
+    """A directory with the same data only, to spoil."""
+    shutil.copytree(directory / "data", tmp_path / "data")
+    return tmp_path
+
+
+def test_every_row_of_the_ledger_is_on_the_page_in_its_order(directory: Path, page: Page) -> None:
+    columns = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
+    expected = [[plain(cell) for cell in row] for row in ledger_table(directory).cells[columns].to_numpy()]
+    start = page.rows.index(columns) + 1
+    rows = [[plain(cell) for cell in row] for row in page.rows[start:] if len(row) == len(columns)]
+    assert rows[: len(expected)] == expected
+    heads = [row[0] for row in page.rows[start:] if len(row) == 1]
+    labels = pd.read_csv(directory / "data" / "claims.csv").groupby(["label", "statement"], sort=False).groups
+    assert len(heads) == len(labels)
+    for head, (label, statement) in zip(heads, labels, strict=True):
+        assert plain(f"{label} {statement}") in plain(head)
+
+
+def test_the_numbers_of_verdicts_are_those_of_the_ledger(directory: Path, page: Page) -> None:
+    claims = pd.read_csv(directory / "data" / "claims.csv")
+    for verdict in ("holds", "reported", "undecided", "fails"):
+        count = (claims["verdict"] == verdict).sum()
+        assert f"{count} {verdict}" in page.text
+    by_statement = [row for row in page.rows if len(row) == 7 and row[6].startswith("study/")]
+    totals = claims.groupby(["label", "statement"], sort=False).size()
+    assert [sum(int(count or 0) for count in row[2:6]) for row in by_statement] == totals.tolist()
+
+
+def test_every_row_of_the_other_tables_is_on_the_page(directory: Path, page: Page) -> None:
+    for table in (rates_table(directory), equivalence_table(directory), stress_table(directory)):
+        shown = table.cells.drop(columns=["case", "claim"], errors="ignore").to_numpy().tolist()
+        assert shown
+        assert [row for row in shown if [plain(cell) for cell in row] not in page.rows] == []
+    bounds = bounds_table(directory).cells.to_numpy().tolist()
+    assert [row for row in bounds if row not in page.rows] == []
+    controls = pd.read_csv(directory / "data" / "controls.csv")
+    assert set(controls["defect"]) <= {row[0] for row in page.rows}
+
+
+def test_text_of_the_data_cannot_become_markup(text: str, page: Page) -> None:
+    assert "img" not in {tag for tag, _ in page.tags}
+    # The summary twice, in the list of cases and on the page of its case, and the quantity once.
+    assert page.text.count(HOSTILE) == 3
+    assert "<img" not in text
+
+
+def test_nothing_on_the_page_is_fetched(text: str, page: Page) -> None:
+    addresses = [
+        value or "" for _, attributes in page.tags for key, value in attributes.items() if key in ("src", "href")
+    ]
+    assert addresses
+    assert [address for address in addresses if not address.startswith(("#", "data:"))] == []
+    assert not re.search(r"https?://(?!www\.w3\.org/2000/svg)|@import|url\(", text)
+    assert "default-src 'none'" in text
+
+
+def test_links_lead_to_sections_of_the_page(page: Page) -> None:
+    ids = {attributes.get("id") for _, attributes in page.tags}
+    links = [attributes["href"] or "" for tag, attributes in page.tags if tag == "a"]
+    assert {link[1:].split("?")[0] for link in links} <= ids
+    assert len({attributes["id"] for _, attributes in page.tags if "id" in attributes}) == sum(
+        "id" in attributes for _, attributes in page.tags
+    )
+
+
+def test_plane_cases_are_shown_in_motion_and_solids_by_numbers(page: Page) -> None:
+    films = [attributes["data-case"] for tag, attributes in page.tags if tag == "section" and "data-case" in attributes]
+    assert films == PLANE
+    assert f"case/{SOLID}" in {attributes.get("id") for _, attributes in page.tags}
+
+
+def test_the_motion_on_the_page_passes_through_the_shapes_of_the_picture(directory: Path, page: Page) -> None:
+    for case, content in zip(PLANE, page.data, strict=True):
+        film = json.loads(content)
+        record = json.loads((directory / "data" / "pictures" / f"{case}.json").read_text())
+        raw = np.frombuffer(base64.b64decode(film["displacement"]), dtype="<i2")
+        moving = film["unit"] * raw.reshape(len(film["times"]), 2, -1)
+        for shape in record["shapes"]:
+            expected = np.array(shape["displacement"])
+            rounding = 0.5 * film["unit"] + 5e-4 * abs(expected)
+            assert (abs(moving[film["times"].index(shape["time"])] - expected) <= rounding).all()
+        assert abs(raw).max() == STEPS
+
+
+def test_shades_grow_with_the_stress_and_the_brightest_is_reached(directory: Path, page: Page) -> None:
+    film = json.loads(page.data[0])
+    record = json.loads((directory / "data" / "pictures" / f"{PLANE[0]}.json").read_text())
+    stress = Packed.read(record["von_mises"]).values.ravel()
+    shades = np.frombuffer(base64.b64decode(film["shades"]), dtype=np.uint8)
+    assert (np.diff(shades[np.argsort(stress, kind="stable")].astype(int)) >= 0).all()
+    assert ((shades == 255) == (stress >= film["brightest"] * (254.5 / 255) ** 2)).all()
+
+
+def test_a_second_run_gives_the_same_bytes(data: Path, text: str) -> None:
+    assert write_report(data).read_text(encoding="utf-8") == text
+
+
+@pytest.mark.parametrize("name", FILES)
+def test_missing_data_are_named_with_the_command_that_makes_them(data: Path, name: str) -> None:
+    (data / "data" / name).unlink()
+    with pytest.raises(DataError, match=rf"{re.escape(name)} is missing: make it with `study run --out"):
+        write_report(data)
+    assert not (data / "report.html").exists()
+
+
+def test_a_picture_of_an_older_version_is_refused(data: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = data / "data" / "pictures" / "corner.json"
+    record = json.loads(path.read_text())
+    del record["displacement"]
+    path.write_text(json.dumps(record))
+    assert main(["report", "--out", str(data)]) == 2
+    message = capsys.readouterr().err
+    assert "corner.json holds no displacement" in message
+    assert "older version" in message
+    assert not (data / "report.html").exists()
+
+
+def test_a_film_with_other_cells_than_its_mesh_is_refused(data: Path) -> None:
+    path = data / "data" / "pictures" / "corner.json"
+    record = json.loads(path.read_text())
+    record["displacement"] = Packed.of(np.zeros((17, 2, 3))).record()
+    path.write_text(json.dumps(record))
+    with pytest.raises(DataError, match=r"shape \(17, 2, 3\), expected"):
+        write_report(data)
+
+
+def test_a_directory_without_a_run_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["report", "--out", str(tmp_path)]) == 2
+    assert "study run" in capsys.readouterr().err
+
+
+def test_without_measured_defects_the_page_says_how_to_measure_them(data: Path) -> None:
+    (data / "data" / "controls.csv").unlink()
+    assert "study controls" in write_report(data).read_text(encoding="utf-8")
+
+
+def test_every_statement_of_the_committed_ledger_names_the_files_that_judge_it() -> None:
+    found = sources()
+    for label in pd.read_csv(RESULTS / "data" / "claims.csv")["label"].unique():
+        assert found[label], label
+        assert all((ROOT / file).is_file() for file in found[label])
+
+
+def test_packed_values_are_kept_to_half_a_unit() -> None:
+    values = np.random.default_rng(1).normal(size=(5, 2, 7)).cumsum(axis=0)
+    record = json.loads(json.dumps(Packed.of(values).record()))
+    again = Packed.read(record)
+    # The unit itself is kept to six digits.
+    assert abs(again.values - values).max() <= 0.501 * again.unit
+    assert again.unit == pytest.approx(abs(values).max() / STEPS, rel=1e-5)
+    assert not Packed.of(np.zeros((3, 4))).values.any()
+
+
+@pytest.mark.parametrize("damage", [{"changes": "AAAA"}, {"changes": "?"}, {"shape": [2, 2]}])
+def test_damaged_packed_values_are_refused(damage: dict[str, Any]) -> None:
+    with pytest.raises(ValueError):  # noqa: PT011
+        Packed.read(Packed.of(np.ones((3, 4))).record() | damage)
+
+
+def test_a_picture_of_another_form_is_made_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    before = PictureJob("corner").fingerprint()
+    monkeypatch.setattr(jobs, "FORM", jobs.FORM + 1)
+    assert PictureJob("corner").fingerprint() != before
+
+
+@pytest.mark.parametrize(
+    ("plain_text", "html"),
+    [
+        ("‖u − u^h‖_V", "‖u − u<sup>h</sup>‖<sub>V</sub>"),
+        ("‖v‖_{L∞(0,T;V)}", "‖v‖<sub>L∞(0,T;V)</sub>"),
+        ("‖v‖_{H_{1}}", "‖v‖<sub>H<sub>1</sub></sub>"),
+        ("w ~ r^1.75, H^(1+s)", "w ~ r<sup>1.75</sup>, H<sup>(1+s)</sup>"),
+        ("a < b & c ^ d", "a &lt; b &amp; c ^ d"),
+        ("x^<", "x^&lt;"),
+    ],
+)
+def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text: str, html: str) -> None:
+    assert typeset(plain_text) == html
+
+
+def test_orders_over_two_refinements_are_those_of_a_power_of_h() -> None:
+    h = 1 / np.array([8.0, 16.0, 32.0, 64.0])
+    # The coarsest level does not count.
+    frame = pd.DataFrame({"family": "shaken", "level": [8, 16, 32, 64], "h": h, "error": 3 * h**0.5 + (h == 0.125)})
+    assert finest_orders(frame) == {"shaken": pytest.approx(0.5)}
+    assert finest_orders(frame.head(1)) == {}
+
+
+@pytest.mark.slow
+def test_the_page_of_the_committed_run_has_at_most_6_megabytes_and_its_pictures_130_kilobytes(tmp_path: Path) -> None:
+    shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs"))
+    for case in catalogue():
+        if case.solution.body.dim == 2:
+            path = tmp_path / "data" / "pictures" / f"{case.name}.json"
+            path.write_text(json.dumps(picture(case)) + "\n")
+            assert path.stat().st_size <= 130e3
+    assert write_report(tmp_path).stat().st_size <= 6e6
