@@ -133,6 +133,17 @@ class ContactFace:
         return Lifting(self, x)
 
 
+class _Traces:
+    """(w, (q, r)), or its rate, at fixed places along a face, with derivatives: w up to order+1, (q, r) up to order."""
+
+    def __init__(self, face: ContactFace, s: Array) -> None:
+        self.face, self.s, self.strain = face, s, face.strain.at(s)
+
+    def __call__(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
+        gap = self.face.gap_rate_jet if rate else self.face.gap_jet
+        return gap(self.s, time, order + 1), self.strain(time, order)[rate]
+
+
 class Lifting:
     """u, u̇, ε, ε̇ and their gradients at fixed points; what time does not change is kept.
 
@@ -150,7 +161,7 @@ class Lifting:
         if not self.reach.all():
             places, self.y = places[:, self.reach], self.y[self.reach]
         self.s, self.where = _distinct(places)
-        self.strain_on_face = face.strain.at(self.s)
+        self.on_face = _Traces(face, self.s)
         self._functions: dict[tuple[str, int], Array] = {}
 
     def _profile(self, name: str, derivative: int) -> Array:
@@ -163,13 +174,8 @@ class Lifting:
 
     def traces(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
         """(w, (q, r)), or its rate, with derivatives along the face: w up to order+1, (q, r) up to order."""
-        w, strain = self._on_face(time, rate, order)
+        w, strain = self.on_face(time, rate, order)
         return self._spread(w), tuple(self._spread(values) for values in strain)
-
-    def _on_face(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
-        """The traces at the different places along the face."""
-        gap = self.face.gap_rate_jet if rate else self.face.gap_jet
-        return gap(self.s, time, order + 1), self.strain_on_face(time, order)[rate]
 
     def _spread(self, values: Values) -> Values:
         return values if self.where is None else {index: v[self.where] for index, v in values.items()}
@@ -215,12 +221,13 @@ class Lifting:
 
     def modes(self) -> Modes:
         """ε(u) as a sum of products, one for each term of the local strain."""
-        shear = len(self.strain_on_face(0.0, 0)[0]) - 1
-        terms = _terms(len(self.s), self._deep, shear)
+        # The amplitudes keep what they need, not the points.
+        on_face, order = self.on_face, 1 + self._deep
+        terms = _terms(len(self.s), self._deep, len(on_face(0.0, False, 0)[1]) - 1)
         axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
 
         def amplitudes(time: float, rate: bool) -> Array:
-            w, strain = self._on_face(time, rate, 1 + self._deep)
+            w, strain = on_face(time, rate, order)
             return np.array([(w, *strain)[term.source][term.along].ravel() for term in terms])
 
         return Modes(

@@ -76,6 +76,10 @@ class SingularField:
         jet = Jet(sp.sympify(self.theta), (s,))
         return jet, jet.rate()
 
+    def at_time(self, time: complex, rate: bool) -> Array:
+        """θ(t) or its rate."""
+        return self.amplitude[rate](np.zeros((1, 1)), time)[0,][0]
+
     def at(self, x: Points) -> SingularAtPoints:
         """The field at fixed points, (2, ...)."""
         return SingularAtPoints(self, x)
@@ -89,27 +93,25 @@ class SingularAtPoints:
         offset = x - np.array(field.centre).reshape((-1,) + (1,) * (x.ndim - 1))
         self.local = np.tensordot(field.frame.T, offset, axes=1)
 
-    def _theta(self, time: complex, rate: bool) -> Array:
-        return self.field.amplitude[rate](np.zeros((1, 1)), time)[0,][0]
-
     def displacement(self, time: complex, rate: bool = False) -> Vectors:
         """u (or u̇), (2, ...)."""
-        return self._theta(time, rate) * self._displacement
+        return self.field.at_time(time, rate) * self._displacement
 
     def strain(self, time: complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)), (3, ...)."""
-        return self._theta(time, rate) * self._strain
+        return self.field.at_time(time, rate) * self._strain
 
     def strain_gradient(self, time: complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇), (3, 2, ...)."""
-        return self._theta(time, rate) * self._strain_gradient
+        return self.field.at_time(time, rate) * self._strain_gradient
 
     def modes(self) -> Modes:
         """ε(u) as θ(t) times one field for each component."""
         shapes = self._strain.reshape(len(self._strain), -1)
+        field, count = self.field, len(shapes)
 
         def amplitudes(time: float, rate: bool) -> Array:
-            return np.full((len(shapes), 1), self._theta(time, rate))
+            return np.full((count, 1), field.at_time(time, rate))
 
         points = np.flatnonzero(shapes.any(axis=0))
         places = np.zeros(len(points), dtype=int)

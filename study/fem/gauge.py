@@ -77,12 +77,13 @@ class Gauge:
         points = Points.of(found)
         viscous, elastic = (points.weights * tensor.factor(points.x) for tensor in (self.A, self.G))
         self.viscous = points.totals(viscous)
-        self._modes = solution.at(points.x).modes()
-        self._energy = Energy(self._modes, viscous, self.A.matrix)
-        self._strains = CellIntegrals(self._modes, points, viscous)
+        modes = solution.at(points.x).modes()
+        self._parts = [part.amplitudes for part in modes]
+        self._energy = Energy(modes, viscous, self.A.matrix)
+        self._strains = CellIntegrals(modes, points, viscous)
         if isinstance(self.G, Linear):
             same = np.array_equal(viscous, elastic)
-            integrals = self._strains if same else CellIntegrals(self._modes, points, elastic)
+            integrals = self._strains if same else CellIntegrals(modes, points, elastic)
             self._response = self._linear(self.G, integrals)
         else:
             self._response = Pointwise(solution, found, len(self.viscous))
@@ -94,7 +95,7 @@ class Gauge:
             self._faces.append((face, solution.on(face, rule.s), rule))
 
     def _amplitudes(self, time: float, rate: bool = False) -> Amplitudes:
-        return [part.amplitudes(time, rate) for part in self._modes]
+        return [amplitudes(time, rate) for amplitudes in self._parts]
 
     def _linear(self, G: Linear, integrals: CellIntegrals) -> Callable[[float], Tensors]:
         """t ↦ ∫_T G ε(u(t)), (D, cells), for a linear G: G of the integral of the strain."""

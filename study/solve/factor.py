@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sps
 from scipy.linalg.blas import dsyrk, dtrsm
-from scipy.linalg.lapack import dpotrf, dtrtrs
+from scipy.linalg.lapack import dpotrf, dtfsm, dtfttr, dtrttf
 
 from manufactured.tensors import Array
 from study.solve.dissection import Integers, nested_dissection
@@ -27,7 +27,8 @@ class Block(NamedTuple):
     Attributes:
         own: the positions of the unknowns eliminated together.
         border: the positions of the later unknowns with entries in these columns, increasing, (b,).
-        diagonal: the lower triangle of L on the own unknowns, (k, k).
+        diagonal: the lower triangle of L on the own unknowns in rectangular full packed form, (k(k+1)/2,): half of a
+            square of them, which is a third of what the factor would take.
         below: L on the border, (b, k).
     """
 
@@ -51,7 +52,9 @@ class Factor:
     def __init__(self, S: sps.csc_array, last: Sequence[int] | Integers = ()) -> None:
         self.order, starts = nested_dissection(S, np.asarray(last, dtype=np.int64))
         self.blocks = _factorise(sps.csr_array(S)[self.order][:, self.order], starts)
-        self.trailing = self.blocks[-1].diagonal if len(last) else np.zeros((0, 0))
+        self.trailing = (
+            np.tril(dtfttr(len(last), self.blocks[-1].diagonal, uplo="L")[0]) if len(last) else np.zeros((0, 0))
+        )
 
     def __call__(self, b: Array) -> Array:
         """S⁻¹ b, (n,) or (n, columns)."""
@@ -59,19 +62,19 @@ class Factor:
 
     def forward(self, b: Array) -> Array:
         """y = L⁻¹ P b."""
-        y = b[self.order]
+        y = b[self.order].reshape(len(b), -1)
         for own, border, diagonal, below in self.blocks:
-            y[own] = dtrtrs(diagonal, y[own], lower=1)[0]
+            y[own] = dtfsm(1.0, diagonal, y[own], uplo="L")
             y[border] -= below @ y[own]
-        return y
+        return y.reshape(b.shape)
 
     def backward(self, y: Array) -> Array:
         """Pᵀ L⁻ᵀ y."""
-        x = y.copy()
+        x = y.reshape(len(y), -1).copy()
         for own, border, diagonal, below in reversed(self.blocks):
-            x[own] = dtrtrs(diagonal, x[own] - below.T @ x[border], lower=1, trans=1)[0]
-        u = np.empty_like(x)
-        u[self.order] = x
+            x[own] = dtfsm(1.0, diagonal, x[own] - below.T @ x[border], uplo="L", trans="T")
+        u = np.empty_like(y)
+        u[self.order] = x.reshape(y.shape)
         return u
 
 
@@ -111,8 +114,9 @@ def _eliminate(lower: sps.csc_array, start: int, end: int, left: list[tuple[Inte
     diagonal, failed = dpotrf(front[:k, :k], lower=1)
     if failed:
         raise np.linalg.LinAlgError("the matrix is not positive definite, so it has no Cholesky factor")
+    packed = dtrttf(diagonal, uplo="L")[0]
     if k == len(unknowns):
-        return Block(slice(start, end), unknowns[k:], diagonal, np.zeros((0, k))), np.zeros((0, 0))
+        return Block(slice(start, end), unknowns[k:], packed, np.zeros((0, k))), np.zeros((0, 0))
     below = dtrsm(1.0, diagonal, front[k:, :k], side=1, lower=1, trans_a=1)
     remainder = dsyrk(-1.0, below, beta=1.0, c=front[k:, k:], lower=1)
-    return Block(slice(start, end), unknowns[k:], diagonal, below), remainder
+    return Block(slice(start, end), unknowns[k:], packed, below), remainder
