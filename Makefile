@@ -12,6 +12,7 @@ study: $(READY)  ## quick study into results/quick, a minute and a half
 full: $(READY)  ## all levels into results/, and the slow tests
 	$(BIN)/study run --full --out results
 	$(BIN)/study controls --out results
+	$(BIN)/study tables --out results
 	$(BIN)/pytest -m slow --numprocesses auto
 
 controls: $(READY)  ## deliberate defects that the verdicts must catch, half a minute

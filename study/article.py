@@ -18,8 +18,8 @@ import pandas as pd
 
 from study.datafiles import DataError, read_claims, read_csv, read_rates
 from study.latex import encode, longtable, prose
+from study.macros import macros
 from study.margin import bounds, used, worst
-from study.numbers import macros
 from study.store import write_text
 
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
@@ -157,7 +157,7 @@ def smooth(data: Data) -> str:
         "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V": _observed,
         "time share": _percent,
     }
-    headings = ["case", "regularity", r"\(n\)", *("error",) * 2, "superclose", "other", "share", r"time, \%"]
+    headings = ["case", "regularity", r"\(n\)", "orders", "fitted", "superclose", "other", "share", r"time, \%"]
     body = []
     for case, rows in data.rates[data.rates["claim"] == "Prop. 5.4"].groupby("case", sort=False):
         found = [_cell(data, "Prop. 5.4", quantity, str(case), form) for quantity, form in quantities.items()]

@@ -120,6 +120,15 @@ def test_extremes_are_rounded_outwards(copy: Path) -> None:
     assert (macros(copy)["orderLevelMin"], macros(copy)["orderLevelMax"]) == ("0.89", "1.11")
 
 
+def test_a_defect_of_zero_is_zero(copy: Path) -> None:
+    path = copy / "data" / "claims.csv"
+    claims = pd.read_csv(path)
+    claims.loc[claims["quantity"] == "u ∈ K^h though never imposed", ["low", "high"]] = 0.0
+    claims.to_csv(path, index=False)
+    write_article(copy)
+    assert macros(copy)["agreeMembership"] == "0"
+
+
 @pytest.mark.parametrize(
     ("expected", "ends"),
     [

@@ -120,7 +120,7 @@ def _bounds(data: Data) -> Named:
     yield "encloseUpperMax", _up(data.rows("enclosure", "upper bound / error over")["high"].max())
     computed = data.bounds[data.bounds["trajectory"] == "enclosure"]
     yield "encloseLeast", _down(computed["lower"].min())
-    yield "encloseRows", str(len(computed))
+    yield "encloseRows", str(computed["error"].count())
     for name, case in (("ramp", "ramp"), ("bracket", "bracket"), ("check", "advance-recede")):
         yield from _extremes(f"{name}Order", data.rows("enclosure", "order of max_t", case))
     finest = computed[computed["case"] == "advance-recede"].sort_values("level").iloc[-1]
@@ -165,6 +165,8 @@ def _rounded(value: float, digits: int, direction: str) -> Decimal:
 
 def _upper(value: float) -> float:
     """Rounded up to two significant digits."""
+    if value == 0:
+        return 0.0
     return float(_rounded(value, 1 - math.floor(math.log10(value)), ROUND_CEILING))
 
 
@@ -177,4 +179,4 @@ def _percent(value: float) -> str:
 
 
 def _power(value: float) -> str:
-    return encode(f"{_upper(value):.1e}")
+    return encode(f"{_upper(value):.1e}") if value else "0"
