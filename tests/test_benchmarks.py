@@ -12,7 +12,7 @@ import pandas as pd
 import pytest
 import scipy.sparse as sps
 from benchmarks import compare, growth, ratios, report
-from benchmarks.level import SOLVERS, Place, Watched, errors
+from benchmarks.level import DIRECT, Place, Watched, errors
 from benchmarks.peers import problem as exchange
 
 from study.fem.mesh import OneDiagonal
@@ -123,7 +123,7 @@ def test_a_row_of_growth_has_the_columns_of_the_table() -> None:
 
 
 def test_a_watched_solver_does_not_change_the_level() -> None:
-    watched = Watched(SOLVERS["direct"], 3)
+    watched = Watched(DIRECT, 3)
     place = Place("advance-recede", "shaken", 8)
     assert errors(place.setup(watched, 8)) == errors(place.setup(steps=8))
     assert (watched.made, len(watched.rights), len(watched.step_seconds)) == (1, 3, 8)

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from benchmarks.level import SOLVERS, Place, Watched, compile_formulas, errors
+from benchmarks.level import DIRECT, Place, Watched, compile_formulas, errors
 from study.naming import resolve
 from study.solve import signorini
 from study.solve.factor import Factor
@@ -19,11 +19,10 @@ LEVELS = [int(n) for n in os.environ.get("BENCH_LEVELS", "256 512").split()]
 PLACES = [Place("advance-recede", family, n) for n in LEVELS for family in ("one-diagonal", "shaken")]
 SOLIDS = [Place("cube-disc", "one-diagonal", 18)]
 NONLINEAR = [Place(case, "shaken", 64) for case in ("yield-and-release", "yield-on-a-part")]
-DIRECT = SOLVERS["direct"]
 RIGHTS = 12
 """Right sides of consecutive steps on which solves are timed."""
 REPEATED = 256
-"""Largest n at which whole levels are repeated: beyond, one takes a minute and more."""
+"""Largest n at which whole levels are done three times, and not twice."""
 
 
 @pytest.fixture(scope="module", params=PLACES + SOLIDS, ids=lambda place: f"{place.case}-{place.family}-{place.n}")
@@ -54,14 +53,14 @@ def bench_condensation(benchmark: Any, watched: tuple[Place, Watched], monkeypat
     factor = seen.contact.factor
     monkeypatch.setattr(signorini, "Factor", lambda S, last: factor)
     describe(benchmark, "condensation", place, seen.S.shape[0])
-    benchmark.pedantic(DIRECT.make, args=(seen.S, seen.N), rounds=5)
+    benchmark.pedantic(signorini.Signorini, args=(seen.S, seen.N), rounds=5)
 
 
 def bench_solve(benchmark: Any, watched: tuple[Place, Watched]) -> None:
     place, seen = watched
     rights = cycle(seen.rights)
     describe(benchmark, "solve", place, seen.S.shape[0])
-    bare = DIRECT.bare(seen.contact)
+    bare = DIRECT.bare(seen)
     benchmark.pedantic(bare, setup=lambda: ((next(rights),), {}), rounds=2 * RIGHTS, warmup_rounds=1)
 
 
@@ -83,7 +82,7 @@ def bench_level(benchmark: Any, place: Place) -> None:
         describe(benchmark, "level", place, setup.space.dofs)
 
     compile_formulas(place.case)
-    benchmark.pedantic(level, rounds=2 if place.n <= REPEATED else 1)
+    benchmark.pedantic(level, rounds=3 if place.n <= REPEATED else 2)
 
 
 @pytest.mark.parametrize("place", NONLINEAR, ids=lambda place: f"{place.case}-{place.family}-{place.n}")

@@ -1,6 +1,6 @@
 """How time and memory grow with the mesh: every level in a process of its own, `make bench-growth`.
 
-    python -m benchmarks.growth [--out DIRECTORY] [--largest DOFS]
+    python -m benchmarks.growth [--out DIRECTORY] [--largest N]
 
 A process knows the largest memory it ever held, so one level each.
 """
@@ -22,12 +22,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from benchmarks.level import SOLVERS, Place, Watched, compile_formulas, errors
+from benchmarks.level import SOLVERS, STEPS, Place, Watched, compile_formulas, errors
 from benchmarks.report import RESULTS, single_thread, write
 from study.naming import resolve
 
-STEPS = 16
-"""Time steps of a level here: as many as show its growth."""
 RIGHTS = 5
 """Right sides on which bare solves are timed."""
 EXPONENT, BYTES = 1.2, 4000.0
@@ -57,14 +55,14 @@ class Level:
     def measure(self) -> dict[str, Any]:
         """The row; to be called in a process that has done nothing else."""
         dim = resolve(self.case).solution.body.dim
-        solver = SOLVERS[self.solver]
-        watched = Watched(solver, RIGHTS)
+        watched = Watched(SOLVERS[self.solver], RIGHTS)
         compile_formulas(self.case)
         start = perf_counter()
-        setup = Place(self.case, "one-diagonal", self.n).setup(watched, STEPS)
+        setup = Place(self.case, "one-diagonal", self.n).setup(watched)
         errors(setup)
         seconds = perf_counter() - start
-        bare = solver.bare(watched.contact)
+        peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        bare = watched.solver.bare(watched)
         return {
             "n": self.n,
             "dofs": setup.space.dofs,
@@ -72,7 +70,7 @@ class Level:
             "solve_seconds": median(_seconds(bare, b) for b in watched.rights),
             "step_seconds": median(watched.step_seconds),
             "level_seconds": seconds,
-            "peak_bytes": 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss,
+            "peak_bytes": peak,
             "dim": dim,
             "solver": self.solver,
         }

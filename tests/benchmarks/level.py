@@ -10,10 +10,13 @@ from typing import Any
 import scipy.sparse as sps
 
 from manufactured.tensors import Array
+from study.fem.space import Space
 from study.naming import family_named, resolve
 from study.solve.evolution import Midpoint
-from study.solve.signorini import Signorini
+from study.solve.signorini import ContactSolver, Signorini
 from study.sweep import Setup
+
+Make = Callable[[sps.csc_array, sps.csr_array], Any]
 
 STEPS = 64
 """Time steps of a level, unless said otherwise."""
@@ -24,15 +27,16 @@ class Solver:
     """A contact solver as data.
 
     Attributes:
-        make: (S, N) ↦ the contact solve.
-        bare: a contact solve ↦ b ↦ S⁻¹b with the same factorisation or preconditioner.
+        on: a space ↦ ((S, N) ↦ the contact solve).
+        bare: a watched solver ↦ (b ↦ S⁻¹b with the same factorisation or preconditioner).
     """
 
-    make: Callable[[sps.csc_array, sps.csr_array], Any]
-    bare: Callable[[Any], Callable[[Array], Array]]
+    on: Callable[[Space], Make]
+    bare: Callable[[Watched], Callable[[Array], Array]]
 
 
-SOLVERS = {"direct": Solver(Signorini, lambda contact: contact.factor)}
+DIRECT = Solver(on=lambda space: Signorini, bare=lambda watched: watched.contact.factor)
+SOLVERS = {"direct": DIRECT}
 
 
 class Watched:
@@ -40,6 +44,7 @@ class Watched:
 
     Attributes:
         made: how often a solver was made for a matrix.
+        make: (S, N) ↦ the solver, on the space of the level.
         S, N: what it was last made for.
         contact: the solver made.
         setup_seconds: what making it took.
@@ -47,16 +52,22 @@ class Watched:
         step_seconds: the seconds of every contact solve.
     """
 
+    make: Make
+
     def __init__(self, solver: Solver, keep: int) -> None:
         self.solver, self.keep = solver, keep
         self.made = 0
         self.rights: list[Array] = []
         self.step_seconds: list[float] = []
 
-    def __call__(self, S: sps.csc_array, N: sps.csr_array) -> Callable[[Array], tuple[Array, Array]]:
+    def on(self, space: Space) -> Make:
+        self.make = self.solver.on(space)
+        return self._watch
+
+    def _watch(self, S: sps.csc_array, N: sps.csr_array) -> ContactSolver:
         self.S, self.N, self.made = S, N, self.made + 1
         start = perf_counter()
-        self.contact = self.solver.make(S, N)
+        self.contact = self.make(S, N)
         self.setup_seconds = perf_counter() - start
         return self._solve
 
@@ -77,10 +88,10 @@ class Place:
     family: str
     n: int
 
-    def setup(self, solver: Any = Signorini, steps: int = STEPS) -> Setup:
+    def setup(self, solver: Solver | Watched = DIRECT, steps: int = STEPS) -> Setup:
         """Mesh, space, matrices and quadrature for the midpoint rule with a solver."""
         setup = Setup.of(resolve(self.case).solution, family_named(self.family), self.n, Midpoint(), steps)
-        return replace(setup, problem=replace(setup.problem, solver=solver))
+        return replace(setup, problem=replace(setup.problem, solver=solver.on(setup.space)))
 
 
 def errors(setup: Setup) -> list[float]:

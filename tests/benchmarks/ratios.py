@@ -140,7 +140,7 @@ def main(timings: Path, directory: Path = RESULTS) -> None:
     new = table(json.loads(timings.read_text(encoding="utf-8"))["benchmarks"])
     old = committed(RESULTS / "ratios.csv")
     notes = [
-        "Medians; *low* and *high* from the quartiles of both timings; "
+        "Medians; *low* and *high* from the quartiles of both timings. "
         f"A level is everything from the mesh to the error at each of {STEPS} midpoint steps.",
     ]
     write(directory, "ratios", new, "Ratios", notes)
