@@ -13,6 +13,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.case import Case
+from study import memory
 from study.equilibrated.measure import Place, measure_stresses
 from study.equilibrated.measure import steps_for as stress_steps
 from study.equivalence import compare
@@ -24,7 +25,7 @@ from study.statements import STATEMENTS
 from study.statements.base import Setting, Statement
 from study.sweep import measure_case
 
-METHOD = 2
+METHOD = 3
 """To be raised with every change of the code that changes numbers: older results are then computed anew.
 A test measures small levels again and compares."""
 
@@ -48,12 +49,14 @@ def _by_value(item: object) -> object:
 
 
 class Job(Protocol):
-    """A piece of work. ``cost`` is proportional to its expected time."""
+    """A piece of work. ``cost`` is its expected time in µs, ``memory`` the bytes its process takes at most."""
 
     @property
     def key(self) -> str: ...
     @property
     def cost(self) -> float: ...
+    @property
+    def memory(self) -> float: ...
 
     def fingerprint(self) -> str: ...
     def run(self) -> dict[str, Any]: ...
@@ -77,7 +80,11 @@ class RateJob:
     def cost(self) -> float:
         dim = resolve(self.case).solution.body.dim
         # A cell in 3D costs more: more components, a denser factor.
-        return float(self.level**dim * self.steps) * (2 if self.family == "criss-cross" else 1 if dim == 2 else 8)
+        return float(self.level**dim * self.steps) * (7 if dim == 2 else 150) * memory.cells(self.family)
+
+    @property
+    def memory(self) -> float:
+        return memory.displacement(resolve(self.case).solution.body.dim, self.level, self.family)
 
     def parts(self) -> tuple[Case, MeshFamily, Scheme]:
         return (
@@ -110,7 +117,12 @@ class EquivalenceJob:
 
     @property
     def cost(self) -> float:
-        return 200.0 * self.level**2 * self.steps / 16
+        dim = resolve(self.case).solution.body.dim
+        return float(self.level**dim * self.steps) * (70 if dim == 2 else 1000)
+
+    @property
+    def memory(self) -> float:
+        return memory.equivalence(resolve(self.case).solution.body.dim, self.level, self.family)
 
     def fingerprint(self) -> str:
         return fingerprint(resolve(self.case).solution, family_named(self.family), self.level, self.steps)
@@ -131,7 +143,11 @@ class StressJob:
 
     @property
     def cost(self) -> float:
-        return 60.0 * self.place.level**2 * self._steps
+        return 65.0 * self.place.level**2 * self._steps
+
+    @property
+    def memory(self) -> float:
+        return memory.stress(self.place.level)
 
     @property
     def _steps(self) -> int:
@@ -160,7 +176,11 @@ class StatementJob:
 
     @property
     def cost(self) -> float:
-        return 1000.0 * self.setting.level**2
+        return 2000.0 * self.setting.level**2
+
+    @property
+    def memory(self) -> float:
+        return memory.SMALL
 
     def fingerprint(self) -> str:
         case, family = resolve(self.setting.case), family_named(self.setting.family)
@@ -193,7 +213,11 @@ class PictureJob:
 
     @property
     def cost(self) -> float:
-        return 30_000.0
+        return 500_000.0
+
+    @property
+    def memory(self) -> float:
+        return memory.SMALL
 
     def fingerprint(self) -> str:
         return fingerprint(resolve(self.case).solution, "picture", FORM)

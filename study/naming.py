@@ -71,6 +71,12 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     return name, found, None
 
 
+def absolute(reference: str) -> str:
+    """FILE.py:NAME with the full path, which means the same in every directory; other names as they are."""
+    file, colon, name = reference.rpartition(":")
+    return f"{Path(file).resolve()}:{name}" if colon else reference
+
+
 def _from_file(reference: str) -> Any:
     """What FILE.py:NAME stands for; called if it is a function."""
     file, _, name = reference.rpartition(":")

@@ -75,14 +75,12 @@ class Plan:
     def resolved(self) -> list[Case]:
         return [resolve(reference) for reference in self.cases]
 
-    def check(self, spread: Callable[..., Iterable[Any]] = map) -> None:
-        """Refuse what cannot be run, before time is spent; ``spread`` maps a function over cases.
+    def check_settings(self) -> None:
+        """Refuse levels, steps and names that make no plan.
 
         Raises:
-            UsageError: levels below 2, not increasing, or two cases of one name.
-            SelfProofError: a case is not an exact solution.
-            MeshError: a mesh does not fit the boundary parts of a body, or no cell rule serves the places where a
-                solution is rough.
+            UsageError: levels below 2, not increasing, a time step beyond T, two cases of one name, or a body
+                that no mesh family serves.
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
@@ -102,6 +100,17 @@ class Plan:
                 raise UsageError(
                     f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped"
                 )
+
+    def check(self, spread: Callable[..., Iterable[Any]] = map) -> None:
+        """Refuse what cannot be run, before time is spent; ``spread`` maps a function over cases.
+
+        Raises:
+            UsageError: of ``check_settings``.
+            SelfProofError: a case is not an exact solution.
+            MeshError: a mesh does not fit the boundary parts of a body, or no cell rule serves the places where a
+                solution is rough.
+        """
+        self.check_settings()
         for reference, failed in zip(self.cases, spread(violations, self.cases), strict=True):
             if failed:
                 raise SelfProofError(f"case {resolve(reference).name}", failed)

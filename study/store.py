@@ -1,18 +1,26 @@
 """Finished work on disk: one small file per job, each written whole or not at all.
 
-A job file holds the format number, the job's key, the fingerprint of what it computes and its
-result. A run that is killed keeps every finished job; the same command then does the rest.
+A job file holds the format number, the job's key, the fingerprint of what it computes, its
+result and a checksum of that. A run that is killed keeps every finished job; the same command then
+does the rest. What is truncated, altered, or another job's is not believed but computed again.
 """
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
-from collections.abc import Callable
-from contextlib import suppress
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
+
+import psutil
+
+if sys.platform != "win32":
+    import fcntl
 
 FORMAT = 1
 """Changes whenever older data files can no longer be read as they were meant."""
@@ -36,14 +44,16 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
         write(part)
         os.replace(part, path)
     except OSError as error:
-        raise StoreError(
-            f"cannot write {path}: {error.strerror or error}; give a directory you may write with --out"
-        ) from error
+        raise _unwritable(path, error) from error
     finally:
         # The cause of a failure may be that its directory does not exist.
         with suppress(OSError):
             part.unlink()
     return path
+
+
+def _unwritable(path: Path, error: OSError) -> StoreError:
+    return StoreError(f"cannot write {path}: {error.strerror or error}; give a directory you may write with --out")
 
 
 def write_text(path: Path, text: str) -> Path:
@@ -76,14 +86,55 @@ class Store:
         """
         probe = self.data / ".writable"
         write_text(probe, "")
-        probe.unlink()
+        probe.unlink(missing_ok=True)
         provenance = self.data / "provenance.json"
         if provenance.exists():
             require_format(provenance, self.read(provenance))
 
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """Keep every other run out of the directory, and remove what a killed one left half-written.
+
+        The system releases the lock when this process ends, however it ends, and its child processes do not inherit
+        it. Windows has no such locks: two runs on one directory are not noticed there.
+
+        Raises:
+            StoreError: another run works on the directory, or it cannot be written.
+        """
+        path = self.data / ".lock"
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            file = path.open("a")
+        except OSError as error:
+            raise _unwritable(path, error) from error
+        with file:
+            if sys.platform != "win32":
+                try:
+                    fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except OSError as error:
+                    raise StoreError(
+                        f"another run works on {self.directory}: wait until it ends, or give another directory with "
+                        f"--out ({path}: {error.strerror})"
+                    ) from error
+            self._sweep()
+            yield
+
+    def _sweep(self) -> None:
+        """Remove the temporary files of processes that are gone."""
+        for part in [*self.directory.glob("*/.*.part"), *self.data.glob("*/.*.part")]:
+            owner = part.name.split(".")[-2]
+            if owner.isdigit() and not psutil.pid_exists(int(owner)):
+                part.unlink(missing_ok=True)
+
     def save(self, key: str, fingerprint: str, result: dict[str, Any]) -> None:
         """Keep the result of a finished job."""
-        content = {"format": FORMAT, "key": key, "fingerprint": fingerprint, "result": result}
+        content = {
+            "format": FORMAT,
+            "key": key,
+            "fingerprint": fingerprint,
+            "sha256": _checksum(result),
+            "result": result,
+        }
         write_text(self.path(key), json.dumps(content, indent=None) + "\n")
 
     def load(self, key: str, fingerprint: str) -> dict[str, Any] | None:
@@ -99,9 +150,10 @@ class Store:
         if content is None:
             return None
         require_format(path, content)
-        if content.get("key") != key or content.get("fingerprint") != fingerprint:
-            return None
         result = content.get("result")
+        expected = key, fingerprint, _checksum(result)
+        if (content.get("key"), content.get("fingerprint"), content.get("sha256")) != expected:
+            return None
         return result if isinstance(result, dict) else None
 
     @staticmethod
@@ -112,6 +164,11 @@ class Store:
         except (json.JSONDecodeError, UnicodeDecodeError, IsADirectoryError):
             return None
         return content if isinstance(content, dict) else None
+
+
+def _checksum(result: object) -> str:
+    """SHA-256 of a result as it is written; reading and writing it again gives the same digits."""
+    return hashlib.sha256(json.dumps(result).encode()).hexdigest()
 
 
 def require_format(path: Path, content: dict[str, Any] | None) -> None:

@@ -10,6 +10,7 @@ import numpy as np
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.problems import Problem, problems
+from study import memory
 from study.bound.enclosure import Better, Enclosure, Trajectory
 from study.bound.measure import measure_bound, measure_problem, steps_for
 from study.jobs import fingerprint
@@ -42,11 +43,17 @@ class BoundJob:
 
     @property
     def cost(self) -> float:
-        finer, shorter = (
-            (self.trajectory.refinements, self.trajectory.shorter) if isinstance(self.trajectory, Better) else (0, 1)
-        )
+        shorter = self.trajectory.shorter if isinstance(self.trajectory, Better) else 1
         # A knot costs three stress solves of degree 3.
-        return 150.0 * self.level**2 * 4**finer * self.steps * shorter
+        return 220.0 * self.level**2 * 4**self._finer * self.steps * shorter
+
+    @property
+    def memory(self) -> float:
+        return memory.bound(self.level, self._finer, self.family)
+
+    @property
+    def _finer(self) -> int:
+        return self.trajectory.refinements if isinstance(self.trajectory, Better) else 0
 
     @property
     def steps(self) -> int:

@@ -1,0 +1,98 @@
+"""How much memory a job needs, by estimate, and how much there is.
+
+The estimates are a base plus what grows with the level n, which is the factor of a matrix for the most part: n² log n
+numbers in the plane, n⁴ in space. Constants are rounded up from peaks of the resident size with one thread, here in MiB
+beyond the base:
+
+    displacement   n = 128: 165 … 210, criss-cross 326, with the law (3.3) 515; n = 256: 710;
+                   in space n = 12: 112, 24: 1350, shaken n = 12: 325, 18: 1440
+    equivalence    n = 32: 11, 64: 55; in space n = 6: 18, 9: 79
+    stress         n = 16: 39, 32: 170 … 207, 64: 868
+    bound          of u_h alone n = 8: 25 … 69, 16: 239; with an enclosure on a mesh refined once n = 8: 183,
+                   16: 465, 32: 1890, twice n = 8: 390, 16: 1520
+    statements     at their fixed levels at most 335
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import log2
+from pathlib import Path
+
+import psutil
+
+GIB = 2.0**30
+MIB = 2.0**20
+KIB = 2.0**10
+BASE = 256 * MIB
+"""An interpreter with everything imported takes 240."""
+SMALL = 640 * MIB
+"""Jobs whose size is fixed."""
+
+
+def cells(family: str) -> int:
+    """Cells of a plane mesh, over those of one with two triangles per square."""
+    return 2 if family == "criss-cross" else 1
+
+
+def displacement(dim: int, n: int, family: str) -> float:
+    """Bytes for Problem 5.1 at a level."""
+    if dim == 2:
+        return BASE + 2.5 * KIB * n**2 * log2(n) * cells(family)
+    # Where all cells are alike, they share most of what is kept of them.
+    return BASE + (6 if family == "one-diagonal" else 16) * KIB * n**4
+
+
+def equivalence(dim: int, n: int, family: str) -> float:
+    """Bytes for Problem 3.2 on the strains of V^h, solved by an interior-point method."""
+    return BASE + (4 * KIB * n**2 * log2(n) * cells(family) if dim == 2 else 18 * KIB * n**4)
+
+
+def stress(n: int) -> float:
+    """Bytes for Problem 3.2 on its own space."""
+    return BASE + 36 * KIB * n**2 * log2(n)
+
+
+def bound(n: int, refinements: int, family: str) -> float:
+    """Bytes for a bound of the error."""
+    return BASE + cells(family) * MIB * n**2 * (1 + 0.35 * 4**refinements * (refinements > 0))
+
+
+def available(root: Path = Path("/")) -> float:
+    """Bytes that can be used without swapping: free on the machine and below the limits of all control groups.
+
+    Page cache that can be dropped counts as free in both. Linux tells the groups of this process and their limits in
+    /proc and /sys under ``root``; other systems have none.
+    """
+    return min([float(psutil.virtual_memory().available), *_headroom(root)])
+
+
+def _headroom(root: Path) -> Iterator[float]:
+    """What is left in every control group with a limit that this process belongs to."""
+    for directory, limit, usage, cache in _groups(root):
+        statistics = _read(directory / "memory.stat").split()
+        inactive = dict(zip(statistics[::2], statistics[1::2], strict=True)).get(cache, "0")
+        maximum, used = _read(directory / limit).strip(), _read(directory / usage).strip()
+        if maximum.isdigit() and used.isdigit():
+            yield float(int(maximum) - int(used) + int(inactive))
+
+
+def _groups(root: Path) -> Iterator[tuple[Path, str, str, str]]:
+    """The directories of the groups, up to the topmost, with the names of limit, use and droppable cache."""
+    mounted = root / "sys/fs/cgroup"
+    for line in _read(root / "proc/self/cgroup").splitlines():
+        _, controllers, path = line.split(":", 2)
+        if controllers == "":
+            top, names = mounted, ("memory.max", "memory.current", "inactive_file")
+        elif "memory" in controllers.split(","):
+            top, names = mounted / "memory", ("memory.limit_in_bytes", "memory.usage_in_bytes", "total_inactive_file")
+        else:
+            continue
+        steps = Path(path.lstrip("/")).parts
+        for depth in range(len(steps) + 1):
+            yield top.joinpath(*steps[:depth]), *names
+
+
+def _read(path: Path) -> str:
+    """The text of a file; empty where there is none."""
+    return path.read_text() if path.is_file() else ""

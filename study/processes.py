@@ -1,0 +1,60 @@
+"""Worker processes for a run on one machine."""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor
+from threading import Thread
+from typing import ParamSpec, TypeVar
+
+P = ParamSpec("P")
+T = TypeVar("T")
+
+
+class Processes(Executor):
+    """A ``ProcessPoolExecutor`` that outlives its workers, and whose workers do not outlive it.
+
+    When a worker is killed, the standard pool is broken for good: what was submitted raises ``BrokenExecutor``. Here
+    the next submission starts new workers. And when this process is killed itself, its workers end instead of waiting
+    for work for ever.
+
+    Attributes:
+        workers: the number of processes.
+    """
+
+    def __init__(self, workers: int) -> None:
+        self.workers = workers
+        self._pool = self._started()
+
+    def _started(self) -> ProcessPoolExecutor:
+        pool = ProcessPoolExecutor(self.workers, initializer=_end_with_parent)
+        # Where processes are forked, the first submission forks all: now, while no thread holds a lock.
+        pool.submit(os.getpid)
+        return pool
+
+    def submit(self, function: Callable[P, T], /, *args: P.args, **kwargs: P.kwargs) -> Future[T]:
+        """Submit to the workers, to new ones if one of them was killed."""
+        try:
+            return self._pool.submit(function, *args, **kwargs)
+        except BrokenExecutor:
+            self._pool.shutdown()
+            self._pool = self._started()
+            return self._pool.submit(function, *args, **kwargs)
+
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
+        """End the workers."""
+        self._pool.shutdown(wait, cancel_futures=cancel_futures)
+
+
+def _end_with_parent() -> None:
+    """In a worker: watch the process that started it."""
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+
+    def watch() -> None:
+        parent.join()
+        os._exit(1)
+
+    Thread(target=watch, daemon=True).start()

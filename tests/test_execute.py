@@ -1,0 +1,320 @@
+"""Executing jobs: any executor, largest first, within memory, and what becomes of jobs that fail or kill."""
+
+from __future__ import annotations
+
+import os
+import pickle
+import signal
+import subprocess
+import sys
+from collections.abc import Callable
+from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+
+from study.bound.enclosure import Better
+from study.bound.jobs import BoundJob
+from study.cli import main
+from study.collect import collect
+from study.equilibrated.measure import Place
+from study.execute import JobsError, Pool, admitted, execute, refuse_too_large
+from study.jobs import EquivalenceJob, Job, RateJob, StressJob
+from study.memory import GIB, available
+from study.naming import UsageError
+from study.plan import Levels, Plan, quick
+from study.processes import Processes
+from study.store import Store
+
+LEVELS = Levels((2, 4))
+SMALL = replace(
+    quick(),
+    cases=("full-contact", "advance-recede", "yield-on-a-part"),
+    plane=LEVELS,
+    rough=LEVELS,
+    equivalence=(2,),
+    families=2,
+    statements=False,
+)
+ROOMY = 64 * GIB
+
+
+def ignore(cost: float) -> None: ...
+
+
+def pool(executor: Executor, workers: int = 2, together: float = ROOMY) -> Pool:
+    return Pool(executor, workers, together, together)
+
+
+def data(directory: Path) -> dict[str, bytes]:
+    """Every data file of a run by its name."""
+    return {str(path.relative_to(directory)): path.read_bytes() for path in directory.rglob("*") if path.is_file()}
+
+
+def computed(plan: Plan, directory: Path, executor: Executor) -> dict[str, bytes]:
+    """The data files of a plan."""
+    store = Store(directory)
+    execute(plan.jobs(), store, pool(executor), ignore)
+    collect(plan, store)
+    return data(directory)
+
+
+@pytest.fixture(scope="module")
+def by_processes(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    with Processes(2) as executor:
+        return computed(SMALL, tmp_path_factory.mktemp("processes"), executor)
+
+
+class AtOnce(Executor):
+    """Runs what is submitted then and there, and remembers the order."""
+
+    def __init__(self) -> None:
+        self.order: list[Any] = []
+
+    def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        self.order += args
+        try:
+            future.set_result(function(*args, **kwargs))
+        except Exception as error:
+            future.set_exception(error)
+        return future
+
+
+@pytest.mark.parametrize(
+    "executor", [lambda: ThreadPoolExecutor(2), lambda: ProcessPoolExecutor(1), AtOnce], ids=["threads", "pool", "none"]
+)
+def test_every_executor_gives_the_same_files_byte_for_byte(tmp_path, by_processes, executor) -> None:
+    with executor() as chosen:
+        assert computed(SMALL, tmp_path, chosen) == by_processes
+    assert any(name.startswith("data/jobs/rate__advance-recede") for name in by_processes)
+
+
+@dataclass(frozen=True)
+class Toy:
+    """A job that does what it is told."""
+
+    name: str
+    cost: float = 1.0
+    memory: float = 0.0
+    deed: Callable[[], object] = bool
+
+    @property
+    def key(self) -> str:
+        return self.name
+
+    def fingerprint(self) -> str:
+        return self.name
+
+    def run(self) -> dict[str, Any]:
+        return {"done": self.deed()}
+
+
+def test_the_most_expensive_jobs_go_first(tmp_path) -> None:
+    executor = AtOnce()
+    jobs = [Toy("a", 1), Toy("b", 3), Toy("c", 2)]
+    execute(jobs, Store(tmp_path), pool(executor, workers=1), ignore)
+    assert [job.name for job in executor.order] == ["b", "c", "a"]
+
+
+def test_jobs_start_beside_those_running_while_workers_and_memory_last() -> None:
+    large, larger, small, tiny = Toy("large", 9, 6), Toy("larger", 8, 7), Toy("small", 7, 3), Toy("tiny", 1, 1)
+    three = pool(AtOnce(), workers=3, together=10)
+    assert [*admitted([large, larger, small, tiny], [], set(), three)] == [large, small, tiny]
+    assert [*admitted([larger], [small, tiny], set(), three)] == []
+    assert [*admitted([larger], [tiny], set(), three)] == [larger]
+    assert [*admitted([tiny, tiny, tiny, tiny], [], set(), three)] == [tiny, tiny, tiny]
+
+
+def test_a_job_under_suspicion_runs_alone() -> None:
+    innocent, suspect, other = Toy("innocent"), Toy("suspect"), Toy("other")
+    suspects = {"suspect", "other"}
+    two = pool(AtOnce(), workers=2)
+    assert [*admitted([innocent, suspect], [], suspects, two)] == [innocent]
+    assert [*admitted([suspect, other], [], suspects, two)] == [suspect]
+    assert [*admitted([other], [suspect], suspects, two)] == []
+
+
+def test_a_job_that_raises_is_named_and_the_others_are_kept(tmp_path) -> None:
+    store = Store(tmp_path)
+    with pytest.raises(JobsError, match=r"1 job\(s\) failed.*\nbad: ZeroDivisionError"):
+        execute([Toy("bad", 2, deed=lambda: 1 / 0), Toy("good")], store, pool(AtOnce()), ignore)
+    assert store.load("good", "good") == {"done": False}
+    assert store.load("bad", "bad") is None
+
+
+def die() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+@dataclass(frozen=True)
+class DieOnce:
+    """Kills the process it runs in, the first time."""
+
+    mark: Path
+
+    def __call__(self) -> str:
+        if not self.mark.exists():
+            self.mark.touch()
+            die()
+        return "survived"
+
+
+def test_a_run_goes_on_with_new_workers_when_one_is_killed(tmp_path) -> None:
+    store = Store(tmp_path)
+    jobs = [Toy("hit", 2, deed=DieOnce(tmp_path / "mark")), *(Toy(f"other {i}") for i in range(6))]
+    spent: list[float] = []
+    with Processes(2) as executor:
+        execute(jobs, store, pool(executor), spent.append)
+    assert store.load("hit", "hit") == {"done": "survived"}
+    assert all(store.load(job.key, job.key) for job in jobs)
+    assert sum(spent) == sum(job.cost for job in jobs)
+
+
+def test_a_job_that_kills_its_process_again_when_it_is_alone_is_refused_by_name(tmp_path) -> None:
+    store = Store(tmp_path)
+    jobs = [Toy("killer", 2, GIB, deed=die), *(Toy(f"other {i}") for i in range(3))]
+    with Processes(2) as executor, pytest.raises(JobsError, match=r"^1 job.*\nkiller: .* killed twice.*1\.0 GiB"):
+        execute(jobs, store, pool(executor), ignore)
+    assert all(store.load(f"other {i}", f"other {i}") for i in range(3))
+
+
+def test_a_standard_pool_that_loses_a_worker_ends_the_run_and_keeps_what_was_finished(tmp_path) -> None:
+    store = Store(tmp_path)
+    with ProcessPoolExecutor(1) as executor, pytest.raises(BrokenExecutor):
+        execute([Toy("first", 3), Toy("killer", 2, deed=die), Toy("last")], store, pool(executor, workers=1), ignore)
+    assert store.load("first", "first")
+
+
+def test_jobs_that_a_lost_cluster_has_cancelled_end_the_run(tmp_path) -> None:
+    class Gone(AtOnce):
+        def submit(self, function: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+            future: Future[Any] = Future()
+            future.cancel()
+            future.set_running_or_notify_cancel()
+            return future
+
+    with pytest.raises(JobsError, match=r"cluster is gone.*same command"):
+        execute([Toy("a")], Store(tmp_path), pool(Gone()), ignore)
+
+
+def test_a_job_that_no_worker_has_the_memory_for_is_refused_with_what_it_needs_and_what_there_is() -> None:
+    jobs = [Toy("small", memory=GIB), Toy("rate__case__family__00512", memory=50 * GIB)]
+    with pytest.raises(UsageError, match=r"^rate__case__family__00512 needs about 50\.0 GiB.*20\.0 GiB are.*--levels"):
+        refuse_too_large(jobs, pool(AtOnce(), together=20 * GIB))
+    refuse_too_large(jobs[:1], pool(AtOnce(), together=20 * GIB))
+    refuse_too_large([], pool(AtOnce()))
+
+
+def test_a_level_beyond_the_memory_is_refused_by_the_command_before_a_mesh_is_made(tmp_path, capsys) -> None:
+    out = tmp_path / "r"
+    assert main(["run", "--case", "full-contact", "--levels", "8", "100000", "--out", str(out)]) == 2
+    assert "rate__full-contact__criss-cross__midpoint__100000 needs about" in capsys.readouterr().err
+    assert not out.exists()
+
+
+def peak(job: Job) -> float:
+    """The largest resident size of a process that does a job, in bytes."""
+    code = "import resource, sys, pickle; pickle.load(sys.stdin.buffer).run(); "
+    code += "print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)"
+    found = subprocess.run([sys.executable, "-c", code], input=pickle.dumps(job), capture_output=True, check=True)
+    return float(found.stdout.split()[-1]) * 1024
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere the size is given in other units")
+@pytest.mark.parametrize(
+    "job",
+    [
+        RateJob("full-contact", "one-diagonal", "midpoint", 64, 2),
+        pytest.param(RateJob("cube-disc", "shaken", "midpoint", 9, 2), marks=pytest.mark.slow),
+        pytest.param(EquivalenceJob("cube-disc", "one-diagonal", 6, 2), marks=pytest.mark.slow),
+        pytest.param(StressJob(Place("full-contact", "shaken", 16)), marks=pytest.mark.slow),
+        pytest.param(BoundJob("full-contact", "shaken", "midpoint", 8, Better(1, 1)), marks=pytest.mark.slow),
+    ],
+    ids=lambda job: job.key,
+)
+def test_no_job_takes_more_memory_than_was_estimated_nor_much_less(job: Job) -> None:
+    assert job.memory / 2 <= peak(job) <= job.memory
+
+
+def groups(root: Path, line: str, files: dict[str, str]) -> Path:
+    """A Linux system with control groups, as far as they are read."""
+    (root / "proc/self").mkdir(parents=True)
+    (root / "proc/self/cgroup").write_text(line + "\n")
+    for name, text in files.items():
+        path = root / "sys/fs/cgroup" / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text + "\n")
+    return root
+
+
+def test_memory_is_what_the_machine_has_and_the_tightest_control_group_allows(tmp_path) -> None:
+    assert 0 < available(tmp_path) <= psutil.virtual_memory().total
+    second = {
+        "job/memory.max": "max",
+        "job/memory.current": "5",
+        "memory.max": "1000",
+        "memory.current": "700",
+        "memory.stat": "anon 600\ninactive_file 50",
+    }
+    assert available(groups(tmp_path / "second", "0::/job", second)) == 350
+    first = {
+        "memory/job/memory.limit_in_bytes": "2000",
+        "memory/job/memory.usage_in_bytes": "500",
+        "memory/job/memory.stat": "total_inactive_file 100",
+    }
+    assert available(groups(tmp_path / "first", "4:memory:/job\n1:cpu:/", first)) == 1600
+
+
+def test_a_second_run_on_a_directory_is_refused_while_the_first_one_works(tmp_path, capsys) -> None:
+    code = "import sys; from pathlib import Path; from study.store import Store\n"
+    code += "with Store(Path(sys.argv[1])).locked(): print('locked', flush=True); sys.stdin.read()"
+    command = [sys.executable, "-c", code, str(tmp_path)]
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as first:
+        assert first.stdout is not None
+        assert first.stdout.readline() == "locked\n"
+        arguments = ["run", "--case", "full-contact", "--levels", "2", "4", "--out", str(tmp_path)]
+        assert main(arguments) == 2
+        assert f"another run works on {tmp_path}: wait" in capsys.readouterr().err
+        first.kill()
+    with Store(tmp_path).locked():
+        pass
+
+
+def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path) -> None:
+    dead = subprocess.Popen([sys.executable, "-c", ""])
+    dead.wait()
+    jobs = tmp_path / "data" / "jobs"
+    jobs.mkdir(parents=True)
+    stale, alive = jobs / f".a.json.{dead.pid}.part", jobs / f".b.json.{os.getpid()}.part"
+    stale.touch()
+    alive.touch()
+    with Store(tmp_path).locked():
+        assert [*jobs.iterdir()] == [alive]
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda text: text[: len(text) // 2],
+        lambda text: "",
+        lambda text: text.replace("0.25", "0.26"),
+        lambda text: text.replace('"key": "a"', '"key": "b"'),
+        lambda text: text.replace('"sha256"', '"md5"'),
+        lambda text: "[]",
+    ],
+    ids=["truncated", "empty", "altered", "of another job", "without a checksum", "foreign"],
+)
+def test_a_job_file_that_is_not_what_was_written_is_not_believed(tmp_path, spoil) -> None:
+    store = Store(tmp_path)
+    result = {"v": 0.25, "nan": float("nan"), "list": [1e-17, None, "ũ"]}
+    store.save("a", "x", result)
+    assert str(store.load("a", "x")) == str(result)
+    path = store.path("a")
+    changed = spoil(path.read_text())
+    assert changed != path.read_text()
+    path.write_text(changed)
+    assert store.load("a", "x") is None
