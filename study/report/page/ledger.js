@@ -47,7 +47,8 @@
     history.replaceState(null, "", `#ledger${query.size ? `?${query}` : ""}`);
   }
 
-  form.addEventListener("input", () => { apply(); remember(); });
+  // A choice from a list may come as a change only, typing comes as input.
+  for (const kind of ["input", "change"]) form.addEventListener(kind, () => { apply(); remember(); });
   form.addEventListener("submit", (event) => event.preventDefault());
   form.addEventListener("reset", () => setTimeout(() => { apply(); remember(); }));
   document.getElementById("ledger").addEventListener("shown", ({ detail }) => {

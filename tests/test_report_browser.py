@@ -1,0 +1,337 @@
+"""The page of results in a browser: it loads without a complaint, filters, moves, fits a phone, and needs no mouse."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.remote.webelement import WebElement
+from selenium.webdriver.support.select import Select
+from selenium.webdriver.support.wait import WebDriverWait
+from test_report import PLANE, SOLID, write_data
+
+from study.report import write_report
+
+PAGES = [
+    "overview",
+    "ledger",
+    "cases",
+    *(f"case/{case}" for case in [*PLANE, SOLID]),
+    "bounds",
+    "defects",
+    "provenance",
+]
+CASE = PLANE[0]
+ARGUMENTS = (
+    "--headless=new",
+    "--no-sandbox",
+    "--disable-gpu",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+)
+
+
+def programs() -> tuple[str, str]:
+    """Chromium and its driver; without them tests are skipped, or fail where ``BROWSER_TESTS`` is "required"."""
+    found = [shutil.which(name) for name in ("chromium", "chromedriver")]
+    if not all(found):
+        reason = "chromium and chromedriver are not installed (Debian: apt-get install chromium chromium-driver)"
+        if os.environ.get("BROWSER_TESTS") == "required":
+            pytest.fail(reason)
+        pytest.skip(reason)
+    return str(found[0]), str(found[1])
+
+
+@pytest.fixture(scope="module")
+def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[webdriver.Chrome]:
+    """One browser for all tests, with a profile of its own."""
+    browser, driver = programs()
+    options = webdriver.ChromeOptions()
+    options.binary_location = browser
+    for argument in (*ARGUMENTS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
+        options.add_argument(argument)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    started = webdriver.Chrome(options=options, service=Service(driver))
+    yield started
+    started.quit()
+
+
+@pytest.fixture(scope="module")
+def directory(chromium: webdriver.Chrome, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Data and page; asks for the browser first, as nothing is computed without one."""
+    made = write_data(tmp_path_factory.mktemp("report"))
+    write_report(made)
+    return made
+
+
+@pytest.fixture
+def page(chromium: webdriver.Chrome, directory: Path) -> Iterator[webdriver.Chrome]:
+    """The page as a visitor first sees it on a desk; afterwards the console must hold no error."""
+    width(chromium, 1280)
+    chromium.get("about:blank")
+    go(chromium, directory)
+    yield chromium
+    assert [entry for entry in chromium.get_log("browser") if entry["level"] == "SEVERE"] == []
+
+
+@pytest.fixture(scope="module")
+def claims(directory: Path) -> pd.DataFrame:
+    return pd.read_csv(directory / "data" / "claims.csv", dtype=str).fillna("")
+
+
+def go(browser: webdriver.Chrome, directory: Path, section: str = "overview") -> None:
+    browser.get((directory / "report.html").as_uri() + f"#{section}")
+
+
+def width(browser: webdriver.Chrome, pixels: int) -> None:
+    metrics = {"width": pixels, "height": 800, "deviceScaleFactor": 1, "mobile": False}
+    browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
+
+
+def shown_rows(browser: webdriver.Chrome) -> list[list[str]]:
+    """Case and verdict of the rows of the ledger that are seen, and the statement they belong to."""
+    return browser.execute_script(
+        "return [...document.querySelectorAll('#rows tr[data-case]')].filter((row) => row.offsetParent !== null)"
+        ".map((row) => [row.parentElement.dataset.statement, row.cells[0].textContent, row.cells[6].textContent])"
+    )
+
+
+def rows_of(claims: pd.DataFrame) -> list[list[str]]:
+    return claims[["label", "case", "verdict"]].to_numpy().tolist()
+
+
+def film(browser: webdriver.Chrome) -> WebElement:
+    return browser.find_element(By.CSS_SELECTOR, f"[data-case='{CASE}'].film")
+
+
+def film_data(browser: webdriver.Chrome) -> dict[str, Any]:
+    script = film(browser).find_element(By.TAG_NAME, "script")
+    return json.loads(str(script.get_attribute("textContent")))
+
+
+def drawing(browser: webdriver.Chrome) -> str:
+    return str(browser.execute_script("return arguments[0].querySelector('canvas').toDataURL()", film(browser)))
+
+
+def time_shown(browser: webdriver.Chrome) -> float:
+    return float(film(browser).find_element(By.TAG_NAME, "output").text.removeprefix("t = "))
+
+
+def test_every_section_is_shown_alone_under_its_address_and_nothing_is_fetched(
+    page: webdriver.Chrome, directory: Path
+) -> None:
+    for section in PAGES:
+        go(page, directory, section)
+        assert page.execute_script(
+            "return [...document.querySelectorAll('.page')].filter((one) => !one.hidden).map((one) => one.id)"
+        ) == [section]
+        assert page.find_element(By.CSS_SELECTOR, ".page:not([hidden]) h2").text in page.title
+    assert page.execute_script("return performance.getEntriesByType('resource').map((entry) => entry.name)") == []
+
+
+def test_text_of_the_data_does_not_run(page: webdriver.Chrome, directory: Path) -> None:
+    go(page, directory, f"case/{SOLID}")
+    assert "onerror" in page.find_element(By.CSS_SELECTOR, ".page:not([hidden])").text
+    assert page.title == f"{SOLID} – Signorini study"
+
+
+def test_without_a_filter_every_row_of_the_ledger_is_seen(
+    page: webdriver.Chrome, directory: Path, claims: pd.DataFrame
+) -> None:
+    go(page, directory, "ledger")
+    assert shown_rows(page) == rows_of(claims)
+
+
+@pytest.mark.parametrize(
+    "wanted",
+    [
+        {"verdict": "reported"},
+        {"case": CASE},
+        {"statement": "Thm 4.2"},
+        {"case": "corner", "statement": "Prop. 5.4", "verdict": "holds"},
+        {"case": CASE, "verdict": "fails"},
+    ],
+)
+def test_filters_leave_exactly_the_rows_that_match_and_say_how_many(
+    page: webdriver.Chrome, directory: Path, claims: pd.DataFrame, wanted: dict[str, str]
+) -> None:
+    go(page, directory, "ledger")
+    matching = claims
+    for name, value in wanted.items():
+        Select(page.find_element(By.ID, f"filter-{name}")).select_by_visible_text(value)
+        matching = matching[matching[{"statement": "label"}.get(name, name)] == value]
+    assert shown_rows(page) == rows_of(matching)
+    counts = matching["verdict"].value_counts()
+    said = page.find_element(By.ID, "count").text
+    assert said.startswith(f"{len(matching)} of {len(claims)} rows")
+    assert {verdict: int(count) for count, verdict in re.findall(r"(\d+) (holds|reported|fails)", said)} == dict(counts)
+    page.find_element(By.CSS_SELECTOR, "#filters [type=reset]").click()
+    WebDriverWait(page, 5).until(lambda _: shown_rows(page) == rows_of(claims))
+
+
+def test_words_are_looked_for_in_all_of_a_row_and_scripts_do_not_matter(
+    page: webdriver.Chrome, directory: Path, claims: pd.DataFrame
+) -> None:
+    go(page, directory, "ledger")
+    field = page.find_element(By.ID, "filter-text")
+    field.send_keys("Pythagoras size")
+    matching = claims["expected"].str.contains("Pythagoras") & claims["quantity"].str.contains("size")
+    assert 0 < matching.sum() < len(claims)
+    assert shown_rows(page) == rows_of(claims[matching])
+    field.clear()
+    field.send_keys("order of ‖Π^h u − u^h‖_V, superclose")
+    matching = claims["quantity"] == "order of ‖Π^h u − u^h‖_V, superclose"
+    assert matching.any()
+    assert shown_rows(page) == rows_of(claims[matching])
+
+
+def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(
+    page: webdriver.Chrome, directory: Path, claims: pd.DataFrame
+) -> None:
+    go(page, directory, f"case/{CASE}")
+    page.find_element(By.CSS_SELECTOR, ".page:not([hidden]) a[href^='#ledger?']").click()
+    of_case = claims[claims["case"] == CASE]
+    assert shown_rows(page) == rows_of(of_case)
+    Select(page.find_element(By.ID, "filter-verdict")).select_by_visible_text("holds")
+    page.refresh()
+    assert shown_rows(page) == rows_of(of_case[of_case["verdict"] == "holds"])
+    page.back()
+    assert page.title.startswith(CASE)
+
+
+def test_a_statement_with_brackets_and_commas_leads_to_its_rows(page: webdriver.Chrome, claims: pd.DataFrame) -> None:
+    label = "(3.9)–(3.11), (4.14), (4.15)"
+    page.find_element(By.LINK_TEXT, label).click()
+    assert shown_rows(page) == rows_of(claims[claims["label"] == label])
+
+
+def test_keys_move_the_slider_the_body_and_the_curves(page: webdriver.Chrome, directory: Path) -> None:
+    go(page, directory, f"case/{CASE}")
+    data, slider = film_data(page), film(page).find_element(By.CSS_SELECTOR, "input[type=range]")
+    high = max(max(map(max, data["faces"][0][name])) for name in ("pressure", "pressure_exact"))
+    drawn = set()
+    for key, n in ((Keys.HOME, 0), (Keys.ARROW_RIGHT, 1), (Keys.ARROW_RIGHT, 2), (Keys.END, 16), (Keys.ARROW_LEFT, 15)):
+        slider.send_keys(key)
+        assert time_shown(page) == data["times"][n]
+        said = f"t = {data['times'][n]:g}, "
+        touching = sum(pressure > data["faces"][0]["touches"] for pressure in data["faces"][0]["pressure"][n])
+        assert slider.get_attribute("aria-valuetext") == f"{said}{touching} vertices in contact"
+        assert said in str(film(page).find_element(By.TAG_NAME, "canvas").get_attribute("aria-label"))
+        drawn.add(drawing(page))
+        dots = film(page).find_elements(By.CSS_SELECTOR, "[data-plot=pressure] circle")
+        heights = [150 - 140 * pressure / high for pressure in data["faces"][0]["pressure"][n]]
+        assert [float(str(dot.get_attribute("cy"))) for dot in dots] == pytest.approx(heights, abs=0.006)
+    assert len(drawn) == 5
+
+
+def test_the_body_is_drawn_where_it_is(page: webdriver.Chrome, directory: Path) -> None:
+    """The middle of the canvas is inside the body, its upper left corner outside."""
+    go(page, directory, f"case/{CASE}")
+    middle, corner = page.execute_script(
+        "const canvas = arguments[0].querySelector('canvas'), {width, height} = canvas;"
+        "const {data} = canvas.getContext('2d').getImageData(0, 0, width, height);"
+        "const opacity = (x, y) => data[4 * (Math.floor(y) * width + Math.floor(x)) + 3];"
+        "return [opacity(width / 2, height / 2), opacity(1, 1)];",
+        film(page),
+    )
+    assert (middle, corner) == (255, 0)
+
+
+def test_play_runs_through_the_times_and_pauses(page: webdriver.Chrome, directory: Path) -> None:
+    go(page, directory, f"case/{CASE}")
+    button = film(page).find_element(By.TAG_NAME, "button")
+    before = time_shown(page)
+    button.send_keys(Keys.SPACE)
+    WebDriverWait(page, 10).until(lambda _: time_shown(page) > before)
+    assert button.get_attribute("aria-pressed") == "true"
+    button.send_keys(Keys.SPACE)
+    paused = time_shown(page)
+    assert button.text == "Play"
+    page.execute_async_script("setTimeout(arguments[0], 600)")
+    assert time_shown(page) == paused
+
+
+@pytest.mark.parametrize("pixels", [360, 1280])
+def test_no_section_is_wider_than_the_screen(page: webdriver.Chrome, directory: Path, pixels: int) -> None:
+    width(page, pixels)
+    for section in PAGES:
+        go(page, directory, section)
+        wide, inner = page.execute_script("return [document.scrollingElement.scrollWidth, innerWidth]")
+        assert wide <= inner == pixels, section
+
+
+def test_on_a_phone_a_row_of_the_ledger_shows_its_verdict_and_numbers_without_scrolling(
+    page: webdriver.Chrome, directory: Path
+) -> None:
+    width(page, 360)
+    go(page, directory, "ledger")
+    for cell in page.find_elements(By.CSS_SELECTOR, "#rows tbody:nth-of-type(2) tr:nth-child(2) td"):
+        assert cell.rect["x"] >= 0
+        assert cell.rect["x"] + cell.rect["width"] <= 360
+
+
+def test_tabs_reach_every_filter_in_order_and_show_where_they_are(page: webdriver.Chrome, directory: Path) -> None:
+    go(page, directory, "ledger")
+    names = ["filter-text", "filter-verdict", "filter-statement", "filter-case"]
+    reached = []
+    for _ in range(20):
+        page.switch_to.active_element.send_keys(Keys.TAB)
+        here = page.switch_to.active_element
+        reached.append(here.get_attribute("id"))
+        assert here.value_of_css_property("outline-style") == "solid"
+    assert [name for name in reached if name in names] == names
+    assert all(page.find_elements(By.CSS_SELECTOR, f"label[for={name}]") for name in names)
+
+
+def test_the_first_tab_leads_past_the_links_to_the_content(page: webdriver.Chrome, directory: Path) -> None:
+    page.get("about:blank")
+    page.get((directory / "report.html").as_uri())
+    page.switch_to.active_element.send_keys(Keys.TAB)
+    link = page.switch_to.active_element
+    assert link.text == "To the content"
+    link.send_keys(Keys.ENTER)
+    assert page.switch_to.active_element.get_attribute("id") == "main"
+    assert page.find_element(By.ID, "overview").is_displayed()
+
+
+def test_a_section_that_is_gone_to_takes_the_focus(page: webdriver.Chrome) -> None:
+    page.find_element(By.LINK_TEXT, "Cases").send_keys(Keys.ENTER)
+    WebDriverWait(page, 5).until(lambda _: page.switch_to.active_element.get_attribute("id") == "cases-title")
+    assert page.find_element(By.CSS_SELECTOR, "nav [aria-current=page]").text == "Cases"
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_text_stands_out_from_the_paper_by_day_and_night(page: webdriver.Chrome, directory: Path, scheme: str) -> None:
+    """Contrast by WCAG 2: (L₁ + 0.05)/(L₂ + 0.05) ≥ 4.5, the darker colour of the two below 1/2 as the scheme says."""
+    page.execute_cdp_cmd(
+        "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
+    )
+    go(page, directory, "ledger")
+    paper = luminance(page.find_element(By.TAG_NAME, "body").value_of_css_property("background-color"))
+    assert (paper < 0.5) == (scheme == "dark")
+    for chosen in ("h2", "caption", "#rows td", "#rows a", "label", ".group code", "nav a"):
+        element = page.find_element(By.CSS_SELECTOR, f".page:not([hidden]) {chosen}, header {chosen}")
+        ink = luminance(element.value_of_css_property("color"))
+        bright, dark = max(ink, paper), min(ink, paper)
+        assert (bright + 0.05) / (dark + 0.05) >= 4.5, chosen
+    page.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
+
+
+def luminance(colour: str) -> float:
+    """Relative luminance of rgb(…)."""
+    parts = [int(part) / 255 for part in re.findall(r"\d+", colour)[:3]]
+    linear = [part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in parts]
+    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
