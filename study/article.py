@@ -128,13 +128,23 @@ def _statement(label: str, rows: pd.DataFrame) -> list[str]:
     nearest = ["--", "", ""]
     if len(shares):
         row = judged.loc[shares.idxmax()]
-        quantity = str(row["quantity"]).removesuffix(", level by level")
+        quantity = _spelt_out(rows, row).removesuffix(", level by level")
         nearest = [
             f"{_text(quantity)} ({prose(str(row['case']))})",
             _number(worst(row)),
             _window(str(row["expected"])),
         ]
     return [_text(label), _text(str(rows["statement"].iloc[0])), *counts, *nearest]
+
+
+def _spelt_out(rows: pd.DataFrame, row: pd.Series) -> str:
+    """The quantity of a row, where "the same" is what the nearest row above it says before its last comma."""
+    quantity = str(row["quantity"])
+    if not quantity.startswith("the same"):
+        return quantity
+    above = rows.loc[: row.name, "quantity"].astype(str)
+    meant = above[~above.str.startswith("the same")].iloc[-1]
+    return meant.rpartition(", ")[0] + quantity.removeprefix("the same")
 
 
 def catalogue(data: Data) -> str:
