@@ -17,7 +17,7 @@ from tqdm import tqdm
 
 from manufactured.admissibility import SelfProofError, examine
 from manufactured.body import BodyError
-from manufactured.case import CaseError
+from manufactured.case import Case, CaseError
 from manufactured.catalogue import catalogue
 from manufactured.data import LoadError
 from manufactured.law import LawError
@@ -36,13 +36,14 @@ from study.fem.mesh import MeshError
 from study.figures import draw_figures, draw_one, enclosure
 from study.judgement import check
 from study.junit import write_junit
-from study.naming import UsageError, absolute, choose, family_named, resolve_data
+from study.naming import UsageError, absolute, choose, family_named, resolve, resolve_data
 from study.plan import Levels, Plan, full, quick
 from study.processes import Processes
 from study.provenance import protect, read_provenance
 from study.published import TableError, as_json, as_text, read_table, report
 from study.rates import RatesError
 from study.report import write_report
+from study.show import LEVELS, STEPS, show
 from study.solve.evolution import SCHEMES
 from study.store import Store, StoreError
 from study.summary import ledger_text, rates_text
@@ -144,6 +145,12 @@ def parser() -> argparse.ArgumentParser:
     bound.add_argument("--shorter", type=int, default=4, metavar="Q", help="steps of ũ in one of u_h (default 4)")
     bound.add_argument("--out", type=Path, default=Path("bounds"), metavar="DIR", help="directory (default bounds)")
     bound.set_defaults(command=do_bound)
+
+    look = commands.add_parser("show", help="storyboard, animation and ParaView files of a case, solved on one mesh")
+    look.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
+    look.add_argument("--level", type=int, metavar="N", help="cells along a unit length (default 24, in 3D 9)")
+    look.add_argument("--out", type=Path, default=Path("shows"), metavar="DIR", help="directory (default shows)")
+    look.set_defaults(command=do_show)
 
     page = commands.add_parser("report", help="make one HTML page of the data on disk, to be read without a network")
     _out(page)
@@ -270,8 +277,8 @@ def do_bound(options: argparse.Namespace) -> int:
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     better = Better(options.refine, options.shorter)
     check_force(case)
-    if case and (failed := [finding for finding in examine(case.solution) if not finding.passes]):
-        raise SelfProofError(f"case {name}", failed)
+    if case:
+        _prove(case)
     plan = check_bound(data, family, options.levels, options.steps, better)
     found: dict[int, Bounded] = {}
     for level, steps in plan.items():
@@ -289,6 +296,23 @@ def do_bound(options: argparse.Namespace) -> int:
     print("written: " + ", ".join(map(str, written)))
     inside = all(one.enclosure.contains and one.plain.contains for one in found.values())
     return OK if case is None or inside else FAILED
+
+
+def do_show(options: argparse.Namespace) -> int:
+    """``study show``: solve once, draw, write for ParaView."""
+    case = resolve(options.case)
+    level = LEVELS[case.solution.body.dim] if options.level is None else options.level
+    if level < 2:
+        raise UsageError(f"--level must be 2 or more, got {level}")
+    _prove(case)
+    with _bar(STEPS + 1) as bar:
+        bar.set_description(case.name)
+        shown = show(case, level, options.out / case.name, bar.update)
+    for path in shown.written:
+        print(path)
+    for line in shown.left_out:
+        print(f"left out: {line}")
+    return OK
 
 
 def do_tables(options: argparse.Namespace) -> int:
@@ -313,6 +337,12 @@ def do_figures(options: argparse.Namespace) -> int:
         for path in draw_figures(options.out, executor.map):
             print(path)
     return OK
+
+
+def _prove(case: Case) -> None:
+    """Refuse a case that is not an exact solution; SelfProofError says where."""
+    if failed := [finding for finding in examine(case.solution) if not finding.passes]:
+        raise SelfProofError(f"case {case.name}", failed)
 
 
 def _check_jobs(jobs: int) -> None:

@@ -9,14 +9,17 @@ constant on every cell, and with v = δu_n the power of the load goes into store
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from manufactured.exact import ExactSolution
 from manufactured.law import AtPoints, Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array, Tensors, identity
+from study.fem.gauge import Gauge
 from study.fem.material import on_cells
+from study.fem.mesh import MeshFamily
 from study.fem.space import Space
 from study.solve.evolution import BDF2, Problem, State, step_size
 
@@ -60,6 +63,40 @@ class Frame:
     normal: Array
     multipliers: Array
     power: Power
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """An exact solution's problem, solved on one mesh: all frames from t_0 to t_steps."""
+
+    solution: ExactSolution
+    family: str
+    level: int
+    space: Space
+    frames: list[Frame]
+
+    @classmethod
+    def of(
+        cls,
+        solution: ExactSolution,
+        family: MeshFamily,
+        level: int,
+        steps: int,
+        notify: Callable[[], object] = lambda: None,
+    ) -> Motion:
+        """Solve it; ``notify`` is called after each of the steps + 1 frames.
+
+        Raises:
+            MeshError: the mesh does not fit the body at this level.
+        """
+        space = Space(family(solution.body, level), solution.body)
+        gauge = Gauge(solution, space)
+        problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+        found = []
+        for frame in frames(space, solution.law, problem, steps):
+            found.append(frame)
+            notify()
+        return cls(solution, family.name, level, space, found)
 
 
 def frames(space: Space, law: KelvinVoigt, problem: Problem, steps: int) -> Iterator[Frame]:

@@ -9,12 +9,10 @@ import numpy as np
 from manufactured.case import Case
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
-from study.fem.gauge import Gauge
 from study.fem.mesh import Unstructured, facet_measures
 from study.fem.space import Space
-from study.motion import balance, frames, von_mises
+from study.motion import Motion, balance, von_mises
 from study.packing import Packed
-from study.solve.evolution import Problem
 
 FORM = 2
 """To be raised whenever a picture holds more or other things: older ones are then made anew."""
@@ -32,21 +30,22 @@ def picture(case: Case) -> dict[str, Any]:
     The computed pressure at a vertex is its contact force over the integral of its shape function.
     ``displacement`` (times, 2, vertices) and ``von_mises`` (times, cells) are packed.
     """
-    solution = case.solution
-    space = Space(FAMILY(solution.body, LEVEL), solution.body)
-    gauge = Gauge(solution, space)
-    problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
-    found = list(frames(space, solution.law, problem, STEPS))
-    shown = found[::EVERY]
+    return record(case.name, Motion.of(case.solution, FAMILY, LEVEL, STEPS), EVERY)
+
+
+def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
+    """The picture of a motion in the plane, with one of ``every`` frames."""
+    solution, space, found = motion.solution, motion.space, motion.frames
+    shown = found[::every]
     times = np.array([frame.time for frame in shown])
     displacement = np.array([space.nodal(frame.u) for frame in shown])
     normal = np.array([frame.normal for frame in shown])
     pressure = np.array([frame.multipliers for frame in shown]) / contact_weights(space)
-    instants = [round(share * STEPS / EVERY) for share in SHAPES]
+    instants = [round(share * (len(shown) - 1)) for share in SHAPES]
     return {
-        "case": case.name,
-        "family": FAMILY.name,
-        "level": LEVEL,
+        "case": name,
+        "family": motion.family,
+        "level": motion.level,
         "times": _short(times),
         "vertices": _short(space.mesh.p),
         "cells": space.mesh.t.tolist(),

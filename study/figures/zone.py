@@ -76,17 +76,17 @@ def misplaced(face: Face, times: Array) -> Array:
 
     Z^h is ``Face.computed_zone``; it is defined where zones are born and vanish, too, and no wrong node can hide.
     """
-    pieces = strands(face.zone_times, face.zone)
     differences = [
-        _difference(_zone_at(pieces, float(time)), face.computed_zone(instant))
+        _difference(exact_zone(face, float(time)), face.computed_zone(instant))
         for instant, time in enumerate(times)
         if instant
     ]
     return np.array(differences) / face.spacing
 
 
-def _zone_at(pieces: Sequence[Strand], time: float) -> list[tuple[float, float]]:
+def exact_zone(face: Face, time: float) -> list[tuple[float, float]]:
     """The exact zone at a time, linear between those at which it is known."""
+    pieces = strands(face.zone_times, face.zone)
     columns = [np.array(piece).T for piece in pieces if piece[0][0] <= time <= piece[-1][0]]
     return [(float(np.interp(time, t, left)), float(np.interp(time, t, right))) for t, left, right in columns]
 

@@ -1,0 +1,83 @@
+"""A case to look at: storyboard, animation, and files for ParaView, from one solve on a moderate mesh."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from manufactured.case import Case
+from study import pictures
+from study.fem.mesh import FAMILIES
+from study.figures.canvas import in_style
+from study.figures.pictures import Picture, Shape
+from study.motion import Motion, von_mises
+from study.naming import UsageError
+from study.show.animation import write_gif, write_mp4
+from study.show.solid import draw_surface
+from study.show.storyboard import draw_storyboard, write_png
+from study.show.vtk import write_vtk
+from study.store import write_text
+
+EVERY = 2
+"""One of so many frames is shown."""
+STEPS = pictures.STEPS
+LEVELS = {2: pictures.LEVEL, 3: 9}
+"""By dimension: moderate, and a multiple of what divides the faces of our cubes."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What was written, and what was left out with the reason."""
+
+    written: list[Path]
+    left_out: list[str]
+
+
+def show(case: Case, level: int, directory: Path, notify: Callable[[], object] = lambda: None) -> Shown:
+    """Solve a case and write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` in a directory.
+
+    ``notify`` is called after each of the ``STEPS + 1`` frames.
+
+    Raises:
+        UsageError: no mesh family serves the body.
+        StoreError: the directory cannot be written; said before anything is solved.
+        MeshError: the mesh of this level does not fit the body.
+    """
+    body = case.solution.body
+    serving = [family for family in (pictures.FAMILY, *FAMILIES) if family.serves(body)]
+    if not serving:
+        raise UsageError(f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped")
+    write_text(directory / ".writable", "").unlink()
+    motion = Motion.of(case.solution, serving[0], level, STEPS, notify)
+    with in_style():
+        drawn = (
+            _draw_plane(case.name, motion, directory) if body.dim == 2 else _draw_solid(case.name, motion, directory)
+        )
+    return replace(drawn, written=[*drawn.written, *write_vtk(directory / "vtk", case.name, motion, EVERY)])
+
+
+def _draw_plane(name: str, motion: Motion, directory: Path) -> Shown:
+    picture = film(name, motion)
+    written = [
+        write_png(directory / "storyboard.png", draw_storyboard(picture)),
+        write_gif(directory / "animation.gif", picture),
+    ]
+    mp4 = write_mp4(directory / "animation.mp4", picture)
+    if mp4:
+        return Shown([*written, mp4], [])
+    return Shown(written, ["animation.mp4: there is no ffmpeg on this machine; install it and run again"])
+
+
+def _draw_solid(name: str, motion: Motion, directory: Path) -> Shown:
+    written = [write_png(directory / "storyboard.png", draw_surface(name, motion))]
+    return Shown(written, ["animation.gif, animation.mp4: drawn for plane bodies only; play the PVD file in ParaView"])
+
+
+def film(name: str, motion: Motion) -> Picture:
+    """The picture of a motion with a shape at every time shown."""
+    picture = Picture.of(pictures.record(name, motion, EVERY))
+    shapes = [
+        Shape(frame.time, motion.space.nodal(frame.u), von_mises(frame.stress)) for frame in motion.frames[::EVERY]
+    ]
+    return replace(picture, shapes=shapes)

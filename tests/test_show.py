@@ -1,0 +1,233 @@
+"""Motion balances its power at every step; what `study show` writes can be read back."""
+
+from __future__ import annotations
+
+import stat
+from functools import lru_cache
+from itertools import pairwise
+from pathlib import Path
+from xml.etree import ElementTree
+
+import meshio
+import numpy as np
+import pytest
+from PIL import Image
+
+from manufactured.law import DeviatoricBall, FrobeniusBall, Yield, isotropic
+from manufactured.tensors import full, identity, mandel, size
+from study import pictures
+from study.cli import main
+from study.fem.gauge import Gauge
+from study.fem.mesh import FAMILIES, Unstructured
+from study.figures.canvas import in_style
+from study.motion import Motion, balance, density, von_mises
+from study.naming import resolve
+from study.show import EVERY, Shown, film, show
+from study.show.animation import write_mp4
+from study.show.storyboard import MOMENTS, draw_storyboard
+from study.show.vtk import mesh_of
+
+CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
+RNG = np.random.default_rng(2002)
+
+
+@lru_cache
+def moved(case: str, steps: int = 8) -> Motion:
+    """A case on a coarse mesh."""
+    solution = resolve(case).solution
+    family = Unstructured() if solution.body.dim == 2 else FAMILIES[0]
+    return Motion.of(solution, family, 6 if solution.body.dim == 2 else 3, steps)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_power_of_the_load_is_stored_dissipated_or_spent_on_contact_at_every_step(case: str) -> None:
+    """(4.14) with v = δu in place of u, to round-off or the tolerance of the fixed point."""
+    frames = moved(case).frames[1:]
+    largest = max(abs(frame.power.load) for frame in frames)
+    for frame in frames:
+        power = frame.power
+        assert abs(power.elastic + power.viscous + power.contact - power.load) <= 1e-10 * largest
+        assert power.viscous > 0
+
+
+@pytest.mark.parametrize("case", CASES[:3])
+def test_the_defect_of_the_balance_of_energy_falls_with_the_square_of_the_step(case: str) -> None:
+    defects = [abs(balance(moved(case, steps).frames)["defect"]).max() for steps in (32, 64, 128)]
+    assert 3 < defects[0] / defects[1] < 5
+    assert 3 < defects[1] / defects[2] < 5
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_stress_of_a_frame_is_in_equilibrium_with_load_and_contact(case: str) -> None:
+    motion = moved(case)
+    space, solution = motion.space, motion.solution
+    load = Gauge(solution, space).load
+    for frame in motion.frames[1:]:
+        force = load(frame.time)
+        defect = space.functional(frame.stress) + space.N.T @ frame.multipliers - force
+        assert np.linalg.norm(defect) <= 1e-10 * np.linalg.norm(force)
+
+
+@pytest.mark.parametrize("law", [isotropic(1, 2), Yield(3.0, FrobeniusBall(0.4)), Yield(3.0, DeviatoricBall(0.4))])
+def test_the_stress_is_the_derivative_of_the_energy_density(law: object) -> None:
+    strain, direction, t = RNG.normal(size=(3, 40)), RNG.normal(size=(3, 40)), 1e-6
+
+    def energy(e: np.ndarray) -> np.ndarray:
+        return density(law, e, law(e))  # type: ignore[arg-type, operator]
+
+    slope = (energy(strain + t * direction) - energy(strain - t * direction)) / (2 * t)
+    np.testing.assert_allclose(slope, np.sum(law(strain) * direction, axis=0), atol=1e-6)  # type: ignore[operator]
+
+
+def test_von_mises_is_the_stress_of_a_pull_and_blind_to_pressure() -> None:
+    pull = np.zeros((3, 3))
+    pull[1, 1] = -7.0
+    assert von_mises(mandel(pull)) == pytest.approx(7.0)
+    for dim in (2, 3):
+        stress = RNG.normal(size=(size(dim), 5))
+        under_pressure = stress - 4 * identity(dim)[:, None]
+        np.testing.assert_allclose(von_mises(under_pressure), von_mises(stress), rtol=1e-12)
+
+
+def test_plane_von_mises_is_the_smallest_that_any_stress_across_the_plane_gives() -> None:
+    plane = RNG.normal(size=(2, 2))
+    across = np.linspace(-5, 5, 2001)
+    solid = np.zeros((3, 3, len(across)))
+    solid[:2, :2] = (plane + plane.T)[:, :, None] / 2
+    solid[2, 2] = across
+    values = von_mises(mandel(solid))
+    assert float(von_mises(mandel(plane))) == pytest.approx(values.min(), abs=1e-4)
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Shown]:
+    directory = tmp_path_factory.mktemp("shows")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("study.show.STEPS", 8)
+        patch.setenv("PATH", "")
+        return directory, show(resolve("hexagon"), 6, directory)
+
+
+def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(shown: tuple[Path, Shown]) -> None:
+    directory, found = shown
+    assert sorted(found.written) == sorted(path for path in directory.rglob("*") if path.is_file())
+    names = {path.name for path in found.written}
+    assert {"storyboard.png", "animation.gif", "hexagon.pvd", "hexagon-004.vtu"} <= names
+    assert found.left_out == ["animation.mp4: there is no ffmpeg on this machine; install it and run again"]
+
+
+def test_the_collection_lists_every_file_with_its_time(shown: tuple[Path, Shown]) -> None:
+    folder = shown[0] / "vtk"
+    root = ElementTree.parse(folder / "hexagon.pvd").getroot()
+    assert (root.tag, root.get("type")) == ("VTKFile", "Collection")
+    sets = root.findall("./Collection/DataSet")
+    assert [float(entry.attrib["timestep"]) for entry in sets] == [0, 0.25, 0.5, 0.75, 1]
+    assert sorted(entry.attrib["file"] for entry in sets) == sorted(path.name for path in folder.glob("*.vtu"))
+
+
+def test_a_vtu_file_reads_back_as_the_mesh_and_the_fields_of_its_frame(shown: tuple[Path, Shown]) -> None:
+    motion = Motion.of(resolve("hexagon").solution, pictures.FAMILY, 6, 8)
+    frame, space = motion.frames[-1], motion.space
+    read = meshio.read(shown[0] / "vtk" / "hexagon-004.vtu")
+    np.testing.assert_array_equal(read.cells_dict["triangle"], space.mesh.t.T)
+    np.testing.assert_allclose(read.points, np.pad(space.mesh.p.T, ((0, 0), (0, 1))))
+    np.testing.assert_allclose(read.point_data["displacement"][:, :2], space.nodal(frame.u).T)
+    np.testing.assert_allclose(read.point_data["velocity"][:, :2], space.nodal(frame.velocity).T)
+    np.testing.assert_allclose(read.cell_data["von_mises"][0], von_mises(frame.stress))
+    stress = read.cell_data["stress"][0].reshape(-1, 3, 3)
+    np.testing.assert_allclose(stress[:, :2, :2], np.moveaxis(full(frame.stress), -1, 0))
+    assert not stress[:, 2].any()
+    for number, (_, vertices) in enumerate(space.contact, start=1):
+        gap, pressure = (read.point_data[f"{name}_{number}"] for name in ("gap", "pressure"))
+        assert set(np.flatnonzero(np.isfinite(gap))) == set(vertices)
+        assert (gap[vertices] * pressure[vertices] <= 1e-9 * np.nanmax(pressure)).all()
+        assert pressure[vertices].max() > 0
+
+
+def test_a_solid_has_tetrahedra_and_all_nine_stresses() -> None:
+    motion = moved("cube-disc")
+    frame = motion.frames[-1]
+    mesh = mesh_of(motion, frame, pictures.contact_weights(motion.space))
+    assert mesh.cells[0].type == "tetra"
+    np.testing.assert_allclose(mandel(np.moveaxis(mesh.cell_data["stress"][0].reshape(-1, 3, 3), 0, -1)), frame.stress)
+    assert {"gap", "pressure"} <= set(mesh.point_data)
+
+
+def test_the_animation_has_a_frame_for_every_time_and_moves(shown: tuple[Path, Shown]) -> None:
+    with Image.open(shown[0] / "animation.gif") as film_on_disk:
+        assert film_on_disk.n_frames == 8 // EVERY + 1
+        images = []
+        for number in range(film_on_disk.n_frames):
+            film_on_disk.seek(number)
+            images.append(np.asarray(film_on_disk.convert("RGB"), dtype=int))
+    for before, after in pairwise(images):
+        assert (before != after).any(axis=2).sum() > 200
+    assert (shown[0] / "animation.gif").stat().st_size < 5e6
+
+
+def test_ffmpeg_is_asked_for_a_film_where_there_is_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A stand-in that swallows the frames and writes its arguments into the file it is asked for."""
+    program = tmp_path / "ffmpeg"
+    program.write_text('#!/bin/sh\nfor last; do :; done\nbytes=$(wc -c)\necho "$@" "bytes $bytes" > "$last"\n')
+    program.chmod(program.stat().st_mode | stat.S_IXUSR)
+    monkeypatch.setenv("PATH", str(tmp_path), prepend=":")
+    picture = film("advance-recede", moved("advance-recede"))
+    with in_style():
+        written = write_mp4(tmp_path / "animation.mp4", picture)
+    assert written == tmp_path / "animation.mp4"
+    arguments, _, count = written.read_text().rpartition(" ")
+    width, height = map(int, arguments.partition("-s ")[2].split()[0].split("x"))
+    assert "-f mp4" in arguments
+    assert int(count) == len(picture.shapes) * width * height * 4
+
+
+def test_a_storyboard_goes_from_the_first_time_to_the_last() -> None:
+    motion = moved("advance-recede", 32)
+    with in_style():
+        figure = draw_storyboard(film("advance-recede", motion))
+    times = [float(axes.get_title()[3:-1]) for axes in figure.axes if axes.get_title()]
+    assert len(times) == MOMENTS
+    assert (times[0], times[-1]) == (0, 1)
+    assert times == sorted(times)
+
+
+def test_a_film_keeps_the_shapes_that_the_picture_of_a_case_has() -> None:
+    motion = moved("advance-recede", pictures.EVERY * 4)
+    shot = film("advance-recede", motion)
+    assert [shape.time for shape in shot.shapes] == [frame.time for frame in motion.frames[::EVERY]]
+    for frame, shape in zip(motion.frames[::EVERY], shot.shapes, strict=True):
+        np.testing.assert_array_equal(shape.displacement, motion.space.nodal(frame.u))
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["show", "hexagone"], "study: unknown case 'hexagone'; known: full-contact"),
+        (["show", "nothing.py:case"], "there is no file nothing.py"),
+        (["show", "hexagon", "--level", "1"], "--level must be 2 or more, got 1"),
+        (["show", "hexagon", "--out", "{file}"], "cannot write {file}/hexagon/.writable: "),
+    ],
+)
+def test_what_cannot_be_shown_is_refused(
+    arguments: list[str], complaint: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "file"
+    file.write_text("not a directory")
+    assert main([argument.format(file=file) for argument in arguments]) == 2
+    assert complaint.format(file=file) in capsys.readouterr().err
+
+
+def test_a_case_that_is_no_solution_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A gap of the wrong sign."""
+    case = tmp_path / "wrong.py"
+    case.write_text(
+        "from dataclasses import replace\n"
+        "from manufactured.catalogue import catalogue\n"
+        "case = catalogue()[0]\n"
+        "(face,) = case.solution.faces\n"
+        "solution = replace(case.solution, faces=(replace(face, gap=face.gap - 1),))\n"
+        "wrong = replace(case, solution=solution)\n"
+    )
+    assert main(["show", f"{case}:wrong", "--out", str(tmp_path / "out")]) == 2
+    assert "violated" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
