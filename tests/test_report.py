@@ -44,10 +44,13 @@ def write_data(directory: Path) -> Path:
         if name == "cases":
             frame.loc[frame["case"] == SOLID, "summary"] = HOSTILE
         if name == "claims":
-            frame.iloc[-1, frame.columns.get_loc("quantity")] = HOSTILE
+            frame.iloc[-1, [frame.columns.get_loc(column) for column in ("case", "quantity")]] = HOSTILE
         frame.to_csv(data / f"{name}.csv", index=False)
-    for name in ("controls.csv", "provenance.json"):
-        shutil.copy(RESULTS / "data" / name, data)
+    controls = pd.read_csv(RESULTS / "data" / "controls.csv", dtype=str)
+    controls.iloc[-1, controls.columns.get_loc("defect")] = HOSTILE
+    controls.to_csv(data / "controls.csv", index=False)
+    provenance = json.loads((RESULTS / "data" / "provenance.json").read_text(encoding="utf-8"))
+    (data / "provenance.json").write_text(json.dumps(provenance | {"machine": HOSTILE}))
     for case in PLANE:
         (data / "pictures" / f"{case}.json").write_text(json.dumps(picture(resolve(case))))
     return directory
@@ -154,8 +157,11 @@ def test_every_row_of_the_other_tables_is_on_the_page(directory: Path, page: Pag
 
 def test_text_of_the_data_cannot_become_markup(text: str, page: Page) -> None:
     assert "img" not in {tag for tag, _ in page.tags}
-    # The summary twice, in the list of cases and on the page of its case, and the quantity once.
-    assert page.text.count(HOSTILE) == 3
+    # The summary in the list of cases and on the page of its case; a row of the ledger: its case, also in the filter,
+    # and its quantity; a defect; the machine.
+    assert page.text.count(HOSTILE) == 2 + 2 + 1 + 1 + 1
+    attributes = [value for _, attributes in page.tags for value in attributes.values()]
+    assert HOSTILE in attributes
     assert "<img" not in text
 
 
