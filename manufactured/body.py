@@ -21,6 +21,8 @@ from manufactured.tensors import Array, Points
 
 NDBool = NDArray[np.bool_]
 Point = tuple[float, ...]
+Line = tuple[tuple[float, ...], float]
+"""(direction, offset) of {x : direction·x = offset}."""
 
 ROUNDING = 1e-9
 """Relative distance below which points of a body are the same and corners lie in one plane."""

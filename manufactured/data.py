@@ -13,8 +13,7 @@ from itertools import product
 import numpy as np
 import sympy as sp
 
-from manufactured.body import Body, Kind, Part
-from manufactured.contact import ContactFace
+from manufactured.body import Body, Kind, Line, Part
 from manufactured.exact import ExactSolution
 from manufactured.factor import x1, x2, x3
 from manufactured.law import KelvinVoigt
@@ -31,7 +30,6 @@ class LoadError(ValueError):
 
 
 ForceInTime = Callable[[float], Vectors]
-Line = tuple[tuple[float, ...], float]
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +75,7 @@ class Data:
             surface_load,
             lambda x: solution.at(x).displacement(0.0),
             lambda x: solution.at(x).strain(0.0),
-            (*_rough(solution), *solution.law.steps),
+            solution.rough,
             solution.singular,
             solution,
         )
@@ -223,13 +221,3 @@ def _compiled(
         return np.array([np.broadcast_to(value, x.shape[1:]) for value in call(*x, *time)])
 
     return values
-
-
-def _rough(solution: ExactSolution) -> list[Line]:
-    """{s = c} for the rough coordinates of every lifting."""
-    found = []
-    for face in solution.faces:
-        if isinstance(face, ContactFace):
-            tangent = face.part.tangent
-            found += [(tuple(map(float, tangent)), float(tangent @ face.part.start) + c) for c in face.rough]
-    return found

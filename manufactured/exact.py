@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 import sympy as sp
 
-from manufactured.body import Body, Kind, Part
+from manufactured.body import Body, Kind, Line, Part
 from manufactured.contact import ContactFace
 from manufactured.law import KelvinVoigt
 from manufactured.modes import Modes
@@ -97,6 +97,16 @@ class ExactSolution:
                     f"the body is {deepest:g} deep, the lifting ends at {face.profile.depth:g} with a kink: "
                     "take the depth of Γ1 or a cut-off with φ(1) = φ'(1) = 0 such as HERMITE"
                 )
+
+    @property
+    def rough(self) -> tuple[Line, ...]:
+        """Where strains are rough for all times: {s = c} for the rough c of every lifting, and jumps of A and G."""
+        found: list[Line] = []
+        for face in self.faces:
+            if isinstance(face, ContactFace):
+                tangent = face.part.tangent
+                found += [(tuple(map(float, tangent)), float(tangent @ face.part.start) + c) for c in face.rough]
+        return (*found, *self.law.steps)
 
     def at(self, x: Points) -> Fields:
         """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed."""

@@ -14,7 +14,7 @@ from study import pictures
 from study.bound.jobs import BoundJob
 from study.bound.plan import full_bounds, quick_bounds
 from study.equilibrated.measure import places
-from study.fem.gauge import rough_lines
+from study.fem.line import Line
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, boundary_parts
 from study.fem.quadrature import rough_cells
 from study.jobs import EquivalenceJob, Job, PictureJob, RateJob, StatementJob, StressJob
@@ -129,7 +129,7 @@ class Plan:
                 mesh = family_named(family)(case.solution.body, level)
                 boundary_parts(mesh, case.solution.body)
                 for case, _, _ in group:
-                    rough_cells(mesh, rough_lines(case.solution), case.solution.singular)
+                    rough_cells(mesh, [Line(*line) for line in case.solution.rough], case.solution.singular)
             except MeshError as error:
                 raise MeshError(f"{case.name}, {family}, level {level}: {error}") from error
 

@@ -192,7 +192,7 @@ class Majorant:
         control = self.balance(loads, (left.viscous + right.viscous) / 2 + elastic, piece.control)
         every = (left.balance, control, right.balance)
         squares = sum(QUADRATIC[i, j] * self.products(every[i].residual, every[j].residual) for i, j in PAIRS)
-        left_out = [self._left_out(snapshot) for snapshot in (left.snapshot, middle, right.snapshot)]
+        left_out = [setting.left_out(snapshot) for snapshot in (left.snapshot, middle, right.snapshot)]
         unbalanced = (left_out[0] ** 2 + 4 * left_out[1] ** 2 + left_out[2] ** 2) / 6
         bending = k * self._bending(piece, left.snapshot.loads, loads, right.snapshot.loads)
         added = k * (float(np.linalg.norm(np.sqrt(squares) + np.sqrt(unbalanced))) + curvature) + bending
@@ -213,15 +213,6 @@ class Majorant:
             oscillation=k * float(np.sqrt(unbalanced.sum())),
             bending=bending,
         )
-
-    def _left_out(self, snapshot: Snapshot) -> Array:
-        """η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e, g = f_0 − P f_0, (cells,)."""
-        setting = self.setting
-        linear, quadratic = setting.cell_constants
-        total = linear * snapshot.bowed + quadratic * snapshot.rest
-        for cells, edges, constants in setting.side_constants:
-            total[cells] += constants * snapshot.around[edges]
-        return total
 
     def _bending(self, piece: Piece, *loads: Loads) -> float:
         """What P f differs from its parabola by a quarter into the piece, in the dual of V.

@@ -1,4 +1,4 @@
-"""Everything the bound needs on one mesh: displacements of degree 2, stresses of degree 2, data, constants."""
+"""Everything the bound needs on one mesh: displacements of degree 2, stresses of degree 3, data, constants."""
 
 from __future__ import annotations
 
@@ -14,10 +14,10 @@ from manufactured.body import Kind
 from manufactured.data import Data
 from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors
-from study.equilibrated.composite import SIDES, bernstein
+from study.equilibrated.composite import products
 from study.equilibrated.hybrid import Equilibrium, Loads
 from study.equilibrated.loads import ProjectedLoads, Snapshot
-from study.equilibrated.oscillation import cell_constants, side_constants
+from study.equilibrated.oscillation import LeftOut
 from study.equilibrated.stresses import StressSpace
 from study.fem.quadratic import Quadratic
 from study.solve.evolution import Problem
@@ -150,10 +150,8 @@ class Setting:
 
     @cached_property
     def _gram(self) -> Array:
-        """∫_0^1 B_i B_j for degree 2 and the degree of the stresses, (3, n)."""
-        x, w = np.polynomial.legendre.leggauss(DEGREE + 1)
-        displacements, stresses = (bernstein(k, np.array([1 - x, 1 + x]) / 2) for k in (2, DEGREE))
-        return (displacements * w / 2) @ stresses.T
+        """∫_0^1 B_i B_j for displacements and stresses, (3, n)."""
+        return products(2, DEGREE)
 
     def functional(self, loads: Loads) -> Array:
         """(P f_0, v)_H + (P f_2, v)_{L²(Γ2)}, (dofs,)."""
@@ -195,26 +193,8 @@ class Setting:
             T=self.data.body.T,
         )
 
-    # ---- constants of the oscillation
-
     @cached_property
-    def cell_constants(self) -> tuple[Array, Array]:
-        """C_{T,k−1} and C_{T,k} of every cell, with the least factor of A, (cells,) each."""
+    def left_out(self) -> LeftOut:
+        """What the projections of the data leave out, cell by cell, in the dual of V."""
         A = self.data.law.A
-        return tuple(
-            cell_constants(self.stresses.map, np.linalg.inv(A.matrix), q) / np.sqrt(A.factor.low)
-            for q in (DEGREE - 1, DEGREE)
-        )
-
-    @cached_property
-    def side_constants(self) -> list[tuple[Array, Array, Array]]:
-        """The edges of Γ2 by their place in their cell: (cells, edges, C_e)."""
-        space, A = self.stresses, self.data.law.A
-        loaded = [edges for _, edges in space.on(Kind.LOADED)]
-        wanted = np.concatenate(loaded) if loaded else np.empty(0, dtype=int)
-        found = []
-        for side in range(len(SIDES)):
-            cells = np.flatnonzero(np.isin(space.edges[:, side], wanted))
-            constants = side_constants(space.map[cells], np.linalg.inv(A.matrix), side) / np.sqrt(A.factor.low)
-            found.append((cells, space.edges[cells, side], constants))
-        return found
+        return LeftOut(self.stresses, np.linalg.inv(A.matrix), A.factor.low)

@@ -56,6 +56,13 @@ def bernstein(degree: int, barycentric: Array) -> Array:
     )
 
 
+def products(degree: int, other: int) -> Array:
+    """∫_0^1 B_i B_j for Bernstein polynomials of two degrees on an interval, (degree + 1, other + 1)."""
+    x, w = np.polynomial.legendre.leggauss((degree + other) // 2 + 1)
+    first, second = (bernstein(k, np.array([1 - x, 1 + x]) / 2) for k in (degree, other))
+    return (first * w / 2) @ second.T
+
+
 def thirds(corners: Points) -> Points:
     """Vertices of the thirds of triangles: (2, 3, ...) → (2, 3 vertices, 3 thirds, ...)."""
     centre = corners.mean(axis=1)

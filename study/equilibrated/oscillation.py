@@ -28,8 +28,11 @@ from functools import lru_cache
 import numpy as np
 from scipy.linalg import null_space
 
+from manufactured.body import Kind
 from manufactured.tensors import Array, basis
 from study.equilibrated.composite import CORNERS, SIDES, bernstein, composite, indices, thirds
+from study.equilibrated.loads import Snapshot
+from study.equilibrated.stresses import StressSpace
 from study.fem.quadrature import simplex_rule
 
 ROUNDING = 1e-9
@@ -98,6 +101,37 @@ def side_constants(F: Array, compliance: Array, side: int) -> Array:
     a, b = SIDES[side]
     length = np.linalg.norm(F @ (CORNERS[:, b] - CORNERS[:, a]), axis=1)
     return np.sqrt(2) * _side(side).constants(F, compliance, 1 / length)
+
+
+class LeftOut:
+    """η_T with (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T} for the sides e of T on Γ2.
+
+    η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e with g = f_0 − P f_0, which is orthogonal to
+    P_{k−1}, and its projection Π g onto P_k; k is the degree of the stresses.
+
+    Args:
+        space: the stresses that P belongs to, of degree 2 or more.
+        compliance: A⁻¹ but for its factor, Mandel (3, 3).
+        low: the least value of the factor of A.
+    """
+
+    def __init__(self, space: StressSpace, compliance: Array, low: float = 1.0) -> None:
+        root = np.sqrt(low)
+        self._cells = [cell_constants(space.map, compliance, q) / root for q in (space.degree - 1, space.degree)]
+        loaded = np.concatenate([np.empty(0, dtype=int), *(edges for _, edges in space.on(Kind.LOADED))])
+        self._sides = []
+        for side in range(len(SIDES)):
+            cells = np.flatnonzero(np.isin(space.edges[:, side], loaded))
+            constants = side_constants(space.map[cells], compliance, side) / root
+            self._sides.append((cells, space.edges[cells, side], constants))
+
+    def __call__(self, snapshot: Snapshot) -> Array:
+        """η_T for the data at one time, (cells,)."""
+        below, at_degree = self._cells
+        total = below * snapshot.bowed + at_degree * snapshot.rest
+        for cells, edges, constants in self._sides:
+            total[cells] += constants * snapshot.around[edges]
+        return total
 
 
 class _Divided:

@@ -16,7 +16,6 @@ from dataclasses import dataclass
 import numpy as np
 from skfem import Mesh
 
-from manufactured.body import Part
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.law import Linear
@@ -154,30 +153,16 @@ class Pointwise:
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
     """Cell rules that respect where the strain of a solution is rough for all times."""
-    return cell_rules(mesh, degree, rough_lines(solution), solution.singular, shared)
+    return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, shared)
 
 
 def shared_lines(solution: ExactSolution) -> list[Line]:
     """{s = 0} of at most two contact faces in the plane, so that points of cells can share coordinates along them."""
     found: list[Line] = []
     for face in solution.faces:
-        line = _across(face.part, 0.0)
+        tangent = face.part.frame[:, 0]
+        line = Line(tuple(tangent), float(tangent @ face.part.start))
         parallel = any(abs(np.linalg.det([line.direction, other.direction])) < PARALLEL for other in found)
         if solution.body.dim == 2 and isinstance(face, ContactFace) and not parallel and len(found) < 2:
             found.append(line)
     return found
-
-
-def _across(part: Part, s: float) -> Line:
-    """The line {s = constant} of a part in the plane."""
-    tangent = part.frame[:, 0]
-    return Line(tuple(tangent), float(tangent @ part.start) + s)
-
-
-def rough_lines(solution: ExactSolution) -> tuple[Line, ...]:
-    """{s = c} for every c ∈ ``rough`` of every lifting, and where the factors of A and G jump."""
-    found = []
-    for face in solution.faces:
-        if isinstance(face, ContactFace):
-            found += [_across(face.part, c) for c in face.rough]
-    return (*found, *(Line(direction, offset) for direction, offset in solution.law.steps))

@@ -35,7 +35,7 @@ from manufactured.exact import ExactSolution
 from manufactured.factor import UNIFORM
 from manufactured.law import Linear
 from manufactured.tensors import Array
-from study.fem.gauge import DEGREE, SOLID_DEGREE, Gauge, rough_lines
+from study.fem.gauge import DEGREE, SOLID_DEGREE, Gauge
 from study.fem.independent import work_of_body_force, work_on
 from study.fem.space import Space
 from study.naming import resolve
@@ -153,7 +153,7 @@ def cut_at_fronts(solution: ExactSolution, time: float) -> ExactSolution:
     Only for one face in the plane without other such places: cells are cut along one line.
     """
     face, *others = solution.faces
-    if solution.body.dim > 2 or others or rough_lines(solution) or not isinstance(face, ContactFace):
+    if solution.body.dim > 2 or others or solution.rough or not isinstance(face, ContactFace):
         return solution
     return replace(solution, faces=(replace(face, rough=fronts(face, time)),))
 

@@ -38,10 +38,10 @@ from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array, Tensors
-from study.equilibrated.composite import SIDES, bernstein
+from study.equilibrated.composite import products
 from study.equilibrated.hybrid import Equilibrium
-from study.equilibrated.loads import ProjectedLoads, Snapshot
-from study.equilibrated.oscillation import cell_constants, side_constants
+from study.equilibrated.loads import ProjectedLoads
+from study.equilibrated.oscillation import LeftOut
 from study.equilibrated.stresses import StressSpace
 from study.fem.gauge import Gauge
 from study.fem.space import Space
@@ -142,31 +142,13 @@ class Pair:
         for part, edges in space.on(Kind.CONTACT):
             ends = np.einsum("d,dan->na", part.normal, normal[:, space.mesh.facets[:, edges]])
             pressed = space.seen_from(edges, stress.tractions)[..., 0]
-            work += float(np.einsum("na,nb,ab,n->", ends, pressed, _gram(space.degree), space.lengths[edges]))
-        # Degree 1 leaves more out than what is orthogonal to P1.
-        self.oscillation = self._left_out(snapshot) if space.degree > 1 else np.nan
+            work += float(np.einsum("na,nb,ab,n->", ends, pressed, products(1, space.degree), space.lengths[edges]))
+        # Degree 1 leaves more out than what is orthogonal to P1. The cells are disjoint: norms of their parts add up.
+        bounded = space.degree > 1
+        self.oscillation = float(np.linalg.norm(LeftOut(space, self.compliance)(snapshot))) if bounded else np.nan
         self.bound = self.oscillation + float(np.sqrt(self.oscillation**2 + self.distance**2 + 2 * max(work, 0.0)))
 
     def _norm(self, stress: Tensors) -> float:
         return float(
             np.sqrt(np.einsum("Icq,IJ,Jcq,cq->", stress, self.compliance, stress, self.space.weights, optimize=True))
         )
-
-    def _left_out(self, snapshot: Snapshot) -> float:
-        """Ω = (Σ_T (C_{T,k−1} ‖Π g‖ + C_{T,k} ‖g − Π g‖ + Σ_e C_e ‖f_2 − P f_2‖_e)²)^½, g = f_0 − P f_0."""
-        space, k = self.space, self.space.degree
-        total = cell_constants(space.map, self.compliance, k - 1) * snapshot.bowed
-        total += cell_constants(space.map, self.compliance, k) * snapshot.rest
-        loaded = np.concatenate([edges for _, edges in space.on(Kind.LOADED)])
-        for side in range(len(SIDES)):
-            cells = np.flatnonzero(np.isin(space.edges[:, side], loaded))
-            constants = side_constants(space.map[cells], self.compliance, side)
-            total[cells] += constants * snapshot.around[space.edges[cells, side]]
-        return float(np.linalg.norm(total))
-
-
-def _gram(degree: int) -> Array:
-    """∫_0^1 of products of linear functions and Bernstein polynomials, (2, degree + 1)."""
-    x, w = np.polynomial.legendre.leggauss(degree + 1)
-    linear, shapes = (bernstein(k, np.array([1 - x, 1 + x]) / 2) for k in (1, degree))
-    return (linear * w / 2) @ shapes.T
