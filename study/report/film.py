@@ -32,17 +32,18 @@ def read_film(path: Path) -> dict[str, Any]:
     Raises:
         DataError: the file is no picture, or an older one without motion.
     """
-    picture = Picture.read(path)
-    record = json.loads(path.read_text(encoding="utf-8"))
     try:
+        record = json.loads(path.read_text(encoding="utf-8"))
         displacement, stress = (Packed.read(record[name]) for name in ("displacement", "von_mises"))
-        _require(displacement.multiples.shape, (len(picture.times), *picture.vertices.shape))
-        _require(stress.multiples.shape, (len(picture.times), picture.cells.shape[1]))
+        vertices, cells = np.shape(record["vertices"]), np.shape(record["cells"])
+        _require(displacement.multiples.shape, (len(record["times"]), *vertices))
+        _require(stress.multiples.shape, (len(record["times"]), cells[1]))
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(
-            f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: an older "
-            "version wrote it; the `study run` that wrote it makes it anew"
+            f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
+            "version wrote it, make it anew with the same `study run`"
         ) from error
+    picture = Picture.read(path)
     brightest = float(np.quantile(stress.values, BRIGHTEST)) or float(stress.values.max()) or 1.0
     shades = np.round(SHADES * np.sqrt(np.minimum(stress.values / brightest, 1)))
     return {

@@ -49,11 +49,12 @@ class Scale:
         return round(self.start + (v - a) / ((b - a) or 1) * (self.end - self.start), 2)
 
     def ticks(self) -> list[tuple[float, str]]:
-        """Coordinates and texts of round values: decades, or 1, 2, 5 of them where there are few; quarters."""
+        """Coordinates and texts of round values: quarters, or decades and, where these are few, values between."""
         if not self.logarithmic:
             return [(self(v), f"{v:g}") for v in np.linspace(self.low, self.high, 5)]
         decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
-        steps = (1, 2, 5) if self.high / self.low < 100 else (1,)
+        ratio = self.high / self.low
+        steps = (1, 2, 3, 5, 7) if ratio < 10 else (1, 2, 5) if ratio < 100 else (1,)
         values = [float(f"{step}e{decade}") for decade in decades for step in steps]
         return [(self(v), f"{v:g}") for v in values if self.low <= v <= self.high]
 
