@@ -1,0 +1,255 @@
+"""Every figure says what it shows, from its data alone, in a size and in colours that can be read."""
+
+from __future__ import annotations
+
+import pickle
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import matplotlib as mpl
+import numpy as np
+import pandas as pd
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from numpy.typing import NDArray
+from test_presentation import CASES, write_data
+
+from study.datafiles import DataError, read_rates
+from study.figures import drawings
+from study.figures.body import CLIPPED, SHADES, Scale
+from study.figures.canvas import COLUMN, PAGE, STYLE, Drawing, in_style
+from study.figures.defects import mathtext
+from study.figures.energy import caption_energy
+from study.figures.pictures import Face, Picture, read_pictures
+from study.figures.zone import exact_zone, misplaced
+
+Array = NDArray[np.float64]
+SMALLEST = 7.0
+"""Points, of all text but scripts."""
+OKABE_ITO = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"}
+
+
+def controls(caught: str = "yes") -> pd.DataFrame:
+    """A defect that is caught and one that may not be, and a setting without any."""
+    columns = ["defect", "what", "setting", "label", "quantity", "expected", "observed", "verdict", "caught"]
+    rows = [
+        ["none", "all 2 rows must hold", "here", "Prop. 5.4", "order", "1", 1.0, "holds", None],
+        ["contact relaxed", "v_ν ≤ √h in place of v_ν ≤ 0", "here", "Prop. 5.4", "order", "1", 0.5, "fails", "yes"],
+        ["k like h", "backward Euler with k ~ h", "here", "Prop. 5.4", "time share", "0", 1.0, "fails", caught],
+    ]
+    return pd.DataFrame(rows, columns=columns)
+
+
+def growth() -> pd.DataFrame:
+    """A direct solver of cost n^{3/2} and one of cost n."""
+    dofs = np.array([1e3, 1e4, 1e5])
+    frames = []
+    for dim, solver, power in ((2, "direct", 1.5), (3, "multigrid", 1.0)):
+        seconds = 1e-6 * dofs**power
+        columns = {"n": [8, 16, 32], "dofs": dofs, "factor_seconds": seconds, "solve_seconds": seconds}
+        costs = {"step_seconds": 2 * seconds, "level_seconds": 20 * seconds, "peak_bytes": 1024**3 + 1e3 * dofs}
+        frames.append(pd.DataFrame(columns | costs).assign(dim=dim, solver=solver))
+    return pd.concat(frames)
+
+
+def write_controls(directory: Path, table: pd.DataFrame) -> None:
+    table.to_csv(directory / "data" / "controls.csv", index=False)
+
+
+def write_growth(directory: Path, table: pd.DataFrame) -> None:
+    (directory / "benchmarks").mkdir(exist_ok=True)
+    table.to_csv(directory / "benchmarks" / "growth.csv", index=False)
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """All data that there can be; tests only read it."""
+    directory = write_data(tmp_path_factory.mktemp("results"), CASES, (8, 16, 32), level=8)
+    write_controls(directory, controls())
+    write_growth(directory, growth())
+    return directory
+
+
+@pytest.fixture
+def alone(tmp_path: Path) -> Path:
+    """Data of one case on one level, to change."""
+    return write_data(tmp_path, {"advance-recede": (1.0, 28.0)}, (16,), level=8)
+
+
+def named(directory: Path, name: str) -> Drawing:
+    (drawing,) = (drawing for drawing in drawings(directory) if drawing.name == name)
+    return drawing
+
+
+def drawn(drawing: Drawing) -> Figure:
+    with in_style():
+        figure = drawing.draw()
+        figure.draw_without_rendering()
+    return figure
+
+
+def test_the_style_is_free_of_latex_in_serif_letters_and_colours_that_every_eye_tells_apart() -> None:
+    style = mpl.rc_params_from_file(STYLE, use_default_template=False)
+    assert not style.get("text.usetex", False)
+    assert (style["font.family"], style["mathtext.fontset"]) == (["STIXGeneral"], "stix")
+    assert {entry["color"] for entry in style["axes.prop_cycle"]} == OKABE_ITO
+    assert min(value for name, value in style.items() if name.endswith("size") and "font" in name) >= SMALLEST
+
+
+def test_every_figure_fits_a_page_with_letters_large_enough_inside_it(measured: Path) -> None:
+    found = drawings(measured)
+    assert {"effectivity", "defects", "growth", "energy-two-faces"} <= {drawing.name for drawing in found}
+    for drawing in found:
+        figure = drawn(drawing)
+        assert COLUMN <= figure.get_figwidth() <= PAGE, drawing.name
+        for text in figure.findobj(Text):
+            if not (text.get_visible() and text.get_text().strip()):
+                continue
+            assert text.get_fontsize() >= SMALLEST, (drawing.name, text.get_text())
+
+
+def test_no_label_of_an_axis_is_cut_off(measured: Path) -> None:
+    for drawing in drawings(measured):
+        figure = drawn(drawing)
+        for axes in figure.axes:
+            for text in (axes.xaxis.label, axes.yaxis.label, axes.title):
+                if text.get_text() and axes.get_visible():
+                    box = text.get_window_extent()
+                    assert box.x0 >= 0, (drawing.name, text.get_text())
+                    assert box.x1 <= figure.bbox.x1, (drawing.name, text.get_text())
+                    assert box.y0 >= 0, (drawing.name, text.get_text())
+                    assert box.y1 <= figure.bbox.y1, (drawing.name, text.get_text())
+
+
+def test_every_caption_says_what_to_see_with_numbers(measured: Path) -> None:
+    for drawing in drawings(measured):
+        caption = drawing.caption()
+        assert "What to see: " in caption, drawing.name
+        assert re.search(r"\d", caption.split("What to see: ")[1]), drawing.name
+        assert caption.endswith("."), drawing.name
+        assert "nan" not in caption, drawing.name
+
+
+def test_a_drawing_needs_nothing_but_what_it_carries(measured: Path, tmp_path: Path) -> None:
+    """It goes to another process, and draws after its data files are gone."""
+    directory = tmp_path / "moved"
+    directory.mkdir()
+    for folder in ("data", "benchmarks"):
+        (directory / folder).symlink_to(measured / folder)
+    sent = [pickle.dumps(drawing) for drawing in drawings(directory)]
+    for folder in ("data", "benchmarks"):
+        (directory / folder).unlink()
+    for drawing in map(pickle.loads, sent[::6]):
+        drawn(drawing)
+        assert drawing.caption()
+
+
+def shifted(face: Face, cells: int) -> Face:
+    """A face whose computed pressure lies some cells further along."""
+    return replace(face, pressure=np.roll(face.pressure_exact, cells, axis=1))
+
+
+@pytest.fixture(scope="module")
+def picture(measured: Path) -> Picture:
+    return read_pictures(measured)[0]
+
+
+def test_a_computed_zone_that_is_exact_is_off_by_half_a_cell_at_most(picture: Picture) -> None:
+    (face,) = picture.faces
+    assert misplaced(shifted(face, 0), picture.times).max() <= 0.5 + 1e-6
+
+
+def test_a_front_three_cells_too_far_is_off_by_three_cells(picture: Picture) -> None:
+    (face,) = picture.faces
+    wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))
+    off = misplaced(wide, picture.times) - misplaced(shifted(face, 0), picture.times)
+    assert off[:-1].max() <= 3 + 1e-6
+    assert np.median(off) > 1.9
+
+
+def test_a_zone_that_should_not_be_there_counts_with_its_length(picture: Picture) -> None:
+    (face,) = picture.faces
+    empty = replace(face, zone=[[] for _ in face.zone_times])
+    pressure = np.zeros_like(face.pressure)
+    pressure[:, 2:5] = 1.0
+    np.testing.assert_allclose(misplaced(replace(empty, pressure=pressure), picture.times), 3.0)
+    assert not misplaced(replace(empty, pressure=0 * pressure), picture.times).any()
+
+
+def test_the_exact_zone_between_known_times_lies_between(picture: Picture) -> None:
+    (face,) = picture.faces
+    early, late = (face.zone[n][0][1] for n in (10, 11))
+    ((_, front),) = exact_zone(face, float(face.zone_times[10:12].mean()))
+    assert front == pytest.approx((early + late) / 2)
+
+
+def test_the_colours_of_the_stress_end_where_all_but_a_few_cells_lie(picture: Picture) -> None:
+    scale = Scale.of(picture)
+    stresses = np.array([shape.von_mises for shape in picture.shapes])
+    assert (stresses > scale.stress).mean() <= CLIPPED
+    assert scale.colours.cmap.N == SHADES
+    lightness = np.array([0.299, 0.587, 0.114]) @ np.array(scale.colours.cmap(np.arange(SHADES)))[:, :3].T
+    assert (np.diff(lightness) < 0).all(), "grey, too, shows which stress is larger"
+
+
+def test_the_caption_of_the_energy_states_its_largest_defect(picture: Picture) -> None:
+    assert "a defect of at most 0.1 % of the largest energy (at t = 1)" in caption_energy(picture)
+    worse = replace(picture, energy=replace(picture.energy, defect=30 * picture.energy.defect))
+    assert "a defect of at most 3 % of" in caption_energy(worse)
+
+
+def test_a_defect_that_nothing_caught_is_a_cross_and_is_counted(alone: Path) -> None:
+    assert "defects" not in [drawing.name for drawing in drawings(alone)]
+    for caught, crosses in (("yes", 0), ("no", 1)):
+        write_controls(alone, controls(caught))
+        drawing = named(alone, "defects")
+        axes = drawn(drawing).axes[0]
+        assert sum(line.get_marker() == "X" for line in axes.get_lines()) == crosses
+        assert f"{2 - crosses} of 2 defects" in drawing.caption()
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("v_ν ≤ √h in place of v_ν ≤ 0", r"$v_{\nu} \leq √ h$ in place of $v_{\nu} \leq 0$"),
+        ("5 % of k ~ h", "5 % of k ~ h"),
+    ],
+)
+def test_names_of_defects_are_set_as_mathematics(text: str, shown: str) -> None:
+    assert mathtext(text) == shown
+
+
+def test_an_upper_bound_below_the_error_is_counted(alone: Path) -> None:
+    assert "no upper ends left of 1 or lower ends right of it" in named(alone, "effectivity").caption()
+    path = alone / "data" / "bounds.csv"
+    pd.read_csv(path).assign(upper=0.9).to_csv(path, index=False)
+    assert "1 upper ends left of 1 or lower ends right of it" in named(alone, "effectivity").caption()
+
+
+def test_bounds_of_unknown_errors_alone_make_no_effectivity(alone: Path) -> None:
+    path = alone / "data" / "bounds.csv"
+    pd.read_csv(path).assign(upper=np.nan, lower=np.nan).to_csv(path, index=False)
+    assert "effectivity" not in [drawing.name for drawing in drawings(alone)]
+
+
+def test_the_growth_of_cost_is_left_out_until_it_is_measured(alone: Path) -> None:
+    assert "growth" not in [drawing.name for drawing in drawings(alone)]
+    write_growth(alone, growth())
+    caption = named(alone, "growth").caption()
+    assert "2D, direct: 632 s and 1.1 GiB for 100000 unknowns, time growing like unknowns^1.50" in caption
+    assert "3D, multigrid: 2 s and 1.1 GiB for 100000 unknowns, time growing like unknowns^1.00" in caption
+
+
+def test_a_damaged_table_of_costs_is_named(alone: Path) -> None:
+    write_growth(alone, growth().drop(columns="dofs"))
+    with pytest.raises(DataError, match=r"growth\.csv lacks the columns dofs.*make bench"):
+        drawings(alone)
+
+
+def test_the_caption_of_a_convergence_has_the_last_orders_of_the_data(measured: Path) -> None:
+    rates = read_rates(measured).query("case == 'rough-1.75'")
+    orders = rates[rates["level"] == 32]["order"]
+    seen = f"the order is {orders.min():.3g} … {orders.max():.3g}, expected 0.25"
+    assert seen in named(measured, "convergence-rough-1.75").caption()
