@@ -19,10 +19,11 @@ from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array
 from study.fem.material import form, means
 from study.fem.space import Space
+from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.signorini import ContactSolver, Signorini
 
 FIXED_POINT = 1e-12
-"""Relative change in ‖·‖_M at which the fixed point of a nonlinear law stops."""
+"""Relative distance in ‖·‖_M to the fixed point of a nonlinear law at which its iteration stops."""
 ITERATIONS = 60
 TINY = 1e-150
 """Stands for zero in denominators; its square is still positive."""
@@ -123,21 +124,25 @@ class _Step:
     def __call__(self, time: float, rhs: Array, base: Array, guess: Array) -> State:
         problem = self.problem
         constant = rhs - problem.reference @ base if base.any() else rhs
-        if problem.remainder is None:
+        remainder = problem.remainder
+        if remainder is None:
             u, multipliers = self.solve(constant)
             return self._state(time, u, multipliers, constant, 1)
-        u = guess
-        for iteration in range(1, ITERATIONS + 1):
-            b = constant - problem.remainder(self.theta * u + base)
-            previous, (u, multipliers) = u, self.solve(b)
-            change = u - previous
-            if change @ (problem.M @ change) <= FIXED_POINT**2 * (u @ (problem.M @ u)):
-                b = constant - problem.remainder(self.theta * u + base)
-                return self._state(time, u, multipliers, b, iteration)
-        raise EvolutionError(
-            f"the fixed point of the step to t = {time:.6g} did not settle in {ITERATIONS} iterations; "
-            "it contracts like k L_G/m_A, so take more steps"
-        )
+        multipliers = np.zeros(problem.N.shape[0])
+
+        def image(v: Array) -> Array:
+            nonlocal multipliers
+            u, multipliers = self.solve(constant - remainder(self.theta * v + base))
+            return u
+
+        try:
+            u, taken = fixed_point(image, guess, lambda v, w: float(v @ (problem.M @ w)), FIXED_POINT, ITERATIONS)
+        except FixedPointError as error:
+            raise EvolutionError(
+                f"step to t = {time:.6g}: {error}; it contracts like k L_G/m_A, so take more steps"
+            ) from error
+        b = constant - remainder(self.theta * u + base)
+        return self._state(time, u, multipliers, b, taken)
 
     def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
         defect = self.S @ u + self.problem.N.T @ multipliers - b

@@ -1,0 +1,49 @@
+"""The fixed point of a contraction: how far it is, and that the last image belongs to it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from study.solve.fixed_point import FixedPointError, fixed_point
+
+
+def euclidean(v, w) -> float:
+    return float(v @ w)
+
+
+@given(seed=st.integers(0, 10**6), contraction=st.floats(0.01, 0.8), size=st.integers(1, 12))
+def test_what_is_returned_is_an_image_as_near_to_the_fixed_point_as_was_asked(seed, contraction, size) -> None:
+    rng = np.random.default_rng(seed)
+    matrix = rng.normal(size=(size, size))
+    matrix *= contraction / np.linalg.norm(matrix, 2)
+    shift = rng.normal(size=size)
+    images = []
+
+    def image(v):
+        images.append(matrix @ v + shift)
+        return images[-1]
+
+    found, taken = fixed_point(image, np.zeros(size), euclidean, 1e-9, 200)
+    exact = np.linalg.solve(np.eye(size) - matrix, shift)
+    # ρ is seen along the way only, so that the distance may be some times larger than asked for.
+    assert np.linalg.norm(found - exact) <= 100 * 1e-9 * np.linalg.norm(exact)
+    assert found is images[-1]
+    assert taken == len(images)
+
+
+def test_on_a_line_three_images_are_enough_for_a_linear_map() -> None:
+    found, taken = fixed_point(lambda v: 0.7 * v + 3, np.array([0.0]), euclidean, 1e-12, 50)
+    assert found == pytest.approx(10)
+    assert taken <= 4
+
+
+def test_a_start_at_the_fixed_point_takes_one_image() -> None:
+    assert fixed_point(lambda v: v, np.ones(3), euclidean, 1e-12, 5)[1] == 1
+
+
+def test_a_map_that_does_not_settle_says_so() -> None:
+    with pytest.raises(FixedPointError, match="did not settle in 7 steps"):
+        fixed_point(lambda v: np.cos(3 * v) * 5 + v[::-1], np.array([0.1, 0.7]), euclidean, 1e-12, 7)
