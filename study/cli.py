@@ -43,7 +43,7 @@ from study.provenance import protect, read_provenance
 from study.published import TableError, as_json, as_text, read_table, report
 from study.rates import RatesError
 from study.report import write_report
-from study.show import LEVELS, STEPS, show
+from study.show import LEVELS, show, ticks
 from study.solve.evolution import SCHEMES
 from study.store import Store, StoreError
 from study.summary import ledger_text, rates_text
@@ -305,7 +305,7 @@ def do_show(options: argparse.Namespace) -> int:
     if level < 2:
         raise UsageError(f"--level must be 2 or more, got {level}")
     _prove(case)
-    with _bar(STEPS + 1) as bar:
+    with _bar(ticks(case)) as bar:
         bar.set_description(case.name)
         shown = show(case, level, options.out / case.name, bar.update)
     for path in shown.written:

@@ -22,7 +22,7 @@ from study.fem.mesh import FAMILIES, Unstructured
 from study.figures.canvas import in_style
 from study.motion import Motion, balance, density, von_mises
 from study.naming import resolve
-from study.show import EVERY, Shown, film, show
+from study.show import EVERY, Shown, film, show, ticks
 from study.show.animation import write_mp4
 from study.show.storyboard import MOMENTS, draw_storyboard
 from study.show.vtk import mesh_of
@@ -101,11 +101,14 @@ def test_plane_von_mises_is_the_smallest_that_any_stress_across_the_plane_gives(
 
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Shown]:
-    directory = tmp_path_factory.mktemp("shows")
+    """A case on a coarse mesh with few steps, where there is no ffmpeg."""
+    directory, case, notified = tmp_path_factory.mktemp("shows"), resolve("hexagon"), []
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("study.show.STEPS", 8)
         patch.setenv("PATH", "")
-        return directory, show(resolve("hexagon"), 6, directory)
+        found = show(case, 6, directory, lambda: notified.append(True))
+        assert len(notified) == ticks(case)
+    return directory, found
 
 
 def test_everything_written_is_reported_and_what_is_left_out_has_its_reason(shown: tuple[Path, Shown]) -> None:

@@ -34,10 +34,15 @@ class Shown:
     left_out: list[str]
 
 
+def ticks(case: Case) -> int:
+    """How often ``show`` notifies: for every frame solved, and for every one drawn into the animation."""
+    return STEPS + 1 + (STEPS // EVERY + 1 if case.solution.body.dim == 2 else 0)
+
+
 def show(case: Case, level: int, directory: Path, notify: Callable[[], object] = lambda: None) -> Shown:
     """Solve a case and write ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` in a directory.
 
-    ``notify`` is called after each of the ``STEPS + 1`` frames.
+    ``notify`` is called ``ticks(case)`` times.
 
     Raises:
         UsageError: no mesh family serves the body.
@@ -51,17 +56,17 @@ def show(case: Case, level: int, directory: Path, notify: Callable[[], object] =
     write_text(directory / ".writable", "").unlink()
     motion = Motion.of(case.solution, serving[0], level, STEPS, notify)
     with in_style():
-        drawn = (
-            _draw_plane(case.name, motion, directory) if body.dim == 2 else _draw_solid(case.name, motion, directory)
-        )
+        if body.dim == 2:
+            drawn = _draw_plane(film(case.name, motion), directory, notify)
+        else:
+            drawn = _draw_solid(case.name, motion, directory)
     return replace(drawn, written=[*drawn.written, *write_vtk(directory / "vtk", case.name, motion, EVERY)])
 
 
-def _draw_plane(name: str, motion: Motion, directory: Path) -> Shown:
-    picture = film(name, motion)
+def _draw_plane(picture: Picture, directory: Path, notify: Callable[[], object]) -> Shown:
     written = [
         write_png(directory / "storyboard.png", draw_storyboard(picture)),
-        write_gif(directory / "animation.gif", picture),
+        write_gif(directory / "animation.gif", picture, notify),
     ]
     mp4 = write_mp4(directory / "animation.mp4", picture)
     if mp4:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -26,14 +26,15 @@ HOLD = 1000
 """Milliseconds that the last time of a GIF stays."""
 
 
-def write_gif(path: Path, picture: Picture) -> Path:
-    """One frame for every shape of the picture."""
+def write_gif(path: Path, picture: Picture, notify: Callable[[], object]) -> Path:
+    """One frame for every shape of the picture; ``notify`` is called after each."""
     figure = Figure(figsize=_size(picture), dpi=DPI)
     canvas = FigureCanvasAgg(figure)
     images = []
     for _ in played(figure, picture):
         canvas.draw()
         images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").quantize(COLOURS))
+        notify()
     durations = [1000 // PER_SECOND] * (len(images) - 1) + [HOLD]
     return write_whole(
         path,
