@@ -19,7 +19,7 @@ from study import pictures
 from study.cli import main
 from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, Unstructured
-from study.figures.canvas import in_style
+from study.figures.canvas import VERMILLION, in_style
 from study.motion import Motion, balance, density, von_mises
 from study.naming import resolve
 from study.show import EVERY, Shown, film, show, ticks
@@ -165,6 +165,9 @@ def test_the_animation_has_a_frame_for_every_time_and_moves(shown: tuple[Path, S
             images.append(np.asarray(film_on_disk.convert("RGB"), dtype=int))
     for before, after in pairwise(images):
         assert (before != after).any(axis=2).sum() > 200
+    orange = [int(value) for value in bytes.fromhex(VERMILLION[1:])]
+    for image in images[1:]:
+        assert (abs(image - orange).sum(axis=2) < 30).sum() > 50, "arrows keep their colour"
     assert (shown[0] / "animation.gif").stat().st_size < 5e6
 
 

@@ -19,8 +19,8 @@ from study.figures.zone import exact_zone
 from study.store import write_whole
 
 DPI = 110
-COLOURS = 96
-"""Of a GIF: few enough for a small file, enough for the shades of the stress."""
+COLOURS = 256
+"""As many as a frame of a GIF can have: with fewer, small arrows lose their colour to the shades of the stress."""
 PER_SECOND = 8
 HOLD = 1000
 """Milliseconds that the last time of a GIF stays."""
