@@ -45,7 +45,7 @@ def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFra
     """The table ``directory/data/name`` with at least the given columns; empty text is "".
 
     Raises:
-        DataError: there is no such file, it is not a table, or it lacks a column.
+        DataError: there is no such file, it is not a table, it ends within a line, or it lacks a column.
     """
     path = directory / "data" / name
     if not path.is_file():
@@ -54,6 +54,10 @@ def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFra
         frame = pd.read_csv(path, dtype=dict.fromkeys(TEXT, str))
     except (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError) as error:
         raise DataError(f"{path} is not a table ({error}): make it again with `study run --out {directory}`") from error
+    if not path.read_bytes().endswith(b"\n"):
+        raise DataError(
+            f"{path} is truncated, its last line has no end: make it again with `study run --out {directory}`"
+        )
     lacking = [column for column in columns if column not in frame]
     if lacking:
         raise DataError(

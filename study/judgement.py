@@ -9,7 +9,7 @@ import pandas as pd
 
 from study.bound.claims import judge_bounds
 from study.claims import complete, judge
-from study.collect import BOUND_KEY, BOUNDS, STATEMENT_COLUMNS, STATEMENT_KEY
+from study.collect import BOUND_KEY, BOUNDS, ENCLOSURES, STATEMENT_COLUMNS, STATEMENT_KEY
 from study.datafiles import DataError, read_csv, write_csv
 from study.equilibrated.claims import judge_stresses
 from study.equilibrated.measure import StressRow
@@ -37,12 +37,16 @@ def check(directory: Path) -> list[Verdict]:
     stresses = read_csv(directory, "stresses.csv", [field.name for field in fields(StressRow)])
     statements = read_csv(directory, "statements.csv", STATEMENT_COLUMNS)
     bounds = read_csv(directory, "bounds.csv", BOUNDS)
+    enclosures = read_csv(directory, "enclosures.csv", ENCLOSURES)
     cases = read_csv(directory, "cases.csv", ["case", "expected_order", "proved_order", "twin"])
     unknown = sorted({*rates["case"], *equivalence["case"]} - set(cases["case"]))
     if unknown:
         raise DataError(
             f"{directory}/data/cases.csv lacks {', '.join(unknown)}: make it with `study run --out {directory}`"
         )
+    if without := keys(bounds, BOUND_KEY) - keys(enclosures, BOUND_KEY):
+        lost = " ".join(min(without))
+        raise DataError(f"{directory}/data/enclosures.csv lacks {lost}: make it with `study run --out {directory}`")
     found = keys(rates, RATE_KEY) | keys(equivalence, EQUIVALENCE_KEY)
     found |= keys(bounds, BOUND_KEY)
     found |= {(*key, "stress") for key in keys(stresses, EQUIVALENCE_KEY)}

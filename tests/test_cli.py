@@ -233,6 +233,16 @@ def test_damaged_or_incomplete_data_never_pass(finished: Path, tmp_path: Path, c
     assert message in printed.out + printed.err
 
 
+@pytest.mark.parametrize("name", ["rates", "equivalence", "stresses", "statements", "bounds", "enclosures", "cases"])
+def test_a_data_file_that_ends_within_a_line_is_refused_by_name(finished: Path, tmp_path: Path, capsys, name) -> None:
+    shutil.copytree(finished / "data", tmp_path / "data")
+    path = tmp_path / "data" / f"{name}.csv"
+    whole = path.read_bytes()
+    for length in (len(whole) - 1, len(whole) // 2):
+        path.write_bytes(whole[:length].rstrip(b"\n"))
+        assert f"{path} is truncated" in refused(capsys, "check", "--out", str(tmp_path))
+
+
 def test_check_judges_the_data_on_disk_and_nothing_else(finished: Path, tmp_path: Path, capsys) -> None:
     report = tmp_path / "ledger.xml"
     assert main(["check", "--out", str(finished), "--junit", str(report)]) == 0

@@ -1,0 +1,145 @@
+"""Jobs on a Dask cluster: the same files as without, and what a cluster has to be."""
+
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import psutil
+import pytest
+
+from study.cli import main
+from study.cluster import connected
+from study.execute import execute
+from study.jobs import RateJob
+from study.naming import UsageError
+from study.store import Store
+
+MINE = """
+from dataclasses import replace
+from manufactured import catalogue
+mine = replace(next(case for case in catalogue() if case.name == "advance-recede"), name="mine", pace=3)
+"""
+
+
+@contextmanager
+def dask(*arguments: str | Path) -> Iterator[None]:
+    """A program of Dask, ended with all its children."""
+    command = [sys.executable, "-m", "dask", *map(str, arguments), "--no-dashboard"]
+    with subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as program:
+        try:
+            yield
+        finally:
+            children = psutil.Process(program.pid).children(recursive=True)
+            for process in (program, *children):
+                process.kill()
+
+
+def workers(address: str, directory: Path, count: int, threads: int = 1) -> tuple[str | Path, ...]:
+    """Arguments that start workers."""
+    each = ("--nworkers", str(count), "--nthreads", str(threads), "--local-directory", directory)
+    return ("worker", address, *each)
+
+
+@pytest.fixture(scope="module")
+def scheduler(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a scheduler on the loopback interface."""
+    found = tmp_path_factory.mktemp("scheduler") / "file.json"
+    with dask("scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", found):
+        deadline = time.monotonic() + 60
+        while not found.exists() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        yield json.loads(found.read_text())["address"]
+
+
+@pytest.fixture(scope="module")
+def cluster(scheduler: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
+    """The address of a scheduler with two workers, which start in another directory than the runs."""
+    with dask(*workers(scheduler, tmp_path_factory.mktemp("workers"), 2)):
+        deadline = time.monotonic() + 60
+        while time.monotonic() < deadline:
+            try:
+                with connected(scheduler, []) as pool:
+                    if pool.workers == 2:
+                        break
+            except UsageError:
+                time.sleep(0.1)
+        yield scheduler
+
+
+def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys, monkeypatch) -> None:
+    def refusal(address: str) -> str:
+        assert main(["run", "--case", "full-contact", "--cluster", address, "--out", str(tmp_path / "r")]) == 2
+        assert not (tmp_path / "r").exists()
+        return capsys.readouterr().err
+
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
+        assert f"no Dask scheduler answers at {address}" in refusal(address)
+    assert "known schemes" in refusal("http://127.0.0.1:8786")
+    assert "missing port" in refusal("nonsense")
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    assert "signorini-study[cluster]" in refusal("tcp://127.0.0.1:8786")
+
+
+def test_a_cluster_without_workers_is_refused_with_how_to_start_some(scheduler, monkeypatch) -> None:
+    monkeypatch.setattr("study.cluster.PATIENCE", 1)
+    with pytest.raises(UsageError, match=f"has no workers.*dask worker {scheduler} "), connected(scheduler, []):
+        pass
+
+
+def test_workers_with_several_threads_are_refused(scheduler, tmp_path) -> None:
+    with (
+        dask(*workers(scheduler, tmp_path, 1, threads=2)),
+        pytest.raises(UsageError, match="runs 2 threads, expected 1; start it with dask worker"),
+        connected(scheduler, []),
+    ):
+        pass
+
+
+def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(cluster, tmp_path, monkeypatch) -> None:
+    (tmp_path / "mine.py").write_text(MINE)
+    monkeypatch.chdir(tmp_path)
+    # Figures are drawn here from the data in any case.
+    monkeypatch.setattr("study.cli.draw_figures", lambda *arguments: [])
+    run = ["run", "--case", "mine.py:mine", "--levels", "2", "4", "--jobs", "2"]
+    codes = {main([*run, "--out", "processes"]), main([*run, "--out", "cluster", "--cluster", cluster])}
+    assert len(codes) == 1
+    by_processes, by_cluster = (
+        {str(path.relative_to(out)): path.read_bytes() for path in out.rglob("*") if path.is_file()}
+        for out in (tmp_path / "processes", tmp_path / "cluster")
+    )
+    assert "data/jobs/rate__mine__criss-cross__midpoint__00004.json" in by_processes
+    assert by_cluster == by_processes
+
+
+def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch) -> None:
+    monkeypatch.setattr("study.cluster.METHOD", -1)
+    with (
+        pytest.raises(UsageError, match=r"the worker tcp://127.* would not compute the same: method \d+, here -1"),
+        connected(cluster, ["full-contact"]),
+    ):
+        pass
+
+
+def test_a_killed_worker_of_a_cluster_costs_no_job(cluster, tmp_path) -> None:
+    jobs = [RateJob("full-contact", "one-diagonal", "midpoint", 16 + i, 16) for i in range(8)]
+    store = Store(tmp_path)
+    with connected(cluster, ["full-contact"]) as pool:
+        victim = psutil.Process(pool.executor.submit(os.getpid).result())
+
+        def kill_once(cost: float) -> None:
+            if cost and victim.is_running():
+                victim.kill()
+
+        execute(jobs, store, pool, kill_once)
+    assert not victim.is_running()
+    assert all(store.load(job.key, job.fingerprint()) for job in jobs)
