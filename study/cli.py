@@ -22,6 +22,7 @@ from manufactured.catalogue import catalogue
 from manufactured.data import LoadError
 from manufactured.law import LawError
 from manufactured.symbols import FormulaError
+from study import memory
 from study.bound.enclosure import Better
 from study.bound.measure import Bounded, bounded, check_bound, check_force
 from study.bound.report import levels, series, text, write
@@ -280,6 +281,8 @@ def do_bound(options: argparse.Namespace) -> int:
     if case:
         _prove(case)
     plan = check_bound(data, family, options.levels, options.steps, better)
+    finest = max(plan)
+    memory.require(f"level {finest}", memory.bound(finest, better.refinements, family.name), memory.available())
     found: dict[int, Bounded] = {}
     for level, steps in plan.items():
         with _bar(100) as bar:

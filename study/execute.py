@@ -10,8 +10,7 @@ from typing import Any
 from threadpoolctl import threadpool_limits
 
 from study.jobs import Job
-from study.memory import GIB, available
-from study.naming import UsageError
+from study.memory import GIB, available, require
 from study.processes import Processes
 from study.store import Store
 
@@ -60,11 +59,8 @@ def refuse_too_large(jobs: Sequence[Job], pool: Pool) -> None:
         UsageError: names the job that needs most, what it needs and what there is.
     """
     largest = max(jobs, key=lambda job: job.memory, default=None)
-    if largest is not None and largest.memory > pool.each:
-        raise UsageError(
-            f"{largest.key} needs about {largest.memory / GIB:.1f} GiB of memory, {pool.each / GIB:.1f} GiB are "
-            "available; leave this level out with --levels, free memory, or take a machine with more"
-        )
+    if largest is not None:
+        require(largest.key, largest.memory, pool.each)
 
 
 def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> None:

@@ -21,6 +21,8 @@ from pathlib import Path
 
 import psutil
 
+from study.naming import UsageError
+
 GIB = 2.0**30
 MIB = 2.0**20
 KIB = 2.0**10
@@ -56,6 +58,19 @@ def stress(n: int) -> float:
 def bound(n: int, refinements: int, family: str) -> float:
     """Bytes for a bound of the error."""
     return BASE + cells(family) * MIB * n**2 * (1 + 0.35 * 4**refinements * (refinements > 0))
+
+
+def require(what: str, need: float, room: float) -> None:
+    """Refuse, before time is spent, what needs more bytes than there are.
+
+    Raises:
+        UsageError: says what is needed, and what there is.
+    """
+    if need > room:
+        raise UsageError(
+            f"{what} needs about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} GiB are available; leave this level "
+            "out with --levels, free memory, or take a machine with more"
+        )
 
 
 def available(root: Path = Path("/")) -> float:
