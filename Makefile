@@ -44,8 +44,8 @@ lint: $(READY)  ## style and types
 # cannot resolve the types there; a warning anywhere else is an error.
 docs: $(READY)  ## the API as HTML, build/docs/index.html
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs \
-		manufactured manufactured.cases study '!study\.solve\.(choice|dissection|factor|hierarchy|multigrid)' \
-		'!study\.statements\.independence'
+		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
+		'!study\.solve\.(?!evolution|signorini|stress)' '!study\.statements\.independence'
 
 paper: $(READY)  ## the article from the data of the full study, paper/build/article.pdf; needs latexmk
 	$(BIN)/study tables --out results

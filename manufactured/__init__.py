@@ -1,8 +1,10 @@
 """The continuous problem: laws, bodies and exact solutions with prescribed contact zones.
 
 Everything is dimensionless. Nothing here knows a mesh, so any discretisation can use it. A case is
-built from a gap and a pressure, formulas of the coordinate ``s`` along a face and the time ``t``;
-``pos(x, a)`` is the truncated power x_+^a.
+built from a gap and a pressure, formulas of the coordinate ``s`` along a face (``s1`` and ``s2`` in
+3D) and the time ``t``; ``pos(x, a)`` is the truncated power x_+^a. Materials and loads are formulas of
+the coordinates ``x1``, ``x2``, ``x3`` of a point. ``HERMITE``, ``QUARTIC`` and ``PARABOLA`` are
+polynomials that cut a lifting off inside the body, for ``cutoff`` and ``slab``.
 """
 
 from manufactured.admissibility import SelfProofError, examine, prove

@@ -1,0 +1,345 @@
+"""What the project says about itself is so: citation, workflows, examples, recipes, documentation, types."""
+
+from __future__ import annotations
+
+import inspect
+import os
+import re
+import runpy
+import shlex
+import shutil
+import subprocess
+import sys
+import sysconfig
+import textwrap
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from dataclasses import asdict
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pandas as pd
+import pytest
+import yaml
+
+import manufactured
+from manufactured import Case, prove
+from study.claims import prop_5_4
+from study.cli import main, parser
+from study.controls import defects, register
+from study.controls.judge import work
+from study.fem.mesh import OneDiagonal
+from study.solve.evolution import Midpoint
+from study.sweep import measure_case, steps_for
+from study.verdict import FAILS, HOLDS
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text())
+WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), ROOT / "examples" / "convergence-check.yml"]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
+TARGETS = set(re.findall(r"^([a-z][a-z-]*):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+
+
+def blocks(page: Path, language: str) -> list[str]:
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(), re.DOTALL)
+
+
+RECIPES = {block.splitlines()[0].removeprefix("# "): block for block in blocks(ROOT / "CONTRIBUTING.md", "python")}
+
+
+def steps(workflow: Path) -> list[dict[str, object]]:
+    return [step for job in yaml.safe_load(workflow.read_text())["jobs"].values() for step in job["steps"]]
+
+
+def commands(path: Path) -> Iterator[list[str]]:
+    """Every command line of a workflow, or of the shell blocks of a page, without assignments and redirections."""
+    texts = [str(s["run"]) for s in steps(path) if "run" in s] if path.suffix == ".yml" else blocks(path, "sh")
+    for line in "\n".join(texts).replace("\\\n", " ").splitlines():
+        words = shlex.split(line.partition(" > ")[0], comments=True)
+        if words:
+            yield words
+
+
+def module(monkeypatch: pytest.MonkeyPatch, name: str) -> ModuleType:
+    """The module of a recipe, as if its file were there."""
+    found = ModuleType(name)
+    monkeypatch.setitem(sys.modules, name, found)
+    if "." in name:
+        monkeypatch.setattr(name, found, raising=False)
+    path = name.replace(".", "/") + ".py"
+    exec(compile(RECIPES[path], path, "exec"), vars(found))
+    return found
+
+
+# Citation, changes, pins.
+
+
+def test_the_version_is_the_same_everywhere() -> None:
+    newest = re.search(r"^## \[(.+?)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert newest is not None
+    assert CITATION["version"] == newest[1] == PROJECT["version"]
+
+
+def test_the_citation_names_the_holder_of_the_licence_and_the_paper() -> None:
+    holder = re.search(r"Copyright \(c\) \d{4} (.+)", (ROOT / "LICENSE").read_text())
+    assert holder is not None
+    assert CITATION["cff-version"] == "1.2.0"
+    assert {"message", "title", "authors"} <= set(CITATION)
+    assert CITATION["authors"] == [{"name": holder[1]}]
+    assert CITATION["license"] == PROJECT["license"]["text"]
+    (paper,) = CITATION["references"]
+    assert {"type", "title", "authors"} <= set(paper)
+    assert [author["family-names"] for author in paper["authors"]] == ["Barboteu", "Han", "Sofonea"]
+
+
+def test_every_pin_has_hashes_and_no_address() -> None:
+    pins = (ROOT / "requirements.txt").read_text()
+    assert "://" not in pins
+    for pin in re.split(r"\n(?=[a-zA-Z])", re.sub(r"^\s*#.*\n", "", pins, flags=re.MULTILINE)):
+        assert re.match(r"\S+==\S+.*\\\n\s+--hash=sha256:[0-9a-f]{64}", pin), pin[:60]
+
+
+# Workflows.
+
+
+@pytest.mark.parametrize("path", [*WORKFLOWS, *PAGES], ids=lambda path: path.name)
+def test_every_make_target_and_study_command_exists(path: Path) -> None:
+    for words in commands(path):
+        if words[0] == "make":
+            assert set(words[1:]) <= TARGETS, words
+        elif Path(words[0]).name == "study":
+            parser().parse_args(words[1:])
+
+
+@pytest.mark.parametrize("workflow", WORKFLOWS, ids=lambda path: path.name)
+def test_workflows_use_actions_of_a_fixed_major_version_and_may_write_nothing(workflow: Path) -> None:
+    assert yaml.safe_load(workflow.read_text())["permissions"] == {"contents": "read"}
+    used = [str(step["uses"]) for step in steps(workflow) if "uses" in step]
+    assert used
+    for action in used:
+        assert re.fullmatch(r"actions/[a-z-]+@v\d+", action)
+
+
+def test_workflows_run_what_the_readme_tells_to_run() -> None:
+    """Benchmarks are left out: they time the machine."""
+    told = set(re.findall(r"\bmake ([a-z][a-z-]*)", PAGES[0].read_text())) & TARGETS
+    run = {target for workflow in WORKFLOWS for words in commands(workflow) if words[0] == "make" for target in words}
+    assert {"test", "study", "full", "controls"} <= told
+    assert {target for target in told - run if not target.startswith("bench")} == set()
+
+
+def test_report_and_junit_file_are_uploaded_also_when_a_verdict_fails() -> None:
+    study = yaml.safe_load(WORKFLOWS[0].read_text())["jobs"]["study"]["steps"]
+    (upload,) = [step for step in study if "upload-artifact" in step.get("uses", "")]
+    assert {"results/quick/report.html", "results/quick/junit.xml"} <= set(upload["with"]["path"].split())
+    assert upload["if"] == "${{ !cancelled() }}"
+
+
+def test_a_commit_is_checked_by_what_make_lint_runs() -> None:
+    lint = re.search(r"^lint:.*\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert lint is not None
+    wanted = [line.strip().removeprefix("$(BIN)/").removesuffix(" .") for line in lint[1].splitlines()]
+    (local,) = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"]
+    assert local["repo"] == "local"
+    assert [hook["entry"].removesuffix(" --force-exclude") for hook in local["hooks"]] == [
+        f".venv/bin/{command}" for command in wanted
+    ]
+
+
+# The example for other projects.
+
+TABLE = ROOT / "examples" / "errors.csv"
+
+
+def test_the_example_prints_the_table_beside_it(capsys) -> None:
+    runpy.run_path(str(ROOT / "examples" / "errors.py"), run_name="__main__")
+    assert capsys.readouterr().out == TABLE.read_text()
+
+
+def test_the_example_holds_and_a_table_that_loses_its_order_does_not(tmp_path, capsys) -> None:
+    assert main(["rates", str(TABLE), "--expected", "1"]) == 0
+    table = pd.read_csv(TABLE)
+    worse = tmp_path / "errors.csv"
+    table.assign(error=table["error"] + 0.1).to_csv(worse, index=False)
+    assert main(["rates", str(worse), "--expected", "1"]) == 1
+    assert main(["rates", str(TABLE), "--expected", "2"]) == 1
+    assert main(["rates", str(tmp_path / "none.csv"), "--expected", "1"]) == 2
+
+
+# The recipes of CONTRIBUTING.md.
+
+
+@pytest.fixture
+def case(monkeypatch: pytest.MonkeyPatch) -> Case:
+    found: Case = module(monkeypatch, "manufactured.cases.breathing_patch").case()
+    return found
+
+
+def test_the_case_of_the_recipe_proves_itself_and_is_new(case: Case) -> None:
+    prove(case.solution, case.name)
+    assert case.regularity.satisfies_5_36
+    assert case.name not in {known.name for known in manufactured.catalogue()}
+
+
+def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:
+    rows = [asdict(measure_case(case, OneDiagonal(), n, Midpoint(), steps_for(case, n))) for n in (8, 16, 32)]
+    found = prop_5_4(case.name, pd.DataFrame(rows), case.order)
+    assert found
+    assert [verdict.quantity for verdict in found if verdict.verdict != HOLDS] == []
+
+
+def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatch) -> None:
+    module(monkeypatch, "study.statements.trace")
+    recipe = module(monkeypatch, "tests.test_trace")
+    recipe.test_the_trace_on_contact_is_bounded_uniformly()
+    recipe.test_sums_over_vertices_are_not(monkeypatch)
+
+
+def test_the_control_of_the_recipe_is_caught_by_the_row_it_names(monkeypatch) -> None:
+    added: dict[str, Any] = {}
+    exec(RECIPES["study/controls/defects.py"], vars(defects), added)
+    ((name, defect),) = added.items()
+    monkeypatch.setattr(defects, name, defect, raising=False)
+    control = eval(RECIPES["study/controls/register.py"], vars(register))
+    assert control.name not in {known.name for known in register.CONTROLS}
+    failing = [verdict.quantity for verdict in work(control.setting, control.defect) if verdict.verdict == FAILS]
+    assert control.caught_by in failing
+
+
+TRACE = "from study.statements.trace import Trace\n"
+ENTRIES = {
+    "manufactured/catalogue.py": [
+        ("    bodies,\n", "    bodies,\n    breathing_patch,\n"),
+        ("        advance_recede.case(),\n", "        advance_recede.case(),\n        breathing_patch.case(),\n"),
+    ],
+    "study/statements/__init__.py": [
+        (
+            "from study.statements.wellposed",
+            "from study.statements.trace import Trace\nfrom study.statements.wellposed",
+        ),
+        ("    SLIPS,\n)", "    Trace(),\n    SLIPS,\n)"),
+    ],
+}
+"""What the recipes tell to enter, as (before, after)."""
+
+
+@pytest.fixture(scope="module")
+def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The packages after all recipes."""
+    root: Path = tmp_path_factory.mktemp("house")
+    for name in ("manufactured", "study"):
+        shutil.copytree(ROOT / name, root / name, ignore=shutil.ignore_patterns("__pycache__"))
+    shutil.copy(ROOT / "pyproject.toml", root)
+    for path in ("manufactured/cases/breathing_patch.py", "study/statements/trace.py"):
+        (root / path).write_text(RECIPES[path])
+    (root / "study/controls/defects.py").open("a").write("\n\n" + RECIPES["study/controls/defects.py"])
+    # The list of controls ends its file.
+    controls = (root / "study/controls/register.py").read_text().removesuffix(")\n")
+    control = RECIPES["study/controls/register.py"].partition("\n")[2].strip()
+    (root / "study/controls/register.py").write_text(f"{controls}    {control},\n)\n")
+    for path, changes in ENTRIES.items():
+        text = (root / path).read_text()
+        for before, after in changes:
+            assert text.count(before) == 1, before
+            text = text.replace(before, after)
+        (root / path).write_text(text)
+    return root
+
+
+def python(directory: Path, *arguments: str) -> str:
+    """What the interpreter prints with the packages of a directory."""
+    environment = {**os.environ, "PYTHONPATH": str(directory)}
+    found = subprocess.run(
+        [sys.executable, *arguments], cwd=directory, env=environment, capture_output=True, text=True, check=False
+    )
+    assert found.returncode == 0, found.stdout + found.stderr
+    return found.stdout
+
+
+@pytest.mark.slow
+def test_plans_find_what_the_recipes_enter(house: Path) -> None:
+    code = """
+        from study.controls.register import CONTROLS
+        from study.statements import STATEMENTS
+        from study.plan import full, quick
+        for plan in (quick(), full()):
+            keys = [job.key for job in plan.jobs()]
+            print(sum("breathing-patch" in key for key in keys) > 0, sum("statement__trace" in key for key in keys))
+        print(CONTROLS[-1].name, STATEMENTS[-2].label)
+    """
+    assert python(house, "-c", textwrap.dedent(code)).split("\n")[:3] == ["True 6", "True 8", "contact with gaps trace"]
+
+
+@pytest.mark.slow
+def test_what_the_recipes_add_has_the_types_and_the_style_of_the_rest(house: Path) -> None:
+    python(house, "-m", "mypy", "--cache-dir", str(house / "cache"))
+    python(house, "-m", "ruff", "check", ".")
+    python(house, "-m", "ruff", "format", "--check", ".")
+
+
+# Documentation.
+
+
+@pytest.mark.parametrize("name", manufactured.__all__)
+def test_every_public_name_is_documented(name: str) -> None:
+    """Constants in the docstring of the package, what has a docstring of its own there."""
+    value = getattr(manufactured, name)
+    if inspect.isclass(value) or inspect.isroutine(value) or hasattr(value, "cache_info"):
+        # A dataclass without a docstring gets its signature for one.
+        assert value.__doc__
+        assert not value.__doc__.startswith(f"{name}(")
+    else:
+        assert f"``{name}``" in str(manufactured.__doc__)
+
+
+@pytest.mark.slow
+def test_the_pages_of_the_api_are_made_without_a_warning(tmp_path) -> None:
+    recipe = re.search(r"^docs:.*\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(), re.MULTILINE)
+    assert recipe is not None
+    words = shlex.split(recipe[1].replace("\\\n", " ").replace("build/docs", str(tmp_path)))
+    assert words[0] == "$(BIN)/python"
+    python(ROOT, *words[1:])
+    page = (tmp_path / "manufactured.html").read_text()
+    assert all(f'id="{name}"' in page for name in manufactured.__all__)
+    assert "Korn" in (tmp_path / "study" / "statements" / "korn.html").read_text()
+
+
+# Types.
+
+USE = """
+from manufactured import Body, Case, KelvinVoigt, Regularity, catalogue, examine, isotropic, unit_square
+from study.rates import orders
+
+body: Body = unit_square()
+law: KelvinVoigt = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+cases: tuple[Case, ...] = catalogue()
+passes: list[bool] = [finding.passes for finding in examine(cases[0].solution)]
+order: float = Regularity(gap=4, pressure=2, moving=True).order
+"""
+MISUSE = USE + "wrong: int = cases[0].name\n"
+
+
+@pytest.mark.slow
+def test_the_installed_packages_are_typed(tmp_path) -> None:
+    """From the wheel: mypy takes types from an installed package only where it finds py.typed."""
+    source = tmp_path / "source"
+    for name in ("manufactured", "study"):
+        shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+    for name in ("pyproject.toml", "README.md", "LICENSE"):
+        shutil.copy(ROOT / name, source)
+    python(source, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-build-isolation", "-w", str(tmp_path), ".")
+    (wheel,) = tmp_path.glob("*.whl")
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", str(tmp_path / "venv")], check=True)
+    (packages,) = (tmp_path / "venv").glob("lib/python*/site-packages")
+    zipfile.ZipFile(wheel).extractall(packages)
+    # The other packages from where they are.
+    (packages / "others.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    for text, code in ((USE, 0), (MISUSE, 1)):
+        (tmp_path / "use.py").write_text(text)
+        command = [sys.executable, "-m", "mypy", "--strict", "--python-executable", f"{tmp_path}/venv/bin/python"]
+        found = subprocess.run([*command, "use.py"], cwd=tmp_path, capture_output=True, text=True, check=False)
+        assert found.returncode == code, found.stdout + found.stderr
+    assert "Incompatible types in assignment" in found.stdout
