@@ -21,8 +21,8 @@ from study.fem.gauge import Gauge
 from study.fem.independent import predicted_interpolation
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
+from study.solve.choice import contact_solver
 from study.solve.evolution import Midpoint, Problem, Scheme, State
-from study.solve.signorini import Signorini
 
 RESPONSE = 24
 """Time steps in which the effect of a change of the load is followed."""
@@ -189,7 +189,7 @@ class Measurement:
             u0=np.zeros_like(problem.u0),
             N=problem.N[:0],
             remainder=None,
-            solver=Signorini,
+            solver=contact_solver(setup.space),
         )
         drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in Midpoint().march(change, RESPONSE))
         return (abs(raised - error) + drift) / error

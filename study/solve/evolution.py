@@ -19,6 +19,7 @@ from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array
 from study.fem.material import form, means
 from study.fem.space import Space
+from study.solve.choice import contact_solver
 from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.signorini import ContactSolver, Signorini
 
@@ -68,6 +69,7 @@ class Problem:
             load=load,
             u0=u0,
             T=space.body.T,
+            solver=contact_solver(space),
         )
 
 

@@ -1,0 +1,268 @@
+"""The contact solve by multigrid, against the exact one on a factorisation."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import scipy.sparse as sps
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.sparse.linalg import LinearOperator, cg
+
+from manufactured import Kind, catalogue, polygon
+from study.fem.gauge import Gauge
+from study.fem.material import form
+from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.fem.space import Space
+from study.solve.choice import FACTORED, contact_solver
+from study.solve.evolution import Midpoint, Problem
+from study.solve.hierarchy import COARSEST, Hierarchy
+from study.solve.multigrid import Multigrid, MultigridError, local_bases, rigid_motions
+from study.solve.signorini import Signorini
+
+CASES = {case.name: case for case in catalogue()}
+SETTINGS: list[tuple[str, MeshFamily, int]] = [
+    ("full-contact", OneDiagonal(), 24),
+    ("anisotropic", Shaken(), 24),
+    ("heterogeneous", Unstructured(), 24),
+    ("rotated", OneDiagonal(), 24),
+    ("hexagon", Unstructured(), 16),
+    ("re-entrant", Graded(), 16),
+    ("cube-disc", Shaken(), 8),
+    ("cube-two-faces", OneDiagonal(), 6),
+]
+
+
+def on(space: Space):
+    """The free vertices of a space."""
+    return space.mesh.p[:, space.free[:: space.dim] // space.dim]
+
+
+def of_a_step(name: str, space: Space) -> sps.csc_array:
+    law = CASES[name].solution.law
+    return sps.csc_array(20 * form(space, law.A) + form(space, law.G))
+
+
+def disturbed(S: sps.csc_array, N: sps.csr_array, count: int = 3) -> list:
+    """Loads that press some vertices on the foundation and lift others, more and more of them."""
+    rng = np.random.default_rng(5)
+    smooth, forces = S @ rng.standard_normal(S.shape[0]), N.T @ rng.standard_normal(N.shape[0])
+    return [smooth + k * forces for k in range(count)]
+
+
+@pytest.fixture(scope="module", params=SETTINGS, ids=lambda setting: f"{setting[0]}-{setting[1].name}")
+def setting(request):
+    """S of a time step, large enough for coarse levels, N, and the free vertices."""
+    name, family, n = request.param
+    body = CASES[name].solution.body
+    space = Space(family(body, n), body)
+    assert space.dofs > COARSEST
+    return of_a_step(name, space), space.N, on(space)
+
+
+def test_multigrid_finds_the_exact_solution(setting) -> None:
+    S, N, x = setting
+    multigrid, exact = Multigrid(S, N, x), Signorini(S, N)
+    for b in disturbed(S, N):
+        (u, multipliers), (v, others) = multigrid(b), exact(b)
+        assert others.any()
+        # ‖u − v‖_S ≤ ‖residual‖ λ_min(S)^{-1/2}
+        assert (u - v) @ (S @ (u - v)) <= (1e-8) ** 2 * (v @ (S @ v))
+        assert np.linalg.norm(multipliers - others) <= 1e-7 * np.linalg.norm(others)
+
+
+@pytest.mark.parametrize("tolerance", [1e-3, 1e-6, 1e-10])
+def test_the_optimality_conditions_hold_to_the_tolerance(setting, tolerance: float) -> None:
+    S, N, x = setting
+    solve = Multigrid(S, N, x, tolerance)
+    for b in disturbed(S, N):
+        u, multipliers = solve(b)
+        assert np.linalg.norm(S @ u + N.T @ multipliers - b) <= 1.001 * tolerance * np.linalg.norm(b)
+        assert (N @ u).max() <= 1e-14 * abs(u).max()
+        assert multipliers.min() >= 0
+        assert abs(multipliers * (N @ u)).max() <= 1e-14 * multipliers.max() * abs(u).max()
+
+
+def test_oblique_normals_at_one_vertex_bound_both() -> None:
+    """The rows of N at the vertex between two slanted pieces of Γ3 are not at right angles."""
+    body = polygon([(0, 0), (2, 1), (0.2, 2.4), (-1, 1.5)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.CONTACT])
+    space = Space(Shaken()(body, 20), body)
+    S, N = of_a_step("full-contact", space), space.N
+    (_, first), (_, second) = space.contact
+    (corner,) = np.intersect1d(first, second)
+    rows = np.flatnonzero(np.concatenate([first, second]) == corner)
+    b = N[rows].T @ np.ones(2) + 0.01 * (S @ np.ones(S.shape[0]))
+    (u, multipliers), (v, others) = Multigrid(S, N, on(space))(b), Signorini(S, N)(b)
+    assert (multipliers[rows] > 0).all()
+    assert np.allclose(u, v, rtol=0, atol=1e-8 * abs(v).max())
+    assert np.allclose(multipliers, others, rtol=0, atol=1e-7 * others.max())
+
+
+@pytest.mark.parametrize("name", ["cube-disc", "cube-two-faces", "full-contact"])
+def test_a_trajectory_is_the_one_of_the_exact_solver(name: str) -> None:
+    """In the norm of V and relative to the discretisation error, with the residual that rate claims ask for."""
+    solution = CASES[name].solution
+    space = Space(OneDiagonal()(solution.body, 6 if solution.body.dim == 3 else 24), solution.body)
+    gauge = Gauge(solution, space)
+    exact = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    multigrid = replace(exact, solver=lambda S, N: Multigrid(S, N, on(space)))
+    for one, other in zip(Midpoint().march(multigrid, 8), Midpoint().march(exact, 8), strict=True):
+        difference = one.u - other.u
+        error = gauge.distance(gauge.sample(one.time), other.u)
+        assert np.sqrt(difference @ (exact.M @ difference)) <= 1e-7 * error
+        assert one.residual <= 1e-10
+
+
+def test_a_load_that_does_not_change_takes_no_work(setting, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Fixed points of nonlinear laws end there."""
+    S, N, x = setting
+    solve = Multigrid(S, N, x)
+    b = disturbed(S, N)[1]
+    u, multipliers = solve(b)
+    monkeypatch.setattr("study.solve.multigrid.cg", None)
+    again = solve(b)
+    assert (again[0] == u).all()
+    assert (again[1] == multipliers).all()
+
+
+def test_the_start_does_not_matter(setting) -> None:
+    S, N, x = setting
+    first, last = disturbed(S, N, 2)
+    warm = Multigrid(S, N, x)
+    warm(-first)
+    assert np.allclose(warm(last)[0], Multigrid(S, N, x)(last)[0], rtol=0, atol=1e-7)
+
+
+def test_without_constraints_the_solve_is_the_linear_one(setting) -> None:
+    S, N, x = setting
+    b = np.ones(S.shape[0])
+    u, multipliers = Multigrid(S, N[:0], x)(b)
+    assert multipliers.shape == (0,)
+    assert np.linalg.norm(S @ u - b) <= 1e-10 * np.linalg.norm(b)
+
+
+def iterations(name: str, n: int, held: str) -> int:
+    """Conjugate gradients from 1 to 1e-8 where none, some or all unknowns of N are held."""
+    body = CASES[name].solution.body
+    space = Space(OneDiagonal()(body, n), body)
+    A = sps.bsr_array(of_a_step(name, space), blocksize=(space.dim, space.dim))
+    constrained = space.N.indices
+    chosen = {"none": constrained[:0], "some": constrained[::3], "all": constrained}[held]
+    mask = np.isin(np.arange(space.dofs), chosen)
+    cycle = Hierarchy(A, rigid_motions(on(space))).without(mask)
+    b = np.where(mask, 0, np.random.default_rng(2).standard_normal(space.dofs))
+    count = []
+    cg(cycle.A, b, rtol=1e-8, M=LinearOperator(A.shape, matvec=cycle, dtype=float), callback=count.append)
+    return len(count)
+
+
+@pytest.mark.parametrize(("name", "n"), [("cube-disc", 6), ("full-contact", 32)])
+def test_the_number_of_iterations_hardly_grows_whatever_is_held(name: str, n: int) -> None:
+    """It would grow by a half where h is halved, and with what is held, if only the finest matrix were cut."""
+    free = iterations(name, 2 * n, "none")
+    for held in ("some", "all"):
+        assert iterations(name, 2 * n, held) <= min(1.4 * iterations(name, n, held), free + 1)
+
+
+def test_the_cycle_is_symmetric_and_positive_on_what_is_free(setting) -> None:
+    S, N, x = setting
+    mask = np.isin(np.arange(S.shape[0]), N.indices[::2])
+    cycle = Hierarchy(sps.bsr_array(S, blocksize=(len(x), len(x))), rigid_motions(x)).without(mask)
+    r, s = np.where(mask, 0, np.random.default_rng(1).standard_normal((2, S.shape[0])))
+    assert r @ cycle(s) == pytest.approx(s @ cycle(r), rel=1e-10)
+    assert r @ cycle(r) > 0
+    assert (cycle(r)[mask] == 0).all()
+
+
+def test_coarse_matrices_are_galerkin_products_without_what_is_held(setting) -> None:
+    S, N, x = setting
+    mask = np.isin(np.arange(S.shape[0]), N.indices[::2])
+    cycle = Hierarchy(sps.bsr_array(S, blocksize=(len(x), len(x))), rigid_motions(x)).without(mask)
+    free = sps.diags_array(1.0 - mask)
+    finest, *coarse = cycle._levels
+    assert abs(finest.A - free @ S @ free).max() == 0
+    assert abs(sps.diags_array(mask.astype(float)) @ finest.P).max() == 0
+    for fine, level in zip([finest, *coarse], coarse, strict=False):
+        assert abs(level.A - fine.P.T @ fine.A @ fine.P).max() <= 1e-13 * abs(level.A).max()
+
+
+@st.composite
+def problems(draw):
+    """Any positive definite S, and some rows at some vertices in any directions."""
+    d, vertices = draw(st.integers(2, 3)), draw(st.integers(1, 90))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    n = d * vertices
+    root = sps.random_array((n, n), density=draw(st.floats(0, 1)) * min(1, 4 / n), rng=rng)
+    rows = []
+    for vertex in rng.choice(vertices, draw(st.integers(0, vertices)), replace=False):
+        directions = np.linalg.qr(rng.standard_normal((d, d)))[0][: rng.integers(1, d + 1)]
+        for direction in directions @ (np.eye(d) + 0.4 * np.triu(rng.random((d, d)), 1)):
+            row = np.zeros(n)
+            row[d * vertex : d * vertex + d] = rng.uniform(0.1, 10) * direction
+            rows.append(row)
+    N = sps.csr_array(np.array(rows).reshape(-1, n))
+    return sps.csc_array(root @ root.T + 0.1 * sps.eye_array(n)), N, rng.standard_normal((d, vertices)), rng
+
+
+@given(problems())
+def test_any_positive_definite_matrix_with_any_normals_is_served(problem) -> None:
+    S, N, x, rng = problem
+    b = rng.standard_normal(S.shape[0])
+    (u, multipliers), (v, others) = Multigrid(S, N, x)(b), Signorini(S, N)(b)
+    assert np.allclose(u, v, rtol=0, atol=1e-8 * np.linalg.norm(b))
+    assert np.allclose(multipliers, others, rtol=0, atol=1e-6 * np.linalg.norm(b))
+
+
+def test_local_bases_turn_constraints_into_bounds() -> None:
+    N = sps.csr_array(np.array([[0, 0, 0, 1.0, 1, 0], [0, 2, 0, 0, 0, 0], [0, 0, 0, 0, 3, 4]]))
+    blocks, unknowns = local_bases(N, 3)
+    coordinates = sps.block_diag(list(blocks)).toarray()
+    assert (coordinates[unknowns] == N.toarray()).all()
+    assert abs(np.linalg.det(coordinates)) > 0.1
+
+
+def test_rigid_motions_have_no_strain() -> None:
+    body = CASES["cube-disc"].solution.body
+    space = Space(Shaken()(body, 3), body)
+    motions = rigid_motions(space.mesh.p)
+    assert motions.shape[1] == np.linalg.matrix_rank(motions) == 6
+    inside = np.isin(space.mesh.t, space.free // 3).all(axis=0)
+    assert inside.any()
+    for motion in motions[space.free].T:
+        assert abs(space.strain(motion)[:, inside]).max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("N", "message"),
+    [
+        ([[1.0, 0, 1, 0]], "entries at 2 vertices"),
+        ([[0.0, 0, 0, 0]], "entries at 0 vertices"),
+        ([[1.0, 2, 0, 0], [2.0, 4, 0, 0]], "linearly dependent"),
+        ([[1.0, 0, 0, 0], [0.0, 1, 0, 0], [1.0, 1, 0, 0]], "linearly dependent"),
+    ],
+)
+def test_constraints_of_another_form_are_refused(N, message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        Multigrid(sps.csc_array(np.eye(4)), sps.csr_array(np.array(N)), np.zeros((2, 2)))
+
+
+def test_vertices_that_are_not_those_of_the_matrix_are_refused() -> None:
+    with pytest.raises(ValueError, match="S has 4 unknowns, but 3 vertices in dimension 2 have 6"):
+        Multigrid(sps.csc_array(np.eye(4)), sps.csr_array((0, 4)), np.zeros((2, 3)))
+
+
+def test_a_tolerance_below_rounding_is_refused(setting) -> None:
+    S, N, x = setting
+    with pytest.raises(MultigridError, match="ask for less"):
+        Multigrid(S, N, x, 1e-20)(disturbed(S, N)[1])
+
+
+def test_the_solver_is_chosen_by_size(monkeypatch: pytest.MonkeyPatch) -> None:
+    body = CASES["cube-disc"].solution.body
+    space = Space(OneDiagonal()(body, 4), body)
+    S = of_a_step("cube-disc", space)
+    assert isinstance(contact_solver(space)(S, space.N), Signorini)
+    monkeypatch.setitem(FACTORED, 3, space.dofs - 1)
+    assert isinstance(contact_solver(space)(S, space.N), Multigrid)
