@@ -32,7 +32,7 @@ from study.store import Store
 LEVELS = Levels((2, 4))
 SMALL = replace(
     quick(),
-    cases=("full-contact", "advance-recede", "yield-on-a-part"),
+    cases=("advance-recede", "yield-on-a-part"),
     plane=LEVELS,
     rough=LEVELS,
     equivalence=(2,),
