@@ -11,10 +11,11 @@ from matplotlib import colormaps
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PathCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Patch, PathPatch, Polygon
+from matplotlib.patches import Patch, Polygon
 from matplotlib.path import Path
 
 from study.figures.canvas import BLACK, COLUMN, VERMILLION, legend
@@ -144,20 +145,27 @@ def draw_moment(axes: Axes, picture: Picture, shape: Shape, scale: Scale, width:
     corners = (picture.vertices + scale.magnification * shape.displacement).T[picture.cells.T]
     # A cell is about this many points wide; thicker lines would fill fine meshes.
     cell = 72 * width / math.sqrt(picture.cells.shape[1] / 2)
-    line: dict[str, Any] = {"edgecolor": (0, 0, 0, 0.4), "lw": min(0.3, 0.04 * cell), "zorder": 2}
     # One path for all cells of a shade: a path for each cell takes three times as long to write.
     shades = np.clip(shape.von_mises / scale.stress * SHADES, 0, SHADES - 1).astype(int)
-    for shade in np.unique(shades):
-        path = Path.make_compound_path(*map(_closed, corners[shades == shade]))
-        axes.add_patch(PathPatch(path, facecolor=scale.colours.cmap(shade), **line))
+    used = np.unique(shades)
+    body = PathCollection(
+        [_outlines(corners[shades == shade]) for shade in used],
+        facecolors=scale.colours.cmap(used),
+        edgecolors=(0, 0, 0, 0.4),
+        linewidths=min(0.3, 0.04 * cell),
+        zorder=2,
+    )
+    axes.add_collection(body, autolim=False)
     for face in picture.faces:
         _draw_face(axes, face, picture.nearest(shape.time), scale)
     axes.set(xlim=scale.limits[0], ylim=scale.limits[1], aspect="equal")
     axes.axis("off")
 
 
-def _closed(corners: Array) -> Path:
-    return Path(np.vstack([corners, corners[:1]]), closed=True)
+def _outlines(corners: Array) -> Path:
+    """Triangles, (n, 3, 2), as one path."""
+    codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(corners))
+    return Path(np.concatenate([corners, corners[:, :1]], axis=1).reshape(-1, 2), codes)
 
 
 def _draw_face(axes: Axes, face: Face, instant: int, scale: Scale) -> None:
