@@ -12,9 +12,10 @@ from study.fem.space import Space
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
 
-FACTORED = {2: math.inf, 3: 60_000}
-"""Unknowns up to which a factorisation is kept, by dimension. In the plane L has O(n log n) entries and a step with it
-takes less than one with multigrid as far as was measured; in space it has O(n^{4/3})."""
+FACTORED = {2: math.inf, 3: 120_000}
+"""Unknowns up to which S is factorised, by dimension. In the plane L has O(n log n) entries, and a step with it takes a
+fraction of one with multigrid. In space it has O(n^{4/3}) entries, made by O(n²) operations: the limit is somewhat
+below the n from which a trajectory takes less time by multigrid, since memory speaks for it before."""
 
 
 def contact_solver(space: Space) -> Callable[[sps.csc_array, sps.csr_array], ContactSolver]:
