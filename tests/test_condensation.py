@@ -93,12 +93,26 @@ def test_without_constraints_nothing_is_condensed(matrices: Matrices) -> None:
     assert close(u, np.linalg.solve(S.toarray(), b), 1e-11)
 
 
-def test_the_factor_solves_for_one_and_for_several_right_hand_sides(matrices: Matrices) -> None:
+def test_the_factor_solves(matrices: Matrices, monkeypatch: pytest.MonkeyPatch) -> None:
+    """In one panel and in many."""
     S, _ = matrices
-    b = np.random.default_rng(1).standard_normal((S.shape[0], 3))
-    several = Factor(S)(b)
-    assert close(several, np.linalg.solve(S.toarray(), b), 1e-11)
-    assert close(Factor(S)(b[:, 0]), several[:, 0], 1e-12)
+    b = np.random.default_rng(1).standard_normal(S.shape[0])
+    assert close(Factor(S)(b), np.linalg.solve(S.toarray(), b), 1e-11)
+    monkeypatch.setattr("study.solve.factor.PANEL", 1000)
+    factor = Factor(S)
+    assert len(factor.panels) > 1
+    assert close(factor(b), np.linalg.solve(S.toarray(), b), 1e-11)
+
+
+def test_the_passes_are_those_through_the_factor(matrices: Matrices) -> None:
+    """L from its columns: forward and backward are its inverse and the inverse of its transpose."""
+    S, _ = matrices
+    n = S.shape[0]
+    factor = Factor(S)
+    L = np.linalg.cholesky(S.toarray()[np.ix_(factor.order, factor.order)])
+    b = np.random.default_rng(2).standard_normal(n)
+    assert close(factor.forward(b), np.linalg.solve(L, b[factor.order]), 1e-11)
+    assert close(factor.backward(b)[factor.order], np.linalg.solve(L.T, b), 1e-11)
 
 
 def test_the_trailing_block_is_the_cholesky_factor_of_the_schur_complement(matrices: Matrices) -> None:
@@ -149,7 +163,7 @@ def test_dissection_fills_about_as_little_as_minimum_degree(
     monkeypatch.setattr("study.solve.dissection.LEAF", 16)
     solution = CASES[name].solution
     S = form(Space(family(solution.body, n), solution.body), solution.law.A)
-    entries = sum(b.diagonal.size + b.below.size for b in Factor(S).blocks)
+    entries = sum(panel.entries.size for panel in Factor(S).panels)
     other = splu(sps.csc_matrix(S), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0, options={"SymmetricMode": True})
     assert entries <= 2 * other.L.nnz
 

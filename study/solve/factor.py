@@ -8,34 +8,22 @@ and practice, SIAM Review 34 (1992) 82–109). All arithmetic is done by dense k
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sps
 from scipy.linalg.blas import dsyrk, dtrsm
-from scipy.linalg.lapack import dpotrf, dtfsm, dtfttr, dtrttf
+from scipy.linalg.lapack import dpotrf
 
 from manufactured.tensors import Array
+from study.solve import sweeps
 from study.solve.dissection import Integers, nested_dissection
+from study.solve.sweeps import Panel
 
-
-class Block(NamedTuple):
-    """Some columns of L.
-
-    Attributes:
-        own: the positions of the unknowns eliminated together.
-        border: the positions of the later unknowns with entries in these columns, increasing, (b,).
-        diagonal: the lower triangle of L on the own unknowns in rectangular full packed form, (k(k+1)/2,): half of a
-            square of them, which is a third of what the factor would take.
-        below: L on the border, (b, k).
-    """
-
-    own: slice
-    border: Integers
-    diagonal: Array
-    below: Array
+PANEL = 1 << 22
+"""Entries of L that are packed together: few enough that packing takes little memory, many enough to be few."""
 
 
 class Factor:
@@ -45,53 +33,72 @@ class Factor:
 
     Attributes:
         order: the unknowns in the order of the rows of L, (n,).
-        blocks: the columns of L.
+        panels: the columns of L.
         trailing: the block of L that belongs to ``last``, (c, c).
     """
 
     def __init__(self, S: sps.csc_array, last: Sequence[int] | Integers = ()) -> None:
         self.order, starts = nested_dissection(S, np.asarray(last, dtype=np.int64))
-        self.blocks = _factorise(sps.csr_array(S)[self.order][:, self.order], starts)
-        self.trailing = (
-            np.tril(dtfttr(len(last), self.blocks[-1].diagonal, uplo="L")[0]) if len(last) else np.zeros((0, 0))
-        )
+        self.trailing = np.zeros((0, 0))
+        self.panels = []
+        blocks: list[Block] = []
+        begin = held = 0
+        for end, block in zip(starts[1:], _blocks(sps.csr_array(S)[self.order][:, self.order], starts), strict=True):
+            blocks.append(block)
+            held += block.diagonal.size + block.below.size
+            if held > PANEL or end == len(self.order):
+                self.panels.append(Panel.of(begin, blocks))
+                blocks, begin, held = [], end, 0
+        if len(last):
+            self.trailing = block.diagonal
 
     def __call__(self, b: Array) -> Array:
-        """S⁻¹ b, (n,) or (n, columns)."""
+        """S⁻¹ b, (n,)."""
         return self.backward(self.forward(b))
 
     def forward(self, b: Array) -> Array:
         """y = L⁻¹ P b."""
-        y = b[self.order].reshape(len(b), -1)
-        for own, border, diagonal, below in self.blocks:
-            y[own] = dtfsm(1.0, diagonal, y[own], uplo="L")
-            y[border] -= below @ y[own]
-        return y.reshape(b.shape)
+        y = b[self.order]
+        for panel in self.panels:
+            sweeps.forward(*panel, y)
+        return y
 
     def backward(self, y: Array) -> Array:
         """Pᵀ L⁻ᵀ y."""
-        x = y.reshape(len(y), -1).copy()
-        for own, border, diagonal, below in reversed(self.blocks):
-            x[own] = dtfsm(1.0, diagonal, x[own] - below.T @ x[border], uplo="L", trans="T")
-        u = np.empty_like(y)
-        u[self.order] = x.reshape(y.shape)
+        x = y.copy()
+        for panel in reversed(self.panels):
+            sweeps.backward(*panel, x)
+        u = np.empty_like(x)
+        u[self.order] = x
         return u
 
 
-def _factorise(S: sps.csr_array, starts: Integers) -> list[Block]:
+class Block(NamedTuple):
+    """Columns of L that are eliminated together.
+
+    Attributes:
+        diagonal: the lower triangle of L on these unknowns, (k, k).
+        border: the positions of the later unknowns with entries in these columns, increasing, (b,).
+        below: L on the border, (b, k).
+    """
+
+    diagonal: Array
+    border: Integers
+    below: Array
+
+
+def _blocks(S: sps.csr_array, starts: Integers) -> Iterator[Block]:
     """The columns of L of a matrix in its order of elimination; ``starts`` are those of the blocks."""
     lower = sps.csc_array(sps.tril(S))
     lower.sort_indices()
     owner = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
     left: list[list[tuple[Integers, Array]]] = [[] for _ in starts[1:]]
-    blocks = []
     for i, (start, end) in enumerate(pairwise(starts.tolist())):
         block, remainder = _eliminate(lower, start, end, left[i])
         left[i] = []
         if len(block.border):
             left[owner[block.border[0]]].append((block.border, remainder))
-        blocks.append(block)
-    return blocks
+        yield block
 
 
 def _eliminate(lower: sps.csc_array, start: int, end: int, left: list[tuple[Integers, Array]]) -> tuple[Block, Array]:
@@ -114,9 +121,8 @@ def _eliminate(lower: sps.csc_array, start: int, end: int, left: list[tuple[Inte
     diagonal, failed = dpotrf(front[:k, :k], lower=1)
     if failed:
         raise np.linalg.LinAlgError("the matrix is not positive definite, so it has no Cholesky factor")
-    packed = dtrttf(diagonal, uplo="L")[0]
     if k == len(unknowns):
-        return Block(slice(start, end), unknowns[k:], packed, np.zeros((0, k))), np.zeros((0, 0))
+        return Block(diagonal, unknowns[k:], np.zeros((0, k))), np.zeros((0, 0))
     below = dtrsm(1.0, diagonal, front[k:, :k], side=1, lower=1, trans_a=1)
     remainder = dsyrk(-1.0, below, beta=1.0, c=front[k:, k:], lower=1)
-    return Block(slice(start, end), unknowns[k:], packed, below), remainder
+    return Block(diagonal, unknowns[k:], below), remainder
