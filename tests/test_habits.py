@@ -109,7 +109,7 @@ def test_every_pin_has_hashes_and_no_address() -> None:
 def test_every_make_target_and_study_command_exists(path: Path) -> None:
     for words in commands(path):
         if words[0] == "make":
-            assert set(words[1:]) <= TARGETS, words
+            assert set(words[1:]) <= TARGETS | {".venv/.ready"}, words
         elif Path(words[0]).name == "study":
             parser().parse_args(words[1:])
 
@@ -129,6 +129,18 @@ def test_workflows_run_what_the_readme_tells_to_run() -> None:
     run = {target for workflow in WORKFLOWS for words in commands(workflow) if words[0] == "make" for target in words}
     assert {"test", "study", "full", "controls"} <= told
     assert {target for target in told - run if not target.startswith("bench")} == set()
+
+
+def test_workflows_run_every_study_command_of_the_readme_on_the_files_it_gives(tmp_path, monkeypatch, capsys) -> None:
+    told = [words for words in commands(PAGES[0]) if Path(words[0]).name == "study"]
+    assert told
+    assert [words for words in told if words not in [*commands(WORKFLOWS[0])]] == []
+    monkeypatch.chdir(tmp_path)
+    runpy.run_path(str(ROOT / ".github" / "readme_files.py"))
+    given = {argument.partition(":")[0] for words in told for argument in words if re.search(r"\.(py|csv)\b", argument)}
+    assert given == set(capsys.readouterr().out.split()) == {path.name for path in tmp_path.iterdir()}
+    assert main(["rates", "errors.csv", "--expected", "1"]) == 0
+    assert isinstance(runpy.run_path("wedge.py")["wedge"], manufactured.Data)
 
 
 def test_report_and_junit_file_are_uploaded_also_when_a_verdict_fails() -> None:
