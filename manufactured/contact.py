@@ -321,8 +321,11 @@ def _distinct(places: Array) -> tuple[Array, Array | None]:
     """
     if np.iscomplexobj(places) or places[0].size < 64:
         return places, None
-    flat = places.reshape(len(places), -1)
-    _, first, where = np.unique(np.round(flat, 13), axis=1, return_index=True, return_inverse=True)
-    if 2 * len(first) > flat.shape[1]:
+    rounded = np.round(places.reshape(len(places), -1), 13)
+    # A pair of coordinates is ordered as one complex number is.
+    keys = rounded[0] if len(rounded) == 1 else rounded[0] + 1j * rounded[1]
+    distinct = np.unique(keys)
+    if 2 * len(distinct) > len(keys):
         return places, None
-    return flat[:, first], where.reshape(places.shape[1:])
+    where = np.searchsorted(distinct, keys).reshape(places.shape[1:])
+    return np.array([distinct.real, distinct.imag])[: len(places)], where
