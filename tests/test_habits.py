@@ -93,15 +93,9 @@ def test_the_citation_names_the_holder_of_the_licence_and_the_paper() -> None:
     (paper,) = CITATION["references"]
     assert {"type", "title", "authors"} <= set(paper)
     assert [author["family-names"] for author in paper["authors"]] == ["Barboteu", "Han", "Sofonea"]
-    bibliography = (ROOT / "paper" / "references.bib").read_text()
-    entry = bibliography.partition(paper["title"])[2].partition("@")[0]
-    pages = f"{paper['start']}--{paper['end']}"
-    for key, value in (
-        ("volume", paper["volume"]),
-        ("number", paper["issue"]),
-        ("pages", pages),
-        ("year", paper["year"]),
-    ):
+    entry = (ROOT / "paper" / "references.bib").read_text().partition(paper["title"])[2].partition("@")[0]
+    printed = {"number": paper["issue"], "pages": f"{paper['start']}--{paper['end']}"}
+    for key, value in {**printed, "volume": paper["volume"], "year": paper["year"]}.items():
         assert f"{key} = {{{value}}}" in entry
 
 
