@@ -1,11 +1,11 @@
 """How much memory a job needs, by estimate, and how much there is.
 
 The estimates are a base plus what grows with the level n, which is the factor of a matrix for the most part: n² log n
-numbers in the plane, n⁴ in space. Constants are rounded up from peaks of the resident size with one thread, here in MiB
-beyond the base:
+numbers in the plane, n⁴ in space, n³ where multigrid takes its place. Constants are rounded up from peaks of the
+resident size with one thread, here in MiB beyond the base:
 
-    displacement   n = 128: 165 … 210, criss-cross 326, with the law (3.3) 515; n = 256: 710;
-                   in space n = 12: 112, 24: 1350, shaken n = 12: 325, 18: 1440
+    displacement   n = 64: 25, criss-cross 40; n = 128: 140, criss-cross 270; n = 256: 570; n = 512: 2220;
+                   in space n = 12: 60, 24: 1440, shaken n = 12: 390, 18: 1220; by multigrid n = 48: 4100
     equivalence    n = 32: 11, 64: 55; in space n = 6: 18, 9: 79
     stress         n = 16: 39, 32: 170 … 207, 64: 868
     bound          of u_h alone n = 8: 25 … 69, 16: 239; with an enclosure on a mesh refined once n = 8: 183,
@@ -22,13 +22,14 @@ from pathlib import Path
 import psutil
 
 from study.naming import UsageError
+from study.solve.choice import FACTORED
 
 GIB = 2.0**30
 MIB = 2.0**20
 KIB = 2.0**10
-BASE = 256 * MIB
-"""An interpreter with everything imported takes 240."""
-SMALL = 640 * MIB
+BASE = 384 * MIB
+"""An interpreter with everything imported takes 230, with formulas and compiled passes 290, while these are compiled 350."""
+SMALL = 736 * MIB
 """Jobs whose size is fixed."""
 
 
@@ -40,9 +41,12 @@ def cells(family: str) -> int:
 def displacement(dim: int, n: int, family: str) -> float:
     """Bytes for Problem 5.1 at a level."""
     if dim == 2:
-        return BASE + 2.5 * KIB * n**2 * log2(n) * cells(family)
+        return BASE + 1.3 * KIB * n**2 * log2(n) * cells(family)
     # Where all cells are alike, they share most of what is kept of them.
-    return BASE + (6 if family == "one-diagonal" else 16) * KIB * n**4
+    alike = family == "one-diagonal"
+    if dim * n**dim > FACTORED[dim]:
+        return BASE + (48 if alike else 96) * KIB * n**3
+    return BASE + (6 if alike else 21) * KIB * n**4
 
 
 def equivalence(dim: int, n: int, family: str) -> float:

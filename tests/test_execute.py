@@ -219,7 +219,7 @@ def test_a_level_beyond_the_memory_is_refused_by_the_command_before_a_mesh_is_ma
 def test_a_level_of_a_bound_beyond_the_memory_is_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setattr("study.memory.available", lambda: 1.0 * GIB)
     assert main(["bound", "full-contact", "--levels", "4", "64", "--out", str(tmp_path / "r")]) == 2
-    assert "level 64 needs about 9.8 GiB of memory, 1.0 GiB are available" in capsys.readouterr().err
+    assert "level 64 needs about 10.0 GiB of memory, 1.0 GiB are available" in capsys.readouterr().err
 
 
 def peak(job: Job) -> float:

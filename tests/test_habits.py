@@ -67,7 +67,7 @@ def module(monkeypatch: pytest.MonkeyPatch, name: str) -> ModuleType:
     """The module of a recipe, as if its file were there."""
     found = ModuleType(name)
     monkeypatch.setitem(sys.modules, name, found)
-    if "." in name:
+    if name.startswith("study."):
         monkeypatch.setattr(name, found, raising=False)
     path = name.replace(".", "/") + ".py"
     exec(compile(RECIPES[path], path, "exec"), vars(found))
