@@ -15,7 +15,7 @@ from study.naming import UsageError, resolve
 
 PATIENCE = 10
 """Seconds in which a scheduler has to answer and to have a worker."""
-PACKAGES = ("signorini-study", "numpy", "scipy", "scikit-fem", "clarabel", "sympy", "pyamg")
+PACKAGES = ("signorini-study", "numpy", "scipy", "scikit-fem", "clarabel", "sympy", "pyamg", "numba")
 """Distributions whose versions can change numbers."""
 START = "dask worker {address} --nworkers 2 --nthreads 1"
 

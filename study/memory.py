@@ -28,7 +28,7 @@ GIB = 2.0**30
 MIB = 2.0**20
 KIB = 2.0**10
 BASE = 384 * MIB
-"""An interpreter with everything imported takes 230, with formulas and compiled passes 290, while these are compiled 350."""
+"""An interpreter with everything imported takes 230, with formulas and compiled passes 290 to 350."""
 SMALL = 736 * MIB
 """Jobs whose size is fixed."""
 

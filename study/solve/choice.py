@@ -8,6 +8,7 @@ from functools import partial
 
 import scipy.sparse as sps
 
+from manufactured.tensors import Points
 from study.fem.space import Space
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
@@ -22,4 +23,9 @@ def contact_solver(space: Space) -> Callable[[sps.csc_array, sps.csr_array], Con
     """(S, N) ↦ the contact solver for matrices on a space."""
     if space.dofs <= FACTORED[space.dim]:
         return Signorini
-    return partial(Multigrid, x=space.mesh.p[:, space.free[:: space.dim] // space.dim])
+    return partial(Multigrid, x=free_vertices(space))
+
+
+def free_vertices(space: Space) -> Points:
+    """The vertices off Γ1, in the order of the unknowns, (d, n_dofs/d)."""
+    return space.mesh.p[:, space.free[:: space.dim] // space.dim]

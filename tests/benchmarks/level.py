@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 from time import perf_counter
 from typing import Any
 
@@ -12,7 +13,9 @@ import scipy.sparse as sps
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.naming import family_named, resolve
+from study.solve.choice import free_vertices
 from study.solve.evolution import Midpoint
+from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
 from study.sweep import Setup
 
@@ -36,7 +39,12 @@ class Solver:
 
 
 DIRECT = Solver(on=lambda space: Signorini, bare=lambda watched: watched.contact.factor)
-SOLVERS = {"direct": DIRECT}
+MULTIGRID = Solver(
+    on=lambda space: partial(Multigrid, x=free_vertices(space)),
+    # Without constraints: the same hierarchy, the same tolerance.
+    bare=lambda watched: watched.make(watched.S, watched.N[:0]),
+)
+SOLVERS = {"direct": DIRECT, "multigrid": MULTIGRID}
 
 
 class Watched:
