@@ -72,7 +72,9 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
                 "versions, and the files of your cases at the same paths, and start the workers again"
             )
     each = min(float(worker["memory_limit"] or "inf") for worker in workers.values())
-    return Pool(client.get_executor(pure=False), len(workers), each, float("inf"))
+    # Workers that come later have not been asked.
+    executor = client.get_executor(pure=False, workers=list(workers), allow_other_workers=False)
+    return Pool(executor, len(workers), each, float("inf"))
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:

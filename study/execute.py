@@ -89,7 +89,8 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     job = running.pop(future)
                     if future.cancelled():
-                        raise JobsError("the cluster is gone; finished jobs are kept, the same command does the rest")
+                        failed.append(f"{job.key}: its cluster is gone; the same command does it")
+                        continue
                     error = future.exception()
                     if isinstance(error, BrokenExecutor) and job.key not in suspects:
                         suspects.add(job.key)

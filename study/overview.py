@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -60,8 +61,9 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
             raise DataError(f"claims.csv has no row {label}, {quantity!r}: make it with `study run --full`")
         return of
 
-    def verdict(label: str) -> str:
-        mine = claims.loc[claims["label"] == label, "verdict"]
+    def verdict(label: str, among: set[str] | None = None) -> str:
+        chosen = (claims["label"] == label) & (True if among is None else claims["case"].isin(among))
+        mine = claims.loc[chosen, "verdict"]
         counts = {name: int((mine == name).sum()) for name in VERDICTS}
         return ", ".join(f"{name} ({count} rows)" for name, count in counts.items() if count and name != "reported")
 
@@ -69,7 +71,9 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
     yield [
         f"Proposition 5.4: the error ‖u − u^h‖ in L^∞(0,T;V) is O(h), in {fitted['case'].nunique()} cases",
         "order 1",
-        f"orders {_range(fitted)}",
+        # The ends of a fit are those of its interval, in which its value is judged.
+        f"fitted orders {_outwards(fitted['observed'].min(), fitted['observed'].max())}, level by level "
+        + _range(rows("Prop. 5.4", "order of the error, level")),
         verdict("Prop. 5.4"),
     ]
     rough = rows("Prop. 5.3", "order seen")
@@ -79,7 +83,7 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
     yield [
         f"Proposition 5.3: convergence, however rough, in {plain['case'].nunique()} cases",
         f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
-        f"limit of the error at most {100 * limit:.0f} % of the first; orders {_range(plain)}",
+        f"limit at most {math.ceil(100 * limit)} % of the error on the finest mesh; orders {_range(plain)}",
         verdict("Prop. 5.3"),
     ]
     gap = rows("Thm 4.2", "stress of Problem 3.2")["high"].max()
@@ -93,9 +97,9 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
     own = own[own["case"].map(cases["proved_order"].astype(float)) == 1]
     yield [
         f"Theorem 4.2, with stresses that know no displacement: they converge to σ, in {own['case'].nunique()} cases",
-        "order 3/2 … 2",
+        "at least 3/2, by regularity, at most 2",
         f"orders {_range(own)}",
-        verdict("Thm 4.2, own space"),
+        verdict("Thm 4.2, own space", set(own["case"])),
     ]
     enclosed = rows("bound", "largest error / upper bound")
     yield [
@@ -125,7 +129,12 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
 
 
 def _range(rows: pd.DataFrame) -> str:
-    return f"{rows['observed'].min():.2f} … {rows['observed'].max():.2f}"
+    """From the least to the largest value, rounded outwards."""
+    return _outwards(rows["low"].min(), rows["high"].max())
+
+
+def _outwards(low: float, high: float) -> str:
+    return f"{math.floor(100 * low) / 100:.2f} … {math.ceil(100 * high) / 100:.2f}"
 
 
 def statements(directory: Path) -> str:

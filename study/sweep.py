@@ -174,13 +174,13 @@ class Measurement:
         return float(size[np.any(on, axis=0)].max() / max(size.max(), np.finfo(float).tiny))
 
     def quadrature_change(self) -> float:
-        """Relative change of the worst error when every cell rule is raised by two degrees.
+        """Relative change of the worst error when every cell rule is raised by two degrees, and its points not moved.
 
         The error's own rule changes it directly; the load's changes u^h by the response of the
         linear problem without contact to the change of the load, followed in RESPONSE steps.
         """
         setup, problem, time = self.setup, self.setup.problem, self.worst.time
-        finer = Gauge(setup.solution, setup.space, raised=2)
+        finer = Gauge(setup.solution, setup.space, raised=2, along=())
         error = setup.gauge.distance(setup.gauge.sample(time), self.worst.u)
         raised = finer.distance(finer.sample(time), self.worst.u)
         change = replace(

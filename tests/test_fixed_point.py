@@ -34,6 +34,19 @@ def test_what_is_returned_is_an_image_as_near_to_the_fixed_point_as_was_asked(se
     assert taken == len(images)
 
 
+@given(
+    diagonal=st.lists(st.floats(0, 0.8), min_size=1, max_size=6),
+    sizes=st.lists(st.floats(-8, 0), min_size=6, max_size=6),
+)
+def test_parts_of_very_different_size_and_contraction_do_not_end_it_early(diagonal, sizes) -> None:
+    """The slow part may be a millionth of the rest, and the first quotients see the rest only."""
+    slope = np.array(diagonal)
+    shift = 10 ** np.array(sizes[: len(diagonal)])
+    found, _ = fixed_point(lambda v: slope * v + shift, np.zeros(len(slope)), euclidean, 1e-9, 200)
+    exact = shift / (1 - slope)
+    assert np.linalg.norm(found - exact) <= 1000 * 1e-9 * np.linalg.norm(exact)
+
+
 def test_on_a_line_three_images_are_enough_for_a_linear_map() -> None:
     found, taken = fixed_point(lambda v: 0.7 * v + 3, np.array([0.0]), euclidean, 1e-12, 50)
     assert found == pytest.approx(10)

@@ -12,11 +12,14 @@ import pandas as pd
 from manufactured.tensors import Array
 from study.bound.enclosure import order
 from study.bound.measure import Bounded
+from study.rounding import down, interval, up
 from study.store import write_text, write_whole
 
 LINES = 8
 """Times in the printed table."""
 DIGITS = 9
+SHOWN = 4
+"""Decimals in files, and significant digits of bounds in the printed table."""
 
 
 def series(level: int, found: Bounded) -> pd.DataFrame:
@@ -35,9 +38,9 @@ def series(level: int, found: Bounded) -> pd.DataFrame:
         }
     )
     # Ends are rounded away from what they enclose.
-    down, up = ["lower"], ["upper", "bound", "plain"]
-    frame[down] = np.floor(frame[down] * 10**DIGITS) / 10**DIGITS
-    frame[up] = np.ceil(frame[up] * 10**DIGITS) / 10**DIGITS
+    below, above = ["lower"], ["upper", "bound", "plain"]
+    frame[below] = np.floor(frame[below] * 10**DIGITS) / 10**DIGITS
+    frame[above] = np.ceil(frame[above] * 10**DIGITS) / 10**DIGITS
     return frame.round({name: DIGITS for name in ("time", "error", "distance")})
 
 
@@ -74,16 +77,17 @@ def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame) -> str:
     for row in finest.iloc[places].itertuples():
         error = f"{row.error:10.4g}" if known else f"{'unknown':>10}"
         ratio = f"{row.upper / row.lower:12.3f}" if row.lower > 0 else f"{'∞':>12}"
-        lines.append(f"{row.time:8.4f} {row.lower:10.4g} {error} {row.upper:10.4g} {ratio} {row.plain:15.4g}")
+        ends = down(row.lower, SHOWN), up(row.upper, SHOWN), up(row.plain, SHOWN)
+        lines.append(f"{row.time:8.4f} {ends[0]:>10} {error} {ends[1]:>10} {ratio} {ends[2]:>15}")
     lines += [
         "",
         f"{'level':>8} {'max error in':>24} {'error':>10} {'from u_h alone':>15}   order since the first level in",
     ]
     for row in table.itertuples():
         error = f"{row.error:10.4g}" if known else f"{'unknown':>10}"
-        interval = f"[{row.lowest:.4g}, {row.highest:.4g}]"
-        orders = "" if math.isnan(row.order_low) else f"[{row.order_low:.3f}, {row.order_high:.3f}]"
-        lines.append(f"{row.level:8d} {interval:>24} {error} {row.plain:15.4g}   {orders}")
+        orders = "" if math.isnan(row.order_low) else interval(row.order_low, row.order_high, SHOWN)
+        largest = interval(row.lowest, row.highest, SHOWN)
+        lines.append(f"{row.level:8d} {largest:>24} {error} {up(row.plain, SHOWN):>15}   {orders}")
     return "\n".join(lines)
 
 

@@ -26,8 +26,9 @@ from study.fem.quadrature import CellRule, cell_rules, facet_rule
 from study.fem.space import Space
 
 DEGREE = 4
-"""Degree of the standard cell rule in 2D: exact for the square of a linear strain error, and two more for kinks
-that cross a cell. Every row of a rate table records what a rule raised by two would change."""
+"""Degree of the standard cell rule in 2D: exact for the square of a linear strain error, also when its points share
+coordinates, and with more points than that needs for kinks that cross a cell. Every row of a rate table records what a
+plain rule raised by two would change."""
 
 SOLID_DEGREE = 2
 """The same in 3D, without the two more: evaluation of exact fields is what 3D levels cost."""
@@ -37,6 +38,14 @@ PARALLEL = 0.1
 
 FACET_POINTS = 8
 """Gauss points on a contact facet, or on each side of a rough point of it."""
+
+
+ROUNDING = 1e-10
+"""Relative to its energy, the negative oscillation that a strain may have by rounding."""
+
+
+class GaugeError(ArithmeticError):
+    """Integrals of an exact solution contradict each other."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +74,21 @@ class Gauge:
         solution: the exact solution.
         space: V^h.
         raised: added to the degree of the cell rules and to the points of the facet rules.
+        along: lines from which points of many cells have the same distances, which makes formulas cheap and rules exact
+            to a lower degree (``study.fem.sharing``); by default those of ``shared_lines``, () for the plain rules.
+
+    Raises:
+        GaugeError: from ``sample``.
     """
 
-    def __init__(self, solution: ExactSolution, space: Space, raised: int = 0) -> None:
+    def __init__(
+        self, solution: ExactSolution, space: Space, raised: int = 0, along: Sequence[Line] | None = None
+    ) -> None:
         self.solution, self.space = solution, space
         self.A, self.G = solution.law.A, solution.law.G
         self._response: Callable[[float], Tensors]
         self.degree = (DEGREE if space.dim == 2 else SOLID_DEGREE) + raised
-        found = rules(solution, space.mesh, self.degree, shared_lines(solution))
+        found = rules(solution, space.mesh, self.degree, shared_lines(solution) if along is None else along)
         points = Points.of(found)
         viscous, elastic = (points.weights * tensor.factor(points.x) for tensor in (self.A, self.G))
         self.viscous = points.totals(viscous)
@@ -104,9 +120,12 @@ class Gauge:
         """Means, oscillation and interpolant of u(t)."""
         amplitudes = self._amplitudes(time)
         means = self._strains(amplitudes) / self.viscous
-        # What rounding leaves of a strain that is constant on every cell may be negative.
-        oscillation = max(self._energy(amplitudes) - self._constant_energy(means), 0.0)
-        return Sample(time, means, oscillation, self.space.interpolate(self._nodes.displacement(time)))
+        energy = self._energy(amplitudes)
+        oscillation = energy - self._constant_energy(means)
+        # Of a strain that is constant on every cell, rounding may leave a negative one.
+        if oscillation < -ROUNDING * energy:
+            raise GaugeError(f"the strain at t = {time:g} has the energy {energy:g}, less than that of its cell means")
+        return Sample(time, means, max(oscillation, 0.0), self.space.interpolate(self._nodes.displacement(time)))
 
     def _constant_energy(self, strain: Tensors) -> float:
         """∫ A ε·ε of a strain that is constant on every cell."""

@@ -1,9 +1,9 @@
 """Quadrature points moved a little so that many of them share a coordinate along a contact face.
 
 What an exact solution costs to evaluate are its formulas of (s, t). On a mesh without structure no two points of the
-cells have the same s; moved to lines s = jδ, with δ a power of two and 32 times smaller than the cell, all cells share
-the lines. Weights that change as little as possible keep the rule exact for
-polynomials of the highest degree that so many weights can serve, 2 for six points.
+cells have the same s; moved to lines s = jδ, with δ a power of two and 16 to 32 times smaller than the cell (half of
+that where two faces share), all cells share the lines. Weights that change as little as possible keep the rule exact
+for polynomials of the highest degree that so many weights can serve, 2 for six points.
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
 Two inputs v, v' and their images u, u' show where a map that were linear between them would have its fixed point; the
 next input is the nearest to it (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965)
-547–560, with depth 1). They also show the contraction ρ, and how far u is from the fixed point: at most
-ρ/(1 − ρ) ‖u − v‖.
+547–560, with depth 1). They also show how much the map contracts between them, which is at most ρ, its contraction
+everywhere; with ρ, the fixed point is no further from u than ρ/(1 − ρ) ‖u − v‖. The largest of the quotients seen
+stands for ρ: an estimate, which is why whoever needs a bound has to measure what is left.
 """
 
 from __future__ import annotations
@@ -14,6 +15,11 @@ import numpy as np
 
 from manufactured.tensors import Array
 
+SEEN = 3
+"""Images before an iteration may stop: two quotients."""
+TINY = 1e-300
+"""Stands for zero in denominators."""
+
 
 class FixedPointError(RuntimeError):
     """The iteration did not settle."""
@@ -22,7 +28,7 @@ class FixedPointError(RuntimeError):
 def fixed_point(
     image: Callable[[Array], Array], v: Array, product: Callable[[Array, Array], float], tolerance: float, most: int
 ) -> tuple[Array, int]:
-    """u = image(v) with ‖u − image(u)‖ of the size tolerance · ‖u‖ at most, and how many images were taken.
+    """u = image(v) at an estimated distance of tolerance · ‖u‖ from the fixed point, and how many images were taken.
 
     Args:
         image: a contraction.
@@ -41,14 +47,16 @@ def fixed_point(
     old_v, old_u = v, image(v)
     if not norm(old_u - old_v) > 0:
         return old_u, 1
-    v = old_u
+    v, contraction = old_u, 0.0
     for taken in range(2, most + 1):
         u = image(v)
         change, moved, followed = u - v, v - old_v, u - old_u
-        contraction = norm(followed) / norm(moved)
-        if contraction * norm(change) <= tolerance * (1 - contraction) * norm(u):
+        contraction = max(contraction, norm(followed) / norm(moved))
+        settled = contraction * norm(change) <= tolerance * (1 - contraction) * norm(u)
+        # One quotient says too little; and a change of 0 needs none.
+        if (settled and taken >= SEEN) or not norm(change) > 0:
             return u, taken
         bent = followed - moved
         old_v, old_u = v, u
-        v = u - product(change, bent) / product(bent, bent) * followed
+        v = u - product(change, bent) / max(product(bent, bent), TINY) * followed
     raise FixedPointError(f"the iteration did not settle in {most} steps")

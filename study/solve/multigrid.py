@@ -84,6 +84,9 @@ class Multigrid:
         Raises:
             MultigridError: the tolerance was not reached.
         """
+        if not b.any():
+            self.w = np.zeros_like(self.w)
+            return self.basis @ self.w, np.zeros_like(self.forces)
         A, f, w = self.hierarchy.A, self.basis.T @ b, self.w
         aim = self.tolerance * float(np.linalg.norm(b))
         for _ in range(CORRECTIONS):

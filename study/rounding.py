@@ -1,0 +1,24 @@
+"""Decimal numbers that stay bounds: rounded down or up, not to nearest."""
+
+from __future__ import annotations
+
+from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+
+
+def down(value: float, digits: int) -> str:
+    """A number with so many significant digits that is not larger."""
+    return _rounded(value, digits, ROUND_FLOOR)
+
+
+def up(value: float, digits: int) -> str:
+    """A number with so many significant digits that is not smaller."""
+    return _rounded(value, digits, ROUND_CEILING)
+
+
+def interval(low: float, high: float, digits: int) -> str:
+    """[low, high], rounded outwards."""
+    return f"[{down(low, digits)}, {up(high, digits)}]"
+
+
+def _rounded(value: float, digits: int, rounding: str) -> str:
+    return f"{float(Context(prec=digits, rounding=rounding).create_decimal(Decimal(value))):.{digits}g}"
