@@ -113,10 +113,11 @@ def admitted(waiting: Sequence[Job], running: list[Job], suspects: set[str], poo
     running = [*running]
     for job in [*waiting]:
         alone = not running
-        if not alone and ({job.key, *(other.key for other in running)} & suspects):
+        if not alone and len(running) >= pool.workers:
+            return
+        if not alone and suspects and ({job.key, *(other.key for other in running)} & suspects):
             continue
-        fits = sum(other.memory for other in running) + job.memory <= pool.together
-        if alone or (len(running) < pool.workers and fits):
+        if alone or sum(other.memory for other in running) + job.memory <= pool.together:
             running.append(job)
             yield job
 

@@ -51,13 +51,23 @@ def gone(process: psutil.Process) -> bool:
     return not process.is_running() or process.status() == psutil.STATUS_ZOMBIE
 
 
-def kill_at(moment: float, out: Path, choose: random.Random) -> None:
-    """Start the command and kill something of it after some seconds; nothing may be left running."""
+def results(out: Path) -> dict[Path, int]:
+    """The files of finished jobs and when they were written."""
+    return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}
+
+
+def kill(out: Path, jobs: int, delay: float, choose: random.Random) -> bool:
+    """Start the command and kill something of it some seconds after so many jobs are finished.
+
+    Nothing may be left running. Whether it was still running.
+    """
     run = started(out)
     leader = psutil.Process(run.pid)
-    time.sleep(moment)
+    while len(results(out)) < jobs and run.poll() is None:
+        time.sleep(0.01)
+    time.sleep(delay)
     if run.poll() is not None:
-        return
+        return False
     family = [leader, *leader.children(recursive=True)]
     victim = choose.choice(family[-3:])
     victim.send_signal(signal.SIGKILL)
@@ -68,6 +78,7 @@ def kill_at(moment: float, out: Path, choose: random.Random) -> None:
     while not all(map(gone, family)):
         assert time.monotonic() < deadline, [process for process in family if not gone(process)]
         time.sleep(0.05)
+    return True
 
 
 @pytest.mark.parametrize(
@@ -77,7 +88,15 @@ def test_kills_at_random_moments_change_no_byte_of_what_the_command_writes_in_th
     seed: int, undisturbed: tuple[dict[str, bytes], float], tmp_path: Path
 ) -> None:
     files, seconds = undisturbed
+    total = sum("jobs" in name for name in files)
     choose = random.Random(seed)
+    killed = 0
     for _ in range(KILLS):
-        kill_at(choose.uniform(0.2, 1.0) * seconds, tmp_path, choose)
+        # One kill in three before anything is finished, while the cases prove themselves.
+        early = choose.random() < 1 / 3
+        jobs = 0 if early else choose.randrange(total)
+        killed += kill(tmp_path, jobs, choose.uniform(0, 0.5) * seconds if early else choose.uniform(0, 0.3), choose)
+    kept = results(tmp_path)
     assert finished(tmp_path) == files
+    assert killed >= KILLS - 1
+    assert kept.items() <= results(tmp_path).items(), "what was finished is not done again"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -63,8 +64,7 @@ class BoundJob:
         return steps_for(Data.of(found.solution), self.level, found.pace)
 
     def _problem(self) -> Case | Problem:
-        known = {problem.name: problem for problem in problems()}
-        return known.get(self.problem) or resolve(self.problem)
+        return _without_solution().get(self.problem) or resolve(self.problem)
 
     def parts(self) -> tuple[Any, Scheme]:
         return family_named(self.family), choose("scheme", self.scheme, SCHEMES)
@@ -83,6 +83,12 @@ class BoundJob:
             measure_problem(problem, *settings) if isinstance(problem, Problem) else measure_bound(problem, *settings)
         )
         return {"row": asdict(row), "times": _times(found)}
+
+
+@lru_cache
+def _without_solution() -> dict[str, Problem]:
+    """The problems of the study that have no known solution; their formulas take time to compile."""
+    return {problem.name: problem for problem in problems()}
 
 
 def _times(found: Enclosure) -> dict[str, list[float]]:

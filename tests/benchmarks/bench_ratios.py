@@ -8,6 +8,8 @@ from itertools import cycle, islice
 from typing import Any
 
 import pytest
+import scipy.sparse as sps
+from scipy.sparse.linalg import SuperLU, splu
 
 from benchmarks.level import DIRECT, Place, Watched, compile_formulas, errors
 from study.naming import resolve
@@ -70,6 +72,27 @@ def bench_step(benchmark: Any, watched: tuple[Place, Watched]) -> None:
     rights = cycle(seen.rights)
     describe(benchmark, "step", place, seen.S.shape[0])
     benchmark.pedantic(seen.contact, setup=lambda: ((next(rights),), {}), rounds=2 * RIGHTS, warmup_rounds=1)
+
+
+def bench_library_factorisation(benchmark: Any, watched: tuple[Place, Watched]) -> None:
+    """SuperLU on the same matrix in an order of its own, as a measure from outside: a slow factorisation of ours would
+    flatter ratios to it."""
+    place, seen = watched
+    describe(benchmark, "library factorisation", place, seen.S.shape[0])
+    benchmark.pedantic(library, args=(seen.S,), rounds=2)
+
+
+def bench_library_solve(benchmark: Any, watched: tuple[Place, Watched]) -> None:
+    place, seen = watched
+    rights, factor = cycle(seen.rights), library(seen.S)
+    describe(benchmark, "library solve", place, seen.S.shape[0])
+    benchmark.pedantic(factor.solve, setup=lambda: ((next(rights),), {}), rounds=RIGHTS, warmup_rounds=1)
+
+
+def library(S: sps.csc_array) -> SuperLU:
+    """The Cholesky-like setting of SciPy's SuperLU."""
+    options = {"SymmetricMode": True}
+    return splu(sps.csc_matrix(S), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
 
 
 @pytest.mark.parametrize("place", PLACES + SOLIDS, ids=lambda place: f"{place.case}-{place.family}-{place.n}")
