@@ -4,7 +4,8 @@ Two inputs v, v' and their images u, u' show where a map that were linear betwee
 next input is the nearest to it (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965)
 547–560, with depth 1). They also show how much the map contracts between them, which is at most ρ, its contraction
 everywhere; with ρ, the fixed point is no further from u than ρ/(1 − ρ) ‖u − v‖. The largest of the quotients seen
-stands for ρ: an estimate, which is why whoever needs a bound has to measure what is left.
+stands for ρ, and for ρ > 1/2 the change ‖u − v‖ itself is judged: estimates, which is why whoever needs a bound has to
+measure what is left.
 """
 
 from __future__ import annotations
@@ -52,7 +53,9 @@ def fixed_point(
         u = image(v)
         change, moved, followed = u - v, v - old_v, u - old_u
         contraction = max(contraction, norm(followed) / norm(moved))
-        settled = contraction * norm(change) <= tolerance * (1 - contraction) * norm(u)
+        # Quotients of what rounding leaves may be anything: a change of the size of the tolerance is enough.
+        room = max(1.0, (1 - contraction) / max(contraction, TINY))
+        settled = norm(change) <= tolerance * room * norm(u)
         # One quotient says too little; and a change of 0 needs none.
         if (settled and taken >= SEEN) or not norm(change) > 0:
             return u, taken
