@@ -7,12 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from decimal import ROUND_CEILING, ROUND_FLOOR, Decimal
 from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from study.latex import encode, prose
+from study.rounding import above, below
 
 if TYPE_CHECKING:
     from study.article import Data
@@ -62,8 +62,8 @@ def _smooth(data: Data) -> Named:
     label = "Prop. 5.4"
     yield from _extremes("orderLevel", data.rows(label, "order of the error, level"))
     fitted = data.rows(label, "order of the error, fitted")["observed"]
-    yield "orderFittedMin", _down(fitted.min())
-    yield "orderFittedMax", _up(fitted.max())
+    yield "orderFittedMin", below(fitted.min(), 2)
+    yield "orderFittedMax", above(fitted.max(), 2)
     yield from _extremes("orderDiagonal", data.rows(label, "order of ‖Π^h u − u^h‖_V, superclose"))
     yield from _extremes("orderOther", data.rows(label, "order of ‖Π^h u − u^h‖_V, other"))
     yield from _extremes("pythagoras", data.rows(label, "size of the error"))
@@ -80,7 +80,7 @@ def _smooth(data: Data) -> Named:
 def _rough(data: Data) -> Named:
     """Prop. 5.3 and what (5.36) has to do with the order."""
     label = "Prop. 5.3"
-    yield "ratioMost", _up(data.rows(label, "ratio of consecutive")["high"].max())
+    yield "ratioMost", above(data.rows(label, "ratio of consecutive")["high"].max(), 2)
     yield "limitMost", _percent(data.rows(label, "limit e∞")["high"].max())
     yield "roughQuadrature", _percent(data.rows(label, "change under finer")["high"].max())
     yield from _extremes("graded", data.rows(label, "order seen on graded"))
@@ -111,22 +111,22 @@ def _equivalence(data: Data) -> Named:
     yield "ownAdmissible", _power(data.rows(label, "σ^hν continuous")["high"].max())
     yield from _extremes("ownBest", data.rows(label, "‖σ − σ^h‖_Q / that of the best"))
     frozen = data.rows("Prager–Synge", "guaranteed bound of both errors")
-    yield "frozenMost", _up(frozen["high"].max(), 3)
+    yield "frozenMost", above(frozen["high"].max(), 3)
 
 
 def _bounds(data: Data) -> Named:
     """The guaranteed bound and the enclosures."""
     yield from _extremes("boundUpper", data.rows("bound", "upper bound / error over"), 1)
-    yield "encloseUpperMax", _up(data.rows("enclosure", "upper bound / error over")["high"].max())
+    yield "encloseUpperMax", above(data.rows("enclosure", "upper bound / error over")["high"].max(), 2)
     computed = data.bounds[data.bounds["trajectory"] == "enclosure"]
-    yield "encloseLeast", _down(computed["lower"].min())
+    yield "encloseLeast", below(computed["lower"].min(), 2)
     yield "encloseRows", str(computed["error"].count())
     for name, case in (("ramp", "ramp"), ("bracket", "bracket"), ("check", "advance-recede")):
         yield from _extremes(f"{name}Order", data.rows("enclosure", "order of max_t", case))
     finest = computed[computed["case"] == "advance-recede"].sort_values("level").iloc[-1]
     yield "checkLevel", str(finest["level"])
-    yield "checkUpper", _up(finest["upper"])
-    yield "checkLower", _down(finest["lower"])
+    yield "checkUpper", above(finest["upper"], 2)
+    yield "checkLower", below(finest["lower"], 2)
 
 
 def _beyond(data: Data) -> Named:
@@ -135,8 +135,8 @@ def _beyond(data: Data) -> Named:
     for outcome in ("agrees", "undecided", "differs"):
         yield f"discrete{outcome.capitalize()}", str(int(expected.str.endswith(f": {outcome}").sum()))
     constant = data.rows("(5.20)–(5.21), (5.42)", "error / (c")
-    yield "roomLeast", _down(1 / constant["high"].max(), 0)
-    yield "roomMost", _up(1 / constant["low"].min(), 0)
+    yield "roomLeast", below(1 / constant["high"].max(), 0)
+    yield "roomMost", above(1 / constant["low"].min(), 0)
 
 
 def _made_with(data: Data) -> Named:
@@ -147,27 +147,15 @@ def _made_with(data: Data) -> Named:
 
 
 def _extremes(name: str, rows: pd.DataFrame, digits: int = 2) -> Named:
-    yield f"{name}Min", _down(rows["low"].min(), digits)
-    yield f"{name}Max", _up(rows["high"].max(), digits)
-
-
-def _down(value: float, digits: int = 2) -> str:
-    return str(_rounded(value, digits, ROUND_FLOOR))
-
-
-def _up(value: float, digits: int = 2) -> str:
-    return str(_rounded(value, digits, ROUND_CEILING))
-
-
-def _rounded(value: float, digits: int, direction: str) -> Decimal:
-    return Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-digits), direction)
+    yield f"{name}Min", below(rows["low"].min(), digits)
+    yield f"{name}Max", above(rows["high"].max(), digits)
 
 
 def _upper(value: float) -> float:
     """Rounded up to two significant digits."""
     if value == 0:
         return 0.0
-    return float(_rounded(value, 1 - math.floor(math.log10(value)), ROUND_CEILING))
+    return float(above(value, 1 - math.floor(math.log10(value))))
 
 
 def _count(value: float) -> str:

@@ -11,6 +11,7 @@ import pandas as pd
 
 from study.datafiles import VERDICTS, DataError, read_claims, read_csv
 from study.report.sources import sources
+from study.rounding import above, below
 from study.store import write_text
 
 MEASURED = {
@@ -134,7 +135,7 @@ def _range(rows: pd.DataFrame) -> str:
 
 
 def _outwards(low: float, high: float) -> str:
-    return f"{math.floor(100 * low) / 100:.2f} … {math.ceil(100 * high) / 100:.2f}"
+    return f"{below(low, 2)} … {above(high, 2)}"
 
 
 def statements(directory: Path) -> str:

@@ -15,6 +15,16 @@ def up(value: float, digits: int) -> str:
     return _rounded(value, digits, ROUND_CEILING)
 
 
+def below(value: float, decimals: int) -> str:
+    """A number with so many decimals that is not larger than what the shortest digits of a value say."""
+    return _quantized(value, decimals, ROUND_FLOOR)
+
+
+def above(value: float, decimals: int) -> str:
+    """A number with so many decimals that is not smaller than what the shortest digits of a value say."""
+    return _quantized(value, decimals, ROUND_CEILING)
+
+
 def interval(low: float, high: float, digits: int) -> str:
     """[low, high], rounded outwards."""
     return f"[{down(low, digits)}, {up(high, digits)}]"
@@ -22,3 +32,7 @@ def interval(low: float, high: float, digits: int) -> str:
 
 def _rounded(value: float, digits: int, rounding: str) -> str:
     return f"{float(Context(prec=digits, rounding=rounding).create_decimal(Decimal(value))):.{digits}g}"
+
+
+def _quantized(value: float, decimals: int, rounding: str) -> str:
+    return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), rounding))

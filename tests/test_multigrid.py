@@ -16,7 +16,7 @@ from study.fem.gauge import Gauge
 from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
-from study.solve.choice import FACTORED, contact_solver
+from study.solve.choice import FACTORED, contact_solver, free_vertices
 from study.solve.evolution import Midpoint, Problem
 from study.solve.hierarchy import COARSEST, Hierarchy
 from study.solve.multigrid import Multigrid, MultigridError, local_bases, rigid_motions
@@ -33,11 +33,6 @@ SETTINGS: list[tuple[str, MeshFamily, int]] = [
     ("cube-disc", Shaken(), 8),
     ("cube-two-faces", OneDiagonal(), 6),
 ]
-
-
-def on(space: Space):
-    """The free vertices of a space."""
-    return space.mesh.p[:, space.free[:: space.dim] // space.dim]
 
 
 def of_a_step(name: str, space: Space) -> sps.csc_array:
@@ -59,7 +54,7 @@ def setting(request):
     body = CASES[name].solution.body
     space = Space(family(body, n), body)
     assert space.dofs > COARSEST
-    return of_a_step(name, space), space.N, on(space)
+    return of_a_step(name, space), space.N, free_vertices(space)
 
 
 def test_multigrid_finds_the_exact_solution(setting) -> None:
@@ -94,7 +89,7 @@ def test_oblique_normals_at_one_vertex_bound_both() -> None:
     (corner,) = np.intersect1d(first, second)
     rows = np.flatnonzero(np.concatenate([first, second]) == corner)
     b = N[rows].T @ np.ones(2) + 0.01 * (S @ np.ones(S.shape[0]))
-    (u, multipliers), (v, others) = Multigrid(S, N, on(space))(b), Signorini(S, N)(b)
+    (u, multipliers), (v, others) = Multigrid(S, N, free_vertices(space))(b), Signorini(S, N)(b)
     assert (multipliers[rows] > 0).all()
     assert np.allclose(u, v, rtol=0, atol=1e-8 * abs(v).max())
     assert np.allclose(multipliers, others, rtol=0, atol=1e-7 * others.max())
@@ -107,7 +102,7 @@ def test_a_trajectory_is_the_one_of_the_exact_solver(name: str) -> None:
     space = Space(OneDiagonal()(solution.body, 6 if solution.body.dim == 3 else 24), solution.body)
     gauge = Gauge(solution, space)
     exact = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
-    multigrid = replace(exact, solver=lambda S, N: Multigrid(S, N, on(space)))
+    multigrid = replace(exact, solver=lambda S, N: Multigrid(S, N, free_vertices(space)))
     for one, other in zip(Midpoint().march(multigrid, 8), Midpoint().march(exact, 8), strict=True):
         difference = one.u - other.u
         error = gauge.distance(gauge.sample(one.time), other.u)
@@ -151,7 +146,7 @@ def iterations(name: str, n: int, held: str) -> int:
     constrained = space.N.indices
     chosen = {"none": constrained[:0], "some": constrained[::3], "all": constrained}[held]
     mask = np.isin(np.arange(space.dofs), chosen)
-    cycle = Hierarchy(A, rigid_motions(on(space))).without(mask)
+    cycle = Hierarchy(A, rigid_motions(free_vertices(space))).without(mask)
     b = np.where(mask, 0, np.random.default_rng(2).standard_normal(space.dofs))
     count = []
     cg(cycle.A, b, rtol=1e-8, M=LinearOperator(A.shape, matvec=cycle, dtype=float), callback=count.append)

@@ -9,7 +9,7 @@ so that formulas are evaluated once for each place along a face, not once for ea
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -76,7 +76,7 @@ class CellIntegrals:
         )
 
 
-def _by_tensor(modes: Modes, points: Points, weights: Array):  # type: ignore[no-untyped-def]
+def _by_tensor(modes: Modes, points: Points, weights: Array) -> Iterator[tuple[Array, Array, sps.csr_array]]:
     """(E, the modes with E_k = E, their B_k side by side) for each different tensor."""
     distinct, group = np.unique(modes.tensors, axis=0, return_inverse=True)
     cells, weights = points.cells[modes.points], weights[modes.points]
