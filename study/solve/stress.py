@@ -27,7 +27,8 @@ one computed from the stresses, and Theorem 4.2 is what says that u_n ∈ K^h so
 
 The programmes are solved as they stand by the interior point method of P. Goulart, Y. Chen,
 Clarabel: an interior-point solver for conic programs with quadratic objectives, arXiv:2405.12762
-(2024). No code is shared with the contact solve of Problem 3.1.
+(2024); the one of a linear law, a quadratic programme, then once more with the active set that the
+interior point shows. No code is shared with the contact solve of Problem 3.1.
 """
 
 from __future__ import annotations
@@ -43,6 +44,7 @@ from manufactured.law import KelvinVoigt, Linear, Yield
 from manufactured.tensors import Array, Tensors
 from study.fem.material import means
 from study.fem.space import Space
+from study.solve.active_set import ActiveSet, Optimum
 
 GAP, FEASIBILITY = 1e-15, 1e-11
 """Duality gap and relative residual the solver aims at. Where a vertex touches with next to no force
@@ -230,7 +232,10 @@ class _Programme:
         self.B = sps.csr_array(sps.diags_array(np.repeat(self.root, D)) @ space.E)
         equilibrium = every_cell(potential.stress).T @ self.B
         in_cones = every_cell(np.eye(p)[p - potential.cone :])
-        hessian = sps.block_diag([cell_by_cell(potential.quadratic / self.flexibility), sps.csr_array((m, m))])
+        P = cell_by_cell(potential.quadratic / self.flexibility)
+        # The signs of λ say which equations hold; with cones of stresses there would be more to say.
+        self.refine = None if potential.cone else ActiveSet(P, equilibrium, problem.N)
+        hessian = sps.block_diag([P, sps.csr_array((m, m))])
         # Clarabel: min ½ xᵀPx + qᵀx, Ax + s = b, s in a product of cones.
         constraints = sps.block_array([[equilibrium.T, problem.N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
         cones = [clarabel.ZeroConeT(space.dofs)]
@@ -257,10 +262,17 @@ class _Programme:
                 f"the stress problem at t = {time:.6g} was not solved: {solution.status} after "
                 f"{solution.iterations} iterations, residuals {solution.r_prim:.2g} and {solution.r_dual:.2g}"
             )
-        x, multipliers = np.split(unit * np.array(solution.x), [slope.size])
-        u = -unit * self.flexibility * np.array(solution.z[:dofs])
-        y = x.reshape(cells, -1).T / self.root
-        return StressState(time, self.potential.stress @ y, self.potential.strain(y, old), u, multipliers)
+        found = Optimum(*np.split(np.array(solution.x), [slope.size]), -np.array(solution.z[:dofs]))
+        if self.refine:
+            found = self.refine(self.q[: slope.size], self.b[:dofs], found)
+        y = unit * found.x.reshape(cells, -1).T / self.root
+        return StressState(
+            time,
+            self.potential.stress @ y,
+            self.potential.strain(y, old),
+            unit * self.flexibility * found.u,
+            unit * found.multipliers,
+        )
 
     def unit(self, load: Array, old: Tensors) -> float:
         """The size of stresses in a step: of its load, and of the strain before times C."""
