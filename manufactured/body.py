@@ -98,6 +98,10 @@ class Part:
         """The last corner, (d,), on the first axis of s; in 2D the other end."""
         return self.corners[:, -1]
 
+    def line(self, c: float) -> Line:
+        """{s = c} across a body in the plane."""
+        return tuple(map(float, self.tangent)), float(self.tangent @ self.start) + c
+
     @cached_property
     def vector(self) -> Array:
         """|S| ν, (d,)."""

@@ -101,12 +101,8 @@ class ExactSolution:
     @property
     def rough(self) -> tuple[Line, ...]:
         """Where strains are rough for all times: {s = c} for the rough c of every lifting, and jumps of A and G."""
-        found: list[Line] = []
-        for face in self.faces:
-            if isinstance(face, ContactFace):
-                tangent = face.part.tangent
-                found += [(tuple(map(float, tangent)), float(tangent @ face.part.start) + c) for c in face.rough]
-        return (*found, *self.law.steps)
+        fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
+        return (*fronts, *self.law.steps)
 
     def at(self, x: Points) -> Fields:
         """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed."""

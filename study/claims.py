@@ -342,7 +342,7 @@ def theorem_4_2(case: str, rows: pd.DataFrame) -> list[Verdict]:
         "stress_gap": "stress of Problem 3.2 against 3.1",
         "admissibility": "σ^h ∈ Σ^h(t)",
         "energy_gap": "(σ, ε(u))_Q = (f, u)_V, (4.14)",
-        "membership": "u ∈ K^h though never imposed",
+        "membership": "the multiplier u lies in K^h",
     }
     found = []
     for column, quantity in quantities.items():

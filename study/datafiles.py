@@ -86,6 +86,12 @@ def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
     return ordered.assign(order=_orders(ordered["h"].to_numpy(), ordered[column].to_numpy()))
 
 
+def caught(controls: pd.DataFrame) -> tuple[int, int]:
+    """How many defects in ``controls.csv`` were caught, and how many were injected; a setting has no entry."""
+    injected = controls[controls["caught"] != ""]
+    return int((injected["caught"] == "yes").sum()), len(injected)
+
+
 def read_claims(directory: Path) -> pd.DataFrame:
     """``claims.csv``, in which every verdict is one that is known."""
     claims = read_csv(directory, "claims.csv", LEDGER)

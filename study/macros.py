@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from study.datafiles import caught
 from study.latex import encode, prose
 from study.rounding import above, below
 
@@ -35,9 +36,9 @@ def _ledger(data: Data) -> Named:
     yield "ledgerStatements", str(claims["label"].nunique())
     for verdict in ("holds", "fails", "undecided", "reported"):
         yield f"ledger{verdict.capitalize()}", str(int((claims["verdict"] == verdict).sum()))
-    injected = data.controls[data.controls["caught"] != ""]
-    yield "controls", str(len(injected))
-    yield "controlsCaught", str(int((injected["caught"] == "yes").sum()))
+    found, injected = caught(data.controls)
+    yield "controls", str(injected)
+    yield "controlsCaught", str(found)
 
 
 def _plan(data: Data) -> Named:
@@ -101,7 +102,7 @@ def _equivalence(data: Data) -> Named:
     for name, quantity in (
         ("agreeDisplacement", "displacement of Problem 3.2"),
         ("agreeStress", "stress of Problem 3.2"),
-        ("agreeMembership", "u ∈ K^h though never imposed"),
+        ("agreeMembership", "the multiplier u lies in K^h"),
     ):
         yield name, _power(data.rows("Thm 4.2", quantity)["high"].max())
     yield "agreeCases", str(data.equivalence["case"].nunique())
@@ -163,7 +164,7 @@ def _count(value: float) -> str:
 
 
 def _percent(value: float) -> str:
-    return rf"{_upper(100 * value):.2g}\,\%"
+    return rf"{float(f'{_upper(100 * value):.2g}'):g}\,\%"
 
 
 def _power(value: float) -> str:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.datafiles import VERDICTS, DataError, read_claims, read_csv
+from study.datafiles import VERDICTS, DataError, caught, read_claims, read_csv
 from study.report.sources import sources
 from study.rounding import above, below
 from study.store import write_text
@@ -119,13 +119,12 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
         "not needed in these cases (reported)",
     ]
     controls = read_csv(directory, "controls.csv", ["defect", "caught"]).fillna("")
-    injected = controls[controls["caught"] != ""]
-    caught = int((injected["caught"] == "yes").sum())
+    found, injected = caught(controls)
     yield [
         "deliberate defects, injected one at a time",
         "each is caught by a row",
-        f"{caught} of {len(injected)}",
-        "holds" if caught == len(injected) else "fails",
+        f"{found} of {injected}",
+        "holds" if found == injected else "fails",
     ]
 
 

@@ -14,7 +14,7 @@ from study.store import FORMAT, Store, require_format
 
 def provenance(plan: Plan) -> dict[str, Any]:
     """What made the data: format, plan and versions. No date, so that equal runs give equal files."""
-    packages = ("numpy", "scipy", "scikit-fem", "clarabel", "sympy")
+    packages = ("numpy", "scipy", "numba", "scikit-fem", "pyamg", "clarabel", "sympy", "matplotlib")
     return {
         "format": FORMAT,
         "study": version("signorini-study"),

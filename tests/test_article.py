@@ -123,7 +123,7 @@ def test_extremes_are_rounded_outwards(copy: Path) -> None:
 def test_a_defect_of_zero_is_zero(copy: Path) -> None:
     path = copy / "data" / "claims.csv"
     claims = pd.read_csv(path)
-    claims.loc[claims["quantity"] == "u ∈ K^h though never imposed", ["low", "high"]] = 0.0
+    claims.loc[claims["quantity"] == "the multiplier u lies in K^h", ["low", "high"]] = 0.0
     claims.to_csv(path, index=False)
     write_article(copy)
     assert macros(copy)["agreeMembership"] == "0"

@@ -43,6 +43,22 @@ def test_the_tables_of_the_readme_come_from_the_committed_data(tmp_path: Path) -
     assert not refresh(copy, ROOT / "results"), "run: .venv/bin/python -m study.overview README.md results"
 
 
+def test_the_orders_at_its_head_are_those_of_the_errors_measured() -> None:
+    """Worked out here from ``rates.csv`` alone, fits over the four finest meshes, not from the verdicts."""
+    rates = read_csv(ROOT / "results", "rates.csv", ["claim", "case", "family", "h", "error"])
+    rates = rates[rates["claim"] == "Prop. 5.4"].sort_values("h", ascending=False)
+    fits, orders = [], []
+    for _, rows in rates.groupby(["case", "family"]):
+        h, error = np.log(rows["h"]), np.log(rows["error"])
+        fits.append(np.polyfit(h[-4:], error[-4:], 1)[0])
+        orders += list(np.diff(error) / np.diff(h))
+    (row,) = re.findall(r"fitted orders (\S+) … (\S+), level by level (\S+) … (\S+) \|", TEXT)
+    shown = [float(value) for value in row]
+    assert shown == pytest.approx([min(fits), max(fits), min(orders), max(orders)], abs=0.01)
+    assert shown[0] <= min(fits) <= max(fits) <= shown[1]
+    assert shown[2] <= min(orders) <= max(orders) <= shown[3]
+
+
 def test_a_readme_without_marks_is_refused(tmp_path: Path) -> None:
     (tmp_path / "README.md").write_text("# Nothing\n")
     with pytest.raises(DataError, match="lacks <!-- headline -->"):

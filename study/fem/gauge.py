@@ -164,10 +164,9 @@ def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Lin
 def shared_lines(solution: ExactSolution) -> list[Line]:
     """{s = 0} of at most two contact faces in the plane, so that points of cells can share coordinates along them."""
     found: list[Line] = []
-    for face in solution.faces:
-        tangent = face.part.frame[:, 0]
-        line = Line(tuple(tangent), float(tangent @ face.part.start))
+    contact = [face for face in solution.faces if isinstance(face, ContactFace)] if solution.body.dim == 2 else []
+    for line in (Line(*face.part.line(0.0)) for face in contact):
         parallel = any(abs(np.linalg.det([line.direction, other.direction])) < PARALLEL for other in found)
-        if solution.body.dim == 2 and isinstance(face, ContactFace) and not parallel and len(found) < 2:
+        if not parallel and len(found) < 2:
             found.append(line)
     return found

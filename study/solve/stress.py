@@ -22,8 +22,9 @@ turned round, DΦ(σ_n) = ε_n:
   infinite elsewhere.
 
 The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is u_n: stationarity in τ is ε_n = ε(u_n),
-stationarity in λ is N u_n ≤ 0, λ·N u_n = 0. Nothing here imposes either: the history ε_{n−1} is the
-one computed from the stresses, and Theorem 4.2 is what says that u_n ∈ K^h solves Problem 3.1.
+stationarity in λ is N u_n ≤ 0, λ·N u_n = 0. Both are conditions for the least Φ over Σ^h(t_n), the
+history ε_{n−1} is the one computed from the stresses, and Theorem 4.2 is what says that u_n solves
+Problem 3.1.
 
 The programmes are solved as they stand by the interior point method of P. Goulart, Y. Chen,
 Clarabel: an interior-point solver for conic programs with quadratic objectives, arXiv:2405.12762
@@ -262,7 +263,8 @@ class _Programme:
                 f"the stress problem at t = {time:.6g} was not solved: {solution.status} after "
                 f"{solution.iterations} iterations, residuals {solution.r_prim:.2g} and {solution.r_dual:.2g}"
             )
-        found = Optimum(*np.split(np.array(solution.x), [slope.size]), -np.array(solution.z[:dofs]))
+        x, forces = np.split(np.array(solution.x), [slope.size])
+        found = Optimum(x, forces, -np.array(solution.z[:dofs]))
         if self.refine:
             found = self.refine(self.q[: slope.size], self.b[:dofs], found)
         y = unit * found.x.reshape(cells, -1).T / self.root

@@ -212,10 +212,10 @@ def main(arguments: list[str]) -> None:
         print(line, flush=True)
         lines.append(line)
     notes = [
-        f"{CASE} on {FAMILY.name} meshes, {STEPS} backward Euler steps, one run in a process of its own, after the first "
-        "step alone, so that all code is loaded. *seconds*: every set-up and all steps, without assembly (only DOLFINx "
-        "and scikit-fem assemble themselves; load vectors are given to them, too). *ratio*: seconds over those of this "
-        "study. *agreement*: the largest ‖u − v‖_V/‖u‖_V of all steps; beyond "
+        f"{CASE} on {FAMILY.name} meshes, {STEPS} backward Euler steps, one run in a process of its own, after the "
+        "first step alone, so that all code is loaded. *seconds*: every set-up and all steps, without assembly (only "
+        "DOLFINx and scikit-fem assemble themselves; load vectors are given to them, too). *ratio*: seconds over those "
+        "of this study. *agreement*: the largest ‖u − v‖_V/‖u‖_V of all steps; beyond "
         f"{AGREEMENT:g} times are not compared.",
     ]
     write(options.out, "peers", pd.DataFrame(lines, columns=COLUMNS), "Peers", notes)
