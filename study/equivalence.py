@@ -1,7 +1,7 @@
 """Theorem 4.2, measured: Problems 3.1 and 3.2 on the same V^h, side by side.
 
 Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t), where u_n is a
-multiplier of equilibrium. The two share the matrix of strains, the load and the time
+multiplier and u_n ∈ K^h is not imposed. The two share the matrix of strains, the load and the time
 steps of backward Euler, and nothing else.
 """
 

@@ -22,14 +22,12 @@ turned round, DΦ(σ_n) = ε_n:
   infinite elsewhere.
 
 The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is u_n: stationarity in τ is ε_n = ε(u_n),
-stationarity in λ is N u_n ≤ 0, λ·N u_n = 0. Both are conditions for the least Φ over Σ^h(t_n), the
-history ε_{n−1} is the one computed from the stresses, and Theorem 4.2 is what says that u_n solves
-Problem 3.1.
+stationarity in λ is N u_n ≤ 0, λ·N u_n = 0. Nothing here imposes either: the history ε_{n−1} is the
+one computed from the stresses, and Theorem 4.2 is what says that u_n ∈ K^h solves Problem 3.1.
 
 The programmes are solved as they stand by the interior point method of P. Goulart, Y. Chen,
 Clarabel: an interior-point solver for conic programs with quadratic objectives, arXiv:2405.12762
-(2024); the one of a linear law, a quadratic programme, then once more with the active set that the
-interior point shows. No code is shared with the contact solve of Problem 3.1.
+(2024). No code is shared with the contact solve of Problem 3.1.
 """
 
 from __future__ import annotations
@@ -45,7 +43,6 @@ from manufactured.law import KelvinVoigt, Linear, Yield
 from manufactured.tensors import Array, Tensors
 from study.fem.material import means
 from study.fem.space import Space
-from study.solve.active_set import ActiveSet, Optimum
 
 GAP, FEASIBILITY = 1e-15, 1e-11
 """Duality gap and relative residual the solver aims at. Where a vertex touches with next to no force
@@ -72,6 +69,9 @@ class StressState:
         strain: ε_n, which the law gives for σ_n and ε_{n−1}, (D, cells).
         u: u_n, the multiplier of σ_n ∈ Σ^h(t_n), (n_dofs,).
         multipliers: λ_n ≥ 0, nodal contact forces, (m,); not a number at t_0.
+        gap: the duality gap at which the solver stopped, 0 at t_0. With strain(n) and u_n from the same
+            ε_{n−1} it bounds ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in that of C, σ* and ε* exact:
+            for two points of the conditions above (P(x − x*), x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
     """
 
     time: float
@@ -79,6 +79,7 @@ class StressState:
     strain: Tensors
     u: Array
     multipliers: Array
+    gap: float
 
 
 class LinearPotential:
@@ -196,7 +197,7 @@ class StressProblem:
         programme = _Programme(self, potential(self.space, self.law, k))
         strain = self.space.strain(self.u0)
         nan = np.full(self.N.shape[0], np.nan)
-        yield StressState(0.0, np.full_like(strain, np.nan), strain, self.u0, nan)
+        yield StressState(0.0, np.full_like(strain, np.nan), strain, self.u0, nan, 0.0)
         for n in range(1, steps + 1):
             state = programme(n * k, strain)
             strain = state.strain
@@ -233,10 +234,7 @@ class _Programme:
         self.B = sps.csr_array(sps.diags_array(np.repeat(self.root, D)) @ space.E)
         equilibrium = every_cell(potential.stress).T @ self.B
         in_cones = every_cell(np.eye(p)[p - potential.cone :])
-        P = cell_by_cell(potential.quadratic / self.flexibility)
-        # The signs of λ say which equations hold; with cones of stresses there would be more to say.
-        self.refine = None if potential.cone else ActiveSet(P, equilibrium, problem.N)
-        hessian = sps.block_diag([P, sps.csr_array((m, m))])
+        hessian = sps.block_diag([cell_by_cell(potential.quadratic / self.flexibility), sps.csr_array((m, m))])
         # Clarabel: min ½ xᵀPx + qᵀx, Ax + s = b, s in a product of cones.
         constraints = sps.block_array([[equilibrium.T, problem.N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
         cones = [clarabel.ZeroConeT(space.dofs)]
@@ -245,7 +243,7 @@ class _Programme:
         self.q = np.zeros(p * cells + m)
         self.b = np.zeros(constraints.shape[0])
         self.solver = clarabel.DefaultSolver(
-            sps.csc_matrix(sps.triu(hessian)), self.q, sps.csc_matrix(constraints), self.b, cones, _settings()
+            sps.csc_matrix(sps.triu(hessian)), self.q, sps.csc_matrix(constraints), self.b, cones, settings()
         )
 
     def __call__(self, time: float, old: Tensors) -> StressState:
@@ -263,18 +261,12 @@ class _Programme:
                 f"the stress problem at t = {time:.6g} was not solved: {solution.status} after "
                 f"{solution.iterations} iterations, residuals {solution.r_prim:.2g} and {solution.r_dual:.2g}"
             )
-        x, forces = np.split(np.array(solution.x), [slope.size])
-        found = Optimum(x, forces, -np.array(solution.z[:dofs]))
-        if self.refine:
-            found = self.refine(self.q[: slope.size], self.b[:dofs], found)
-        y = unit * found.x.reshape(cells, -1).T / self.root
-        return StressState(
-            time,
-            self.potential.stress @ y,
-            self.potential.strain(y, old),
-            unit * self.flexibility * found.u,
-            unit * found.multipliers,
-        )
+        x, multipliers = np.split(unit * np.array(solution.x), [slope.size])
+        u = -unit * self.flexibility * np.array(solution.z[:dofs])
+        y = x.reshape(cells, -1).T / self.root
+        # Slacks and their multipliers are both in their cones: no term is negative, none cancels.
+        gap = unit**2 * self.flexibility * float(np.dot(solution.s, solution.z))
+        return StressState(time, self.potential.stress @ y, self.potential.strain(y, old), u, multipliers, gap)
 
     def unit(self, load: Array, old: Tensors) -> float:
         """The size of stresses in a step: of its load, and of the strain before times C."""
@@ -282,15 +274,16 @@ class _Programme:
         return size or 1.0
 
 
-def _settings() -> clarabel.DefaultSettings:
-    settings = clarabel.DefaultSettings()
-    settings.verbose = False
+def settings() -> clarabel.DefaultSettings:
+    """How far the interior point goes."""
+    found = clarabel.DefaultSettings()
+    found.verbose = False
     # Presolve and chordal decomposition would forbid new data for the next step.
-    settings.presolve_enable = False
-    settings.chordal_decomposition_enable = False
-    settings.tol_gap_abs = settings.tol_gap_rel = GAP
-    settings.tol_feas = FEASIBILITY
-    settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = ENOUGH_GAP
-    settings.reduced_tol_feas = ENOUGH_FEASIBILITY
-    settings.iterative_refinement_abstol = settings.iterative_refinement_reltol = REFINEMENT
-    return settings
+    found.presolve_enable = False
+    found.chordal_decomposition_enable = False
+    found.tol_gap_abs = found.tol_gap_rel = GAP
+    found.tol_feas = FEASIBILITY
+    found.reduced_tol_gap_abs = found.reduced_tol_gap_rel = ENOUGH_GAP
+    found.reduced_tol_feas = ENOUGH_FEASIBILITY
+    found.iterative_refinement_abstol = found.iterative_refinement_reltol = REFINEMENT
+    return found
