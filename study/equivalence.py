@@ -3,6 +3,16 @@
 Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t), where u_n is a
 multiplier and u_n ∈ K^h is not imposed. The two share the matrix of strains, the load and the time
 steps of backward Euler, and nothing else.
+
+How far they may be apart is known, without the solution. At step j the interior point stops with a duality gap g_j,
+and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in that of C = A/k + G are at most g_j, σ* and ε* exact for the
+same ε_{j−1} (``study.solve.stress``). A step is a contraction in ε_{j−1} for the norm of A, which is that of V, since
+G is monotone, and A ≤ k C: with R_n = Σ_{j≤n} g_j^{1/2},
+
+    ‖u_n(3.2) − u_n(3.1)‖_V ≤ k^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
+
+but for rounding: A/k alone carries ε_{j−1} into σ_n, and |τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The law (3.3) obeys the same,
+its potential being at least as convex.
 """
 
 from __future__ import annotations
@@ -36,6 +46,8 @@ class Gaps(NamedTuple):
         energy_gap: |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| of Problem 3.2, (4.14), / max_n |(f(t_n), u_n)_V|.
         membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2,
             / max_n |u_n|_∞.
+        displacement_bound: what the duality gaps allow for displacement_gap, k^{1/2} R.
+        stress_bound: the same for stress_gap, (L_A/k + L_G)^{1/2} R.
     """
 
     displacement_gap: float
@@ -43,6 +55,8 @@ class Gaps(NamedTuple):
     admissibility: float
     energy_gap: float
     membership: float
+    displacement_bound: float
+    stress_bound: float
 
 
 @dataclass(frozen=True)
@@ -63,6 +77,8 @@ class EquivalenceRow:
     admissibility: float
     energy_gap: float
     membership: float
+    displacement_bound: float
+    stress_bound: float
     family: str
 
 
@@ -85,6 +101,7 @@ def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
     cells = on_cells(space, stresses.law)
     k = displacements.T / steps
     root = np.sqrt(space.volumes)
+    law, radius = stresses.law, 0.0
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
     pairs = zip(BackwardEuler().march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
@@ -93,6 +110,7 @@ def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
         load = displacements.load(primal.time)
         defect = load - space.functional(dual.stress)
         difference = dual.u - primal.u
+        radius += np.sqrt(dual.gap)
         now = [
             np.sqrt(difference @ (M @ difference)),
             np.linalg.norm(root * (dual.stress - stress)),
@@ -108,7 +126,8 @@ def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
             abs(dual.u).max(),
         ]
         worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
-    return Gaps(*(float(value) for value in worst / sizes))
+    bounds = radius * np.sqrt([k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
+    return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))
 
 
 def beyond(defect: Array, N: sps.csr_array) -> float:

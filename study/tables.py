@@ -156,6 +156,8 @@ def equivalence_table(directory: Path) -> Table:
         Column("admissibility", "admissibility"),
         Column("energy_gap", "energy"),
         Column("membership", "membership"),
+        Column("displacement_bound", "allowed displ."),
+        Column("stress_bound", "allowed stress"),
     ]
     return _table("equivalence", columns, read_csv(directory, "equivalence.csv", EQUIVALENCE), grouped=2)
 

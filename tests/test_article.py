@@ -121,10 +121,9 @@ def test_extremes_are_rounded_outwards(copy: Path) -> None:
 
 
 def test_a_defect_of_zero_is_zero(copy: Path) -> None:
-    path = copy / "data" / "claims.csv"
-    claims = pd.read_csv(path)
-    claims.loc[claims["quantity"] == "the multiplier u lies in K^h", ["low", "high"]] = 0.0
-    claims.to_csv(path, index=False)
+    path = copy / "data" / "equivalence.csv"
+    rows = pd.read_csv(path).assign(membership=0.0)
+    rows.to_csv(path, index=False)
     write_article(copy)
     assert macros(copy)["agreeMembership"] == "0"
 
