@@ -73,7 +73,7 @@ def _smooth(data: Data) -> Named:
     yield "shareTimeDiscrete", _percent(data.rows(label, "time share of")["high"].max())
     yield "shareTime", _percent(data.rows(label, "time share")["high"].max())
     yield "shareQuadrature", _percent(data.rows(label, "change under finer")["high"].max())
-    yield "residualMost", _power(data.rows(label, "residual of the contact")["high"].max())
+    yield "residualMost", _power(data.rates.loc[data.rates["claim"] == label, "residual"].max())
     later = data.rows(label, "cases with the supremum")
     yield "supremumLater", _count(later["observed"].iloc[0])
 

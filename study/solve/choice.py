@@ -1,4 +1,4 @@
-"""Which contact solver serves a space, by its size: both solve the same problem to the same accuracy."""
+"""Which contact solver serves a space, by its size, and how exactly it has to solve."""
 
 from __future__ import annotations
 
@@ -19,11 +19,28 @@ fraction of one with multigrid. In space it has O(n^{4/3}) entries, made by O(n�
 below the n from which a trajectory takes less time by multigrid, since memory speaks for it before."""
 
 
+ROUNDING = 1e-10
+"""Relative residual that a factorisation may leave."""
+SHARE = 0.01
+"""What multigrid may leave of the solution, over the discretisation error, by the estimate in ``residual``."""
+
+
+def residual(dim: int, dofs: int) -> float:
+    """The relative residual ‖S u + Nᵀλ − b‖/‖b‖ asked of the contact solver for so many unknowns.
+
+    A residual ρ leaves at most cond(S)^{1/2} ρ of the solution in the norm of S, and cond(S)^{1/2} grows like 1/h, h
+    in units of the body; the discretisation error is of order h. With ρ = ϑ h², h = (d/dofs)^{1/d}, the former is
+    at most ϑ times the latter, up to constants that tests measure.
+    """
+    return ROUNDING if dofs <= FACTORED[dim] else SHARE * (dim / dofs) ** (2 / dim)
+
+
 def contact_solver(space: Space) -> Callable[[sps.csc_array, sps.csr_array], ContactSolver]:
     """(S, N) ↦ the contact solver for matrices on a space."""
     if space.dofs <= FACTORED[space.dim]:
         return Signorini
-    return partial(Multigrid, x=free_vertices(space))
+    # It measures residuals in coordinates of its own, which rounding turns into these.
+    return partial(Multigrid, x=free_vertices(space), tolerance=residual(space.dim, space.dofs) / 2)
 
 
 def free_vertices(space: Space) -> Points:

@@ -28,8 +28,6 @@ from manufactured.tensors import Array, Points
 from study.solve.dissection import Integers
 from study.solve.hierarchy import Hierarchy
 
-TOLERANCE = 1e-10
-"""‖S u + Nᵀλ − b‖/‖b‖, unless another one is asked for."""
 REDUCTION = 0.02
 """Residual after a correction over the one before: no more, since other unknowns may have to be held."""
 CORRECTIONS, ITERATIONS = 100, 300
@@ -57,7 +55,7 @@ class Multigrid:
         ValueError: x does not have the unknowns of S, or N is not of the form above.
     """
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points, tolerance: float = TOLERANCE) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points, tolerance: float) -> None:
         if x.size != S.shape[0]:
             raise ValueError(
                 f"S has {S.shape[0]} unknowns, but {x.shape[1]} vertices in dimension {len(x)} have {x.size}: "
