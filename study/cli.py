@@ -198,9 +198,16 @@ def do_run(options: argparse.Namespace) -> int:
         plan = replace(plan, cases=tuple(map(absolute, options.case)), families=None, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
-        # The interior point method is for small problems.
-        small = tuple(n for n in options.levels if n <= 16) or levels.all[:1]
-        plan = replace(plan, plane=levels, rough=levels, solid=levels, equivalence=small, solid_equivalence=small[:1])
+        # The interior point method is for small problems, whatever the levels of the others.
+        plane, solid = ([n for n in options.levels if n <= most] for most in (16, 6))
+        plan = replace(
+            plan,
+            plane=levels,
+            rough=levels,
+            solid=levels,
+            equivalence=tuple(plane) or plan.equivalence[:1],
+            solid_equivalence=tuple(solid[:1]) or plan.solid_equivalence,
+        )
     plan.check_settings()
     store = Store(options.out)
     with Processes(options.jobs) as processes, _pool(options.cluster, plan, processes) as pool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import platform
 import socket
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -12,11 +11,10 @@ from typing import Any
 from study.execute import Pool
 from study.jobs import METHOD, fingerprint
 from study.naming import UsageError, resolve
+from study.versions import versions
 
 PATIENCE = 10
 """Seconds in which a scheduler has to answer and to have a worker."""
-PACKAGES = ("signorini-study", "numpy", "scipy", "scikit-fem", "clarabel", "sympy", "pyamg", "numba")
-"""Distributions whose versions can change numbers."""
 START = "dask worker {address} --nworkers 2 --nthreads 1"
 
 
@@ -81,8 +79,8 @@ def identity(references: Sequence[str]) -> dict[str, str]:
     """What numbers depend on: versions, and the problems behind the cases as this process knows them."""
     resolve.cache_clear()
     return {
-        "Python": platform.python_version(),
-        **{package: version(package) for package in PACKAGES},
+        **versions(),
+        "study": version("signorini-study"),
         "method": str(METHOD),
         **{reference: _problem(reference) for reference in references},
     }

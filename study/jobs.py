@@ -24,6 +24,7 @@ from study.solve.evolution import SCHEMES, Scheme
 from study.statements import STATEMENTS
 from study.statements.base import Setting, Statement
 from study.sweep import measure_case
+from study.versions import versions
 
 METHOD = 4
 """To be raised with every change of the code that changes numbers: older results are then computed anew.
@@ -31,8 +32,8 @@ A test measures small levels again and compares."""
 
 
 def fingerprint(*settings: object) -> str:
-    """A short hash of everything a result depends on: exact solution and settings, by value."""
-    return hashlib.sha256(repr([METHOD, *map(_by_value, settings)]).encode()).hexdigest()[:16]
+    """A short hash of everything a result depends on: exact solution and settings, by value, and versions."""
+    return hashlib.sha256(repr([METHOD, versions(), *map(_by_value, settings)]).encode()).hexdigest()[:16]
 
 
 def _by_value(item: object) -> object:

@@ -10,11 +10,11 @@ from typing import Any
 from study.naming import UsageError
 from study.plan import Plan
 from study.store import FORMAT, Store, require_format
+from study.versions import packages
 
 
 def provenance(plan: Plan) -> dict[str, Any]:
     """What made the data: format, plan and versions. No date, so that equal runs give equal files."""
-    packages = ("numpy", "scipy", "numba", "scikit-fem", "pyamg", "clarabel", "sympy", "matplotlib")
     return {
         "format": FORMAT,
         "study": version("signorini-study"),
@@ -22,7 +22,7 @@ def provenance(plan: Plan) -> dict[str, Any]:
         "planned": plan.keys(),
         "python": platform.python_version(),
         "machine": platform.machine(),
-        "packages": {name: version(name) for name in packages},
+        "packages": packages(),
     }
 
 

@@ -1,7 +1,7 @@
 """Problem 5.1 in time: M u̇ + G(u) + N_{K^h}(u) ∋ F, constraint at the new time.
 
 G is bounded relative to M uniformly in h, (5.5), so the system is not stiff: no step restriction
-links k to h and one factorisation of (c/k) M + θ G_ref serves all steps. G_ref is the law's constant
+links k to h and one factorisation of (c/k) M + θ G_ref serves all steps with the same c. G_ref is the law's constant
 reference tensor; what G differs from it is treated by a fixed point that contracts like
 k ‖G − G_ref‖/m_A, and vanishes for a linear law.
 """
@@ -231,6 +231,8 @@ class BDF2:
         yield older
         state = first(k, problem.load(k) + problem.M @ (older.u / k), zero, older.u)
         yield state
+        if steps == 1:
+            return
         step = _Step(problem, 1.5 / k, 1.0)
         for n in range(2, steps + 1):
             rhs = problem.load(n * k) + problem.M @ ((2 * state.u - 0.5 * older.u) / k)

@@ -20,6 +20,7 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sps
+from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.optimize import nnls
 
@@ -44,6 +45,7 @@ class Signorini:
         self.Y = solve_triangular(self.factor.trailing, columns, lower=True)
         self.W = self.Y.T @ self.Y
         self.active = np.zeros(N.shape[0], dtype=bool)
+        self.block: tuple[NDArray[np.bool_], tuple[Array, bool]] | None = None
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
         """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,)."""
@@ -73,9 +75,11 @@ class Signorini:
         return self.on(self.active, gap)
 
     def on(self, active: Array, gap: Array) -> Array:
-        """λ with (gap − Wλ) = 0 on the active set and λ = 0 elsewhere."""
+        """λ with (gap − Wλ) = 0 on the active set and λ = 0 elsewhere; factors W there when the set is a new one."""
         multipliers = np.zeros_like(gap)
         if active.any():
             where = np.flatnonzero(active)
-            multipliers[where] = cho_solve(cho_factor(self.W[np.ix_(where, where)], lower=True), gap[where])
+            if self.block is None or (self.block[0] != active).any():
+                self.block = active, cho_factor(self.W[np.ix_(where, where)], lower=True)
+            multipliers[where] = cho_solve(self.block[1], gap[where])
         return multipliers
