@@ -20,11 +20,20 @@ from study.datafiles import DataError, read_claims, read_csv, read_rates
 from study.latex import encode, longtable, prose
 from study.macros import macros
 from study.margin import bounds, used, worst
+from study.rounding import down, up
 from study.store import write_text
 
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
 BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest", "upper", "lower"]
 CONTROLS = ["defect", "what", "label", "quantity", "caught"]
+
+
+def _nearest(value: float, digits: int) -> str:
+    return f"{value:.{digits}g}"
+
+
+ENDS = {"lowest": down, "error": _nearest, "highest": up, "upper": up, "lower": down}
+"""How the columns of an enclosure are rounded: outwards."""
 
 SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
 """Cases without which a run, of chosen cases, is not the one the article is about."""
@@ -218,12 +227,15 @@ def _seen(rows: pd.DataFrame, quantity: str) -> list[str]:
 
 
 def enclosures(data: Data) -> str:
-    """The enclosures on three levels: of a case with an exact solution, and of problems without one."""
+    """The enclosures on three levels: of a case with an exact solution, and of problems without one.
+
+    Ends are rounded outwards.
+    """
     rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
     deep = [str(case) for case, part in rows.groupby("case", sort=False) if len(part) > 2]
     body = [
         [prose(str(row["case"])), prose(str(row["family"])), str(row["level"])]
-        + ["--" if pd.isna(row[name]) else _number(row[name]) for name in BOUNDS[4:]]
+        + ["--" if pd.isna(row[name]) else _number(row[name], rounded) for name, rounded in ENDS.items()]
         for _, row in rows[rows["case"].isin(deep)].iterrows()
     ]
     headings = ["problem", "meshes", r"\(n\)", "lower end", "error", "upper end", "upper/error", "lower/error"]
@@ -315,9 +327,9 @@ def _regularity(data: Data, case: str) -> str:
     return _text(text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", "))
 
 
-def _number(value: float) -> str:
+def _number(value: float, rounded: Callable[[float, int], str] = _nearest) -> str:
     """A measured number to three significant digits."""
-    return encode(f"{value:#.3g}".rstrip("."))
+    return encode(f"{float(rounded(value, 3)):#.3g}".rstrip("."))
 
 
 def _window(expected: str) -> str:

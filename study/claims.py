@@ -47,6 +47,8 @@ LIMIT = Window(-math.inf, 0.1, "e∞ ≤ 10 % of the finest errors")
 """Over two refinements an order s − δ instead of s looks like e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}): for s = 1/4
 the window answers to δ = 0.02, as sharp as the place of a front within its cell lets orders be."""
 
+NORMS = {"error": "‖u − u^h‖_V", "interpolation_error": "‖u − Π^h u‖_V", "discrete_error": "‖Π^h u − u^h‖_V"}
+
 STATEMENTS = {
     "data": "every planned measurement is there",
     "Prop. 5.4": "‖u − u^h‖_{L∞(0,T;V)} = O(h)",
@@ -340,7 +342,7 @@ def turned(case: str, rows: pd.DataFrame, twin: pd.DataFrame) -> list[Verdict]:
         values = [float((pairs[name] / pairs[f"{name}_twin"] - 1).abs().max()) for name in names]
         worst = max(values) if len(pairs) else math.nan
         verdict = UNDECIDED if not len(pairs) else HOLDS if worst <= window.high else FAILS
-        quantity = f"relative difference of {', '.join(names)}"
+        quantity = f"relative difference of {', '.join(NORMS[name] for name in names)}"
         found.append(Verdict("axes", STATEMENTS["axes"], case, quantity, window.text, worst, 0.0, worst, verdict))
     return found
 

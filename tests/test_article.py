@@ -21,7 +21,12 @@ PAPER, RESULTS = ROOT / "paper", ROOT / "results"
 SOURCES = sorted(PAPER.glob("*.tex"))
 NAMES = ("rates", "claims", "cases", "bounds", "equivalence", "controls")
 
-SETTINGS = {"95": "confidence of intervals, in per cent", "3.11": "the oldest Python"}
+SETTINGS = {
+    "95": "confidence of intervals, in per cent",
+    "3.11": "the oldest Python",
+    "0.1": "half a window of fully discrete orders",
+    "0.15": "the same for the order in h",
+}
 """Decimal numbers and percentages that are settings, not results."""
 STATEMENT = r"(?:Problems?|Theorems?|Propositions?)[~ ][2-5]\.\d+(?: and(?:~| |\n)(?:Proposition~)?[2-5]\.\d+)?"
 EQUATION = r"\([2-5]\.\d{1,2}\)"
@@ -118,6 +123,17 @@ def test_extremes_are_rounded_outwards(copy: Path) -> None:
     claims.to_csv(path, index=False)
     write_article(copy)
     assert (macros(copy)["orderLevelMin"], macros(copy)["orderLevelMax"]) == ("0.89", "1.11")
+
+
+def test_enclosures_in_the_table_enclose_those_of_the_data() -> None:
+    rows = pd.read_csv(RESULTS / "data" / "bounds.csv").query("trajectory == 'enclosure'").set_index(["case", "level"])
+    table = (RESULTS / "article" / "enclosures.tex").read_text(encoding="utf-8")
+    cells = [[cell.strip(r" \\") for cell in line.split("&")] for line in table.splitlines() if line.count("&") == 7]
+    assert len(cells) > 3
+    for case, _, level, low, _, high, _, _ in cells[1:]:
+        row = rows.loc[(case, int(level))]
+        assert float(low) <= row["lowest"] <= row["highest"] <= float(high), (case, level)
+        assert float(high) - float(low) <= 1.02 * (row["highest"] - row["lowest"]) + 0.01 * row["highest"]
 
 
 def test_a_defect_of_zero_is_zero(copy: Path) -> None:

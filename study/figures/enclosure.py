@@ -8,6 +8,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from study.figures.canvas import BLACK, BLUE, COLUMN, GREEN, GREY, VERMILLION, legend
+from study.rounding import interval
 
 COLOURS = (BLUE, VERMILLION, GREEN)
 
@@ -58,7 +59,7 @@ def caption_enclosure(series: pd.DataFrame, title: str) -> str:
     for level, mine in series.groupby("level"):
         last = mine.loc[mine["time"].idxmax()]
         low, high = max(last["distance"] - last["bound"], 0.0), last["distance"] + last["bound"]
-        parts.append(f"[{low:.3g}, {high:.3g}] with n = {level}")
+        parts.append(f"{interval(low, high, 3)} with n = {level}")
     known = bool(series["error"].notna().all())
     line = "the error itself" if known else "the distance to a better displacement"
     inside = series[(series["error"] - series["distance"]).abs() <= series["bound"]]

@@ -23,10 +23,10 @@ KIB = 1024
 
 
 def read_growth(directory: Path) -> pd.DataFrame | None:
-    """``directory/benchmarks/growth.csv``, which `make bench` writes; None where nobody has measured.
+    """``directory/benchmarks/growth.csv``, which `make bench-growth` writes; None where nobody has measured.
 
     Raises:
-        DataError: it is not what `make bench` writes.
+        DataError: it is not what `make bench-growth` writes.
     """
     path = directory / "benchmarks" / "growth.csv"
     if not path.is_file():
@@ -34,9 +34,9 @@ def read_growth(directory: Path) -> pd.DataFrame | None:
     try:
         growth = pd.read_csv(path)
     except (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError) as error:
-        raise DataError(f"{path} is not a table ({error}): make it again with `make bench`") from error
+        raise DataError(f"{path} is not a table ({error}): make it again with `make bench-growth`") from error
     if lacking := [column for column in COLUMNS if column not in growth]:
-        raise DataError(f"{path} lacks the columns {', '.join(lacking)}: make it again with `make bench`")
+        raise DataError(f"{path} lacks the columns {', '.join(lacking)}: make it again with `make bench-growth`")
     return growth
 
 
