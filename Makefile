@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: study full controls test bench bench-growth bench-peers lint docs paper lock clean
+.PHONY: study full controls test bench bench-growth bench-peers bench-parallel lint docs paper lock clean
 
 study: $(READY)  ## quick study into results/quick, a minute and a half
 	$(BIN)/study run --quick --out results/quick
@@ -30,10 +30,13 @@ bench: $(READY)  ## ratios of timings into results/benchmarks, some minutes; war
 	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.ratios build/timings.json
 
 bench-growth: $(READY)  ## time and memory on finer and finer meshes, some minutes and 10 GB of memory
-	-PYTHONPATH=tests $(BIN)/python -m benchmarks.growth
+	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.growth
 
 bench-peers: $(READY)  ## the same matrices solved by other programs, ten minutes
-	-PYTHONPATH=tests $(BIN)/python -m benchmarks.compare
+	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.compare
+
+bench-parallel: $(READY)  ## the quick study with one process and with two, four minutes; the data must be the same
+	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.parallel
 
 lint: $(READY)  ## style and types
 	$(BIN)/ruff check .

@@ -141,11 +141,9 @@ class Store:
         """The result of a job, or None if it must be computed: absent, damaged, or of another problem.
 
         Raises:
-            StoreError: the file was written in another format.
+            StoreError: the file was written in another format, or may not be read.
         """
         path = self.path(key)
-        if not path.exists():
-            return None
         content = self.read(path)
         if content is None:
             return None
@@ -158,11 +156,21 @@ class Store:
 
     @staticmethod
     def read(path: Path) -> dict[str, Any] | None:
-        """The JSON object in a file; None if it is damaged."""
+        """The JSON object in a file; None if there is none, or it is damaged.
+
+        Raises:
+            StoreError: the file may not be read.
+        """
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-        except (json.JSONDecodeError, UnicodeDecodeError, IsADirectoryError):
+        # No JSON or no UTF-8, numbers of too many digits, brackets nested too deeply; no file.
+        except (ValueError, RecursionError, FileNotFoundError, IsADirectoryError, NotADirectoryError):
             return None
+        except OSError as error:
+            raise StoreError(
+                f"cannot read {path}: {error.strerror or error}; make it readable, remove it, or give another "
+                "directory with --out"
+            ) from error
         return content if isinstance(content, dict) else None
 
 

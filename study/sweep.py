@@ -18,7 +18,7 @@ from manufactured.case import Case
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
-from study.fem.independent import predicted_interpolation
+from study.fem.independent import LeadingTerm
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
 from study.solve.choice import contact_solver
@@ -157,7 +157,7 @@ class Measurement:
             discrete_error=float(discrete[third]),
             time_share=self.drift / float(error[first]),
             interpolation_at=float(times[second]),
-            predicted_interpolation=predicted_interpolation(setup.solution, setup.space, float(times[second])),
+            predicted_interpolation=LeadingTerm(setup.solution, setup.space).largest(),
             discrete_at=float(times[third]),
             initial_error=float(error[0]),
             discrete_time_share=self.drift / float(discrete[third]),

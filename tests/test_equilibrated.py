@@ -15,14 +15,14 @@ import scipy.sparse as sps
 from scipy.linalg import qr
 from sympy import Expr
 
-from manufactured import isotropic, t, unit_square, x2
+from manufactured import catalogue, isotropic, t, unit_square, x2
 from manufactured.body import Kind
 from manufactured.data import Data
 from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.regularity import Regularity
 from manufactured.tensors import Array, basis
-from study.equilibrated.claims import ADMISSIBLE, QUANTITIES, judge_stresses, predicted
+from study.equilibrated.claims import ADMISSIBLE, QUANTITIES, RATIO, judge_stresses, predicted
 from study.equilibrated.composite import SIDES, bernstein, composite, indices, thirds
 from study.equilibrated.dual import BACKWARD_EULER, BDF2, EquilibriumError, Multistep, march, tensor_at
 from study.equilibrated.hybrid import EquilibratedStress, Equilibrium, Loads
@@ -383,8 +383,8 @@ def test_predicted_orders_hold_and_every_other_one_fails() -> None:
     assert [quantity for quantity, verdict in wrong.items() if verdict == FAILS] == [ADMISSIBLE]
     late = judged(SMOOTH, Regularity(), time_share=2.0)
     assert [quantity for quantity, verdict in late.items() if verdict == FAILS] == ["time share of ‖σ − σ^h‖_Q"]
-    below = judged(SMOOTH, Regularity(), best=1.0)
-    assert below["‖σ − σ^h‖_Q / that of the best polynomials"] == FAILS
+    apart = judged(SMOOTH | {"stress": 1.8}, Regularity())
+    assert [quantity for quantity, verdict in apart.items() if verdict == FAILS] == [f"{RATIO}, finest over coarsest"]
 
 
 def test_one_level_leaves_orders_undecided() -> None:
@@ -403,6 +403,21 @@ def test_predictions_follow_the_regularity() -> None:
     assert uniform["displacement"].low == pytest.approx(1.089)
     assert graded["stress"].low == pytest.approx(2.5 * 0.5445)
     assert graded["primal_stress"].low == 1
+
+
+def test_whatever_is_claimed_to_converge_has_a_window_above_zero() -> None:
+    """A corner off Γ3 costs the pressure no half order; the pressure of a case not in H^{3/2} is not claimed."""
+    for case in catalogue():
+        for family in ("shaken", "graded"):
+            found = predicted(case.regularity, family)
+            assert all(orders.window.low > 0 for orders in found.values()), case.name
+            assert set(QUANTITIES) - set(found) <= {"pressure"}
+            assert "pressure" in found or case.regularity.smoothness < 0.65
+    corner = Regularity(gap=4, pressure=2, moving=True, corner=0.5445)
+    assert predicted(corner, "unstructured")["pressure"].low == 0.5445
+    assert predicted(corner, "graded")["pressure"].low == 1.0
+    stuck = judged(SMOOTH | dict.fromkeys(("stress", "primal_stress"), 0.5445) | {"pressure": 0.0}, corner)
+    assert stuck[f"order of {QUANTITIES['pressure']}"] == FAILS
 
 
 def test_every_case_serves_and_the_quick_study_has_eight() -> None:
@@ -432,8 +447,7 @@ def test_measured_quantities_vanish_for_what_is_exact() -> None:
 
 def test_the_bound_of_both_errors_is_never_below_them() -> None:
     found = Hypercircle().measure(Setting("full-contact", "shaken", 4))
-    assert found["safe"] <= 1
-    assert found["guaranteed"] == pytest.approx(1 / found["safe"])
+    assert 1 <= found["guaranteed"] < 1.05
     assert found["plain_3"] == pytest.approx(1, abs=0.02)
 
 

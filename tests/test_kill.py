@@ -13,21 +13,27 @@ import psutil
 import pytest
 
 RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "4", "8", "--jobs", "2", "--out"]
-WITHOUT_FIGURES = """
+ONLY_THE_DATA = """
 import sys
 from study import cli
+from study.plan import Plan
 cli.draw_figures = lambda *arguments: []
+Plan.check = lambda *arguments: None
 sys.exit(cli.main(sys.argv[1:]))
 """
-"""The command but for the figures, which are drawn from the data and would take most of the time."""
-KILLS = 3
-"""In one directory, one run after the other."""
+"""The command without figures and without the proofs of the cases, which keep nothing and take most of the time."""
+VICTIMS = ["run", "worker", "worker", "run"]
+"""What is killed in one directory: the last one stays the last, the others come in any order."""
+EFFECTIVE = 3
+"""Kills of each directory, at least, that had something to keep and something to lose: with eight seeds, 24."""
+SPARE = 6
+"""Jobs that are left when the last kill is due, so that it comes before the end."""
 
 
 def started(out: Path) -> subprocess.Popen[bytes]:
     """The command, in a process group of its own."""
-    command = [sys.executable, "-c", WITHOUT_FIGURES, *RUN, str(out)]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, start_new_session=True)
+    command = [sys.executable, "-c", ONLY_THE_DATA, *RUN, str(out)]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
 
 
 def finished(out: Path) -> dict[str, bytes]:
@@ -39,11 +45,9 @@ def finished(out: Path) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict[str, bytes], float]:
-    """What an undisturbed run writes, and the seconds it takes."""
-    start = time.monotonic()
-    files = finished(tmp_path_factory.mktemp("undisturbed"))
-    return files, time.monotonic() - start
+def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
+    """What an undisturbed run writes."""
+    return finished(tmp_path_factory.mktemp("undisturbed"))
 
 
 def gone(process: psutil.Process) -> bool:
@@ -56,47 +60,47 @@ def results(out: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}
 
 
-def kill(out: Path, jobs: int, delay: float, choose: random.Random) -> bool:
-    """Start the command and kill something of it some seconds after so many jobs are finished.
-
-    Nothing may be left running. Whether it was still running.
-    """
-    run = started(out)
+def kill(run: subprocess.Popen[bytes], victim: str) -> bool:
+    """Kill a worker of a run, or the run itself, of which nothing may be left; whether workers were alive."""
     leader = psutil.Process(run.pid)
-    while len(results(out)) < jobs and run.poll() is None:
-        time.sleep(0.01)
-    time.sleep(delay)
-    if run.poll() is not None:
-        return False
-    family = [leader, *leader.children(recursive=True)]
-    victim = choose.choice(family[-3:])
-    victim.send_signal(signal.SIGKILL)
-    if victim is not leader:
-        assert run.wait() in (0, 1)
+    workers = [worker for worker in leader.children(recursive=True) if not gone(worker)]
+    if victim == "worker":
+        if workers:
+            workers[0].send_signal(signal.SIGKILL)
+        return bool(workers)
+    leader.send_signal(signal.SIGKILL)
     run.wait()
     deadline = time.monotonic() + 20
-    while not all(map(gone, family)):
-        assert time.monotonic() < deadline, [process for process in family if not gone(process)]
+    while not all(map(gone, workers)):
+        assert time.monotonic() < deadline, [worker for worker in workers if not gone(worker)]
         time.sleep(0.05)
-    return True
+    return bool(workers)
 
 
 @pytest.mark.parametrize(
     "seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 8))], ids="seed {}".format
 )
 def test_kills_at_random_moments_change_no_byte_of_what_the_command_writes_in_the_end(
-    seed: int, undisturbed: tuple[dict[str, bytes], float], tmp_path: Path
+    seed: int, undisturbed: dict[str, bytes], tmp_path: Path
 ) -> None:
-    files, seconds = undisturbed
-    total = sum("jobs" in name for name in files)
+    total = sum("jobs" in name for name in undisturbed)
     choose = random.Random(seed)
-    killed = 0
-    for _ in range(KILLS):
-        # One kill in three before anything is finished, while the cases prove themselves.
-        early = choose.random() < 1 / 3
-        jobs = 0 if early else choose.randrange(total)
-        killed += kill(tmp_path, jobs, choose.uniform(0, 0.5) * seconds if early else choose.uniform(0, 0.3), choose)
-    kept = results(tmp_path)
-    assert finished(tmp_path) == files
-    assert killed >= KILLS - 1
+    run, effective = None, 0
+    kept: dict[Path, int] = {}
+    for left, victim in zip(range(len(VICTIMS), 0, -1), [*choose.sample(VICTIMS[:-1], 3), VICTIMS[-1]], strict=True):
+        run = run or started(tmp_path)
+        # At least one job more than there are: nothing works before that but imports.
+        jobs = len(kept) + 1 + choose.randrange(max(1, (total - SPARE - len(kept)) // left))
+        while len(results(tmp_path)) < jobs and run.poll() is None:
+            time.sleep(0.005)
+        time.sleep(choose.uniform(0, 0.05))
+        hit = run.poll() is None and kill(run, victim)
+        if victim == "run":
+            run = None
+        now = results(tmp_path)
+        assert kept.items() <= now.items(), "what was finished is not done again"
+        kept = now
+        effective += hit and 0 < len(kept) < total
+    assert effective >= EFFECTIVE
+    assert finished(tmp_path) == undisturbed
     assert kept.items() <= results(tmp_path).items(), "what was finished is not done again"

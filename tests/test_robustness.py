@@ -1,4 +1,4 @@
-"""No false alarms: the verdicts on orders hold for other meshes of a family and for other constants of a case.
+"""No false alarms: verdicts hold for other meshes of a family and for other constants of a case.
 
 The opposite of ``test_controls``: what changes here is not wrong, so no row of the ledger may notice.
 """
@@ -6,7 +6,7 @@ The opposite of ``test_controls``: what changes here is not wrong, so no row of 
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from functools import partial
 
@@ -40,11 +40,19 @@ from manufactured.cases import corners, rough, singular_fronts, yielding
 from manufactured.cases.laws import lame
 from manufactured.factor import UNIFORM, layers
 from study.claims import prop_5_3, prop_5_4
+from study.equilibrated.claims import judge_stresses
+from study.equilibrated.measure import measure_stresses, places
+from study.equilibrated.measure import steps_for as stress_steps
 from study.fem.mesh import FAMILIES, Graded, MeshFamily, OneDiagonal, Shaken
 from study.jobs import fingerprint
+from study.plan import quick
 from study.solve.evolution import Midpoint
+from study.statements.base import Statement
+from study.statements.boundary import NaturalConditions
+from study.statements.hypercircle import Hypercircle
+from study.statements.interpolation import SMOOTH, InterpolationInV
 from study.sweep import measure_case, steps_for
-from study.verdict import HOLDS
+from study.verdict import HOLDS, REPORTED, Verdict
 
 CASES = {case.name: case for case in catalogue()}
 
@@ -296,6 +304,85 @@ def test_no_alarm_on_another_shaken_mesh() -> None:
 @pytest.mark.parametrize("seed", range(20))
 def test_no_alarm_on_twenty_shaken_meshes(name: str, seed: int) -> None:
     assert alarms(CASES[name], [Shaken(seed=seed)], SHAKEN[name]) == []
+
+
+SEEDS = [pytest.param(seed, marks=[pytest.mark.slow] if seed > 2 else []) for seed in range(20)]
+"""Three of them are measured quickly."""
+STATEMENTS: dict[str, Statement] = {s.label: s for s in (NaturalConditions(), InterpolationInV(), Hypercircle())}
+"""(5.24) is not among them, for its orders on the levels 16, 32, 64 are not robust: 12 seeds in 20 raise an alarm.
+The squared error is Σ_e |e|^5 |w''|²/120, mostly of the few edges near a front, whose lengths shaking changes by up to
+40 %: each order scatters by some 0.1 beside the 0.15 allowed."""
+PRESSURE = "natural-front, order of ‖σ_ν − σ^h_ν‖_{L²(Γ3)}, shaken meshes"
+"""Not robust either: on the levels 8 and 16 it is −0.29 to 1.50, below 0.85 for 11 seeds in 20. The error is that of
+the cell in which the front lies, and shaking moves the front in it."""
+
+
+def raised(verdicts: Iterable[Verdict]) -> list[str]:
+    """The rows of the ledger on which a claim is made and does not hold."""
+    return [
+        f"{v.case}, {v.quantity}: {v.observed:.4g} in [{v.low:.4g}, {v.high:.4g}]"
+        for v in verdicts
+        if v.verdict not in (HOLDS, REPORTED)
+    ]
+
+
+@pytest.mark.parametrize("label", STATEMENTS)
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_alarm_of_a_statement_on_twenty_shaken_meshes(label: str, seed: int, monkeypatch) -> None:
+    """At the levels of the quick study."""
+    reseeded = tuple(Shaken(seed=seed) if family == Shaken() else family for family in FAMILIES)
+    monkeypatch.setattr("study.naming.FAMILIES", reseeded)
+    statement, rows = STATEMENTS[label], []
+    for setting in statement.settings(full=False):
+        if setting.family == Shaken().name:
+            found = statement.measure(setting)
+            place = {**asdict(setting), "h": found.pop("h")}
+            rows += [{**place, "quantity": quantity, "value": value} for quantity, value in found.items()]
+    assert raised(statement.judge(pd.DataFrame(rows))) == []
+
+
+def test_another_seed_gives_a_statement_another_mesh(monkeypatch) -> None:
+    """Or twenty seeds would be one."""
+    setting = next(s for s in STATEMENTS["(5.23)"].settings(full=False) if s.family == Shaken().name)
+    own = STATEMENTS["(5.23)"].measure(setting)
+    monkeypatch.setattr("study.naming.FAMILIES", (Shaken(seed=0),))
+    assert STATEMENTS["(5.23)"].measure(setting)[SMOOTH] != own[SMOOTH]
+
+
+@pytest.mark.parametrize(
+    ("name", "seed"),
+    [*(("advance-recede", seed) for seed in range(3)), *(("natural-front", seed) for seed in range(3))],
+)
+def test_no_alarm_of_stresses_of_their_own_space_on_other_shaken_meshes(name: str, seed: int) -> None:
+    """At the levels of the quick study."""
+    assert stress_alarms(name, seed) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", range(3, 20))
+def test_no_alarm_of_stresses_of_their_own_space_on_twenty_shaken_meshes(seed: int) -> None:
+    assert stress_alarms("natural-front", seed) == []
+
+
+def stress_alarms(name: str, seed: int) -> list[str]:
+    """The rows on Problem 3.2 on its own space that do not hold, but ``PRESSURE``."""
+    case, levels = CASES[name], sorted({place.level for place in places(full=False) if place.case == name})
+    rows = [asdict(measure_stresses(case, Shaken(seed=seed), n, stress_steps(case, n))) for n in levels]
+    found = raised(judge_stresses(pd.DataFrame(rows), {name: case.regularity}))
+    return [row for row in found if not row.startswith(PRESSURE)]
+
+
+@pytest.mark.slow
+def test_no_alarm_on_another_shaken_mesh_of_a_cube() -> None:
+    """The fitted order is 0.919 to 0.925 for three seeds. Of cube-disc, whose disc is three cells wide at n = 6, it is
+    0.883 to 0.898 for five of them, below the 0.9 asked for: not robust on these levels."""
+    assert alarms(CASES["cube-two-faces"], [Shaken(seed=0)], SOLID) == []
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_no_alarm_of_prop_5_3_on_twenty_shaken_meshes(seed: int) -> None:
+    """A front that rests at a third of a cell on every level of plain meshes lies anywhere in a cell of shaken ones."""
+    assert alarms(CASES["natural-front"], [Shaken(seed=seed)], quick().rough.all) == []
 
 
 def test_no_case_of_prop_5_4_goes_unshaken_but_a_twin_one_without_a_grid_and_those_in_space() -> None:

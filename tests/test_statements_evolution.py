@@ -17,7 +17,7 @@ from study.solve.signorini import Signorini
 from study.statements.admissibility import Admissibility, largest_violations
 from study.statements.base import Statement
 from study.statements.boundary import NaturalConditions, tractions
-from study.statements.bounds import ErrorBounds, constant, sides
+from study.statements.bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted, sides
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
 from study.statements.wellposed import (
     BoundedVelocity,
@@ -203,11 +203,32 @@ def test_an_error_that_does_not_fall_leaves_its_bounds() -> None:
     rows = []
     for n in (6, 12, 24):
         found = defective(setup("full-contact", n, 24, Midpoint()), Free)
-        rows.append((n, {"h": found.space.h, **sides(found)}))
+        rows.append((n, {"h": found.space.h, **sides(found), **predicted(CASES["full-contact"])}))
     found = verdicts(ErrorBounds(), table(rows))
     for label in ("(5.21)", "(5.42)"):
         assert found[f"right side of {label} / error: change under refinement"] == FAILS
         assert found[f"error / (c · right side of {label})"] == FAILS
+
+
+@pytest.mark.parametrize(("case", "term"), [("rough-trace", TRACE), ("moving-rough", RATE)])
+def test_a_bound_of_lower_order_must_be_lower_by_what_is_predicted(case: str, term: str) -> None:
+    gamma = predicted(CASES[case])["γ of (5.42)"]
+    assert gamma == {"rough-trace": 1 / 8, "moving-rough": 1 / 4}[case]
+    for p, verdict in ((0.0, FAILS), (gamma, HOLDS), (2 * gamma, FAILS)):
+        rows = [
+            (n, {"h": 1 / n, term: n**p, **dict.fromkeys([*BOUNDS, *(f"{b}, c" for b in BOUNDS)], 0.5)})
+            for n in (8, 16, 32)
+        ]
+        found = verdicts(ErrorBounds(), table([(n, {**values, **predicted(CASES[case])}) for n, values in rows]))
+        (judged,) = (q for q in found if q.startswith("(5.42) is of lower order"))
+        assert found[judged] == verdict
+        assert not any(q.startswith("right side of (5.42)") for q in found)
+
+
+def test_no_bound_is_claimed_where_the_ratio_carries_a_logarithm() -> None:
+    rows = [(n, {"h": 1 / n, **dict.fromkeys([*BOUNDS, *(f"{b}, c" for b in BOUNDS)], 0.5)}) for n in (8, 16, 32)]
+    found = verdicts(ErrorBounds(), table([(n, {**v, **predicted(CASES["natural-front"])}) for n, v in rows]))
+    assert [found[q] for q in found if "log h" in q] == [REPORTED]
 
 
 def test_the_constant_of_the_proof() -> None:

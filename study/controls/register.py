@@ -30,7 +30,6 @@ class Control(Generic[S]):
 
 
 ORDER = "order of the error, level by level"
-SIZE = "size of the error"
 DISCRETE = "order of ‖Π^h u − u^h‖_V, superclose"
 SHARE = "time share"
 RESIDUAL = "residual of the contact solves / allowed"

@@ -49,7 +49,7 @@ def draw_effectivity(bounds: pd.DataFrame) -> Figure:
     left.set_xlabel("bound from $u_h$ alone / error")
     right.set_xlim(left=0)
     right.set_xlabel("ends of the enclosure / error")
-    legend(figure, _handles(known), columns=5)
+    legend(figure, _handles(known), columns=6)
     return figure
 
 
@@ -98,4 +98,5 @@ def _handles(known: pd.DataFrame) -> list[Line2D]:
         if (known["scheme"] == scheme).any()
     ]
     kinds = (("upper end", "0.3"), ("lower end", "white"))
-    return found + [Line2D([], [], ls="", color="0.3", marker="o", mfc=fill, label=label) for label, fill in kinds]
+    found += [Line2D([], [], ls="", color="0.3", marker="o", mfc=fill, label=label) for label, fill in kinds]
+    return [*found, Line2D([], [], ls="", label="larger: finer mesh")]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -86,7 +85,7 @@ def caption_growth(growth: pd.DataFrame) -> str:
             "unknowns"
         )
         if last["dofs"] > first["dofs"]:
-            exponent = math.log(last["level_seconds"] / first["level_seconds"]) / math.log(last["dofs"] / first["dofs"])
+            exponent, _ = np.polyfit(np.log(mine["dofs"]), np.log(mine["level_seconds"]), 1)
             text += f", time growing like unknowns^{exponent:.2f}"
         seen.append(text)
     return (

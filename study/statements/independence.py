@@ -1,13 +1,18 @@
-"""Whether Problem 3.2 is solved on its own, or follows whatever Problem 3.1 says.
+"""Whether the comparison of Problems 3.1 and 3.2 would see a mistake that is made on one side only.
 
-Two solutions that agree prove nothing when one was made from the other. Independence shows where they must not
-agree: Problem 3.1 alone is solved wrongly, with the normal flipped, ũ ∈ −K^h. A Problem 3.2 that stands by itself
-keeps its solution, and the gap shows the whole of the mistake:
+Two solutions that agree prove nothing when one was made from the other, or when the comparison is blind. So Problem 3.1
+alone is solved wrongly, with the normal flipped, ũ ∈ −K^h, while Problem 3.2 stays as it is, and the gap has to show
+the whole of the mistake:
 
     ‖u(3.2) − ũ(3.1)‖_V / ‖u(3.1) − ũ(3.1)‖_V = 1.
 
-One that is fed by Problem 3.1 goes along, and the ratio is 0. A flipped normal matters wherever there is a gap or a
-pressure, so the ratio is never 0/0.
+A Problem 3.2 that is fed by the Problem 3.1 beside it goes along, and the ratio is 0; so it is if the gap compares a
+solution with itself. A flipped normal matters wherever there is a gap or a pressure, so the ratio is never 0/0.
+
+What this shows is that the comparison is sensitive. It does not show how the stresses are found: where both sides agree
+without the mistake, the triangle inequality gives 1 up to their distance, also for a Problem 3.2 that solves a copy of
+Problem 3.1 of its own. Against that speaks that stresses are found without a displacement solver in the process
+(``tests/test_controls.py``).
 """
 
 from __future__ import annotations
@@ -36,7 +41,8 @@ from study.verdict import Verdict, Window
 CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 
 ALONE = Window(0.999, 1.001, "1 ± 0.001: all of it")
-"""Sharp for mistakes of 1e-4 of the solution or more, since Thm 4.2 is judged at 1e-7; a flip makes one of 0.1."""
+"""The ratio is off by at most the distance of both solutions over the mistake; a flip makes one of 0.1 of the solution,
+so that distances of 1e-4 of it are seen as well."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +51,8 @@ class Sides:
 
     Attributes:
         displacements: Problem 3.1.
-        stresses: the Problem 3.2 that stands beside a Problem 3.1, at which it must not look.
+        stresses: the Problem 3.2 that stands beside a Problem 3.1. The honest one is the same beside all; it takes one
+            so that a control can follow it.
     """
 
     displacements: Problem
@@ -82,11 +89,11 @@ class Derived(StressProblem):
         nan = np.full(self.N.shape[0], np.nan)
         states = BackwardEuler().march(self.displacements, steps)
         old = self.space.strain(self.u0)
-        yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, nan)
+        yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, nan, 0.0)
         for _, state in pairwise(states):
             strain = self.space.strain(state.u)
             stress = law.stress((strain - old) / k, strain)
-            yield StressState(state.time, stress, strain, state.u, state.multipliers)
+            yield StressState(state.time, stress, strain, state.u, state.multipliers, 0.0)
             old = strain
 
 
@@ -112,8 +119,9 @@ def independence(sides: Sides, steps: int) -> Independence:
     opened = gaps(wrong, beside, steps)
     mistake = gaps(wrong, Derived.beside(beside, sides.displacements), steps)
     with np.errstate(invalid="ignore", divide="ignore"):
-        shown = np.divide(opened[:2], mistake[:2])
-    return Independence(*map(float, shown))
+        displacement = np.divide(opened.displacement_gap, mistake.displacement_gap)
+        stress = np.divide(opened.stress_gap, mistake.stress_gap)
+    return Independence(float(displacement), float(stress))
 
 
 CRITERIA = (
@@ -124,10 +132,10 @@ CRITERIA = (
 
 @dataclass(frozen=True)
 class StandsAlone:
-    """Problem 3.2 shows all of a mistake in Problem 3.1; without a mistake, 0/0, nothing is shown, and it fails."""
+    """The gaps show all of a mistake in Problem 3.1 alone; without a mistake, 0/0, nothing is shown, and it fails."""
 
     label: str = "Thm 4.2"
-    claim: str = "Problem 3.2 is solved on its own: it does not follow a wrong Problem 3.1"
+    claim: str = "the comparison sees all of a mistake in Problem 3.1 alone"
 
     def settings(self, full: bool) -> list[Setting]:
         families, levels = (("one-diagonal", "shaken"), (4, 8)) if full else (("one-diagonal",), (4,))

@@ -5,7 +5,7 @@ By (5.13) with (3.12) and (3.7)
     R(t; v) = (σ(t), ε(v))_Q − (f_0(t), v)_H − (f_2(t), v)_{L²(Γ2)},   v ∈ V,
 
 which has no σ_ν on Γ3 in it. Prop. 5.4 rests on R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), and on the bound of it by
-Cauchy and Schwarz, (5.41). Here R is its definition, so both can fail. They are measured at two times for
+Cauchy and Schwarz, (5.41). Here R is its definition, so both can fail. They are measured at the times of (2.14) for
 
 * smooth fields v that vanish on Γ1 and nowhere else: not in V^h, with v_ν of any sign on Γ3;
 * v = Π^h u − u, which (5.42) needs: all terms are small, and R much smaller than each.
@@ -15,12 +15,16 @@ zero, for v = Π^h u − u of the definition alone, since σ_ν v_ν is nearly z
 wrong sign gives 1 or 2 at least. With the fine rules of (2.14) the rest is quadrature, so the windows are
 those of (2.14): round-off, where f_0 is smooth off lines that cut cells, a tenth where it jumps along curves.
 For v = Π^h u − u rounding counts 1/h times as much: (σ, ε(v))_Q = O(h²) is a sum of terms O(h).
+
+|R| over its bound is 0/0 where σ_ν = 0, and only times with σ_ν ≠ 0 count. Where nothing touches at any time (5.41) is
+0 ≤ 0 by (5.40), and has no row. It is undecided if a case with contact has none at all of these times.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import Protocol
 
 import numpy as np
@@ -39,9 +43,9 @@ from study.naming import resolve
 from study.statements.base import Setting
 from study.statements.boundary import Field, distances, planes, strain, waves
 from study.statements.green import (
+    FINE,
     KINKED,
     ROUND_OFF,
-    RULES,
     SMOOTH,
     TIMES,
     cut_at_fronts,
@@ -49,8 +53,9 @@ from study.statements.green import (
     smooth_off_lines,
     square_integrable,
 )
+from study.statements.instants import midpoints
 from study.statements.places import LAST, named, place, space_of
-from study.statements.tally import Criterion, finest, judge, largest, with_h
+from study.statements.tally import Criterion, Measured, finest, judge, largest, with_h
 from study.verdict import Verdict, Window
 
 SEED = 2002
@@ -58,6 +63,9 @@ FIELDS = 3
 """Smooth fields v."""
 POINTS = 20
 """Gauss points on a facet, exact to degree 39: p ~ (c − s)_+² on a facet graded to c has degree 31."""
+
+INSTANTS = 64
+"""Where contact is looked for."""
 
 CANCELLING = Window(0.0, 1e-8, "≤ 1e-8 with the fine rule: 1/h times the 1e-10 for a smooth f_0")
 
@@ -84,7 +92,9 @@ class Residual:
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         smooth = set(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
         first, second = rows[rows["case"].isin(smooth)], rows[~rows["case"].isin(smooth)]
-        return judge(self, first, lines(SMOOTH, CANCELLING)) + judge(self, second, lines(KINKED, KINKED))
+        found = judge(self, first, lines(SMOOTH, CANCELLING)) + judge(self, second, lines(KINKED, KINKED))
+        measured = set(rows.loc[rows["quantity"] == "bound", "case"])
+        return [verdict for verdict in found if verdict.quantity != SHARE.quantity or verdict.case in measured]
 
 
 def lines(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
@@ -92,8 +102,20 @@ def lines(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
     return (
         finest("|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term, smooth v", window, "smooth v"),
         finest("|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term of R, v = Π^hu − u", cancelling, "Π^hu − u"),
-        largest("|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)})", BOUND, "bound"),
+        SHARE,
     )
+
+
+def decided(criterion: Criterion) -> Criterion:
+    """The criterion, undecided where it has nothing to measure."""
+
+    def measure(group: pd.DataFrame) -> Measured | None:
+        return criterion.measure(group) if group[list(criterion.needs)].notna().all(axis=None) else None
+
+    return replace(criterion, measure=measure)
+
+
+SHARE = decided(largest("|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)})", BOUND, "bound"))
 
 
 class Member(Protocol):
@@ -172,14 +194,14 @@ class Terms:
 
     @property
     def share(self) -> float:
-        """The largest |R| / bound, of the v for which the bound is not zero up to rounding."""
+        """The largest |R| / bound, of the v whose bound is not zero up to rounding; not a number without any."""
         given = self.bound > ROUND_OFF * norm(self.stress)
-        return float(np.max(abs(self.residual[given]) / self.bound[given], initial=0.0))
+        return float(np.max(abs(self.residual[given]) / self.bound[given])) if given.any() else math.nan
 
 
 def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
-    """The largest over the times."""
-    found = dict.fromkeys(("smooth v", "Π^hu − u", "bound"), 0.0)
+    """The largest over the times; no bound where nothing touches at any time."""
+    found = dict.fromkeys(("smooth v", "Π^hu − u", "bound"), math.nan)
     for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
         every = terms(cut, space, time, [*smooth_fields(space), Remainder(cut, space, time)])
@@ -189,8 +211,21 @@ def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
             "Π^hu − u": small.defect(small.stress, small.body, small.loaded),
             "bound": every.share,
         }
-        found = {name: max(value, now[name]) for name, value in found.items()}
+        found = {name: float(np.fmax(value, now[name])) for name, value in found.items()}
+    if not touches(solution, space):
+        del found["bound"]
     return found
+
+
+def touches(solution: ExactSolution, space: Space) -> bool:
+    """Whether σ_ν ≠ 0 anywhere on Γ3 at any of the instants."""
+    for face in solution.faces:
+        edge = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, POINTS)
+        exact = solution.on(face, edge.s)
+        least = ROUND_OFF * exact.stress_scale()
+        if any(np.any(abs(exact.pressure(time)) > least) for time in midpoints(solution.body.T, INSTANTS)):
+            return True
+    return False
 
 
 def smooth_fields(space: Space) -> list[Smooth]:
@@ -206,7 +241,7 @@ def smooth_fields(space: Space) -> list[Smooth]:
 def terms(solution: ExactSolution, space: Space, time: float, members: Sequence[Member]) -> Terms:
     """The terms for some v with the fine rules."""
     stress, body, loaded, contact, square, pressed = np.zeros((6, len(members)))
-    for rule in rules(solution, space.mesh, RULES[space.dim]["fine rule"]):
+    for rule in rules(solution, space.mesh, FINE[space.dim]):
         exact = solution.at(rule.points)
         sigma, force = exact.stress(time) * rule.weights, exact.body_force(time) * rule.weights
         values = [member.inside(rule) for member in members]

@@ -13,7 +13,7 @@ import scipy.sparse as sps
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.naming import family_named, resolve
-from study.solve.choice import free_vertices
+from study.solve.choice import SHARE, free_vertices
 from study.solve.evolution import Midpoint
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
@@ -38,9 +38,14 @@ class Solver:
     bare: Callable[[Watched], Callable[[Array], Array]]
 
 
+def share(space: Space) -> float:
+    """The tolerance of multigrid where the study chooses it, on any space."""
+    return SHARE * (space.dim / space.dofs) ** (2 / space.dim) / 2
+
+
 DIRECT = Solver(on=lambda space: Signorini, bare=lambda watched: watched.contact.factor)
 MULTIGRID = Solver(
-    on=lambda space: partial(Multigrid, x=free_vertices(space)),
+    on=lambda space: partial(Multigrid, x=free_vertices(space), tolerance=share(space)),
     # Without constraints: the same hierarchy, the same tolerance.
     bare=lambda watched: watched.make(watched.S, watched.N[:0]),
 )

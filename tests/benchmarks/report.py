@@ -19,20 +19,20 @@ from study.store import write_text
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results" / "benchmarks"
-LIBRARIES = ("numpy", "scipy", "scikit-fem", "pytest-benchmark")
+LIBRARIES = ("numpy", "scipy", "numba", "pyamg", "scikit-fem", "sympy", "pytest-benchmark")
 
 
 def machine() -> dict[str, Any]:
-    """What a timing depends on, without names of hosts or places."""
-    blas = sorted({f"{library['internal_api']} {library['version']}" for library in threadpool_info()})
+    """What a timing depends on, without names of hosts or places; ``threads`` are those of this process."""
+    pools = threadpool_info()
     return {
         "processor": _processor(),
         "cores": os.cpu_count(),
         "memory_bytes": os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"),
         "system": platform.system(),
-        "threads": 1,
+        "threads": max((pool["num_threads"] for pool in pools), default=1),
         "python": platform.python_version(),
-        "blas": blas,
+        "blas": sorted({f"{pool['internal_api']} {pool['version']}" for pool in pools}),
         **{library: version(library) for library in LIBRARIES},
     }
 
@@ -52,7 +52,8 @@ def write(directory: Path, name: str, table: pd.DataFrame, title: str, notes: Se
     """NAME.csv and NAME.md, and the machine under NAME in machine.json."""
     this = machine()
     write_text(directory / f"{name}.csv", table.to_csv(index=False, float_format="%.6g"))
-    foot = f"{this['processor']}, {this['cores']} cores, one thread used; versions in `machine.json`."
+    threads = f"threads of a process: {this['threads']}"
+    foot = f"{this['processor']}, {this['cores']} cores; {threads}; versions in `machine.json`."
     paragraphs = [f"# {title}", *notes, markdown(table), foot]
     write_text(directory / f"{name}.md", "\n\n".join(paragraphs) + "\n")
     path = directory / "machine.json"
