@@ -12,7 +12,7 @@ import json
 import os
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -118,6 +118,17 @@ class Store:
                     ) from error
             self._sweep()
             yield
+
+    def steady(self) -> AbstractContextManager[None]:
+        """``locked`` for commands that start from the data of a finished run.
+
+        Data that this user may not write, or that are not there, are not locked: no run of his changes them.
+
+        Raises:
+            StoreError: another run works on the directory.
+        """
+        lock = self.data / ".lock"
+        return self.locked() if os.access(lock if lock.exists() else self.data, os.W_OK) else nullcontext()
 
     def _sweep(self) -> None:
         """Remove the temporary files of processes that are gone."""

@@ -128,7 +128,11 @@ def test_extremes_are_rounded_outwards(copy: Path) -> None:
 def test_enclosures_in_the_table_enclose_those_of_the_data() -> None:
     rows = pd.read_csv(RESULTS / "data" / "bounds.csv").query("trajectory == 'enclosure'").set_index(["case", "level"])
     table = (RESULTS / "article" / "enclosures.tex").read_text(encoding="utf-8")
-    cells = [[cell.strip(r" \\") for cell in line.split("&")] for line in table.splitlines() if line.count("&") == 7]
+    cells = [
+        [cell.strip().removesuffix(r" \\") for cell in line.split("&")]
+        for line in table.splitlines()
+        if line.count("&") == 7
+    ]
     assert len(cells) > 3
     for case, _, level, low, _, high, _, _ in cells[1:]:
         row = rows.loc[(case, int(level))]

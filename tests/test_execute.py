@@ -28,7 +28,7 @@ from study.memory import GIB, available
 from study.naming import UsageError
 from study.plan import Levels, Plan, quick
 from study.processes import Processes
-from study.store import Store
+from study.store import Store, StoreError
 
 LEVELS = Levels((2, 4))
 SMALL = replace(
@@ -313,9 +313,25 @@ def test_a_second_run_on_a_directory_is_refused_while_the_first_one_works(tmp_pa
         arguments = ["run", "--case", "full-contact", "--levels", "2", "4", "--out", str(tmp_path)]
         assert main(arguments) == 2
         assert f"another run works on {tmp_path}: wait" in capsys.readouterr().err
+        with pytest.raises(StoreError, match=f"another run works on {tmp_path}: wait"), Store(tmp_path).steady():
+            pass
         first.kill()
     with Store(tmp_path).locked():
         pass
+
+
+def test_data_that_may_not_be_written_or_are_not_there_are_not_locked(tmp_path, monkeypatch) -> None:
+    """Root may write everywhere, so the system's answer is replaced."""
+    with Store(tmp_path / "nowhere").steady():
+        assert [*tmp_path.iterdir()] == []
+    data = Store(tmp_path).data
+    data.mkdir()
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "access", lambda path, mode: False)
+        with Store(tmp_path).steady():
+            assert [*data.iterdir()] == []
+    with Store(tmp_path).steady():
+        assert [*data.iterdir()] == [data / ".lock"]
 
 
 def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path) -> None:

@@ -309,12 +309,7 @@ def test_no_alarm_on_twenty_shaken_meshes(name: str, seed: int) -> None:
 SEEDS = [pytest.param(seed, marks=[pytest.mark.slow] if seed > 2 else []) for seed in range(20)]
 """Three of them are measured quickly."""
 STATEMENTS: dict[str, Statement] = {s.label: s for s in (NaturalConditions(), InterpolationInV(), Hypercircle())}
-"""(5.24) is not among them, for its orders on the levels 16, 32, 64 are not robust: 12 seeds in 20 raise an alarm.
-The squared error is Σ_e |e|^5 |w''|²/120, mostly of the few edges near a front, whose lengths shaking changes by up to
-40 %: each order scatters by some 0.1 beside the 0.15 allowed."""
-PRESSURE = "natural-front, order of ‖σ_ν − σ^h_ν‖_{L²(Γ3)}, shaken meshes"
-"""Not robust either: on the levels 8 and 16 it is −0.29 to 1.50, below 0.85 for 11 seeds in 20. The error is that of
-the cell in which the front lies, and shaking moves the front in it."""
+"""(5.24) is not among them: it is not measured on shaken meshes, and its docstring says why."""
 
 
 def raised(verdicts: Iterable[Verdict]) -> list[str]:
@@ -349,27 +344,13 @@ def test_another_seed_gives_a_statement_another_mesh(monkeypatch) -> None:
     assert STATEMENTS["(5.23)"].measure(setting)[SMOOTH] != own[SMOOTH]
 
 
-@pytest.mark.parametrize(
-    ("name", "seed"),
-    [*(("advance-recede", seed) for seed in range(3)), *(("natural-front", seed) for seed in range(3))],
-)
-def test_no_alarm_of_stresses_of_their_own_space_on_other_shaken_meshes(name: str, seed: int) -> None:
-    """At the levels of the quick study."""
-    assert stress_alarms(name, seed) == []
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("seed", range(3, 20))
+@pytest.mark.parametrize("seed", SEEDS)
 def test_no_alarm_of_stresses_of_their_own_space_on_twenty_shaken_meshes(seed: int) -> None:
-    assert stress_alarms("natural-front", seed) == []
-
-
-def stress_alarms(name: str, seed: int) -> list[str]:
-    """The rows on Problem 3.2 on its own space that do not hold, but ``PRESSURE``."""
-    case, levels = CASES[name], sorted({place.level for place in places(full=False) if place.case == name})
+    """At the levels of the quick study."""
+    case = CASES["advance-recede"]
+    levels = sorted({place.level for place in places(full=False) if place.case == case.name})
     rows = [asdict(measure_stresses(case, Shaken(seed=seed), n, stress_steps(case, n))) for n in levels]
-    found = raised(judge_stresses(pd.DataFrame(rows), {name: case.regularity}))
-    return [row for row in found if not row.startswith(PRESSURE)]
+    assert raised(judge_stresses(pd.DataFrame(rows), {case.name: case.regularity})) == []
 
 
 @pytest.mark.slow

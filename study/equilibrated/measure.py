@@ -46,14 +46,20 @@ CASES = (
     "corner",
     "hexagon",
     "natural-front",
-    "rough-trace",
     "re-entrant",
 )
 """Plane cases with linear laws, f_0 ∈ L² and stresses that are continuous in time: where the face lands with a
 velocity, BDF2 is wrong for a step whatever k is. Without contact there is no pressure to compare; at the junction of Γ1
-and Γ3 it is not in L²(Γ3)."""
-FAMILIES_OF = {"hexagon": ("unstructured",), "re-entrant": ("unstructured", "graded")}
-"""Mesh families other than shaken ones."""
+and Γ3 it is not in L²(Γ3). Left out is rough-trace, too: at its front, r^{5/4} where the contact problem itself makes
+r^{3/2}, errors depend on the place of the front in a cell, and multipliers fall with orders of 0.6 to 2.5 from level to
+level up to n = 64."""
+FAMILIES_OF = {
+    "hexagon": ("unstructured",),
+    "re-entrant": ("unstructured", "graded"),
+    "natural-front": ("one-diagonal",),
+}
+"""Mesh families other than shaken ones. The error of the pressure at a natural front that rests is that of one cell: where
+the front lies in it may not be left to chance, or orders scatter by 1 from seed to seed."""
 QUICK = (
     "full-contact",
     "fixed-front-off-vertex",

@@ -23,7 +23,7 @@ from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from study.claims import JUDGED, consecutive, last_order
 from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
-from study.fem.mesh import Graded
+from study.fem.mesh import Graded, Shaken
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.naming import resolve
@@ -125,8 +125,8 @@ class InterpolationOnContact:
 
     def settings(self, full: bool) -> list[Setting]:
         if full:
-            return uniform(place(different(_body_and_trace), EVERY, (16, 32, 64), (8, 16, 24)))
-        return place(named("advance-recede", "rough-2"), EVERY, (16, 32, 64))
+            return even(place(different(_body_and_trace), EVERY, (16, 32, 64), (8, 16, 24)))
+        return even(place(named("advance-recede", "rough-2"), EVERY, (16, 32, 64)))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, case = space_of(setting), resolve(setting.case)
@@ -206,6 +206,15 @@ def on_face(solution: ExactSolution, space: Space, face: Face) -> dict[str, floa
 def uniform(settings: list[Setting]) -> list[Setting]:
     """Without graded meshes, whose cells at singular points are smaller than h."""
     return [setting for setting in settings if setting.family != Graded().name]
+
+
+def even(settings: list[Setting]) -> list[Setting]:
+    """Also without shaken meshes.
+
+    The squared error is Σ_e |e|⁵ |w''|²/120 over edges, mostly that of a few: where their lengths are random, orders
+    scatter by 0.3 from seed to seed.
+    """
+    return [setting for setting in uniform(settings) if setting.family != Shaken().name]
 
 
 def _body_and_law(case: Case) -> Hashable:

@@ -145,8 +145,8 @@ def main(arguments: list[str]) -> None:
     note = (
         "A level: mesh, assembly, set-up of the solver (*factor*: factorisation and condensation) and "
         f"{STEPS} midpoint steps with load and error, but not the compilation of the formulas (SymPy to functions), "
-        "which comes before; each in a process of its own, whose largest memory is *peak*. *step_over_solve*: a contact step "
-        "over a solve without constraints by the same factorisation or hierarchy. "
+        "which comes before; each in a process of its own, whose largest memory is *peak*. *step_over_solve*: contact "
+        "step over a solve without constraints by the same factorisation or hierarchy. "
         "Multigrid stops at a share of the discretisation error, as in the study, also where the study factorises. "
         "Cases: advance-recede and cube-disc, one-diagonal meshes."
     )
