@@ -58,8 +58,8 @@ FAMILIES_OF = {
     "re-entrant": ("unstructured", "graded"),
     "natural-front": ("one-diagonal",),
 }
-"""Mesh families other than shaken ones. The error of the pressure at a natural front that rests is that of one cell: where
-the front lies in it may not be left to chance, or orders scatter by 1 from seed to seed."""
+"""Mesh families other than shaken ones. The error of the pressure at a natural front that rests is that of one cell:
+where the front lies in it may not be left to chance, or orders scatter by 1 from seed to seed."""
 QUICK = (
     "full-contact",
     "fixed-front-off-vertex",
