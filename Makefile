@@ -13,6 +13,7 @@ full: $(READY)  ## all levels into results/, and the slow tests
 	$(BIN)/study run --full --out results
 	$(BIN)/study controls --out results
 	$(BIN)/study tables --out results
+	$(BIN)/study figures --out results
 	$(BIN)/python -m study.overview README.md results
 	$(BIN)/pytest -m slow --numprocesses auto
 

@@ -34,7 +34,7 @@ from study.controls.judge import controls_text, run_controls, settings, write_co
 from study.datafiles import DataError
 from study.execute import JobsError, Pool, execute, refuse_too_large, unfinished
 from study.fem.mesh import MeshError
-from study.figures import draw_figures, draw_one, enclosure
+from study.figures import draw_figures, draw_one, drawings, enclosure, overview
 from study.judgement import check
 from study.junit import write_junit
 from study.naming import UsageError, absolute, choose, family_named, resolve, resolve_data
@@ -214,7 +214,10 @@ def do_run(options: argparse.Namespace) -> int:
         refuse_too_large(unfinished(plan.jobs(), store), pool)
         plan.check(processes.map)
         with store.locked():
-            verdicts, written = _measure(plan, store, pool, processes)
+            verdicts = _measure(plan, store, pool)
+            written = write_tables(store.directory)
+            # Drawing all takes as long as a third of the quick study.
+            written += draw_figures(store.directory, processes.map, chosen=drawings if options.case else overview)
     print(f"\n{rates_text(options.out)}")
     print(ledger_text(options.out))
     print(f"data: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
@@ -226,8 +229,8 @@ def _pool(cluster: str | None, plan: Plan, processes: Processes) -> AbstractCont
     return connected(cluster, plan.cases) if cluster else nullcontext(Pool.of(processes))
 
 
-def _measure(plan: Plan, store: Store, pool: Pool, processes: Processes) -> tuple[list[Verdict], list[Path]]:
-    """Measure what is missing in a directory of one's own; judge and present all of it."""
+def _measure(plan: Plan, store: Store, pool: Pool) -> list[Verdict]:
+    """Measure what is missing in a directory of one's own; collect and judge all of it."""
     protect(plan, store.directory)
     store.check()
     jobs = plan.jobs()
@@ -235,19 +238,13 @@ def _measure(plan: Plan, store: Store, pool: Pool, processes: Processes) -> tupl
         bar.set_description(f"{len(jobs)} jobs")
         execute(jobs, store, pool, lambda cost: bar.update(round(cost)))
         collect(plan, store)
-        verdicts = check(store.directory)
-        written = write_tables(store.directory)
-        written += draw_figures(
-            store.directory,
-            processes.map,
-            lambda done, total, name: bar.set_description(f"figure {done} of {total}", refresh=sys.stderr.isatty()),
-        )
-    return verdicts, written
+    return check(store.directory)
 
 
 def do_check(options: argparse.Namespace) -> int:
     """``study check``."""
-    verdicts = check(options.out)
+    with Store(options.out).steady():
+        verdicts = check(options.out)
     if options.junit:
         write_junit(options.junit, verdicts)
     print(ledger_text(options.out))
@@ -257,12 +254,14 @@ def do_check(options: argparse.Namespace) -> int:
 def do_controls(options: argparse.Namespace) -> int:
     """``study controls``: measure with every defect and without one, write what caught it."""
     _check_jobs(options.jobs)
-    Store(options.out).check()
+    store = Store(options.out)
+    store.check()
     controls = register.CONTROLS
-    with Processes(options.jobs) as executor, _bar(len(settings(controls)) + len(controls)) as bar:
-        bar.set_description(f"{len(controls)} defects")
-        findings = run_controls(controls, executor, bar.update)
-    written = write_controls(options.out, findings)
+    with Processes(options.jobs) as executor, store.locked():
+        with _bar(len(settings(controls)) + len(controls)) as bar:
+            bar.set_description(f"{len(controls)} defects")
+            findings = run_controls(controls, executor, bar.update)
+        written = write_controls(options.out, findings)
     print(f"\n{controls_text(findings)}")
     print(f"data: {written}")
     return OK if all(finding.passes for finding in findings) else FAILED
@@ -328,14 +327,16 @@ def do_show(options: argparse.Namespace) -> int:
 def do_tables(options: argparse.Namespace) -> int:
     """``study tables``."""
     read_provenance(options.out)
-    for path in write_tables(options.out):
-        print(path)
+    with Store(options.out).steady():
+        for path in write_tables(options.out):
+            print(path)
     return OK
 
 
 def do_report(options: argparse.Namespace) -> int:
     """``study report``."""
-    print(write_report(options.out))
+    with Store(options.out).steady():
+        print(write_report(options.out))
     return OK
 
 
@@ -343,7 +344,7 @@ def do_figures(options: argparse.Namespace) -> int:
     """``study figures``."""
     _check_jobs(options.jobs)
     read_provenance(options.out)
-    with Processes(options.jobs) as executor:
+    with Processes(options.jobs) as executor, Store(options.out).steady():
         for path in draw_figures(options.out, executor.map):
             print(path)
     return OK

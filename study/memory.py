@@ -44,7 +44,7 @@ def displacement(dim: int, n: int, family: str) -> float:
     # Where all cells are alike, they share most of what is kept of them.
     alike = family == "one-diagonal"
     if dim == 2:
-        return BASE + (1.3 if alike else 2.3) * KIB * n**2 * log2(n) * cells(family)
+        return BASE + (1.8 if alike else 2.3) * KIB * n**2 * log2(n) * cells(family)
     if dim * (n + 1) ** dim > FACTORED[dim]:
         return BASE + (48 if alike else 144) * KIB * n**3
     return BASE + (6 if alike else 21) * KIB * n**4

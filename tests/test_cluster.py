@@ -109,7 +109,7 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
     (tmp_path / "mine.py").write_text(MINE)
     monkeypatch.chdir(tmp_path)
     # Figures are drawn here from the data in any case.
-    monkeypatch.setattr("study.cli.draw_figures", lambda *arguments: [])
+    monkeypatch.setattr("study.cli.draw_figures", lambda *arguments, **options: [])
     run = ["run", "--case", "mine.py:mine", "--levels", "2", "4", "--jobs", "2"]
     codes = {main([*run, "--out", "processes"]), main([*run, "--out", "cluster", "--cluster", cluster])}
     assert len(codes) == 1

@@ -1,7 +1,7 @@
 """Figures from the data files; nothing is solved here.
 
-``drawings`` lists all of them; each module has one function that draws a kind of figure from its data alone, and one
-that says in a caption what to see in it.
+``drawings`` lists all of them, ``overview`` those over all cases; each module has one function that draws a kind of
+figure from its data alone, and one that says in a caption what to see in it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from study.figures.pictures import Picture, read_pictures
 from study.figures.profiles import caption_profiles, draw_profiles
 from study.figures.zone import caption_zone, draw_zone
 
-__all__ = ["DataError", "draw_figures", "draw_one", "drawings", "enclosure"]
+__all__ = ["DataError", "draw_figures", "draw_one", "drawings", "enclosure", "overview"]
 
 Progress = Callable[[int, int, str], None]
 """Called after each figure with how many are done, how many there are, and its name."""
@@ -37,14 +37,19 @@ Spread = Callable[..., Iterable[list[Path]]]
 
 
 def draw_figures(
-    directory: Path, spread: Spread = map, progress: Progress = lambda done, total, name: None
+    directory: Path,
+    spread: Spread = map,
+    progress: Progress = lambda done, total, name: None,
+    chosen: Callable[[Path], list[Drawing]] | None = None,
 ) -> list[Path]:
-    """Draw every figure into ``directory/figures`` as pdf, png and svg with its caption in a txt; returns the files.
+    """Draw figures into ``directory/figures`` as pdf, png and svg with their captions in a txt; returns the files.
+
+    ``chosen`` says which: all ``drawings`` of the directory, or its ``overview`` only.
 
     Raises:
         DataError: a data file is missing or damaged; nothing is drawn then.
     """
-    found = drawings(directory)
+    found = (chosen or drawings)(directory)
     written: list[Path] = []
     for done, paths in enumerate(spread(partial(draw_one, directory / "figures"), found), start=1):
         written += paths
@@ -62,21 +67,37 @@ def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
 def drawings(directory: Path) -> list[Drawing]:
     """Every figure of the data in a directory, not drawn yet.
 
-    ``convergence-CASE`` for every case of ``rates.csv``, ``convergence`` for all cases of Prop. 5.4 and
-    ``convergence-prop-5-3`` for the rough ones; ``enclosure-CASE`` for every case with one; ``effectivity`` of
-    ``bounds.csv``; ``defects`` of ``controls.csv`` and ``growth`` of ``benchmarks/growth.csv`` where they were
-    measured; ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` for every file in ``pictures``.
+    Those of ``overview``; ``convergence-CASE`` for every case of ``rates.csv``; ``enclosure-CASE`` for every case with
+    one; ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` for every file in ``pictures``.
 
     Raises:
         DataError: a data file is missing or damaged.
     """
     rates = read_rates(directory)
     return [
+        *overview(directory),
         *_convergence(rates, _expected_orders(directory, rates)),
-        *_bounds(directory),
+        *_enclosures(directory),
+        *_runs(read_pictures(directory)),
+    ]
+
+
+def overview(directory: Path) -> list[Drawing]:
+    """The figures over all cases.
+
+    ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones; ``effectivity`` of
+    ``bounds.csv``; ``defects`` of ``controls.csv`` and ``growth`` of ``benchmarks/growth.csv`` where they were
+    measured.
+
+    Raises:
+        DataError: a data file is missing or damaged.
+    """
+    rates = read_rates(directory)
+    return [
+        *_convergences(rates, _expected_orders(directory, rates)),
+        *_effectivity(directory),
         *_defects(directory),
         *_growth(directory),
-        *_runs(read_pictures(directory)),
     ]
 
 
@@ -93,16 +114,26 @@ def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
     return orders
 
 
-def _convergence(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
-    """One figure per case and one overview per claim; a second time scheme would get its own, by its name."""
+def _schemes(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The rows of each time scheme, with what names of figures end with where there are several."""
     several = rates["scheme"].nunique() > 1
-    for scheme, of_scheme in rates.groupby("scheme", sort=False):
-        suffix = f"-{scheme}" if several else ""
+    for scheme, mine in rates.groupby("scheme", sort=False):
+        yield f"-{scheme}" if several else "", mine
+
+
+def _convergence(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
+    """One figure per case."""
+    for suffix, of_scheme in _schemes(rates):
         for case, mine in of_scheme.groupby("case", sort=False):
             order = orders[str(case)]
             yield Drawing(
                 f"convergence-{case}{suffix}", partial(draw_case, mine, order), partial(caption_case, mine, order)
             )
+
+
+def _convergences(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
+    """One figure per claim."""
+    for suffix, of_scheme in _schemes(rates):
         for claim, mine in of_scheme.groupby("claim", sort=False):
             yield Drawing(
                 _overview_name(str(claim)) + suffix,
@@ -118,11 +149,14 @@ def _overview_name(claim: str) -> str:
     )
 
 
-def _bounds(directory: Path) -> Iterator[Drawing]:
-    """The effectivities, and for every case and mesh family with an enclosure one figure with all its levels."""
+def _effectivity(directory: Path) -> Iterator[Drawing]:
     bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
     if bounds["upper"].notna().any():
         yield Drawing("effectivity", partial(draw_effectivity, bounds), partial(caption_effectivity, bounds))
+
+
+def _enclosures(directory: Path) -> Iterator[Drawing]:
+    """For every case and mesh family with an enclosure one figure with all its levels."""
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
     series = read_csv(directory, "enclosures.csv", columns)
     chosen = series[series["trajectory"] == "enclosure"]

@@ -33,7 +33,7 @@ from study.fem.mesh import MeshFamily
 from study.fem.space import Space
 from study.naming import family_named, resolve
 from study.solve.evolution import BackwardEuler, Problem
-from study.solve.stress import StressProblem, StressState
+from study.solve.stress import GAP, StressProblem, StressState
 from study.statements.base import Setting
 from study.statements.tally import every, judge, with_h
 from study.verdict import Verdict, Window
@@ -84,7 +84,7 @@ class Derived(StressProblem):
         return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
 
     def march(self, steps: int) -> Iterator[StressState]:
-        """Backward Euler in displacements."""
+        """Backward Euler in displacements, with gaps as an interior point leaves them."""
         k, law = self.displacements.T / steps, on_cells(self.space, self.law)
         nan = np.full(self.N.shape[0], np.nan)
         states = BackwardEuler().march(self.displacements, steps)
@@ -93,7 +93,7 @@ class Derived(StressProblem):
         for _, state in pairwise(states):
             strain = self.space.strain(state.u)
             stress = law.stress((strain - old) / k, strain)
-            yield StressState(state.time, stress, strain, state.u, state.multipliers, 0.0)
+            yield StressState(state.time, stress, strain, state.u, state.multipliers, GAP)
             old = strain
 
 
