@@ -213,7 +213,7 @@ def stresses(data: Data) -> str:
     body = []
     for (case, family), part in rows.groupby(["case", "family"], sort=False):
         found = [_seen(part, quantity) for quantity in ("order of ‖σ − σ^h‖_Q", "order of multipliers − u on")]
-        plain = ("order of ‖σ_ν − σ^h_ν‖", "order of ‖σ^h − (Aε", "‖σ − σ^h‖_Q / that of the best polynomials, finest")
+        plain = ("order of ‖σ_ν − σ^h_ν‖", "order of ‖σ^h − (Aε", "growth of ‖σ − σ^h‖_Q")
         values = [_number(part.loc[part["quantity"].str.startswith(q), "observed"].iloc[0]) for q in plain]
         body.append([prose(str(case)), prose(str(family)), *found[0], *found[1], *values])
     headings = ["case", "meshes", r"\(\sigma^h\)", "window", "multipliers", "window", "pressure"]

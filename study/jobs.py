@@ -177,11 +177,12 @@ class StatementJob:
 
     @property
     def cost(self) -> float:
-        return 230.0 * self.setting.level**2
+        dim = resolve(self.setting.case).solution.body.dim
+        return float(self.setting.level**2) * (230 if dim == 2 else 30_000)
 
     @property
     def memory(self) -> float:
-        return memory.SMALL
+        return memory.statement(resolve(self.setting.case).solution.body.dim, self.setting.level)
 
     def fingerprint(self) -> str:
         case, family = resolve(self.setting.case), family_named(self.setting.family)

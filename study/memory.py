@@ -11,7 +11,7 @@ resident size with one thread, here in MiB beyond the base:
     stress         n = 16: 39, 32: 170 … 207, 64: 868
     bound          of u_h alone n = 8: 25 … 69, 16: 239; with an enclosure on a mesh refined once n = 8: 183,
                    16: 465, 32: 1890, twice n = 8: 390, 16: 1520
-    statements     at their fixed levels at most 335
+    statements     at their fixed levels at most 335, in space 1550
 """
 
 from __future__ import annotations
@@ -32,6 +32,8 @@ BASE = 384 * MIB
 """An interpreter with everything imported takes 230, with formulas and compiled passes 290 to 350."""
 SMALL = 736 * MIB
 """Jobs whose size is fixed."""
+SOLID = 2304 * MIB
+"""The same in space: functionals on cells halved twice."""
 
 
 def cells(family: str) -> int:
@@ -53,6 +55,11 @@ def displacement(dim: int, n: int, family: str) -> float:
 def equivalence(dim: int, n: int, family: str) -> float:
     """Bytes for Problem 3.2 on the strains of V^h, solved by an interior-point method."""
     return BASE + (4 * KIB * n**2 * log2(n) * cells(family) if dim == 2 else 18 * KIB * n**4)
+
+
+def statement(dim: int, n: int) -> float:
+    """Bytes for a numbered statement at a level, one of those that it chooses itself."""
+    return max(SMALL, displacement(dim, n, "shaken")) if dim == 2 else SOLID
 
 
 def stress(n: int) -> float:

@@ -254,7 +254,5 @@ def full() -> Plan:
         solid_equivalence=(3, 6),
         families=None,
         name="full",
-        finest=tuple(
-            (name, 256) for name in ("full-contact", "no-contact", "fixed-front-off-vertex", "advance-recede")
-        ),
+        finest=tuple((name, 256) for name in ("fixed-front-off-vertex", "advance-recede")),
     )

@@ -253,7 +253,7 @@ def test_no_error_lies_outside_for_random_cases(case, family, n, scheme, steps, 
 
 
 @pytest.mark.slow
-@settings(max_examples=60)
+@settings(max_examples=30)
 @random_examples
 def test_no_error_lies_outside_for_many_random_cases(case, family, n, scheme, steps, trajectory, seed) -> None:
     prove(case.solution, case.name)

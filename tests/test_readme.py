@@ -88,7 +88,7 @@ def test_the_intervals_in_the_text_are_those_of_the_same_problem_in_the_data() -
     bounds = read_csv(ROOT / "results", "bounds.csv", ["trajectory", "case", "level", "lowest", "highest"])
     ramp = bounds[(bounds["case"] == "ramp") & (bounds["trajectory"] == "enclosure")].sort_values("level")
     text = " ".join(TEXT.split())
-    ends = re.search(r"lies in \[(.*?)\], \[(.*?)\] and \[(.*?)\] on", text)
+    ends = re.search(r"lies in \[(.*?)\] and \[(.*?)\] on the two .* lies in \[(.*?)\] on the third", text)
     typed = [tuple(map(float, pair.split(", "))) for pair in ends.groups()]
     # Rounded outwards, or they would not enclose.
     ends = zip(np.floor(1000 * ramp["lowest"]), np.ceil(1000 * ramp["highest"]), strict=True)

@@ -114,7 +114,7 @@ def _series(case: str, family: str, rows: pd.DataFrame, orders: dict[str, Orders
         Verdict(
             LABEL, CLAIM, case, f"{RATIO}{on}", "≥ 1 by construction", float(ratio.iloc[-1]), *_range(ratio), REPORTED
         ),
-        _row(case, f"{RATIO}, finest over coarsest{on}", GROWTH, growth, (growth, growth)),
+        _row(case, f"growth of {RATIO}, finest over coarsest{on}", GROWTH, growth, (growth, growth)),
         _row(case, f"{ADMISSIBLE}{on}", STRONGLY, float(rows["admissibility"].max()), _range(rows["admissibility"])),
         _row(case, f"time share of ‖σ − σ^h‖_Q{on}", TIME, float(rows["time_share"].max()), _range(rows["time_share"])),
         _reported(case, f"order of max_n ‖σ − σ^h‖_Q{on}", rows),

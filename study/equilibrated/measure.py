@@ -70,7 +70,7 @@ QUICK = (
     "corner",
     "natural-front",
 )
-FINEST = ("advance-recede", "re-entrant")
+FINEST = ("re-entrant",)
 """Cases that are measured on the finest level, too."""
 
 
