@@ -349,11 +349,11 @@ def turned(case: str, rows: pd.DataFrame, twin: pd.DataFrame) -> list[Verdict]:
 
 def theorem_4_2(case: str, rows: pd.DataFrame) -> list[Verdict]:
     """Agreement of the two formulations at every step, within what the duality gaps of the solver allow."""
-    gaps, bounds = (rows[[f"displacement_{end}", f"stress_{end}"]] for end in ("gap", "bound"))
+    displacement, stress = rows["displacement_bound"], rows["stress_bound"]
     measured = [
-        ("displacement of Problem 3.2 − 3.1 / what the gap allows", ALLOWED, gaps.iloc[:, 0] / bounds.iloc[:, 0]),
-        ("stress of Problem 3.2 − 3.1 / what the gap allows", ALLOWED, gaps.iloc[:, 1] / bounds.iloc[:, 1]),
-        ("what the gap allows / size of the solution", SHARP, bounds.max(axis=1, skipna=False)),
+        ("displacement of Problem 3.2 − 3.1 / what the gap allows", ALLOWED, rows["displacement_gap"] / displacement),
+        ("stress of Problem 3.2 − 3.1 / what the gap allows", ALLOWED, rows["stress_gap"] / stress),
+        ("what the gap allows / size of the solution", SHARP, np.maximum(displacement, stress)),
         ("σ^h ∈ Σ^h(t)", AGREEMENT, rows["admissibility"]),
         ("(σ, ε(u))_Q = (f, u)_V, (4.14)", AGREEMENT, rows["energy_gap"]),
         ("u ∈ K^h though never imposed", AGREEMENT, rows["membership"]),

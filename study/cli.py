@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
@@ -34,7 +34,7 @@ from study.controls.judge import controls_text, run_controls, settings, write_co
 from study.datafiles import DataError
 from study.execute import JobsError, Pool, execute, refuse_too_large, unfinished
 from study.fem.mesh import MeshError
-from study.figures import draw_figures, draw_one, drawings, enclosure, overview
+from study.figures import Drawing, draw_figures, draw_one, drawings, enclosure, overview
 from study.judgement import check
 from study.junit import write_junit
 from study.naming import UsageError, absolute, choose, family_named, resolve, resolve_data
@@ -217,7 +217,7 @@ def do_run(options: argparse.Namespace) -> int:
             verdicts = _measure(plan, store, pool)
             written = write_tables(store.directory)
             # Drawing all takes as long as a third of the quick study.
-            written += draw_figures(store.directory, processes.map, chosen=drawings if options.case else overview)
+            written += _draw(store.directory, processes, drawings if options.case else overview)
     print(f"\n{rates_text(options.out)}")
     print(ledger_text(options.out))
     print(f"data: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
@@ -345,9 +345,21 @@ def do_figures(options: argparse.Namespace) -> int:
     _check_jobs(options.jobs)
     read_provenance(options.out)
     with Processes(options.jobs) as executor, Store(options.out).steady():
-        for path in draw_figures(options.out, executor.map):
+        for path in _draw(options.out, executor, drawings):
             print(path)
     return OK
+
+
+def _draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:
+    """Draw figures, and show how far that is."""
+    with _bar(0) as bar:
+
+        def show(done: int, total: int, name: str) -> None:
+            bar.total = total
+            bar.set_description(f"figure {name}", refresh=False)
+            bar.update()
+
+        return draw_figures(directory, chosen, processes.map, show)
 
 
 def _prove(case: Case) -> None:

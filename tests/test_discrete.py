@@ -13,7 +13,7 @@ from skfem.helpers import ddot, sym_grad, trace
 
 from manufactured import Kind, catalogue, polygon, unit_square
 from study.fem.gauge import Gauge
-from study.fem.independent import load_from_forces, predicted_interpolation
+from study.fem.independent import LeadingTerm, load_from_forces
 from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshError, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import cell_rules
@@ -263,7 +263,7 @@ def test_the_predicted_interpolation_error_is_the_measured_one_for_quadratics() 
         gauge = Gauge(solution, Space(family(solution.body, 24), solution.body))
         sample = gauge.sample(1.0)
         assert gauge.distance(sample, sample.interpolant) == pytest.approx(
-            predicted_interpolation(solution, gauge.space, 1.0), rel=3e-3
+            LeadingTerm(solution, gauge.space)(1.0), rel=3e-3
         )
 
 

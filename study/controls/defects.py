@@ -165,11 +165,10 @@ def _zero(matrix: sps.csc_array) -> sps.csc_array:
 
 
 @dataclass(frozen=True)
-class Altered:
-    """A scheme that solves another problem than the one that is measured, so that norms stay what they are."""
+class Around:
+    """What is another scheme in all but how it marches."""
 
     scheme: Scheme
-    alter: Callable[[Problem], Problem]
 
     @property
     def name(self) -> str:
@@ -178,6 +177,13 @@ class Altered:
     @property
     def order(self) -> float:
         return self.scheme.order
+
+
+@dataclass(frozen=True)
+class Altered(Around):
+    """A scheme that solves another problem than the one that is measured, so that norms stay what they are."""
+
+    alter: Callable[[Problem], Problem]
 
     def march(self, problem: Problem, steps: int) -> Iterator[State]:
         return self.scheme.march(self.alter(problem), steps)
@@ -286,19 +292,8 @@ def ends_of_time_only(setup: Setup) -> Setup:
     return replace(setup, scheme=EndsOnly(setup.scheme))
 
 
-@dataclass(frozen=True)
-class EndsOnly:
+class EndsOnly(Around):
     """A scheme that shows its states at 0 and T alone, the last one twice: every other state meets a coarse one."""
-
-    scheme: Scheme
-
-    @property
-    def name(self) -> str:
-        return self.scheme.name
-
-    @property
-    def order(self) -> float:
-        return self.scheme.order
 
     def march(self, problem: Problem, steps: int) -> Iterator[State]:
         first, *_, last = self.scheme.march(problem, steps)

@@ -62,11 +62,6 @@ def shapes(mesh: Mesh, gradients: Array, rule: CellRule) -> Array:
     return values
 
 
-def predicted_interpolation(solution: ExactSolution, space: Space, time: float) -> float:
-    """‖u(t) − Π^h u(t)‖_V to leading order."""
-    return LeadingTerm(solution, space)(time)
-
-
 class LeadingTerm:
     """t ↦ ‖u − Π^h u‖_V to leading order, from second derivatives of u and the factor of A at the centres of the cells.
 

@@ -26,7 +26,7 @@ from study.figures.pictures import Picture, read_pictures
 from study.figures.profiles import caption_profiles, draw_profiles
 from study.figures.zone import caption_zone, draw_zone
 
-__all__ = ["DataError", "draw_figures", "draw_one", "drawings", "enclosure", "overview"]
+__all__ = ["DataError", "Drawing", "draw_figures", "draw_one", "drawings", "enclosure", "overview"]
 
 Progress = Callable[[int, int, str], None]
 """Called after each figure with how many are done, how many there are, and its name."""
@@ -38,18 +38,18 @@ Spread = Callable[..., Iterable[list[Path]]]
 
 def draw_figures(
     directory: Path,
+    chosen: Callable[[Path], list[Drawing]],
     spread: Spread = map,
     progress: Progress = lambda done, total, name: None,
-    chosen: Callable[[Path], list[Drawing]] | None = None,
 ) -> list[Path]:
     """Draw figures into ``directory/figures`` as pdf, png and svg with their captions in a txt; returns the files.
 
-    ``chosen`` says which: all ``drawings`` of the directory, or its ``overview`` only.
+    ``chosen`` says which: ``drawings`` are all of the directory, ``overview`` those over all cases.
 
     Raises:
         DataError: a data file is missing or damaged; nothing is drawn then.
     """
-    found = (chosen or drawings)(directory)
+    found = chosen(directory)
     written: list[Path] = []
     for done, paths in enumerate(spread(partial(draw_one, directory / "figures"), found), start=1):
         written += paths
