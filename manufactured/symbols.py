@@ -58,13 +58,11 @@ def _power(x: Array, exponent: float) -> Array:
         return np.sqrt(x)
     if exponent != int(exponent) or not 1 <= exponent <= 12:
         return x**exponent
-    result, remaining = np.ones_like(x), int(exponent)
-    while remaining:
-        if remaining & 1:
-            result = result * x
-        remaining >>= 1
-        x = x * x
-    return result
+    odd, half = int(exponent) % 2, int(exponent) // 2
+    if half == 0:
+        return x
+    square = _power(x * x, half)
+    return square * x if odd else square
 
 
 def _truncated_power(x: Array, exponent: float) -> Array:

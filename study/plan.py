@@ -111,10 +111,14 @@ class Plan:
                 solution is rough.
         """
         self.check_settings()
-        for reference, failed in zip(self.cases, spread(violations, self.cases), strict=True):
+        # Those in space take longest: last, one of them would be waited for alone.
+        cases = sorted(self.cases, key=lambda reference: -resolve(reference).solution.body.dim)
+        found = spread(violations, cases)
+        # Beside the proofs, where they run in other processes.
+        self._check_meshes()
+        for reference, failed in zip(cases, found, strict=True):
             if failed:
                 raise SelfProofError(f"case {resolve(reference).name}", failed)
-        self._check_meshes()
 
     def _check_meshes(self) -> None:
         """Every mesh must fit its body, and its cells the rough places of every solution that is measured on it."""
