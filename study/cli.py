@@ -211,7 +211,7 @@ def do_run(options: argparse.Namespace) -> int:
     plan.check_settings()
     store = Store(options.out)
     with Processes(options.jobs) as processes, _pool(options.cluster, plan, processes) as pool:
-        refuse_too_large(unfinished(plan.jobs(), store), pool)
+        refuse_too_large(unfinished(plan.jobs, store), pool)
         plan.check(processes.map)
         with store.locked():
             verdicts = _measure(plan, store, pool)
@@ -233,7 +233,7 @@ def _measure(plan: Plan, store: Store, pool: Pool) -> list[Verdict]:
     """Measure what is missing in a directory of one's own; collect and judge all of it."""
     protect(plan, store.directory)
     store.check()
-    jobs = plan.jobs()
+    jobs = plan.jobs
     with _bar(round(sum(job.cost for job in jobs))) as bar:
         bar.set_description(f"{len(jobs)} jobs")
         execute(jobs, store, pool, lambda cost: bar.update(round(cost)))

@@ -25,7 +25,7 @@ def collect(plan: Plan, store: Store) -> None:
     """Write the data files of a plan from its finished jobs."""
     kinds = RateJob, EquivalenceJob, StressJob, PictureJob, StatementJob, BoundJob
     done: dict[type, list[dict[str, Any]]] = {kind: [] for kind in kinds}
-    for job in plan.jobs():
+    for job in plan.jobs:
         result = store.load(job.key, job.fingerprint())
         assert result is not None, job.key
         # What a case is a case of may be relabelled without measuring it again.

@@ -7,12 +7,14 @@ import inspect
 import re
 import sys
 from dataclasses import asdict, dataclass, fields, is_dataclass
+from functools import cache
 from typing import Any, Protocol
 
 import numpy as np
 import sympy as sp
 
 from manufactured.case import Case
+from manufactured.exact import ExactSolution
 from study import memory
 from study.equilibrated.measure import Place, measure_stresses
 from study.equilibrated.measure import steps_for as stress_steps
@@ -38,8 +40,10 @@ def fingerprint(*settings: object) -> str:
 
 def _by_value(item: object) -> object:
     """Frozen dataclasses as their fields, formulas as text, arrays as lists, all the way down."""
+    if isinstance(item, ExactSolution):
+        return _of_solution(item)
     if is_dataclass(item) and not isinstance(item, type):
-        return [type(item).__name__, *(_by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
+        return _of_fields(item)
     if isinstance(item, tuple | list):
         return [_by_value(entry) for entry in item]
     if isinstance(item, np.ndarray):
@@ -47,6 +51,14 @@ def _by_value(item: object) -> object:
     if isinstance(item, sp.Basic):
         return sp.srepr(item)
     return repr(item)
+
+
+def _of_fields(item: Any) -> list[object]:
+    return [type(item).__name__, *(_by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
+
+
+# Most jobs share the solution of their case with others, and its formulas are long.
+_of_solution = cache(_of_fields)
 
 
 class Job(Protocol):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
@@ -139,7 +140,7 @@ class Plan:
 
     def meshes(self) -> Iterator[tuple[Case, str, int]]:
         """(case, mesh family, level) of every job; the numbered statements choose meshes that serve."""
-        for job in self.jobs():
+        for job in self.jobs:
             if isinstance(job, RateJob | EquivalenceJob):
                 yield resolve(job.case), job.family, job.level
             elif isinstance(job, StressJob):
@@ -156,7 +157,7 @@ class Plan:
     def keys(self) -> list[tuple[str, ...]]:
         """What identifies the rows of the data files, sorted."""
         found: list[tuple[str, ...]] = []
-        for job in self.jobs():
+        for job in self.jobs:
             if isinstance(job, RateJob):
                 found.append((resolve(job.case).name, job.family, job.scheme, str(job.level)))
             elif isinstance(job, EquivalenceJob):
@@ -190,7 +191,8 @@ class Plan:
             return self.solid
         return self.plane if case.regularity.satisfies_5_36 else self.rough
 
-    def jobs(self) -> list[Job]:
+    @cached_property
+    def jobs(self) -> tuple[Job, ...]:
         """All jobs of the plan."""
         jobs: list[Job] = []
         for reference in self.cases:
@@ -209,7 +211,8 @@ class Plan:
             ]
             if plane:
                 jobs.append(PictureJob(reference))
-        return jobs + ([*self.stress_jobs(), *self.statement_jobs(), *self.bound_jobs()] if self.statements else [])
+        statements = (*self.stress_jobs(), *self.statement_jobs(), *self.bound_jobs()) if self.statements else ()
+        return (*jobs, *statements)
 
     def stress_jobs(self) -> list[Job]:
         """Problem 3.2 on its own stress space, on the cases of the plan."""

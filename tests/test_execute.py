@@ -58,7 +58,7 @@ def data(directory: Path) -> dict[str, bytes]:
 def computed(plan: Plan, directory: Path, executor: Executor) -> dict[str, bytes]:
     """The data files of a plan."""
     store = Store(directory)
-    execute(plan.jobs(), store, pool(executor), ignore)
+    execute(plan.jobs, store, pool(executor), ignore)
     collect(plan, store)
     return data(directory)
 

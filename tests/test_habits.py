@@ -282,7 +282,7 @@ def test_plans_find_what_the_recipes_enter(house: Path) -> None:
         from study.statements import STATEMENTS
         from study.plan import full, quick
         for plan in (quick(), full()):
-            keys = [job.key for job in plan.jobs()]
+            keys = [job.key for job in plan.jobs]
             print(sum("breathing-patch" in key for key in keys) > 0, sum("statement__trace" in key for key in keys))
         print(CONTROLS[-1].name, STATEMENTS[-2].label)
     """

@@ -19,7 +19,7 @@ PLANS = {"quick": quick(), "full": full()}
 
 @pytest.mark.parametrize("name", PLANS)
 def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_compared(name: str) -> None:
-    jobs = PLANS[name].jobs()
+    jobs = PLANS[name].jobs
     for case in catalogue():
         enough = 3 if case.regularity.satisfies_5_36 else 4
         rates = [job for job in jobs if isinstance(job, RateJob) and job.case == case.name]
@@ -29,15 +29,15 @@ def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_comp
 
 
 def test_the_full_study_uses_every_family_that_can_mesh_a_body_and_the_quick_one_every_family_somewhere() -> None:
-    found = {(job.case, job.family) for job in PLANS["full"].jobs() if isinstance(job, RateJob)}
+    found = {(job.case, job.family) for job in PLANS["full"].jobs if isinstance(job, RateJob)}
     expected = {(c.name, f.name) for c in catalogue() for f in FAMILIES if f.serves(c.solution.body)}
     assert found == expected
-    assert {job.family for job in PLANS["quick"].jobs() if isinstance(job, RateJob)} == {f.name for f in FAMILIES}
+    assert {job.family for job in PLANS["quick"].jobs if isinstance(job, RateJob)} == {f.name for f in FAMILIES}
 
 
 @pytest.mark.parametrize("name", PLANS)
 def test_every_numbered_statement_is_measured_on_cases_that_exist(name: str) -> None:
-    jobs = [job for job in PLANS[name].jobs() if isinstance(job, StatementJob)]
+    jobs = [job for job in PLANS[name].jobs if isinstance(job, StatementJob)]
     assert {job.label for job in jobs} == {statement.label for statement in STATEMENTS if statement.settings(True)}
     assert len({job.key for job in jobs}) == len(jobs)
     for job in jobs:
