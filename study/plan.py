@@ -206,7 +206,7 @@ class Plan:
             plane = case.solution.body.dim == 2
             jobs += [
                 EquivalenceJob(reference, family.name, n, 2 * n)
-                for family in families[::2]
+                for family in (families if self.families is None else families[:1])
                 for n in (self.equivalence if plane else self.solid_equivalence)
             ]
             if plane:

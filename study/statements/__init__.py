@@ -18,6 +18,8 @@ from study.statements.lipschitz import Lipschitz
 from study.statements.norms import Norms
 from study.statements.residual import Residual
 from study.statements.slips import SLIPS
+from study.statements.stress_uniqueness import OneStress
+from study.statements.untested import UNTESTED
 from study.statements.wellposed import BoundedVelocity, Dependence, OneTrajectory
 
 STATEMENTS: tuple[Statement, ...] = (
@@ -31,6 +33,7 @@ STATEMENTS: tuple[Statement, ...] = (
     Admissibility(),
     BoundedVelocity(),
     OneTrajectory(),
+    OneStress(),
     Lipschitz(),
     NaturalConditions(),
     StandsAlone(),
@@ -43,6 +46,7 @@ STATEMENTS: tuple[Statement, ...] = (
     InterpolationOnContact(),
     FullyDiscrete(),
     SLIPS,
+    UNTESTED,
 )
 """In the order of the source."""
 

@@ -50,7 +50,10 @@ WEAK = Window(1.7, 2.3, "2 ± 0.3: O(h) in σ − σ^h times O(h) in v − Π^h 
 LINES = (
     order("order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
     order("order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
-    Observation(order("order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential")),
+    Observation(
+        order("order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
+        "it is bounded by the row above, and what is of first order in it depends on how the triangles along Γ3 lie",
+    ),
     order("order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
     order("order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
 )

@@ -146,7 +146,7 @@ def lines(groups: Groups) -> list[Line]:
             found.append(growing(bound, gamma, RATE if of_rate else TRACE))
         elif bound == "(5.42)" and first(table, LOGARITHM) > 0:
             about = f"{steady.quantity}, of lower order by |log h|^{{1/4}}"
-            found.append(Observation(replace(steady, quantity=about)))
+            found.append(Observation(replace(steady, quantity=about), "a logarithm does not show on a few levels"))
         else:
             found.append(steady)
         found.append(largest(f"error / (c · right side of {bound})", PROVED, f"{bound}, c"))

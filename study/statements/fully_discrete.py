@@ -52,6 +52,7 @@ ORDERS = {"backward-euler": FIRST, "bdf2": SECOND, "midpoint": SECOND}
 IN_H = Window(0.85, 1.15, "1 ± 0.15")
 NOT_STIFF = Window(-0.1, 0.1, "0 ± 0.1")
 BETTER = Window(0.0, 1.0, "< 1")
+OPEN = "the source leaves it open (no number: the error in time cannot be seen; undecided: the interval is too wide)"
 
 
 @dataclass(frozen=True)
@@ -197,9 +198,15 @@ def lines(scheme: Scheme) -> Iterator[Line]:
             lambda table: table.jointly().parameter(3) if table.visible() else None,
         ),
         ("misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, Table.misfits),
+        ("order p of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖", IN_H, lambda table: table.jointly(1.0).parameter(1)),
+        (
+            "order q of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖",
+            order,
+            lambda table: table.jointly(1.0).parameter(3) if table.visible() else None,
+        ),
     ]
     for quantity, window, of in found:
-        yield Observation(Criterion(f"{scheme.name}: {quantity}", window, _on(scheme, of), needs, ENOUGH))
+        yield Observation(Criterion(f"{scheme.name}: {quantity}", window, _on(scheme, of), needs, ENOUGH), OPEN)
 
 
 def _on(scheme: Scheme, of: Callable[[Table], Measured | None]) -> Measure:

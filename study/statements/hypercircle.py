@@ -90,8 +90,13 @@ class Hypercircle:
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         lines: list[Line] = [
             every(f"{BOUND} / both errors", TIGHT, "guaranteed"),
-            Observation(every(f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {LOW}", NEAR, f"plain_{LOW}")),
-            Observation(every(f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {HIGH}", NEAR, f"plain_{HIGH}")),
+            *(
+                Observation(
+                    every(f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {degree}", NEAR, f"plain_{degree}"),
+                    "it is a bound only with the oscillation of the forces",
+                )
+                for degree in (LOW, HIGH)
+            ),
         ]
         return judge(self, rows, lines)
 

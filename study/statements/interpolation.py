@@ -172,7 +172,8 @@ def on_trace(name: str, tau: float) -> Line:
         )
         return induced(over_two, name)
     predicted = Window(tau - 0.3, tau + 0.3, f"{tau:g} ± 0.3")
-    return Observation(induced(fitted_order(f"{quantity}, fitted", predicted, name), name))
+    criterion = induced(fitted_order(f"{quantity}, fitted", predicted, name), name)
+    return Observation(criterion, "the trace is not in H² and (5.24) says nothing about it")
 
 
 def induced(criterion: Criterion, name: str) -> Criterion:

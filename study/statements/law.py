@@ -82,7 +82,9 @@ class Viscosity:
         lines = (
             Constant("m_A / smallest Aτ·τ/|τ|²", "ellipticity"),
             Constant("largest Aτ·τ/|τ|² / ‖A‖", "bound"),
-            Observation(largest("|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|), by construction of a law", ZERO, "asymmetry")),
+            Observation(
+                largest("|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)", ZERO, "asymmetry"), "it is symmetric by construction of a law"
+            ),
         )
         return judge(self, rows, lines)
 

@@ -35,7 +35,7 @@ from study.statements.base import Setting
 from study.statements.constants import BOUND, ROUNDING, Constant
 from study.statements.eigen import largest, unloaded
 from study.statements.law import derivative, points, tensors
-from study.statements.places import FIRST, different, material, place, shape, space_of
+from study.statements.places import EVERY, FIRST, different, material, place, shape, space_of
 from study.statements.tally import finest, judge, with_h
 from study.statements.tally import largest as largest_of
 from study.verdict import Verdict, Window
@@ -121,7 +121,7 @@ class Lipschitz:
 
     def settings(self, full: bool) -> list[Setting]:
         cases = different(_body_and_law)
-        return place(cases, FIRST, (8, 16, 32), (2, 4)) if full else place(cases, FIRST, (8, 16), (2,))
+        return place(cases, EVERY, (8, 16, 32), (2, 4)) if full else place(cases, FIRST, (8, 16), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, law = space_of(setting), resolve(setting.case).solution.law

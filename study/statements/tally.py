@@ -81,15 +81,18 @@ class Observation:
 
     Attributes:
         criterion: the quantity, with the prediction as its window.
+        reason: why none is made.
     """
 
     criterion: Criterion
+    reason: str
 
     def verdict(self, statement: Statement, case: str, groups: Groups) -> Verdict:
         """The row for a case, which says whether the prediction agrees."""
         found = self.criterion.verdict(statement, case, groups)
         agreement = {HOLDS: "agrees", FAILS: "differs", UNDECIDED: "undecided"}[found.verdict]
-        return replace(found, expected=f"predicted {found.expected}: {agreement}", verdict=REPORTED)
+        expected = f"predicted {found.expected}, no claim as {self.reason}: {agreement}"
+        return replace(found, expected=expected, verdict=REPORTED)
 
 
 def judge(statement: Statement, rows: pd.DataFrame, lines: Sequence[Line]) -> list[Verdict]:
