@@ -44,6 +44,8 @@ from study.provenance import protect, read_provenance
 from study.published import TableError, as_json, as_text, read_table, report
 from study.rates import RatesError
 from study.report import write_report
+from study.seeds import SEEDS, seeded, tally, write_seeds
+from study.seeds import text as seeds_text
 from study.show import LEVELS, show, ticks
 from study.solve.evolution import SCHEMES
 from study.store import Store, StoreError
@@ -130,6 +132,12 @@ def parser() -> argparse.ArgumentParser:
     _out(controls)
     controls.set_defaults(command=do_controls)
 
+    seeds = commands.add_parser("seeds", help="the verdicts on other random meshes; exit 0 all hold on all of them")
+    seeds.add_argument("--seeds", type=int, default=SEEDS, metavar="N", help=f"how many (default {SEEDS})")
+    _jobs(seeds)
+    _out(seeds)
+    seeds.set_defaults(command=do_seeds)
+
     published = commands.add_parser("rates", help="orders of a published or foreign error table")
     published.add_argument("file", type=Path, metavar="FILE.csv", help="columns h or n, and one or more of errors")
     published.add_argument("--expected", type=float, metavar="P", help="judge the orders against this one")
@@ -195,7 +203,7 @@ def do_run(options: argparse.Namespace) -> int:
     _check_jobs(options.jobs)
     plan = replace(plan, scheme=options.scheme, k=options.step)
     if options.case:
-        plan = replace(plan, cases=tuple(map(absolute, options.case)), families=None, statements=False)
+        plan = replace(plan, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
         # The interior point method is for small problems, whatever the levels of the others.
@@ -205,6 +213,7 @@ def do_run(options: argparse.Namespace) -> int:
             plane=levels,
             rough=levels,
             solid=levels,
+            own=(),
             equivalence=tuple(plane) or plan.equivalence[:1],
             solid_equivalence=tuple(solid[:1]) or plan.solid_equivalence,
         )
@@ -265,6 +274,25 @@ def do_controls(options: argparse.Namespace) -> int:
     print(f"\n{controls_text(findings)}")
     print(f"data: {written}")
     return OK if all(finding.passes for finding in findings) else FAILED
+
+
+def do_seeds(options: argparse.Namespace) -> int:
+    """``study seeds``: the quick study on shaken meshes of other seeds, and how often a row does not hold."""
+    _check_jobs(options.jobs)
+    if options.seeds < 1:
+        raise UsageError(f"--seeds must be 1 or more, got {options.seeds}")
+    found = {}
+    with Processes(options.jobs) as processes:
+        pool = Pool.of(processes)
+        for seed in range(options.seeds):
+            store = Store(options.out / "seeds" / str(seed))
+            with store.locked():
+                found[seed] = _measure(seeded(seed), store, pool)
+    table = tally(found)
+    written = write_seeds(options.out, table)
+    print(f"\n{seeds_text(table)}")
+    print(f"data: {written}")
+    return FAILED if table.loc[table["claimed"] == "yes", "alarms"].any() else OK
 
 
 def do_rates(options: argparse.Namespace) -> int:

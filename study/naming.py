@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib.util
+import re
 import sys
 from collections.abc import Sequence
 from functools import lru_cache
@@ -13,7 +14,7 @@ from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.data import Data
 from manufactured.problems import Problem, problems
-from study.fem.mesh import FAMILIES, MeshFamily
+from study.fem.mesh import FAMILIES, MeshFamily, Shaken
 
 
 class UsageError(ValueError):
@@ -32,8 +33,14 @@ def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
     raise UsageError(f"unknown {kind} {name!r}; known: {', '.join(item.name for item in known)}")
 
 
+SEEDED = re.compile(r"shaken-(\d+)")
+"""Shaken meshes with another seed than the study's."""
+
+
 def family_named(name: str) -> MeshFamily:
-    """The mesh family with a name; UsageError if there is none."""
+    """The mesh family with a name, shaken-7 for shaken meshes with the seed 7; UsageError if there is none."""
+    if seeded := SEEDED.fullmatch(name):
+        return Shaken(seed=int(seeded[1]), name=name)
     return choose("mesh family", name, FAMILIES)  # type: ignore[no-any-return]
 
 

@@ -51,13 +51,13 @@ class Plan:
         rough: levels for the others, whose orders need more of them.
         solid: levels in 3D.
         equivalence, solid_equivalence: levels of the check of Theorem 4.2, in 2D and 3D.
-        families: mesh families a plane case with (5.36) is measured on: its first one and others in turn, so
-            that all are used; one in turn for a rougher case, the first in 3D. None for all.
+        every_family: whether cases are measured on all mesh families that serve them, or on one in turn, a twin on
+            that of its twin; on the first in 3D, and on graded meshes beside it where a body has points to refine to.
         scheme: name of the time scheme.
         name: quick or full, for the provenance.
         k: time step at every level; without it each case's own.
         statements: whether the numbered statements are measured one by one, and Problem 3.2 on its own space, too.
-        finest: pairs (case, level) measured beside these on the first family of the case.
+        own: pairs (case, levels) of cases that have other levels.
     """
 
     cases: tuple[str, ...]
@@ -66,12 +66,12 @@ class Plan:
     solid: Levels
     equivalence: tuple[int, ...]
     solid_equivalence: tuple[int, ...]
-    families: int | None = None
+    every_family: bool = True
     scheme: str = "midpoint"
     name: str = "quick"
     k: float | None = None
     statements: bool = True
-    finest: tuple[tuple[str, int], ...] = ()
+    own: tuple[tuple[str, Levels], ...] = ()
 
     def resolved(self) -> list[Case]:
         return [resolve(reference) for reference in self.cases]
@@ -173,20 +173,19 @@ class Plan:
     def families_of(self, case: Case) -> list[MeshFamily]:
         """The mesh families a case is measured on, graded ones where there are."""
         serving = [family for family in FAMILIES if family.serves(case.solution.body)]
-        if self.families is None:
+        if self.every_family:
             return serving
-        first, *others = serving
-        turn = [case.name for case in self.resolved()].index(case.name)
         if case.solution.body.dim == 3:
-            return [first]
+            return serving[:1]
         if case.solution.body.refine:
-            return [first, others[-1]]
-        if not case.regularity.satisfies_5_36:
-            return [serving[turn % len(serving)]]
-        return [first, *(others[(turn + i) % len(others)] for i in range(min(self.families - 1, len(others))))]
+            return [serving[0], serving[-1]]
+        turn = [other.name for other in self.resolved()].index(case.twin or case.name)
+        return [serving[turn % len(serving)]]
 
     def levels_of(self, case: Case) -> Levels:
         """The levels of a case."""
+        if case.name in dict(self.own):
+            return dict(self.own)[case.name]
         if case.solution.body.dim == 3:
             return self.solid
         return self.plane if case.regularity.satisfies_5_36 else self.rough
@@ -201,18 +200,21 @@ class Plan:
             jobs += [
                 RateJob(reference, family.name, self.scheme, n, self.steps(case, n))
                 for position, family in enumerate(families)
-                for n in (*levels.of(position), *(n for name, n in self.finest if name == case.name and not position))
+                for n in levels.of(position)
             ]
             plane = case.solution.body.dim == 2
             jobs += [
                 EquivalenceJob(reference, family.name, n, 2 * n)
-                for family in (families if self.families is None else families[:1])
+                for family in (families if self.every_family else families[:1])
                 for n in (self.equivalence if plane else self.solid_equivalence)
             ]
-            if plane:
-                jobs.append(PictureJob(reference))
+        jobs += self.picture_jobs()
         statements = (*self.stress_jobs(), *self.statement_jobs(), *self.bound_jobs()) if self.statements else ()
         return (*jobs, *statements)
+
+    def picture_jobs(self) -> list[Job]:
+        """What the figures show of a case."""
+        return [PictureJob(case) for case in self.cases if resolve(case).solution.body.dim == 2]
 
     def stress_jobs(self) -> list[Job]:
         """Problem 3.2 on its own stress space, on the cases of the plan."""
@@ -237,8 +239,15 @@ def violations(reference: str) -> list[Finding]:
     return [finding for finding in examine(resolve(reference).solution) if not finding.passes]
 
 
+NARROW, DISC = ("merging-patches", "layered"), "cube-disc"
+"""Two patches of contact of three or four cells at n = 8, a front above a layer of four, and a disc three cells wide
+at n = 6: there orders depend on the mesh and on the constants of a case, and these start where they do not."""
+FINEST = ("fixed-front-off-vertex", "advance-recede")
+"""Cases that are measured on one level more."""
+
+
 def quick() -> Plan:
-    """A minute's worth: enough levels for every verdict, two mesh families for each case."""
+    """A minute's worth: enough levels for every verdict, a mesh family for each case."""
     return Plan(
         cases=tuple(case.name for case in catalogue()),
         plane=Levels((8, 16, 32)),
@@ -246,7 +255,8 @@ def quick() -> Plan:
         solid=Levels((6, 9, 12)),
         equivalence=(4, 8),
         solid_equivalence=(3,),
-        families=2,
+        every_family=False,
+        own=(*((name, Levels((16, 24, 36))) for name in NARROW), (DISC, Levels((9, 12, 15)))),
     )
 
 
@@ -259,7 +269,11 @@ def full() -> Plan:
         solid=Levels((6, 9, 12, 18), (24,)),
         equivalence=(4, 8, 16),
         solid_equivalence=(3, 6),
-        families=None,
+        every_family=True,
         name="full",
-        finest=tuple((name, 256) for name in ("fixed-front-off-vertex", "advance-recede")),
+        own=(
+            *((name, Levels((16, 32, 64), (128,))) for name in NARROW),
+            (DISC, Levels((9, 12, 18), (24,))),
+            *((name, Levels((8, 16, 32, 64), (128, 256))) for name in FINEST),
+        ),
     )

@@ -37,7 +37,7 @@ SMALL = replace(
     plane=LEVELS,
     rough=LEVELS,
     equivalence=(2,),
-    families=2,
+    every_family=False,
     statements=False,
 )
 ROOMY = 64 * GIB

@@ -95,6 +95,6 @@ def test_rough_places_that_no_cell_rule_serves_are_refused_before_the_run(tmp_pa
     (tmp_path / "rough.py").write_text(ROUGH)
     levels = Levels((level,))
     mine = replace(quick(), cases=(f"{tmp_path}/rough.py:{case}",), plane=levels, rough=levels, solid=levels)
-    small = replace(mine, equivalence=(), solid_equivalence=(), families=1, statements=False)
+    small = replace(mine, equivalence=(), solid_equivalence=(), every_family=False, statements=False)
     with pytest.raises(MeshError, match=message):
         small.check()

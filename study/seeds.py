@@ -1,0 +1,156 @@
+"""The verdicts on other random meshes: none may hang on the one seed that the study shakes its meshes with.
+
+For every seed, all that the quick study judges is measured on meshes shaken with that seed, of every case that such
+meshes serve, and judged as the ledger is. A row of the ledger that does not hold raises an alarm. What the ledger does
+not claim on shaken meshes, because it alarms too often there, is measured and counted as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+import pandas as pd
+from tabulate import tabulate
+
+from manufactured.case import Case
+from study.bound.jobs import BoundJob
+from study.datafiles import write_csv
+from study.equilibrated.measure import Place, places
+from study.fem.mesh import MeshFamily, Shaken
+from study.jobs import Job, StatementJob, StressJob
+from study.naming import family_named
+from study.plan import Plan, quick
+from study.statements import STATEMENTS
+from study.statements.base import Setting
+from study.verdict import HOLDS, REPORTED, Verdict
+
+SEEDS = 20
+FINEST = 16
+"""Level up to which Problem 3.2 is measured on its own stress space."""
+NOT_CLAIMED = {
+    ("(5.24)", ""): "orders of a trace hang on few edges of random length",
+    ("Thm 4.2, own space", "natural-front"): "the pressure's error is that of the one cell in which the front rests",
+    ("Thm 4.2, own space", "rough-trace"): "the same, and an order of the multipliers that is not understood",
+}
+"""Label and case, or every case, of what the ledger does not claim on shaken meshes, and why."""
+TRACES = ("no-contact", "advance-recede")
+"""Cases whose traces are interpolated."""
+
+
+@dataclass(frozen=True)
+class SeededPlan(Plan):
+    """The quick study on shaken meshes alone.
+
+    Attributes:
+        seed: of the meshes, which are called shaken-SEED.
+    """
+
+    seed: int = 0
+
+    @property
+    def family(self) -> str:
+        """The name of the meshes."""
+        return f"shaken-{self.seed}"
+
+    def families_of(self, case: Case) -> list[MeshFamily]:
+        """The shaken meshes, where they serve."""
+        family = family_named(self.family)
+        return [family] if family.serves(case.solution.body) else []
+
+    def picture_jobs(self) -> list[Job]:
+        """None."""
+        return []
+
+    def bound_jobs(self) -> list[BoundJob]:
+        """None: bounds are proved for every mesh, and tested with random ones."""
+        return []
+
+    def stress_jobs(self) -> list[Job]:
+        """Every case on its own stress space that shaken meshes serve, also where nothing is claimed there."""
+        shaken = [place for place in places(True) if place.family == Shaken().name and place.level <= FINEST]
+        levels = sorted({place.level for place in shaken})
+        cases = [case for label, case in NOT_CLAIMED if case]
+        return [
+            StressJob(replace(place, family=self.family))
+            for place in (*shaken, *(Place(case, self.family, n) for case in cases for n in levels))
+        ]
+
+    def statement_jobs(self) -> list[Job]:
+        """The settings of the quick study on shaken meshes, and the traces of (5.24)."""
+        found = [
+            StatementJob(statement.label, replace(setting, family=self.family))
+            for statement in STATEMENTS
+            for setting in statement.settings(False)
+            if setting.family == Shaken().name
+        ]
+        return [
+            *found,
+            *(StatementJob("(5.24)", Setting(case, self.family, n)) for case in TRACES for n in (16, 32, 64)),
+        ]
+
+
+def seeded(seed: int) -> SeededPlan:
+    """The quick plan with a seed."""
+    plan = quick()
+    return SeededPlan(**{field.name: getattr(plan, field.name) for field in fields(plan)}, seed=seed)
+
+
+def tally(found: Mapping[int, Sequence[Verdict]]) -> pd.DataFrame:
+    """One line for each row of the ledger that is judged: on how many seeds it was and on how many it did not hold.
+
+    Columns label, case, quantity, expected, seeds, alarms, lowest and highest observed value, claimed.
+    """
+    rows = pd.DataFrame(
+        {
+            "label": verdict.label,
+            "case": verdict.case,
+            "quantity": verdict.quantity,
+            "expected": verdict.expected,
+            "observed": verdict.observed,
+            "alarm": verdict.verdict != HOLDS,
+        }
+        for verdicts in found.values()
+        for verdict in verdicts
+        if verdict.verdict != REPORTED
+    )
+    groups = rows.groupby(["label", "case", "quantity", "expected"], sort=False)
+    table = groups.agg(
+        seeds=("alarm", "size"), alarms=("alarm", "sum"), lowest=("observed", "min"), highest=("observed", "max")
+    ).reset_index()
+    known = [
+        (label, case) in NOT_CLAIMED or (label, "") in NOT_CLAIMED for label, case in table[["label", "case"]].values
+    ]
+    return table.assign(claimed=["no" if unclaimed else "yes" for unclaimed in known])
+
+
+def text(table: pd.DataFrame) -> str:
+    """What was judged, and every alarm."""
+    claimed = table[table["claimed"] == "yes"]
+    lines = [
+        (label, part["case"].nunique(), len(part), int(part["seeds"].sum()), int(part["alarms"].sum()))
+        for label, part in claimed.groupby("label", sort=False)
+    ]
+    alarms = [
+        (row.label, row.case, row.quantity, f"{row.alarms} of {row.seeds}", row.claimed)
+        for row in table[table["alarms"] > 0].itertuples()
+    ]
+    return "\n".join(
+        [
+            tabulate(lines, ["statement", "cases", "rows", "judged", "alarms"], "simple"),
+            "",
+            tabulate(
+                alarms, ["alarm", "case", "quantity", "seeds", "claimed"], "simple", maxcolwidths=[18, 18, 48, 9, 7]
+            ),
+            "",
+            f"{len(claimed)} claimed rows, {claimed['seeds'].sum()} verdicts: {claimed['alarms'].sum()} alarms",
+        ]
+    )
+
+
+def write_seeds(directory: Path, table: pd.DataFrame) -> Path:
+    """``data/seeds.csv``."""
+    path = directory / "data" / "seeds.csv"
+    write_csv(path, table)
+    return path
