@@ -80,8 +80,8 @@ def require(what: str, need: float, room: float) -> None:
     """
     if need > room:
         raise UsageError(
-            f"{what} needs about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} GiB are available; leave this level "
-            "out with --levels, free memory, or take a machine with more"
+            f"{what} needs about {need / GIB:.1f} GiB of memory, {room / GIB:.1f} GiB are available; take coarser "
+            "levels with --levels (--level of `study show`), free memory, or take a machine with more"
         )
 
 

@@ -223,6 +223,12 @@ def test_a_level_of_a_bound_beyond_the_memory_is_refused_by_the_command(tmp_path
     assert "level 64 needs about 10.0 GiB of memory, 1.0 GiB are available" in capsys.readouterr().err
 
 
+def test_a_level_beyond_the_memory_is_not_shown(tmp_path, capsys) -> None:
+    assert main(["show", "full-contact", "--level", "100000", "--out", str(tmp_path / "shows")]) == 2
+    assert "level 100000 needs about" in capsys.readouterr().err
+    assert not (tmp_path / "shows").exists()
+
+
 def full_contact(n: int) -> Job:
     return RateJob("full-contact", "one-diagonal", "midpoint", n, 2)
 

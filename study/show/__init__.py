@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from manufactured.case import Case
-from study import pictures
+from study import memory, pictures
 from study.fem.mesh import FAMILIES
 from study.figures.canvas import in_style
 from study.figures.pictures import Picture, Shape
@@ -45,7 +45,7 @@ def show(case: Case, level: int, directory: Path, notify: Callable[[], object] =
     ``notify`` is called ``ticks(case)`` times.
 
     Raises:
-        UsageError: no mesh family serves the body.
+        UsageError: no mesh family serves the body, or there is not the memory for this level.
         StoreError: the directory cannot be written; said before anything is solved.
         MeshError: the mesh of this level does not fit the body.
     """
@@ -53,6 +53,7 @@ def show(case: Case, level: int, directory: Path, notify: Callable[[], object] =
     serving = [family for family in (pictures.FAMILY, *FAMILIES) if family.serves(body)]
     if not serving:
         raise UsageError(f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped")
+    memory.require(f"level {level}", memory.displacement(body.dim, level, serving[0].name), memory.available())
     write_text(directory / ".writable", "").unlink()
     motion = Motion.of(case.solution, serving[0], level, STEPS, notify)
     with in_style():
