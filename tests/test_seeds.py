@@ -1,0 +1,113 @@
+"""No false alarms: the verdicts hold on other random meshes (``test_robustness``: for other constants of a case)."""
+
+from __future__ import annotations
+
+from dataclasses import fields, replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.cli import main
+from study.fem.mesh import Shaken
+from study.jobs import EquivalenceJob, Job, RateJob, StatementJob, StressJob
+from study.naming import UsageError, family_named, resolve
+from study.plan import full
+from study.seeds import NOT_CLAIMED, SEEDS, SeededPlan, seeded, tally, text
+from study.statements.fully_discrete import FullyDiscrete
+from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+
+JOBS = seeded(3).jobs
+
+
+def family_of(job: Job) -> str:
+    if isinstance(job, StatementJob):
+        return job.setting.family
+    if isinstance(job, StressJob):
+        return job.place.family
+    assert isinstance(job, RateJob | EquivalenceJob)
+    return job.family
+
+
+def test_a_seed_in_its_name_gives_other_shaken_meshes() -> None:
+    body = resolve("full-contact").solution.body
+    own, three, four = (family_named(name)(body, 4).p for name in ("shaken", "shaken-3", "shaken-4"))
+    assert np.array_equal(three, Shaken(seed=3)(body, 4).p)
+    assert not np.array_equal(three, four)
+    assert not np.array_equal(three, own)
+    with pytest.raises(UsageError, match="unknown mesh family 'shaken-x'"):
+        family_named("shaken-x")
+
+
+def test_plans_of_two_seeds_measure_the_same_on_other_meshes() -> None:
+    assert {family_of(job) for job in JOBS} == {"shaken-3"}
+    assert [job.key for job in seeded(4).jobs] == [job.key.replace("shaken-3", "shaken-4") for job in JOBS]
+    assert {job.fingerprint() for job in seeded(4).jobs}.isdisjoint(job.fingerprint() for job in JOBS)
+
+
+def test_every_case_and_statement_that_the_ledger_judges_on_shaken_meshes_is_among_them() -> None:
+    planned = [job for job in full().jobs if isinstance(job, RateJob | EquivalenceJob | StressJob | StatementJob)]
+    shaken = [job for job in planned if family_of(job) == "shaken"]
+
+    def kinds(jobs: list[Job]) -> set[tuple[str, str]]:
+        rates = {("rate", job.case) for job in jobs if isinstance(job, RateJob)}
+        both = {("4.2", job.case) for job in jobs if isinstance(job, EquivalenceJob)}
+        own = {("own space", job.place.case) for job in jobs if isinstance(job, StressJob)}
+        return rates | both | own | {("", job.label) for job in jobs if isinstance(job, StatementJob)}
+
+    assert kinds(shaken) - kinds([*JOBS]) == {("", FullyDiscrete().label)}
+
+
+def test_a_plan_with_a_seed_is_the_quick_plan_but_for_the_seed() -> None:
+    assert {field.name for field in fields(SeededPlan)} == {field.name for field in fields(full())} | {"seed"}
+
+
+VERDICT = Verdict("Prop. 5.4", "claim", "advance-recede", "order, shaken-0 meshes", "1 ± 0.1", 1.0, 1.0, 1.0, HOLDS)
+
+
+def test_alarms_are_counted_row_by_row_whatever_the_meshes_are_called() -> None:
+    other = replace(VERDICT, quantity="order, shaken-1 meshes", observed=0.8, verdict=FAILS)
+    third = replace(VERDICT, quantity="order, shaken-2 meshes", observed=0.9, verdict=UNDECIDED)
+    table = tally({0: [VERDICT, replace(VERDICT, quantity="p", verdict=REPORTED)], 1: [other], 2: [third]})
+    (line,) = table.itertuples(index=False)
+    assert (line.quantity, line.seeds, line.alarms, line.lowest, line.highest, line.claimed) == (
+        "order, shaken meshes",
+        3,
+        2,
+        0.8,
+        1.0,
+        "yes",
+    )
+    assert "1 claimed rows, 3 verdicts: 2 alarms" in text(table)
+
+
+@pytest.mark.parametrize(("label", "case"), NOT_CLAIMED)
+def test_what_is_not_claimed_is_counted_and_raises_no_alarm(label: str, case: str) -> None:
+    failing = replace(VERDICT, label=label, case=case or "full-contact", verdict=FAILS)
+    table = tally({0: [VERDICT, failing]})
+    assert list(table["claimed"]) == ["yes", "no"]
+    assert "1 claimed rows, 1 verdicts: 0 alarms" in text(table)
+
+
+def test_no_seeds_are_refused(tmp_path, capsys) -> None:
+    assert main(["seeds", "--seeds", "0", "--out", str(tmp_path)]) == 2
+    assert "--seeds must be 1 or more, got 0" in capsys.readouterr().err
+
+
+@pytest.fixture(scope="module")
+def committed() -> pd.DataFrame:
+    return pd.read_csv("results/data/seeds.csv", keep_default_na=False)
+
+
+def test_the_committed_verdicts_hold_on_twenty_random_meshes(committed: pd.DataFrame) -> None:
+    claimed = committed[committed["claimed"] == "yes"]
+    assert claimed["alarms"].sum() == 0
+    assert (committed.loc[committed["label"] != "data", "seeds"] == SEEDS).all()
+    assert {row.label for row in claimed.itertuples()} >= {"Prop. 5.4", "Prop. 5.3", "Thm 4.2", "Thm 4.2, own space"}
+
+
+def test_what_is_not_claimed_on_random_meshes_alarms_there(committed: pd.DataFrame) -> None:
+    """Or there would be no reason not to claim it."""
+    alarms = committed[committed["claimed"] == "no"].groupby(["label", "case"])["alarms"].sum()
+    for label, case in NOT_CLAIMED:
+        assert alarms[label].sum() > 0 if not case else alarms[label, case] > 0
