@@ -30,6 +30,7 @@ def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="sh
             "discrete_time_share": 0.1,
             "residual": 1e-14,
             "clamped": 0.0,
+            "parallelogram": 1e-12,
             "quadrature_change": 0.001,
         }
     )
@@ -56,6 +57,8 @@ def test_an_order_too_low_or_too_good_fails(order: float) -> None:
         ("discrete_time_share", 0.31, "time share of ‖Π^h u − u^h‖_V"),
         ("residual", 1e-9, "residual of the contact solves / allowed"),
         ("clamped", 1e-3, "u^h = 0 on Γ1"),
+        ("parallelogram", 0.01, "parallelogram law of u − u^h and u − Π^h u"),
+        ("parallelogram", np.nan, "parallelogram law of u − u^h and u − Π^h u"),
         ("quadrature_change", 0.04, "change under finer quadrature"),
         ("predicted_interpolation", 1.0, "‖u − Π^h u‖_V / leading term"),
         ("discrete_error", 1.0, "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V"),
