@@ -111,7 +111,7 @@ class OwnSpace:
     """
 
     case: str
-    family: str = "shaken"
+    family: str = "one-diagonal"
     levels: tuple[int, ...] = (8, 16)
 
     def __str__(self) -> str:
