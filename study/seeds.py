@@ -28,7 +28,7 @@ from study.statements.fully_discrete import FullyDiscrete
 from study.verdict import HOLDS, REPORTED, Verdict
 
 SEEDS = 20
-FINEST = 16
+FINEST = 32
 """Level up to which Problem 3.2 is measured on its own stress space."""
 NOT_CLAIMED = {
     ("(5.24)", ""): "orders of a trace hang on few edges of random length",
