@@ -8,7 +8,6 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, fields, replace
-from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -36,7 +35,17 @@ from manufactured import (
     s2,
     t,
 )
-from manufactured.cases import corners, rough, singular_fronts, yielding
+from manufactured.cases import (
+    junction,
+    natural_front,
+    re_entrant,
+    rough_1_75,
+    rough_2,
+    rough_2_25,
+    rough_trace,
+    yield_and_release,
+    yield_on_a_part,
+)
 from manufactured.cases.laws import lame
 from manufactured.factor import UNIFORM, layers
 from study.claims import prop_5_3, prop_5_4
@@ -121,13 +130,15 @@ def tied(case: Case, by: Constants) -> Constants:
 
 
 FACTORIES: dict[str, Callable[..., Case]] = {
-    "yield-and-release": yielding.whole_face,
-    "yield-on-a-part": yielding.part_of_face,
-    "natural-front": singular_fronts.natural,
-    "rough-trace": singular_fronts.rough_trace,
-    **{f"rough-{alpha}": partial(rough.case, Rational(alpha)) for alpha in ("1.75", "2", "2.25")},
-    "re-entrant": corners.reentrant,
-    "junction": corners.junction,
+    "yield-and-release": yield_and_release.case,
+    "yield-on-a-part": yield_on_a_part.case,
+    "natural-front": natural_front.case,
+    "rough-trace": rough_trace.case,
+    "rough-1.75": rough_1_75.case,
+    "rough-2": rough_2.case,
+    "rough-2.25": rough_2_25.case,
+    "re-entrant": re_entrant.case,
+    "junction": junction.case,
 }
 """Cases whose formulas are tied to the law or to smooth factors; their arguments are the law and some constants."""
 

@@ -1,9 +1,13 @@
 """A front that advances and then recedes over material that remembers the contact.
 
-    w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   c(t) = 1/4 + 2t(1 − t),   q(0) = −p(0)/3
+    w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   ψ = c − x,   c(t) = 1/4 + 2t(1 − t),   q(0) = −p(0)/3
 
-on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so a = g = 3. The front moves from 1/4 to 3/4 and
-back; where it has passed, q decays from what the pressure has left behind.
+on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so a = g = 3.
+
+Predicted order 1: the front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
+applies.
+
+The front moves from 1/4 to 3/4 and back; where it has passed, q decays from what the pressure has left behind.
 """
 
 from sympy import Rational

@@ -1,9 +1,14 @@
 """The whole of Γ3 stays in contact while the pressure grows from zero; A and G are not proportional.
 
-    w = 0,   p = 20 t (1 + 4 x(1 − x)),   q(0) = 0,   φ(y) = 1 − y²
+    w = 0,   p = 20 t (1 + 4 x(1 − x)),   ψ = 1,   q(0) = 0,   φ(y) = 1 − y²
 
-on the unit square. The body starts at rest, u_0 = 0, so nothing can be gained at t = 0: the error
-grows with the pressure. This cut-off leaves a traction on Γ1.
+on the unit square.
+
+Predicted order 1: there is no front, and w and q are smooth in space and time, which gives (5.36), so that Prop. 5.4
+applies.
+
+The body starts at rest, u_0 = 0, so nothing can be gained at t = 0: the error grows with the pressure. This cut-off
+leaves a traction on Γ1.
 """
 
 from sympy import Integer

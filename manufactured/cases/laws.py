@@ -1,9 +1,11 @@
 """Laws shared by several cases."""
 
 import numpy as np
+from sympy import Expr, Rational
 
-from manufactured.factor import UNIFORM, Factor
+from manufactured.factor import UNIFORM, Factor, layers
 from manufactured.law import KelvinVoigt, Linear, isotropic
+from manufactured.symbols import t
 from manufactured.tensors import Array, rotation
 
 
@@ -31,6 +33,12 @@ def not_proportional(dim: int = 2, viscous: Factor = UNIFORM, elastic: Factor = 
     )
 
 
+def two_layers(interface: float, ratio: float) -> KelvinVoigt:
+    """``not_proportional``, and ``ratio`` times as stiff and viscous above x_2 = ``interface``."""
+    factor = layers((0.0, 1.0), interface, ratio)
+    return not_proportional(2, factor, factor)
+
+
 def lame(tensor: Linear) -> tuple[float, float]:
     """(μ, λ) of an isotropic tensor."""
     return float(tensor.matrix[-1, -1]) / 2, float(tensor.matrix[0, 1])
@@ -40,6 +48,17 @@ def kolosov_constant(tensor: Linear) -> float:
     """κ = (λ + 3μ)/(λ + μ) of an isotropic tensor in the plane."""
     mu, lam = lame(tensor)
     return (lam + 3 * mu) / (lam + mu)
+
+
+def shearing(law: KelvinVoigt, theta: Expr) -> Expr:
+    """2μ_A θ̇ + 2μ_G θ, for isotropic A and G.
+
+    Where both have the same κ, the stress of θ(t) U is this times that of the potentials Φ and Ψ of U
+    (``singular.kolosov``).
+    """
+    assert isinstance(law.G, Linear)
+    mu_A, mu_G = (Rational(lame(tensor)[0]) for tensor in (law.A, law.G))
+    return 2 * mu_A * theta.diff(t) + 2 * mu_G * theta
 
 
 def anisotropic() -> KelvinVoigt:

@@ -1,11 +1,15 @@
 """The whole face lifts off and lands again, with a jump of the velocity.
 
-    w = 40 (t − t_1)_+² (t_2 − t)_+,   t_1 = 3/10, t_2 = 7/10
-    p = 3000 t (1 + 4x(1 − x)) (t_1 − t)_+² + [a·40 (t_2 − t_1)² + 60 (t − t_2) (1 + 4x(1 − x))] H(t − t_2)
+    w = 40 (t − t_1)_+² (t_2 − t)_+,   ψ = (t − t_1)(t − t_2),   t_1 = 3/10, t_2 = 7/10,
+    p = 3000 t (1 + 4x(1 − x)) (t_1 − t)_+² + [a·40 (t_2 − t_1)² + 60 (t − t_2) (1 + 4x(1 − x))] H(t − t_2),   q(0) = 0
 
-on the unit square, A without lateral contraction (λ_A = 0, a = 2). At the landing u̇ jumps by
-−ẇ(t_2^−) (1 − y) n. For this A that is an elastic state with no forces but the pressure −a ẇ(t_2^−) on
-Γ3, by which p jumps: the loads f_0 and f_2 stay continuous, f ∈ W^{1,1}(0,T;V), and u ∈ W^{1,∞}(0,T;V)
+on the unit square, A without lateral contraction (λ_A = 0, a = 2).
+
+Predicted order 1: there is no front; w and q are smooth in space, and u̇ is bounded with one jump in time, so that u ∈
+W^{1,∞}(0,T;H²), which gives (5.36), so that Prop. 5.4 applies.
+
+At the landing u̇ jumps by −ẇ(t_2^−) (1 − y) n. For this A that is an elastic state with no forces but the pressure −a
+ẇ(t_2^−) on Γ3, by which p jumps: the loads f_0 and f_2 stay continuous, f ∈ W^{1,1}(0,T;V), and u ∈ W^{1,∞}(0,T;V)
 only. The lifting with u_n = w (1 − y) + … (``profile.slab``) carries this state.
 """
 

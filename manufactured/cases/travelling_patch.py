@@ -1,11 +1,16 @@
 """A contact patch that is born, travels and vanishes; A and G are not proportional.
 
+    w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 3000 ψ_+²,   q(0) = 0,
     ψ = (3/4)(t − 1/8)(7/8 − t) − (x − b(t))²,   b(t) = 3/10 + 2t/5
-    w = 60 (1/4 + 3t(1 − t)) (−ψ)_+^4,   p = 3000 ψ_+²,   q(0) = 0
 
-on the unit square. The patch is born at t = 1/8, grows to the half-width 0.32, travels from left to
-right and vanishes at t = 7/8. Its fronts start and end with infinite speed. The gap is
-largest in between, so that the error is worst while the zone moves.
+on the unit square.
+
+Predicted order 1: the fronts move, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
+applies.
+
+The patch is born at t = 1/8, grows to the half-width 0.32, travels from left to right and vanishes at t = 7/8. Its
+fronts start and end with infinite speed. The gap is largest in between, so that the error is worst while the zone
+moves.
 """
 
 from sympy import Rational

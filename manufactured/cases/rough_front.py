@@ -1,18 +1,19 @@
-"""Fixed fronts too rough for (5.36): u(t) ∈ H^{1+s} for s < α − 3/2 only.
+"""A fixed front of any exponent 3/2 < α < 5/2, too rough for (5.36): ``rough_1_75``, ``rough_2`` and ``rough_2_25``.
 
-    w = 60 t (x − c)_+^α (1 − x)²,   p = 200 t (c − x)_+^{α−1} x²,   c = 1/3,   q(0) = 0,   3/2 < α < 5/2
+    w = 60 t (x − c)_+^α (1 − x)²,   p = 200 t (c − x)_+^{α−1} x²,   ψ = c − x,   c = 1/3,   q(0) = 0
 
-on the unit square, A and G not proportional. Prop. 5.3 gives convergence and claims no rate; the
-interpolation error of a function in H^{1+s} predicts α − 3/2. c is off the vertices of structured
-meshes. The smooth factors keep the smooth part of the error, of order 1, small beside the rough
-one. For α < 2 the strain is unbounded at the front. The arguments are α, the law and factors of
-the other constants.
+on the unit square, A and G not proportional. u(t) ∈ H^{1+s} for s < min(α − 3/2, (α − 1) − 1/2) = α − 3/2 only.
+
+Prop. 5.3 gives convergence and claims no rate; the interpolation error of a function in H^{1+s} predicts α − 3/2. c is
+off the vertices of structured meshes. The smooth factors keep the smooth part of the error, of order 1, small beside
+the rough one. For α < 2 the strain is unbounded at the front.
 """
 
-from sympy import Expr, Integer, Rational
+from sympy import Expr, Rational
 
 from manufactured.body import Kind, unit_square
 from manufactured.case import Case
+from manufactured.cases.constants import ONE
 from manufactured.cases.laws import not_proportional
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
@@ -21,16 +22,16 @@ from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
 LAW = not_proportional()
-ONE: Expr = Integer(1)
 
 
-def case(
+def rough_front(
     alpha: Rational,
     law: KelvinVoigt = LAW,
     gap: Expr = ONE,
     pressure: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
+    """The case with α, a linear law and factors of its other constants."""
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     c = place * Rational(1, 3)
@@ -46,7 +47,3 @@ def case(
         reason=f"u(t) ∈ H^(1+s) for s < α − 3/2 = {float(alpha) - 1.5:g}: interpolation of that order, no rate claimed",
         pace=1,
     )
-
-
-def family() -> tuple[Case, ...]:
-    return tuple(case(alpha) for alpha in (Rational(7, 4), Rational(2), Rational(9, 4)))

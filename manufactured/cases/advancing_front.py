@@ -1,0 +1,26 @@
+"""A front that advances along the floor, shared by ``anisotropic``, ``heterogeneous`` and ``layered``.
+
+    w = 8 (1/5 + t) (x − c)_+^4,   ψ = c − x,   c(t) = 1/4 + t/2
+
+on the unit square under a pressure that each of them chooses, in elastic equilibrium at the start.
+"""
+
+from sympy import Expr, Rational
+
+from manufactured.body import Body, Kind
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
+from manufactured.profile import Profile
+from manufactured.symbols import pos, s, t
+
+FRONT: Expr = Rational(1, 4) + t / 2
+"""c(t)."""
+
+
+def advancing_front(body: Body, law: KelvinVoigt, profile: Profile, pressure: Expr) -> ExactSolution:
+    """The solution with this law and the pressure p(s, t), which has to vanish beyond the front."""
+    (part,) = body.of(Kind.CONTACT)
+    gap = 8 * (Rational(1, 5) + t) * pos(s - FRONT, 4)
+    face = ContactFace.linear(part, law, body.T, gap, pressure, FRONT - s, profile=profile)
+    return ExactSolution(body, law, (face,))

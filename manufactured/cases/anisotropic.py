@@ -1,0 +1,30 @@
+"""A front that advances over a body whose A and G couple ε_nn with ε_sn on Γ3.
+
+    w = 8 (1/5 + t) (x − c)_+^4,   p = 150 (c − x)_+²,   ψ = c − x,   c(t) = 1/4 + t/2
+
+on the unit square, in elastic equilibrium at the start; A and G are orthotropic with different axes
+(``laws.anisotropic``), and a shear r(x, t) of the lifting keeps σ_τ = 0.
+
+Predicted order 1: the front moves, r and q inherit m = 2 > 3/2 from p, and with α = 4 > 7/2 this gives (5.36), so that
+Prop. 5.4 applies.
+"""
+
+from manufactured.body import unit_square
+from manufactured.case import Case
+from manufactured.cases import laws
+from manufactured.cases.advancing_front import FRONT, advancing_front
+from manufactured.profile import cutoff
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s
+
+
+def case() -> Case:
+    return Case(
+        name="anisotropic",
+        summary="advancing front, A and G anisotropic with different axes",
+        solution=advancing_front(unit_square(), laws.anisotropic(), cutoff(), 150 * pos(FRONT - s, 2)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="r and q inherit m = 2 from p, α = 4: (5.36) and order 1 by Prop. 5.4",
+        pace=4,
+    )

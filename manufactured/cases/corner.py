@@ -1,0 +1,50 @@
+"""Two sides at right angles in contact, both under pressure at the corner between them, a vertex with two constraints.
+
+    w = 4 (ρ − c)_+^4,   p = 40 (c² − ρ²)_+²,   ψ = c − ρ,   q(0) = −p(0)/g,
+    bottom: c(t) = 2/5 + (4/5) t(1 − t),   left: c(t) = 3/5 − t/3
+
+on each side with the distance ρ from the corner. Γ3 is the bottom and the left side of the unit square, with the depths
+1 and 3/4; Γ1 is the right quarter of the top. p is even in ρ, so the lifting of one side is symmetric about the other
+and leaves σ_τ = 0 there, and A, G do not couple normal strains (``laws.without_contraction``).
+
+Predicted order 1: both fronts move, the exponents α = 4 > 7/2 and m = 2 > 3/2 hold on both sides, and u is smooth at
+the corner, which gives (5.36), so that Prop. 5.4 applies.
+"""
+
+from sympy import Expr, Rational
+
+from manufactured.body import Body, Kind, Part, polygon
+from manufactured.case import Case
+from manufactured.cases.laws import without_contraction
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
+from manufactured.profile import cutoff
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+
+def case() -> Case:
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED, Kind.CONTACT]
+    body = polygon([(0, 0), (1, 0), (1, 1), (0.75, 1), (0, 1)], kinds)
+    law = without_contraction()
+    bottom, left = body.of(Kind.CONTACT)
+    faces = (
+        _at_corner(bottom, body, law, s, Rational(2, 5) + Rational(4, 5) * t * (1 - t), 1.0),
+        # The left side runs down to the corner.
+        _at_corner(left, body, law, 1 - s, Rational(3, 5) - t / 3, 0.75),
+    )
+    return Case(
+        name="corner",
+        summary="two sides at right angles in contact, pressure at the corner between them",
+        solution=ExactSolution(body, law, faces),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="α = 4 > 7/2 and m = 2 > 3/2 on both sides, u smooth at the corner: (5.36), order 1 by Prop. 5.4",
+        pace=4,
+    )
+
+
+def _at_corner(part: Part, body: Body, law: KelvinVoigt, rho: Expr, c: Expr, depth: float) -> ContactFace:
+    gap, pressure = 4 * pos(rho - c, 4), 40 * pos(c**2 - rho**2, 2)
+    return ContactFace.linear(part, law, body.T, gap, pressure, c - rho, profile=cutoff(depth))

@@ -1,0 +1,35 @@
+"""A front that advances over a body whose A and G vary smoothly, in different ways.
+
+    w = 8 (1/5 + t) (x − c)_+^4,   p = 150 (c − x)_+²,   ψ = c − x,   c(t) = 1/4 + t/2,
+    A(x, y) = (1 + x/2)(1 + y) A,   G(x, y) = (1 + x/2)(1 + 3y²) G
+
+on the unit square, in elastic equilibrium at the start; A and G not proportional. Along Γ3 both vary alike, so that the
+memory has one relaxation rate, inside they do not.
+
+Predicted order 1: the front moves, and as the coefficients are smooth the exponents α = 4 > 7/2 and m = 2 > 3/2 give
+(5.36), so that Prop. 5.4 applies.
+"""
+
+from manufactured.body import unit_square
+from manufactured.case import Case
+from manufactured.cases.advancing_front import FRONT, advancing_front
+from manufactured.cases.laws import not_proportional
+from manufactured.factor import Factor, x1, x2
+from manufactured.profile import cutoff
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s
+
+
+def case() -> Case:
+    along = 1 + x1 / 2
+    viscous, elastic = Factor(along * (1 + x2), 1.0, 3.0), Factor(along * (1 + 3 * x2**2), 1.0, 6.0)
+    law = not_proportional(2, viscous, elastic)
+    return Case(
+        name="heterogeneous",
+        summary="advancing front, A and G vary smoothly in different ways",
+        solution=advancing_front(unit_square(), law, cutoff(), 150 * pos(FRONT - s, 2)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="smooth coefficients do not change the regularity: α = 4, m = 2, (5.36) and order 1 by Prop. 5.4",
+        pace=4,
+    )

@@ -1,0 +1,57 @@
+"""An irregular hexagon with contact on three sides of different directions.
+
+    w = 4 (1/5 + t) (z − c)_+^4/(1/4 + (z − c)²),   p = P (c − z)_+²,   ψ = c − z,   q(0) = −p(0)/g,
+    first:  z = s,               c(t) = 3/10 + t/4,        P = 50,
+    second: z = |Γ3,2| − s,      c(t) = 3/4 − t/4,         P = 900 z²,
+    third:  z = s,               c(t) = 1/2 + t(1 − t),    P = 900 z²
+
+with the coordinate s along each side. On the two sides beside Γ1 z is the distance from the end at Γ1, and P is such
+that nothing is lifted onto Γ1. A and G not proportional; the depth 4/5 does not reach from one contact side to another.
+
+Predicted order 1: the fronts move, and the exponents α = 4 > 7/2 and m = 2 > 3/2 on every side give (5.36), so that
+Prop. 5.4 applies.
+
+The denominator flattens the gap away from the fronts.
+"""
+
+from sympy import Expr, Integer, Rational
+
+from manufactured.body import Body, Kind, Part, polygon
+from manufactured.case import Case
+from manufactured.cases.laws import not_proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
+from manufactured.profile import QUARTIC, cutoff
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+HEXAGON = ((-0.5, -0.9), (0.55, -0.85), (1.05, 0.05), (0.5, 0.85), (-0.55, 0.9), (-1.0, 0.0))
+
+
+def case() -> Case:
+    contact, loaded = Kind.CONTACT, Kind.LOADED
+    body = polygon(HEXAGON, [contact, loaded, contact, Kind.CLAMPED, contact, loaded])
+    law = not_proportional()
+    first, second, third = body.of(contact)
+    faces = (
+        _with_front(first, body, law, s, Rational(3, 10) + t / 4, Integer(50)),
+        _with_front(second, body, law, second.measure - s, Rational(3, 4) - t / 4, 900 * pos(second.measure - s, 2)),
+        _with_front(third, body, law, s, Rational(1, 2) + t * (1 - t), 900 * pos(s, 2)),
+    )
+    return Case(
+        name="hexagon",
+        summary="irregular hexagon with contact on three sides of different directions",
+        solution=ExactSolution(body, law, faces),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="α = 4 > 7/2 and m = 2 > 3/2 on every side give (5.36): order 1 by Prop. 5.4",
+        pace=4,
+    )
+
+
+def _with_front(part: Part, body: Body, law: KelvinVoigt, place: Expr, c: Expr, scale: Expr) -> ContactFace:
+    gap = 4 * (Rational(1, 5) + t) * pos(place - c, 4) / (Rational(1, 4) + (place - c) ** 2)
+    return ContactFace.linear(
+        part, law, body.T, gap, scale * pos(c - place, 2), c - place, profile=cutoff(0.8, QUARTIC)
+    )

@@ -1,0 +1,50 @@
+"""Γ1 meets Γ3 in contact on a straight line, where u ~ r^{1/2}.
+
+    w = 0,   p = (κ − 1)/2 (2μ_A θ̇ + 2μ_G θ) x^{−1/2},   ψ = 1,   θ(t) = t
+
+on [−1, 1] × [0, 1], clamped on x < 0 and in contact on x > 0 of the bottom, G = 2A, κ = (λ_L + 3μ)/(λ_L + μ) the same
+for both. The field is that of Williams for these two conditions, λ = 1/2: θ U with Φ = z^{1/2}, Ψ = −(κ + 1/2) z^{1/2}
+(``singular.kolosov``), which has σ_τ = 0 on Γ3 and Div σ = 0. p is not in L²(Γ3).
+
+Predicted order 1/2: u(t) ∈ H^{1+s} for s < λ = 1/2 at the junction, so interpolation has the order 1/2 on uniform
+meshes, and 1 on graded ones; Prop. 5.3 claims no rate.
+
+Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
+"""
+
+import numpy as np
+from sympy import Expr, Integer, Rational
+
+from manufactured.body import Kind, polygon
+from manufactured.case import Case
+from manufactured.cases.constants import ONE
+from manufactured.cases.laws import kolosov_constant, proportional, shearing
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
+from manufactured.regularity import Regularity
+from manufactured.singular import SingularFace, SingularField, kolosov
+from manufactured.symbols import pos, s, t
+
+LAW = proportional(2.0)
+
+
+def case(law: KelvinVoigt = LAW, mode: Expr = ONE) -> Case:
+    """The case with another law, A and G proportional, and a factor of its field."""
+    kinds = [Kind.CLAMPED, Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED]
+    body = polygon([(-1, 0), (0, 0), (1, 0), (1, 1), (-1, 1)], kinds, refine=((0.0, 0.0),))
+    kappa = kolosov_constant(law.A)
+    (part,) = body.of(Kind.CONTACT)
+    x, y = kolosov(kappa, 1.0, -(kappa + 0.5), 0.5)
+    theta = mode * t
+    field = SingularField((0.0, 0.0), np.eye(2), x, y, theta)
+    pressure = Rational(kappa - 1) / 2 * shearing(law, theta) * pos(s, -Rational(1, 2))
+    face = SingularFace(part, Integer(0), pressure, Integer(1), field, rough=(0.0,))
+    return Case(
+        name="junction",
+        summary="Γ1 meets Γ3 in contact on a straight line: u ~ r^{1/2}, p ~ r^{−1/2}",
+        solution=ExactSolution(body, law, (face,), (), ((0.0, 0.0),)),
+        regularity=Regularity(on_contact=0.5),
+        order=0.5,
+        reason="u(t) ∈ H^{1+s} for s < 1/2 at the junction: order 1/2 on uniform meshes, 1 on graded ones",
+        pace=1,
+    )

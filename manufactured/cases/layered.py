@@ -1,0 +1,33 @@
+"""A front that advances over a body of two layers whose interface every mesh meets.
+
+    w = 8 (1/5 + t) (x − c)_+^4,   p = 400 (c − x)_+³,   ψ = c − x,   c(t) = 1/4 + t/2
+
+on the unit square, in elastic equilibrium at the start; A and G not proportional. Beyond y = 1/2 the body is 4 times as
+stiff and viscous. The displacement has a kink there that keeps σν continuous (``profile.layered``), and in the upper
+layer u_s has a part ∇_s q.
+
+Predicted order 1: the front moves, α = 4 > 7/2, and of m = 3 the part ∇_s q costs one, 2 > 3/2, which gives (5.36) in
+each layer, not across; the proof of Prop. 5.4 uses H² in (5.23), cell by cell, and no cell lies in both layers.
+"""
+
+from manufactured.body import Kind, polygon
+from manufactured.case import Case
+from manufactured.cases.advancing_front import FRONT, advancing_front
+from manufactured.cases.laws import two_layers
+from manufactured.profile import layered
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s
+
+
+def case() -> Case:
+    sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], sides, interfaces=[((0, 0.5), (1, 0.5))])
+    return Case(
+        name="layered",
+        summary="two layers, the interface y = 1/2 is met by the meshes",
+        solution=advancing_front(body, two_layers(0.5, 4.0), layered(0.5, 4.0), 400 * pos(FRONT - s, 3)),
+        regularity=Regularity(gap=4, pressure=3, moving=True),
+        order=1,
+        reason="α = 4, m = 3, less one for ∇_s q: (5.36) in each layer, not across; (5.23) is cell by cell: order 1",
+        pace=4,
+    )

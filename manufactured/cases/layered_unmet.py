@@ -1,0 +1,39 @@
+"""Full contact of a body of two layers whose interface no mesh meets.
+
+    w = 0,   p = 20 t (1 + x(1 − x)),   ψ = 1,   q(0) = 0
+
+on the unit square, A and G not proportional. Beyond y = 1/3 the body is 10 times as stiff and viscous; the displacement
+has a kink there that keeps σν continuous (``profile.layered``).
+
+Predicted order 1/2: the strain jumps inside cells, so that u(t) ∈ H^{1+s} for s < 1/2 and interpolation has the order
+1/2; Prop. 5.3 claims no rate.
+
+All else is smooth, so that little but the kink makes the error.
+"""
+
+from sympy import Integer
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import two_layers
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.profile import layered
+from manufactured.regularity import Regularity
+from manufactured.symbols import s, t
+
+
+def case() -> Case:
+    body, law = unit_square(), two_layers(1 / 3, 10.0)
+    (part,) = body.of(Kind.CONTACT)
+    pressure = 20 * t * (1 + s * (1 - s))
+    face = ContactFace.linear(part, law, body.T, Integer(0), pressure, Integer(1), profile=layered(1 / 3, 10.0))
+    return Case(
+        name="layered-unmet",
+        summary="two layers, the interface y = 1/3 is met by no mesh",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(kink=True),
+        order=0.5,
+        reason="the strain jumps inside cells: u(t) ∈ H^{1+s} for s < 1/2, interpolation of order 1/2, no rate claimed",
+        pace=1,
+    )

@@ -1,0 +1,51 @@
+"""The natural front of frictionless contact, fixed: on the border of (5.36).
+
+    w = θ (κ + 1) (x − c)_+^{3/2},   p = 3 (2μ_A θ̇ + 2μ_G θ) (c − x)_+^{1/2},   ψ = c − x,   c = 2/5,   θ(t) = 1/4 + 2t
+
+on the unit square, G = 2A, κ = (λ_L + 3μ)/(λ_L + μ) the same for both. Between contact and separation without friction
+a plane elastic body has the field of Williams with exponent 3/2, half of the symmetric mode of a crack: Φ = i z^{3/2},
+Ψ = −(i/2) z^{3/2}, z = (x − c) + iy (``singular.kolosov``), which has Div σ = 0. It is multiplied by θ and by the
+cut-off (1 − y)²(1 + 2y).
+
+Predicted order 1: u(t) ∈ H^{1+s} for s < 3/2, so interpolation has order 1; the trace, u_ν(t) ∈ H^τ(Γ3) for τ < 2, just
+misses (5.36), so no rate is claimed.
+
+Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
+"""
+
+from sympy import Expr, Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.constants import ONE
+from manufactured.cases.laws import kolosov_constant, proportional, shearing
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
+from manufactured.profile import cutoff
+from manufactured.regularity import Regularity
+from manufactured.singular import SingularFace, SingularField, kolosov
+from manufactured.symbols import pos, s, t
+
+LAW = proportional(2.0)
+
+
+def case(law: KelvinVoigt = LAW, mode: Expr = ONE, speed: Expr = ONE, place: Expr = ONE) -> Case:
+    """The case with another law, A and G proportional, and factors of its other constants."""
+    body = unit_square()
+    (part,) = body.of(Kind.CONTACT)
+    front, theta = place * Rational(2, 5), mode * (Rational(1, 4) + 2 * speed * t)
+    kappa = kolosov_constant(law.A)
+    x, y = kolosov(kappa, 1j, -0.5j, 1.5)
+    field = SingularField((float(front), 0.0), part.frame, x, y, theta, depth=cutoff().b)
+    gap = (kappa + 1) * theta * pos(s - front, Rational(3, 2))
+    pressure = 3 * shearing(law, theta) * pos(front - s, Rational(1, 2))
+    face = SingularFace(part, gap, pressure, front - s, field, rough=(float(front),))
+    return Case(
+        name="natural-front",
+        summary="the natural front of frictionless contact, w ~ r^{3/2}, fixed",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(on_contact=1.5),
+        order=1,
+        reason="u(t) ∈ H^{5/2−ε} ⊂ H², so interpolation has order 1; the trace r^{3/2} just misses (5.36)",
+        pace=1,
+    )

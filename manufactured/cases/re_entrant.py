@@ -1,0 +1,73 @@
+"""A re-entrant corner of an L-shaped body, over a front that advances on its bottom.
+
+    w = (x − c)_+^4,   p = 5 (c − x)_+²,   ψ = c − x,   c(t) = 3/5 + t/2,   q(0) = −p(0)/g
+
+on the bottom of the L of corners (0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2), with G = 2A and the depth 9/10. At the
+corner (1, 1) of ω = 3π/2 between sides free of traction the symmetric mode of Williams is added,
+
+    4t (1 − (r/R)²)_+³ U,   R = 9/10,   Φ = z^λ,   Ψ = b z^λ,   b = −(cos λω + λ cos ω),
+
+U from Φ, Ψ (``singular.kolosov``) and the smallest root λ ≈ 0.5445 of sin λω + λ sin ω = 0. As A and G are
+proportional, both sides of the corner are free of traction at all times.
+
+Predicted order 0.5445 (λ): u(t) ∈ H^{1+s} for s < λ at the corner, so interpolation has the order λ on uniform meshes,
+and 1 on graded ones; Prop. 5.3 claims no rate.
+
+Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526–528.
+"""
+
+import numpy as np
+from sympy import Expr, Rational, Symbol, nsolve, pi, sin
+
+from manufactured.body import Kind, polygon
+from manufactured.case import Case
+from manufactured.cases.constants import ONE
+from manufactured.cases.laws import kolosov_constant, proportional
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
+from manufactured.profile import QUARTIC, Piecewise, cutoff
+from manufactured.regularity import Regularity
+from manufactured.singular import SingularField, kolosov
+from manufactured.symbols import pos, s, t
+
+RADIUS = 0.9
+LAW = proportional(2.0)
+
+
+def exponent() -> float:
+    """The smallest positive root of sin λω + λ sin ω = 0 for ω = 3π/2."""
+    root = Symbol("root")
+    return float(nsolve(sin(3 * pi / 2 * root) - root, root, 0.54))
+
+
+def case(
+    law: KelvinVoigt = LAW,
+    gap: Expr = ONE,
+    pressure: Expr = ONE,
+    mode: Expr = ONE,
+    speed: Expr = ONE,
+    place: Expr = ONE,
+) -> Case:
+    """The case with another law, A and G proportional, and factors of its other constants."""
+    kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+    body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=((1.0, 1.0),))
+    (part,) = body.of(Kind.CONTACT)
+    c = place * (Rational(3, 5) + speed * t / 2)
+    w, p = gap * pos(s - c, 4), 5 * pressure * pos(c - s, 2)
+    face = ContactFace.linear(part, law, body.T, w, p, c - s, profile=cutoff(0.9, QUARTIC))
+    lam, omega = exponent(), 1.5 * np.pi
+    x, y = kolosov(kolosov_constant(law.A), 1.0, -(np.cos(lam * omega) + lam * np.cos(omega)), lam)
+    # The axis of symmetry points into the body.
+    frame = np.array([[-1.0, 1.0], [-1.0, -1.0]]) / np.sqrt(2)
+    fade = Piecewise((RADIUS,), ((1.0, 0.0, -3 / RADIUS**2, 0.0, 3 / RADIUS**4, 0.0, -1 / RADIUS**6),))
+    corner = SingularField((1.0, 1.0), frame, x, y, 4 * mode * speed * t, radial=fade)
+    return Case(
+        name="re-entrant",
+        summary="re-entrant corner of an L-shaped body, advancing front on its bottom",
+        solution=ExactSolution(body, law, (face,), (corner,), ((1.0, 1.0),)),
+        regularity=Regularity(gap=4, pressure=2, moving=True, corner=lam),
+        order=min(1.0, lam),
+        reason="u(t) ∈ H^{1+s} for s < λ ≈ 0.5445 at the corner: that order on uniform meshes, 1 on graded ones",
+        pace=1.5,
+    )

@@ -1,0 +1,37 @@
+"""The data of ``advance_recede`` on the unit square turned by 2/5 and moved.
+
+    w = 20 (s − c)_+^4,   p = 20 (c − s)_+²,   ψ = c − s,   c(t) = 1/4 + 2t(1 − t),   q(0) = −p(0)/3
+
+with s along the turned bottom; A = G: τ ↦ 2τ + (tr τ) I.
+
+Predicted order 1: nothing depends on the axes, and the exponents of ``advance_recede``, α = 4 > 7/2 and m = 2 > 3/2,
+give (5.36), so that Prop. 5.4 applies.
+
+On structured meshes every error must be that of ``advance_recede`` to round-off.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from manufactured.body import Kind, polygon, unit_square
+from manufactured.case import Case
+from manufactured.cases import advance_recede
+
+ANGLE = 0.4
+SHIFT = (3.0, -1.0)
+
+
+def case() -> Case:
+    turn = np.array([[np.cos(ANGLE), -np.sin(ANGLE)], [np.sin(ANGLE), np.cos(ANGLE)]])
+    corners = turn @ unit_square().vertices + np.array(SHIFT)[:, None]
+    body = polygon([(x, y) for x, y in corners.T], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED])
+    plain = advance_recede.case()
+    return replace(
+        plain,
+        name="rotated",
+        summary="advance-recede on a turned square",
+        solution=advance_recede.on(body),
+        reason="nothing depends on the axes: the errors of advance-recede",
+        twin=plain.name,
+    )

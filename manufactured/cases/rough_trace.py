@@ -1,0 +1,63 @@
+"""A fixed front with u(t) ∈ H²(Ω) whose trace on Γ3 is not in H²(Γ3): beyond the border of (5.36).
+
+    w = W θ (x − c)_+^α,   p = Q (A_nnnn θ̇ + G_nnnn θ) (c − x)_+^{α−1},   ψ = c − x,   c = 2/5,   θ(t) = 1/4 + 2t
+
+on the unit square, α = 5/4, W = 4, Q = 3; A and G not proportional, A_nnnn = 5/2, G_nnnn = 7. The field is
+
+    u_s = −α y Re(a z^{α−1}),   u_n = Re(a z^α) + y Re(b z^{α−1}),   z = (x − c) + iy,
+
+with the complex numbers a = W (1 + i cot πα) and b = iQ/sin π(α − 1) − iαa that u_n = W (x − c)_+^α and ε_nn = −Q (c −
+x)_+^{α−1} on y = 0 need, for any α > 1 and any isotropic A, G. It is multiplied by θ and by the cut-off (1 − y)²(1 +
+2y).
+
+Predicted order 1: u(t) ∈ H^{1+s} for s < α = 5/4, so interpolation has order 1; the trace, u_ν(t) ∈ H^τ(Γ3) for τ < α +
+1/2 = 7/4, misses (5.36), so no rate is claimed; the proof of Prop. 5.4 gives τ/2, so 7/8.
+"""
+
+import numpy as np
+from sympy import Expr, Float, Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.constants import ONE
+from manufactured.cases.laws import not_proportional
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
+from manufactured.profile import cutoff
+from manufactured.regularity import Regularity
+from manufactured.singular import Monomial, SingularFace, SingularField
+from manufactured.symbols import pos, s, t
+
+LAW = not_proportional()
+
+
+def case(
+    law: KelvinVoigt = LAW,
+    gap: Expr = ONE,
+    pressure: Expr = ONE,
+    speed: Expr = ONE,
+    place: Expr = ONE,
+) -> Case:
+    """The case with another isotropic law and factors of its other constants."""
+    body = unit_square()
+    (part,) = body.of(Kind.CONTACT)
+    front, theta = place * Rational(2, 5), Rational(1, 4) + 2 * speed * t
+    alpha, W, Q = 1.25, 4.0 * float(gap), 3.0 * float(pressure)
+    a = W * (1 + 1j / np.tan(np.pi * alpha))
+    b = 1j * Q / np.sin(np.pi * (alpha - 1)) - 1j * alpha * a
+    x = (Monomial(1, -alpha * a, alpha - 1),)
+    y = (Monomial(0, a, alpha), Monomial(1, b, alpha - 1))
+    field = SingularField((float(front), 0.0), part.frame, x, y, theta, depth=cutoff().b)
+    modulus, stiffness = (tensor.normal_modulus(part.normal) for tensor in (law.A, law.G))  # type: ignore[attr-defined]
+    p = Q * (modulus * theta.diff(t) + stiffness * theta) * pos(front - s, Float(alpha) - 1)
+    w = W * theta * pos(s - front, Float(alpha))
+    face = SingularFace(part, w, p, front - s, field, rough=(float(front),))
+    return Case(
+        name="rough-trace",
+        summary="u(t) in H², its trace on Γ3 only in H^{7/4}: w ~ r^{5/4}",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(on_contact=alpha),
+        order=1,
+        reason="u(t) ∈ H^{9/4−ε} ⊂ H², so interpolation has order 1; the proof of 5.4 gives 7/8 for this trace",
+        pace=1,
+    )

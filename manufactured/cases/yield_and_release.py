@@ -1,0 +1,42 @@
+"""Law (3.3) with a Frobenius ball: all of Γ3 is pressed from rest, yields point after point, and is let go.
+
+    w = 8 (t − t_1)_+² (1 + 4x(1 − x)),   p = a Q̇ + b (Q − ρ)_+,   ψ = t_1 − t,   t_1 = 3/5
+
+on the unit square, with Q of ``yielding`` from Q_0 = 0 to Q_1 = (3/2 + 2x(1 − x)) ρ > ρ; a = 3, b = β = 6, ρ = 1/2.
+
+Predicted order 1: there is no front; w and q = −Q are smooth in space, and u̇ is Lipschitz in time, which gives (5.36),
+so that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
+"""
+
+from sympy import Expr, Float, Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.constants import ONE
+from manufactured.cases.yielding import RELEASE, edge, pressed_and_released
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.law import FrobeniusBall, KelvinVoigt, Yield, isotropic
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+LAW = KelvinVoigt(isotropic(1, 1), Yield(6.0, FrobeniusBall(0.5)), "(3.3), Frobenius ball")
+
+
+def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: Expr = ONE) -> Case:
+    """The case with a law (3.3) and factors of its other constants."""
+    body = unit_square()
+    (part,) = body.of(Kind.CONTACT)
+    release = RELEASE / speed
+    rise = Float(edge(law, part)) * pressure * (Rational(3, 2) + 2 * s * (1 - s))
+    strain = pressed_and_released(law, part, Float(0), rise, release)
+    w = 8 * gap * pos(t - release, 2) * (1 + 4 * s * (1 - s))
+    return Case(
+        name="yield-and-release",
+        summary="law (3.3) yields under full contact, then the whole face is released",
+        solution=ExactSolution(body, law, (ContactFace(part, w, strain, release - t),)),
+        regularity=Regularity(),
+        order=1,
+        reason="w and q smooth in space, u̇ Lipschitz in time: (5.36) and order 1 by Prop. 5.4, G only Lipschitz",
+        pace=6,
+    )

@@ -1,0 +1,46 @@
+"""Law (3.3) with a deviatoric ball: only x < c is in contact, yields at once, and is let go.
+
+    w = 15 t² (x − c)_+³ + 4 (t − t_1)_+²,   p = a Q̇ + b (Q − ρ)_+,   c = 3/5,   t_1 = 3/5,
+    ψ = c − x for t < t_1,   ψ = −1 for t ≥ t_1
+
+on the unit square, with Q of ``yielding`` from Q_0 = ρ, the edge of K, to Q_1 = ρ + 3 (c − x)_+²; a = 5/2, b = β/2 = 4,
+ρ = √2/10.
+
+Predicted order 1: the front is fixed, and the exponents α = 3 > 5/2 and m = 2 > 3/2 give u(t) ∈ H² and (5.36), so that
+Prop. 5.4 applies.
+"""
+
+from sympy import Expr, Float, Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.constants import ONE
+from manufactured.cases.yielding import RELEASE, edge, pressed_and_released
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.law import DeviatoricBall, KelvinVoigt, Yield, isotropic
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+LAW = KelvinVoigt(isotropic(1, 0.5), Yield(8.0, DeviatoricBall(0.1)), "(3.3), deviatoric ball")
+
+
+def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: Expr = ONE, place: Expr = ONE) -> Case:
+    """The case with a law (3.3) and factors of its other constants."""
+    body = unit_square()
+    (part,) = body.of(Kind.CONTACT)
+    release, c = RELEASE / speed, place * Rational(3, 5)
+    rise = 3 * pressure * pos(c - s, 2)
+    strain = pressed_and_released(law, part, Float(edge(law, part)), rise, release)
+    w = 15 * gap * t**2 * pos(s - c, 3) + 4 * gap * pos(t - release, 2)
+    released = pos(t - release, 0)
+    level = (c - s) * (1 - released) - released
+    return Case(
+        name="yield-on-a-part",
+        summary="law (3.3) yields under contact on [0, 3/5], then that part is released",
+        solution=ExactSolution(body, law, (ContactFace(part, w, strain, level, rough=(float(c),)),)),
+        regularity=Regularity(gap=3, pressure=2),
+        order=1,
+        reason="fixed front with α = 3 > 5/2 and m = 2 > 3/2: u(t) ∈ H², (5.36) and order 1 by Prop. 5.4",
+        pace=3,
+    )
