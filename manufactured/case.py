@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import astuple, dataclass, fields
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -19,6 +20,8 @@ from manufactured.tensors import Array
 
 FIXED = 2.5
 """m from which a fixed front in q, such as that of an elastic start, costs nothing in an upper layer."""
+UNSTATED: Any = None
+"""The order of a case that states none."""
 
 
 class CaseError(ValueError):
@@ -41,16 +44,16 @@ class Case:
         twin: name of a case whose errors this one must have to round-off on structured meshes, or "".
 
     Raises:
-        CaseError: the regularity or the predicted order is not that of the formulas, the order is missing, or the
-            name cannot be part of a file name.
+        CaseError: the regularity or the predicted order is not that of the formulas, the order or its reason is
+            missing, the pace is not positive, or the name cannot be part of a file name.
     """
 
     name: str
     summary: str
     solution: ExactSolution
     regularity: Regularity
-    order: float
-    reason: str
+    order: float = UNSTATED
+    reason: str = ""
     pace: float = 8.0
     twin: str = ""
 
@@ -58,7 +61,11 @@ class Case:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", self.name):
             raise CaseError(f"case name {self.name!r}: use letters, digits, '.', '-' and '_' only")
         if self.order is None or not math.isfinite(self.order) or not self.reason:
-            raise CaseError(f"case {self.name}: state the predicted order and the reason for it before measuring")
+            raise CaseError(
+                f"case {self.name}: a case needs an order predicted before it is measured, and the reason for it; got "
+                f"order={self.order}, reason={self.reason!r}; derive the order from the exponents and state both, for "
+                "example order=1, reason='α = 4 > 7/2 and m = 2 > 3/2 give (5.36)'"
+            )
         if not (math.isfinite(self.pace) and self.pace > 0):
             raise CaseError(f"case {self.name}: the pace must be positive, got {self.pace}")
         self._compare_with_formulas()

@@ -67,7 +67,7 @@ def test_levels_below_2_or_not_increasing_are_refused(capsys, tmp_path, levels, 
         ("mine = 3", r"is a int, expected"),
         ("mine = undefined_name", r"NameError"),
         ("raise SystemExit(0)", r"SystemExit"),
-        ("mine = replace(case, order=float('nan'))", r"state the predicted order"),
+        ("mine = replace(case, order=float('nan'))", r"needs an order predicted before it is measured"),
         ("mine = changed(gap=t * sympy.Symbol('x'))", r"FormulaError.*has x"),
         ("other = case", r"defines no 'mine'"),
         (

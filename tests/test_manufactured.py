@@ -441,11 +441,25 @@ def test_exponents_decide_the_predicted_order_and_the_statement(label, order, st
     assert label.proposition == statement
 
 
-def test_a_case_without_a_prediction_or_with_one_its_exponents_contradict_is_refused() -> None:
+def test_a_case_whose_prediction_its_exponents_contradict_is_refused() -> None:
     case = CASES["rough-2"]
     with pytest.raises(CaseError, match=r"gives min\(1, s\) = 0.5"):
         replace(case, order=1.0)
-    with pytest.raises(CaseError, match="state the predicted order"):
-        replace(case, reason="")
     with pytest.raises(ValueError, match="α > 3/2"):
         Regularity(gap=1.5)
+
+
+@pytest.mark.parametrize(
+    ("stated", "got"),
+    [
+        ({}, "got order=None, reason=''; derive"),
+        ({"order": 0.5}, "got order=0.5, reason=''; derive"),
+        ({"reason": "s < 1/2"}, "got order=None, reason='s < 1/2'; derive"),
+        ({"order": float("nan"), "reason": "s < 1/2"}, "got order=nan, reason='s < 1/2'; derive"),
+    ],
+)
+def test_a_case_without_a_predicted_order_or_without_the_reason_for_it_is_refused(stated: dict, got: str) -> None:
+    rough = CASES["rough-2"]
+    with pytest.raises(CaseError, match="needs an order predicted before it is measured, and the reason") as refusal:
+        Case("mine", "", rough.solution, rough.regularity, **stated)
+    assert got in str(refusal.value)
