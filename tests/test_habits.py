@@ -23,6 +23,7 @@ from typing import Any
 import pandas as pd
 import pytest
 import yaml
+from test_catalogue import lacks
 
 import manufactured
 from manufactured import Case, prove
@@ -198,6 +199,11 @@ def test_the_case_of_the_recipe_proves_itself_and_is_new(case: Case) -> None:
     prove(case.solution, case.name)
     assert case.regularity.satisfies_5_36
     assert case.name not in {known.name for known in manufactured.catalogue()}
+
+
+def test_the_case_of_the_recipe_states_its_formulas_and_then_the_order_that_they_predict(monkeypatch) -> None:
+    recipe = module(monkeypatch, "manufactured.cases.breathing_patch")
+    assert lacks(recipe.__doc__, recipe.case()) == []
 
 
 def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:

@@ -1,0 +1,86 @@
+"""Every exact solution has a file of its own: formulas first, then the order that they predict, and why."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+from importlib import import_module
+from pkgutil import iter_modules
+from types import ModuleType
+
+import pytest
+
+from manufactured import Case, cases, catalogue
+
+CASES = {case.name: case for case in catalogue()}
+
+FORMULAS = ("w =", "p =", "ψ =")
+PREDICTION = re.compile(r"^Predicted order ([\d./]+)[^:]*: (.+?)(?=\n\n|\Z)", re.MULTILINE | re.DOTALL)
+REASON = {"Prop. 5.4": "(5.36)", "Prop. 5.3": "H^{1+s}"}
+DIGITS = 5e-5
+"""An order that is no simple fraction is stated with four digits."""
+
+
+def module_named(name: str) -> ModuleType:
+    return import_module(f"manufactured.cases.{name}")
+
+
+def own(case: Case) -> ModuleType:
+    """The module named after a case."""
+    return module_named(re.sub(r"\W", "_", case.name))
+
+
+def lacks(docstring: str | None, case: Case) -> list[str]:
+    """What the docstring of a case's module does not state: gap, pressure, zone, and then the order and the reason."""
+    text = (docstring or "").strip()
+    found = PREDICTION.search(text)
+    formulas = text[: found.start()] if found else text
+    missing = [part for part in FORMULAS if not re.search(rf"^    .*{re.escape(part)}", formulas, re.MULTILINE)]
+    if found is None or abs(float(Fraction(found[1])) - case.order) > DIGITS:
+        return [*missing, f"Predicted order {case.order:.4g}: …"]
+    return missing if REASON[case.proposition] in found[2] else [*missing, REASON[case.proposition]]
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_every_case_is_made_by_the_module_named_after_it(name: str) -> None:
+    assert own(CASES[name]).case().name == name
+
+
+def test_every_module_that_makes_a_case_is_in_the_catalogue() -> None:
+    makers = {info.name for info in iter_modules(cases.__path__) if hasattr(module_named(info.name), "case")}
+    assert makers == {own(case).__name__.rpartition(".")[2] for case in CASES.values()}
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_predict(name: str) -> None:
+    assert lacks(own(CASES[name]).__doc__, CASES[name]) == []
+
+
+@pytest.mark.parametrize(
+    ("name", "before", "after", "missing"),
+    [
+        ("rough-1.75", "w =", "the gap is", ["w ="]),
+        ("rough-1.75", "p =", "the pressure is", ["p ="]),
+        ("rough-1.75", "ψ =", "the zone is", ["ψ ="]),
+        ("rough-1.75", "Predicted order 1/4", "Predicted order 1/2", ["Predicted order 0.25: …"]),
+        ("rough-1.75", "Predicted order 1/4", "Order 1/4 was seen", ["Predicted order 0.25: …"]),
+        ("rough-1.75", "H^{1+s}", "a larger space", ["H^{1+s}"]),
+        ("re-entrant", "Predicted order 0.5445", "Predicted order 0.5446", ["Predicted order 0.5445: …"]),
+        ("advance-recede", "(5.36)", "smoothness", ["(5.36)"]),
+    ],
+)
+def test_a_docstring_that_leaves_something_out_is_noticed(
+    name: str, before: str, after: str, missing: list[str]
+) -> None:
+    docstring = str(own(CASES[name]).__doc__)
+    assert before in docstring
+    assert lacks(docstring.replace(before, after), CASES[name]) == missing
+
+
+def test_a_docstring_that_predicts_before_it_states_formulas_is_noticed() -> None:
+    title, formulas, where, prediction, *_ = str(own(CASES["rough-2"]).__doc__).split("\n\n")
+    assert lacks("\n\n".join([title, prediction, formulas, where]), CASES["rough-2"]) == list(FORMULAS)
+
+
+def test_a_module_without_a_docstring_is_noticed() -> None:
+    assert lacks(None, CASES["full-contact"]) == [*FORMULAS, "Predicted order 1: …"]
