@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -11,7 +10,7 @@ import pandas as pd
 
 from study.datafiles import VERDICTS, DataError, caught, read_claims, read_csv
 from study.report.sources import sources
-from study.rounding import above, below
+from study.rounding import above, below, up
 from study.store import write_text
 
 MEASURED = {
@@ -48,7 +47,13 @@ def refresh(readme: Path, directory: Path) -> bool:
 
 
 def headline(directory: Path) -> str:
-    """What is claimed, what was predicted and seen, and the verdict, in Markdown."""
+    """What is claimed, what was predicted and seen, and the verdict, in Markdown.
+
+    Numbers that were seen are rounded outwards, so that no row says more than the data.
+
+    Raises:
+        DataError: a file is missing, or ``claims.csv`` lacks the rows of a line.
+    """
     return _markdown(["claim", "predicted", "observed", "verdict"], _headlines(directory))
 
 
@@ -84,15 +89,15 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
     yield [
         f"Proposition 5.3: convergence, however rough, in {plain['case'].nunique()} cases",
         f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
-        f"a positive limit is at most {math.ceil(100 * limit)} % of the errors on the two finest meshes; "
+        f"a positive limit is at most {above(100 * limit, 0)} % of the errors on the two finest meshes; "
         f"orders {_range(plain)}",
         verdict("Prop. 5.3"),
     ]
     strains = read_csv(directory, "equivalence.csv", ["stress_gap", "stress_bound"])
     yield [
         "Theorem 4.2: displacement and stress formulation have one solution (same mesh, two solvers)",
-        f"equal up to what the solver leaves open, at most {strains['stress_bound'].max():.1e} by its duality gap",
-        f"stresses differ by at most {strains['stress_gap'].max():.1e}",
+        f"equal up to what the solver leaves open, at most {up(strains['stress_bound'].max(), 2)} by its duality gap",
+        f"stresses differ by at most {up(strains['stress_gap'].max(), 2)}",
         verdict("Thm 4.2"),
     ]
     own = rows("Thm 4.2, own space", "order of ‖σ − σ^h‖_Q")
@@ -107,7 +112,7 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
     yield [
         "beyond the paper: a computable bound of the error, without the exact solution",
         "error / bound ≤ 1",
-        f"error / bound at most {enclosed['high'].max():.3f}",
+        f"error / bound at most {above(enclosed['high'].max(), 3)}",
         verdict("bound"),
     ]
     needed = rows("(5.36)", "order seen")
@@ -117,7 +122,7 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
         "beyond the paper: is the smoothness (5.36) that the proof of order 1 assumes needed?",
         f"the proof gives {proved[missing['case']].min():.3g} … {proved[missing['case']].max():.3g} without it",
         f"orders {_range(missing)}",
-        "not needed in these cases (reported)",
+        "reported",
     ]
     controls = read_csv(directory, "controls.csv", ["defect", "caught"]).fillna("")
     found, injected = caught(controls)

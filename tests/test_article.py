@@ -115,6 +115,12 @@ def test_orders_in_the_text_enclose_those_computed_from_the_errors_and_no_more()
     assert high - 0.01 < np.concatenate(orders).max() <= high
 
 
+def test_the_share_of_what_is_allowed_is_that_of_stresses_and_of_displacements() -> None:
+    rows = pd.read_csv(RESULTS / "data" / "equivalence.csv")
+    shares = [(rows[f"{what}_gap"] / rows[f"{what}_bound"]).max() for what in ("displacement", "stress")]
+    assert max(shares) <= float(macros()["allowedShare"]) < max(shares) + 0.01
+
+
 def test_extremes_are_rounded_outwards(copy: Path) -> None:
     path = copy / "data" / "claims.csv"
     claims = pd.read_csv(path)

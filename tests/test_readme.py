@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -12,8 +13,8 @@ import numpy as np
 import pytest
 
 from study.cli import parser
-from study.datafiles import DataError, read_csv
-from study.overview import refresh
+from study.datafiles import DataError, read_claims, read_csv, write_csv
+from study.overview import headline, refresh
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -57,6 +58,31 @@ def test_the_orders_at_its_head_are_those_of_the_errors_measured() -> None:
     assert shown == pytest.approx([min(fits), max(fits), min(orders), max(orders)], abs=0.01)
     assert shown[0] <= min(fits) <= max(fits) <= shown[1]
     assert shown[2] <= min(orders) <= max(orders) <= shown[3]
+
+
+def test_what_its_head_says_is_at_most_so_large_is_not_larger_and_hardly_smaller() -> None:
+    strains = read_csv(ROOT / "results", "equivalence.csv", ["stress_gap", "stress_bound"])
+    claims = read_claims(ROOT / "results")
+    shares = claims.loc[(claims["label"] == "bound") & (claims["quantity"] == "largest error / upper bound"), "high"]
+    limits = claims.loc[claims["quantity"].str.startswith("limit e∞"), "high"]
+    bound, gap = strains["stress_bound"].max(), strains["stress_gap"].max()
+    for text, largest, digit in (
+        (r"at most (\S+) by its duality gap", bound, bound / 10),
+        (r"stresses differ by at most (\S+) \|", gap, gap / 10),
+        (r"error / bound at most (\S+) \|", shares.max(), 1e-3),
+        (r"a positive limit is at most (\S+) % of", 100 * limits.max(), 1),
+    ):
+        (shown,) = map(float, re.findall(text, TEXT))
+        assert largest <= shown < largest + digit, text
+
+
+def test_the_row_on_smoothness_shows_whatever_orders_were_seen_and_gives_no_verdict(tmp_path: Path) -> None:
+    shutil.copytree(ROOT / "results" / "data", tmp_path / "data")
+    claims = read_claims(tmp_path)
+    claims.loc[claims["label"] == "(5.36)", ["observed", "low", "high"]] = [0.604, 0.604, 0.706]
+    write_csv(tmp_path / "data" / "claims.csv", claims)
+    (row,) = [line for line in headline(tmp_path).splitlines() if "(5.36)" in line]
+    assert row.endswith("| orders 0.60 … 0.71 | reported |")
 
 
 def test_a_readme_without_marks_is_refused(tmp_path: Path) -> None:
