@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import csv
 import math
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -19,7 +20,9 @@ from study.rates import fit, orders
 from study.verdict import FAILS, HOLDS, UNDECIDED
 
 CONSECUTIVE, FITTED = 0.15, 0.1
-"""How far consecutive orders and the fitted one may lie from the expected order."""
+"""How far consecutive orders and the fitted one may lie from the expected order; an order above it by more is too good,
+and where none is expected, one so far above the fitted order of its own column: a single pair of meshes that converges
+faster than the table as a whole."""
 SETTLED = 0.1
 """Orders count as settled from the level on after which all lie this close to the last one."""
 EXACT = 1e-6
@@ -40,7 +43,7 @@ class Report:
         orders: consecutive orders, one fewer.
         order, low, high: least squares over the asymptotic range with its 95 % interval.
         asymptotic_from: h of the first level of the asymptotic range; None if orders never settle.
-        too_good: why the orders look better than measured ones can, or None.
+        too_good: for each order why it looks better than a measured one can, or None.
         expected: the expected order, if one was given.
         verdict: holds, fails or undecided against the expected order; None without one.
     """
@@ -53,7 +56,7 @@ class Report:
     low: float
     high: float
     asymptotic_from: float | None
-    too_good: str | None
+    too_good: tuple[str | None, ...]
     expected: float | None
     verdict: str | None
 
@@ -63,7 +66,7 @@ def read_table(path: Path) -> tuple[Array, dict[str, Array]]:
 
     Raises:
         TableError: no such file, no ``h`` or ``n``, no errors, fewer than two levels, or an entry that
-            is missing, not a number, not positive or repeats a mesh size; names the line.
+            is missing, not a number, not positive or stands in its column twice; names the lines.
     """
     if not path.is_file():
         raise TableError(f"there is no file {path}")
@@ -93,13 +96,8 @@ def read_table(path: Path) -> tuple[Array, dict[str, Array]]:
     if len(rows) < 2:
         raise TableError(f"{path} has {len(rows)} level(s); an order needs two or more")
     where = head.index(sizes[0])
-    seen: dict[float, int] = {}
-    for number, row in rows:
-        if row[where] in seen:
-            raise TableError(
-                f"{path}, line {number}: {sizes[0]} = {row[where]:g} stands in line {seen[row[where]]} already"
-            )
-        seen[row[where]] = number
+    for i, name in enumerate(head):
+        _refuse_repeated(path, name, [(number, row[i]) for number, row in rows])
     values = np.array([row for _, row in rows])
     h = values[:, where] if sizes[0] == "h" else 1 / values[:, where]
     coarse_first = np.argsort(-h)
@@ -115,6 +113,18 @@ def _positive(path: Path, number: int, name: str, cell: str) -> float:
     if not (math.isfinite(value) and value > 0):
         raise TableError(f"{path}, line {number}: {name} = {cell}, but sizes and errors must be positive and finite")
     return value
+
+
+def _refuse_repeated(path: Path, name: str, entries: Iterable[tuple[int, float]]) -> None:
+    """Two meshes differ in their size, and errors on them in some digit."""
+    seen: dict[float, int] = {}
+    for number, value in entries:
+        if value in seen:
+            raise TableError(
+                f"{path}, line {number}: {name} = {value:.12g} stands in line {seen[value]} already, expected another "
+                "value on every mesh: remove the row if it was copied, or give more digits"
+            )
+        seen[value] = number
 
 
 def report(name: str, h: Array, errors: Array, expected: float | None = None) -> Report:
@@ -135,18 +145,18 @@ def report(name: str, h: Array, errors: Array, expected: float | None = None) ->
         low=line.low,
         high=line.high,
         asymptotic_from=None if asymptotic is None else float(h[asymptotic]),
-        too_good=_too_good(found, expected),
+        too_good=_too_good(found, line.order, expected),
         expected=expected,
         verdict=None if expected is None else _verdict(found, line.order, asymptotic, expected),
     )
 
 
-def _too_good(found: Array, expected: float | None) -> str | None:
+def _too_good(found: Array, fitted: float, expected: float | None) -> tuple[str | None, ...]:
     if len(found) >= 3 and np.ptp(found) < EXACT:
-        return "all orders are equal to six digits: computed from a formula rather than measured?"
-    if expected is not None and found[-1] > expected + CONSECUTIVE:
-        return f"the finest order {found[-1]:.2f} is above {expected:g}: superconvergence, or the wrong error?"
-    return None
+        return ("all orders are equal to six digits: computed from a formula rather than measured?",) * len(found)
+    usual, of = (fitted, "fitted") if expected is None else (expected, "expected")
+    why = f"above the {of} {usual:.3g} by more than {CONSECUTIVE:g}: superconvergence, or the wrong error?"
+    return tuple(why if order > usual + CONSECUTIVE else None for order in found)
 
 
 def _verdict(found: Array, fitted: float, asymptotic: int | None, expected: float) -> str:
@@ -159,8 +169,9 @@ def _verdict(found: Array, fitted: float, asymptotic: int | None, expected: floa
 def as_text(found: Report) -> str:
     """The report as lines for a terminal."""
     lines = [f"{found.name}", f"  {'h':>12}{'error':>14}{'order':>9}"]
-    for h, error, order in zip(found.h, found.errors, (None, *found.orders), strict=True):
-        lines.append(f"  {h:>12.5g}{error:>14.5g}" + (f"{order:>9.3f}" if order is not None else ""))
+    lines.append(f"  {found.h[0]:>12.5g}{found.errors[0]:>14.5g}")
+    for h, error, order, why in zip(found.h[1:], found.errors[1:], found.orders, found.too_good, strict=True):
+        lines.append(f"  {h:>12.5g}{error:>14.5g}{order:>9.3f}" + ("  too good" if why else ""))
     interval = (
         f" in [{found.low:.3f}, {found.high:.3f}] (95 %)"
         if math.isfinite(found.low)
@@ -172,8 +183,7 @@ def as_text(found: Report) -> str:
         if found.asymptotic_from is not None
         else f"  orders have not settled to ± {SETTLED:g}: no asymptotic range yet"
     )
-    if found.too_good:
-        lines.append(f"  too good to be true? {found.too_good}")
+    lines += [f"  too good to be true? {why}" for why in dict.fromkeys(found.too_good) if why]
     if found.verdict:
         lines.append(f"  expected {found.expected:g} ± {CONSECUTIVE:g} (fitted ± {FITTED:g}): {found.verdict}")
     return "\n".join(lines)
