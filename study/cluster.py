@@ -32,7 +32,9 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
         from distributed import Client
         from distributed.comm import get_address_host_port
     except ImportError as error:
-        raise UsageError(f"--cluster needs Dask ({error}): python -m pip install 'signorini-study[cluster]'") from error
+        raise UsageError(
+            f"--cluster needs Dask ({error}): python -m pip install '.[cluster]' in a clone of the repository"
+        ) from error
     try:
         # A client waits long for what does not answer; this says at once that nothing listens.
         socket.create_connection(get_address_host_port(address), PATIENCE).close()

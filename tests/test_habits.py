@@ -56,8 +56,11 @@ def steps(workflow: Path) -> list[dict[str, object]]:
 
 
 def commands(path: Path) -> Iterator[list[str]]:
-    """Every command line of a workflow, or of the shell blocks of a page, without assignments and redirections."""
-    texts = [str(s["run"]) for s in steps(path) if "run" in s] if path.suffix == ".yml" else blocks(path, "sh")
+    """Every command line of a workflow, or of a page in shell blocks and as `.venv/bin/…`, without redirections."""
+    if path.suffix == ".yml":
+        texts = [str(step["run"]) for step in steps(path) if "run" in step]
+    else:
+        texts = [*blocks(path, "sh"), *re.findall(r"`(\.venv/bin/[^`]+)`", path.read_text())]
     for line in "\n".join(texts).replace("\\\n", " ").splitlines():
         words = shlex.split(line.partition(" > ")[0], comments=True)
         if words:
@@ -146,6 +149,21 @@ def test_workflows_run_every_study_command_of_the_readme_on_the_files_it_gives(t
     assert given == set(capsys.readouterr().out.split()) == {path.name for path in tmp_path.iterdir()}
     assert main(["rates", "errors.csv", "--expected", "1"]) == 0
     assert isinstance(runpy.run_path("wedge.py")["wedge"], manufactured.Data)
+
+
+def test_the_tests_of_the_report_in_a_browser_are_never_skipped_by_ci() -> None:
+    jobs = yaml.safe_load(WORKFLOWS[0].read_text())["jobs"].values()
+    for job in (job for job in jobs if any(step.get("run") == "make test" for step in job["steps"])):
+        assert job["env"]["BROWSER_TESTS"] == "required"
+    assert "export BROWSER_TESTS=required" in (ROOT / ".ci" / "run").read_text()
+
+
+def test_the_versions_of_python_that_the_readme_says_are_tested_are() -> None:
+    told = re.search(r"3\.(\d+) to 3\.(\d+) are tested", PAGES[0].read_text())
+    assert told is not None
+    tested = yaml.safe_load(WORKFLOWS[0].read_text())["jobs"]["tests"]["strategy"]["matrix"]["python"]
+    assert tested == [f"3.{minor}" for minor in range(int(told[1]), int(told[2]) + 1)]
+    assert PROJECT["requires-python"] == f">={tested[0]}"
 
 
 def test_report_and_junit_file_are_uploaded_also_when_a_verdict_fails() -> None:

@@ -7,6 +7,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
 import numpy as np
@@ -15,6 +16,7 @@ import pytest
 from study.cli import parser
 from study.datafiles import DataError, read_claims, read_csv, write_csv
 from study.overview import headline, refresh
+from study.rounding import above, below
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -22,10 +24,42 @@ LINES = [line for block in re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL) for l
 STUDY = [line for line in LINES if line.startswith(".venv/bin/study ")]
 MINUTES = ("bound",)
 """Commands that take a minute, for the slow tests."""
+PROSE = re.sub(r"```.*?```|^\|.*?$", "", TEXT, flags=re.DOTALL | re.MULTILINE)
+"""The README without its blocks and tables."""
+INLINE = re.findall(r"`((?:make|study|\.venv/bin/\w+|python|pip|dask|sudo)\s[^`]+)`", PROSE)
+CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
+ELSEWHERE = {
+    "make docs": "test_habits.py::test_the_pages_of_the_api_are_made_without_a_warning",
+    "dask scheduler": "test_cluster.py::scheduler",
+    "dask worker": "test_cluster.py::cluster",
+    "study run --cluster": "test_cluster.py::"
+    "test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte",
+}
+"""How a command begins ↦ the test or fixture that runs it."""
+EXCLUDED = {
+    "make full": "half an hour: the nightly workflow runs it",
+    "make bench": "times the machine",
+    "sudo apt-get": "changes the system, for peers that are optional",
+    ".venv/bin/pip install osqp": "changes the environment, for a peer that is optional",
+    "pip install '.[cluster]'": "the environment of the tests has Dask",
+}
+"""How a command begins that nothing runs ↦ why."""
+
+
+def is_one_of(line: str, commands: Iterable[str]) -> bool:
+    """Whether a line to type is the beginning of a command; words in capitals stand for any other."""
+    mine, *others = (shlex.split(text.removeprefix(".venv/bin/"), comments=True) for text in (line, *commands))
+    starts = [other[: len(mine)] for other in others if len(other) >= len(mine)]
+    return any(all(word.isupper() or word == same for word, same in zip(mine, other, strict=True)) for other in starts)
 
 
 def blocks(language: str) -> list[str]:
     return re.findall(rf"```{language}\n(.*?)```", TEXT, re.DOTALL)
+
+
+def outwards(ends: tuple[float, float]) -> tuple[float, float]:
+    """An interval to three decimals that contains it."""
+    return float(below(ends[0], 3)), float(above(ends[1], 3))
 
 
 @pytest.fixture
@@ -91,11 +125,29 @@ def test_a_readme_without_marks_is_refused(tmp_path: Path) -> None:
         refresh(tmp_path / "README.md", ROOT / "results")
 
 
-def test_every_line_to_type_is_known_here() -> None:
-    """So that no command slips in that nothing runs."""
-    others = [line for line in LINES if line not in STUDY]
-    assert {line.split()[0] for line in others} <= {"make", "sudo", ".venv/bin/pip"}
-    assert {shlex.split(line)[1] for line in STUDY} == {"run", "rates", "bound"}
+def test_every_line_to_type_is_run_by_a_test_or_by_ci_or_has_a_reason_why_not() -> None:
+    """Those of blocks and those within the prose; what ``STUDY`` has is run below."""
+    told = [*LINES, *INLINE]
+    assert {".venv/bin/study report --out results/quick", "study check", "make paper"} <= set(INLINE)
+    left = [line for line in told if not is_one_of(line, [*CI, *STUDY])]
+    assert [line for line in left if not line.startswith((*ELSEWHERE, *EXCLUDED))] == []
+    assert [start for start in (*ELSEWHERE, *EXCLUDED) if not any(line.startswith(start) for line in left)] == []
+
+
+@pytest.mark.parametrize("place", ELSEWHERE.values())
+def test_what_runs_the_others_is_there(place: str) -> None:
+    file, _, name = place.partition("::")
+    assert f"def {name}(" in (ROOT / "tests" / file).read_text(encoding="utf-8")
+
+
+def test_a_line_is_run_if_it_begins_a_command_that_is() -> None:
+    run = [".venv/bin/study check --junit results/junit.xml --out results", "make study"]
+    assert is_one_of("study check", run)
+    assert is_one_of("study check --junit FILE", run)
+    assert is_one_of("make study    # some minutes", run)
+    assert not is_one_of("study check --out results", run)
+    assert not is_one_of("study tables", run)
+    assert not is_one_of("make studies", run)
 
 
 @pytest.mark.parametrize(
@@ -117,8 +169,18 @@ def test_the_intervals_in_the_text_are_those_of_the_same_problem_in_the_data() -
     ends = re.search(r"lies in \[(.*?)\] and \[(.*?)\] on the two .* lies in \[(.*?)\] on the third", text)
     typed = [tuple(map(float, pair.split(", "))) for pair in ends.groups()]
     # Rounded outwards, or they would not enclose.
-    ends = zip(np.floor(1000 * ramp["lowest"]), np.ceil(1000 * ramp["highest"]), strict=True)
-    assert typed == [(low / 1000, high / 1000) for low, high in ends]
+    assert typed == [outwards(row) for row in zip(ramp["lowest"], ramp["highest"], strict=True)]
+
+
+def test_so_is_the_interval_for_the_order() -> None:
+    claims = read_claims(ROOT / "results")
+    rows = claims[(claims["case"] == "ramp") & claims["quantity"].str.startswith("order of max_t")]
+    (row,) = rows.itertuples()
+    levels = re.search(r"`--levels ([\d ]+)`, a minute more", TEXT)
+    first, *_, last = levels[1].split()
+    assert f"n = {first} to {last} on" in row.quantity
+    typed = re.search(r"from the first to the last in \[(.*?)\]", " ".join(TEXT.split()))
+    assert tuple(map(float, typed[1].split(", "))) == outwards((row.low, row.high))
 
 
 def targets() -> set[str]:
@@ -127,11 +189,6 @@ def targets() -> set[str]:
 
 def test_every_make_target_of_the_readme_exists() -> None:
     assert set(re.findall(r"(?:`|^)make ([a-z-]+)", TEXT, re.MULTILINE)) <= targets()
-
-
-@pytest.mark.parametrize("target", ["study", "test", "controls", "paper"])
-def test_ci_runs_what_the_readme_tells_a_newcomer_to_make(target: str) -> None:
-    assert f"make {target}" in (ROOT / ".ci" / "run").read_text(encoding="utf-8")
 
 
 def test_the_commands_of_the_table_are_those_of_the_program() -> None:
