@@ -122,6 +122,7 @@ def _equivalence(data: Data) -> Named:
 def _bounds(data: Data) -> Named:
     """The guaranteed bound and the enclosures."""
     yield from _extremes("boundUpper", data.rows("bound", "upper bound / error over"), 1)
+    yield "boundCases", str(data.rows("bound", "largest error / upper bound")["case"].nunique())
     yield "encloseUpperMax", above(data.rows("enclosure", "upper bound / error over")["high"].max(), 2)
     computed = data.bounds[data.bounds["trajectory"] == "enclosure"]
     yield "encloseLeast", below(computed["lower"].min(), 2)

@@ -121,6 +121,13 @@ def test_the_share_of_what_is_allowed_is_that_of_stresses_and_of_displacements()
     assert max(shares) <= float(macros()["allowedShare"]) < max(shares) + 0.01
 
 
+def test_the_cases_that_the_bound_serves_are_those_of_its_rows() -> None:
+    rows = pd.read_csv(RESULTS / "data" / "bounds.csv")
+    known = set(pd.read_csv(RESULTS / "data" / "cases.csv")["case"])
+    assert int(macros()["boundCases"]) == len(set(rows.loc[rows["trajectory"] == "enclosure", "case"]) & known)
+    assert int(macros()["caseCount"]) == len(known)
+
+
 def test_extremes_are_rounded_outwards(copy: Path) -> None:
     path = copy / "data" / "claims.csv"
     claims = pd.read_csv(path)
