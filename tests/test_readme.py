@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from study.claims import AXES, AXES_DISCRETE, LATER, LIMIT
 from study.cli import parser
 from study.datafiles import DataError, read_claims, read_csv, write_csv
 from study.overview import headline, refresh
@@ -117,6 +118,25 @@ def test_the_row_on_smoothness_shows_whatever_orders_were_seen_and_gives_no_verd
     write_csv(tmp_path / "data" / "claims.csv", claims)
     (row,) = [line for line in headline(tmp_path).splitlines() if "(5.36)" in line]
     assert row.endswith("| orders 0.60 … 0.71 | reported |")
+
+
+def test_the_cases_it_names_for_an_error_largest_at_the_start_are_those_of_the_data() -> None:
+    rates = read_csv(ROOT / "results", "rates.csv", ["claim", "case", "error", "initial_error"])
+    rates = rates[rates["claim"] == "Prop. 5.4"]
+    found = set(rates.loc[rates["initial_error"] >= LATER * rates["error"], "case"])
+    (named,) = re.findall(r"In two cases, \*(\S+)\* and \*(\S+)\*, the largest error is that at t = 0", TEXT)
+    assert found == set(named)
+
+
+def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:
+    told = " ".join(TEXT.split())
+    for window, words, value in (
+        (LIMIT, "at most 10 % of the two finest errors", 0.1),
+        (AXES, "must equal those of the former to 10⁻¹⁰ of their size", 1e-10),
+        (AXES_DISCRETE, "rounding counts about h⁻² times, to 10⁻⁷", 1e-7),
+    ):
+        assert words in told
+        assert window.high == value
 
 
 def test_a_readme_without_marks_is_refused(tmp_path: Path) -> None:
