@@ -51,8 +51,9 @@ class Plan:
         rough: levels for the others, whose orders need more of them.
         solid: levels in 3D.
         equivalence, solid_equivalence: levels of the check of Theorem 4.2, in 2D and 3D.
-        every_family: whether cases are measured on all mesh families that serve them, or on one in turn, a twin on
-            that of its twin; on the first in 3D, and on graded meshes beside it where a body has points to refine to.
+        every_family: whether cases are measured on all mesh families that serve them. Otherwise plane cases with (5.36)
+            on one in turn, a twin on that of its twin, and others on the first, and on graded meshes beside it where
+            a body has points to refine to.
         scheme: name of the time scheme.
         name: quick or full, for the provenance.
         k: time step at every level; without it each case's own.
@@ -175,10 +176,11 @@ class Plan:
         serving = [family for family in FAMILIES if family.serves(case.solution.body)]
         if self.every_family:
             return serving
-        if case.solution.body.dim == 3:
-            return serving[:1]
         if case.solution.body.refine:
             return [serving[0], serving[-1]]
+        # Where fronts may lie anywhere in a cell, as on random meshes, rough cases need finer levels.
+        if case.solution.body.dim == 3 or not case.regularity.satisfies_5_36:
+            return serving[:1]
         turn = [other.name for other in self.resolved()].index(case.twin or case.name)
         return [serving[turn % len(serving)]]
 

@@ -21,7 +21,7 @@ from study.equilibrated.measure import Place, places
 from study.fem.mesh import MeshFamily, Shaken
 from study.jobs import Job, StatementJob, StressJob
 from study.naming import SEEDED, family_named
-from study.plan import Plan, quick
+from study.plan import Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.base import Setting, Statement
 from study.statements.fully_discrete import FullyDiscrete
@@ -103,8 +103,8 @@ def on_shaken(statement: Statement) -> list[Setting]:
 
 
 def seeded(seed: int) -> SeededPlan:
-    """The quick plan with a seed."""
-    plan = quick()
+    """The quick plan with a seed, but for rough cases, which need the levels of the full one on random meshes."""
+    plan = replace(quick(), rough=full().rough)
     return SeededPlan(**{field.name: getattr(plan, field.name) for field in fields(plan)}, seed=seed)
 
 
