@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: study full controls test bench bench-growth bench-peers bench-parallel lint docs paper lock clean
+.PHONY: study full controls seeds test bench bench-growth bench-peers bench-parallel lint docs paper lock clean
 
 study: $(READY)  ## quick study into results/quick, a minute and a half
 	$(BIN)/study run --quick --out results/quick
@@ -19,6 +19,10 @@ full: $(READY)  ## all levels into results/, and the slow tests
 
 controls: $(READY)  ## deliberate defects that the verdicts must catch, half a minute
 	$(BIN)/study controls --out results/quick
+
+seeds: $(READY)  ## the verdicts on twenty other random meshes into results/, three quarters of an hour
+	$(BIN)/study seeds --out results
+	$(BIN)/python -m study.overview README.md results
 
 test: $(READY)  ## the test suite without the slow levels
 	$(BIN)/pytest --numprocesses auto

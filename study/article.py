@@ -16,7 +16,7 @@ from typing import Any
 
 import pandas as pd
 
-from study.datafiles import DataError, read_claims, read_csv, read_rates
+from study.datafiles import Alarms, DataError, read_claims, read_csv, read_rates, read_seeds
 from study.latex import encode, longtable, prose
 from study.macros import macros
 from study.margin import bounds, used, worst
@@ -45,6 +45,7 @@ class Data:
 
     Attributes:
         rates, claims, cases, bounds, equivalence, controls: the CSV files of these names.
+        seeds: how often claimed rows did not hold on other random meshes.
         provenance: what the run was made with.
     """
 
@@ -54,19 +55,20 @@ class Data:
     bounds: pd.DataFrame
     equivalence: pd.DataFrame
     controls: pd.DataFrame
+    seeds: Alarms
     provenance: dict[str, Any]
 
     @classmethod
     def read(cls, directory: Path) -> Data | None:
-        """The data of a full run of the catalogue with its controls, None of any other.
+        """The data of a full run of the catalogue with its controls and other seeds, None of any other.
 
         Raises:
             DataError: a file is missing or lacks a column.
         """
-        provenance, controls = (directory / "data" / name for name in ("provenance.json", "controls.csv"))
-        if not (provenance.is_file() and controls.is_file()):
+        needed = [directory / "data" / name for name in ("provenance.json", "controls.csv", "seeds.csv")]
+        if not all(path.is_file() for path in needed):
             return None
-        made = json.loads(provenance.read_text(encoding="utf-8"))
+        made = json.loads(needed[0].read_text(encoding="utf-8"))
         cases = read_csv(directory, "cases.csv", CASES)
         if made.get("plan") != "full" or not set(cases["case"]) >= SPOKEN:
             return None
@@ -77,6 +79,7 @@ class Data:
             bounds=read_csv(directory, "bounds.csv", BOUNDS),
             equivalence=read_csv(directory, "equivalence.csv", ["case", "level"]),
             controls=read_csv(directory, "controls.csv", CONTROLS).fillna(""),
+            seeds=read_seeds(directory),
             provenance=made,
         )
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -90,6 +91,24 @@ def caught(controls: pd.DataFrame) -> tuple[int, int]:
     """How many defects in ``controls.csv`` were caught, and how many were injected; a setting has no entry."""
     injected = controls[controls["caught"] != ""]
     return int((injected["caught"] == "yes").sum()), len(injected)
+
+
+class Alarms(NamedTuple):
+    """What ``seeds.csv`` says of the rows that are claimed: how many there are, seeds, verdicts, and how many miss."""
+
+    rows: int
+    seeds: int
+    verdicts: int
+    alarms: int
+
+
+def read_seeds(directory: Path) -> Alarms:
+    """The sums over ``seeds.csv``."""
+    table = read_csv(directory, "seeds.csv", ["claimed", "seeds", "alarms"])
+    claimed = table[table["claimed"] == "yes"]
+    return Alarms(
+        len(claimed), *(int(n) for n in (claimed["seeds"].max(), claimed["seeds"].sum(), claimed["alarms"].sum()))
+    )
 
 
 def read_claims(directory: Path) -> pd.DataFrame:

@@ -39,6 +39,10 @@ def _ledger(data: Data) -> Named:
     found, injected = caught(data.controls)
     yield "controls", str(injected)
     yield "controlsCaught", str(found)
+    yield "seeds", str(data.seeds.seeds)
+    yield "seedRows", str(data.seeds.rows)
+    yield "seedVerdicts", str(data.seeds.verdicts)
+    yield "seedAlarms", str(data.seeds.alarms)
 
 
 def _plan(data: Data) -> Named:

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from study.statements.listed import Listed
 
-SLIPS = Listed(
+
+class Slips(Listed):
+    """Places where the printed text cannot be meant."""
+
+
+SLIPS = Slips(
     "slips",
     "slips in the printed text",
     (

@@ -4,7 +4,12 @@ from __future__ import annotations
 
 from study.statements.listed import Listed
 
-UNTESTED = Listed(
+
+class Untested(Listed):
+    """Statements about infinitely many functions or data."""
+
+
+UNTESTED = Untested(
     "not tested",
     "statements that no finite number of computations can test",
     (
