@@ -16,7 +16,7 @@ from typing import Any
 
 import pandas as pd
 
-from study.datafiles import Alarms, DataError, read_claims, read_csv, read_rates, read_seeds
+from study.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
 from study.latex import encode, longtable, prose
 from study.macros import macros
 from study.margin import bounds, used, worst
@@ -44,8 +44,7 @@ class Data:
     """The data files of a full run.
 
     Attributes:
-        rates, claims, cases, bounds, equivalence, controls: the CSV files of these names.
-        seeds: how often claimed rows did not hold on other random meshes.
+        rates, claims, cases, bounds, equivalence, controls, seeds: the CSV files of these names.
         provenance: what the run was made with.
     """
 
@@ -55,7 +54,7 @@ class Data:
     bounds: pd.DataFrame
     equivalence: pd.DataFrame
     controls: pd.DataFrame
-    seeds: Alarms
+    seeds: pd.DataFrame
     provenance: dict[str, Any]
 
     @classmethod
@@ -79,7 +78,7 @@ class Data:
             bounds=read_csv(directory, "bounds.csv", BOUNDS),
             equivalence=read_csv(directory, "equivalence.csv", ["case", "level"]),
             controls=read_csv(directory, "controls.csv", CONTROLS).fillna(""),
-            seeds=read_seeds(directory),
+            seeds=read_csv(directory, "seeds.csv", SEEDS).fillna(""),
             provenance=made,
         )
 

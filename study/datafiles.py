@@ -18,6 +18,7 @@ VERDICTS = ("holds", "reported", "undecided", "fails")
 SERIES = ["claim", "case", "family", "scheme"]
 RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
 RATES += ["time_share"]
+SEEDS = ["label", "case", "seeds", "alarms", "claimed"]
 LEDGER = ["label", "statement", "case", "quantity", "expected", "observed", "low", "high", "verdict"]
 TEXT = {
     *SERIES,
@@ -94,7 +95,7 @@ def caught(controls: pd.DataFrame) -> tuple[int, int]:
 
 
 class Alarms(NamedTuple):
-    """What ``seeds.csv`` says of the rows that are claimed: how many there are, seeds, verdicts, and how many miss."""
+    """How many rows are claimed on other random meshes, on how many seeds, verdicts, and how many do not hold."""
 
     rows: int
     seeds: int
@@ -102,13 +103,11 @@ class Alarms(NamedTuple):
     alarms: int
 
 
-def read_seeds(directory: Path) -> Alarms:
-    """The sums over ``seeds.csv``."""
-    table = read_csv(directory, "seeds.csv", ["claimed", "seeds", "alarms"])
-    claimed = table[table["claimed"] == "yes"]
-    return Alarms(
-        len(claimed), *(int(n) for n in (claimed["seeds"].max(), claimed["seeds"].sum(), claimed["alarms"].sum()))
-    )
+def raised(seeds: pd.DataFrame) -> Alarms:
+    """The sums over the claimed rows of ``seeds.csv``."""
+    claimed = seeds[seeds["claimed"] == "yes"]
+    numbers = claimed["seeds"].max(), claimed["seeds"].sum(), claimed["alarms"].sum()
+    return Alarms(len(claimed), *map(int, numbers))
 
 
 def read_claims(directory: Path) -> pd.DataFrame:

@@ -40,6 +40,7 @@ ELSEWHERE = {
 EXCLUDED = {
     "make full": "half an hour: the nightly workflow runs it",
     "make bench": "times the machine",
+    "make seeds": "three quarters of an hour: the nightly workflow runs it",
     "study seeds": "the quick study twenty times: test_seeds.py looks at what it wrote",
     "sudo apt-get": "changes the system, for peers that are optional",
     ".venv/bin/pip install osqp": "changes the environment, for a peer that is optional",
