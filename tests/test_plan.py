@@ -35,6 +35,27 @@ def test_the_full_study_uses_every_family_that_can_mesh_a_body_and_the_quick_one
     assert {job.family for job in PLANS["quick"].jobs if isinstance(job, RateJob)} == {f.name for f in FAMILIES}
 
 
+def test_every_case_of_the_quick_study_is_on_one_family_and_a_twin_on_that_of_its_twin() -> None:
+    found: dict[str, set[str]] = {}
+    for job in PLANS["quick"].jobs:
+        if isinstance(job, RateJob):
+            found.setdefault(job.case, set()).add(job.family)
+    refined = {case.name for case in catalogue() if case.solution.body.refine}
+    assert {name for name, families in found.items() if len(families) > 1} == refined
+    for case in catalogue():
+        if case.twin:
+            assert found[case.name] == found[case.twin]
+
+
+def test_cases_with_levels_of_their_own_have_those_unless_levels_are_asked_for() -> None:
+    own = {name: levels.of(0) for name, levels in PLANS["full"].own}
+    for job in PLANS["full"].jobs:
+        if isinstance(job, RateJob):
+            assert job.level in own.get(job.case, (*range(6, 129),))
+    asked = replace(PLANS["full"], plane=Levels((4, 8)), own=())
+    assert asked.levels_of(resolve("layered")).of(0) == (4, 8)
+
+
 @pytest.mark.parametrize("name", PLANS)
 def test_every_numbered_statement_is_measured_on_cases_that_exist(name: str) -> None:
     jobs = [job for job in PLANS[name].jobs if isinstance(job, StatementJob)]
