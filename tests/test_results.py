@@ -79,6 +79,7 @@ def test_the_committed_run_has_every_case_and_reaches_level_256() -> None:
 
 def test_every_row_without_a_claim_says_why_there_is_none() -> None:
     claims = pd.read_csv(RESULTS / "data" / "claims.csv", keep_default_na=False)
+    assert not claims["expected"].isin(["", "reported"]).any()
     predicted = claims[(claims["verdict"] == REPORTED) & claims["expected"].str.startswith("predicted ")]
     assert len(predicted) > 0
     assert predicted["expected"].str.contains(r", no claim as .+: (?:agrees|differs|undecided)$").all()

@@ -25,6 +25,8 @@ TIGHT_ABOVE = Window(1.0, 1.15, "≤ 1.15 over [T/2, T]")
 TIGHT_BELOW = Window(0.85, 1.0, "≥ 0.85 over [T/2, T]")
 WIDTH = 0.2
 """Width of an interval for the order that says something."""
+UNCLAIMED = "no claim: how far an end is from the error; what is claimed is that it never crosses it"
+KNOWN = "no claim: it contains the order of the errors whenever these lie within their bounds, the row above"
 
 
 def judge_bounds(rows: pd.DataFrame, cases: Collection[str]) -> list[Verdict]:
@@ -64,7 +66,7 @@ def _tight(case: str, rows: pd.DataFrame) -> list[Verdict]:
 def _range(label: str, case: str, quantity: str, values: pd.Series, window: Window | None) -> Verdict:
     low, high = float(values.min()), float(values.max())
     if window is None:
-        return Verdict(label, STATEMENTS[label], case, quantity, "reported", high, low, high, REPORTED)
+        return Verdict(label, STATEMENTS[label], case, quantity, UNCLAIMED, high, low, high, REPORTED)
     inside = bool(((window.low <= values) & (values <= window.high)).all())
     worst = low if window is TIGHT_BELOW else high
     verdict = HOLDS if inside else FAILS
@@ -106,7 +108,7 @@ def _orders(case: str, rows: pd.DataFrame, known: bool) -> list[Verdict]:
 def _contains(low: float, high: float, order: float) -> tuple[str, str]:
     """Whether an interval at most WIDTH wide contains an order."""
     if math.isnan(order):
-        return REPORTED, "reported"
+        return REPORTED, KNOWN
     expected = f"contains {order:g}, at most {WIDTH} wide"
     if high - low > WIDTH:
         return UNDECIDED, expected
