@@ -1,4 +1,4 @@
-"""Many small numbers in little space: whole multiples of a unit, as differences in time, compressed."""
+"""Many small numbers in little space: few digits, or multiples of a unit, as differences in time, compressed."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 STEPS = 999
 """Multiples of the unit up to the largest value: three digits, a tenth of a pixel in a picture of a body."""
+FINE = 32_000
+"""For values of which the signs and digits are read, not only seen: as many as 16 bits hold."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,17 +22,17 @@ class Packed:
     """Values over time, rounded to multiples of a unit.
 
     Attributes:
-        unit: the largest absolute value / STEPS; 1 where all vanish.
-        multiples: the values / unit, between −STEPS and STEPS, (times, ...).
+        unit: the largest absolute value / steps; 1 where all vanish.
+        multiples: the values / unit, between −steps and steps, (times, ...).
     """
 
     unit: float
     multiples: NDArray[np.int16]
 
     @classmethod
-    def of(cls, values: NDArray[np.float64]) -> Packed:
-        """Values over time, (times, ...), to within half a unit."""
-        unit = float(f"{np.max(np.abs(values), initial=0.0) / STEPS:.6g}") or 1.0
+    def of(cls, values: NDArray[np.float64], steps: int = STEPS) -> Packed:
+        """Values over time, (times, ...), to within half a unit; ``steps`` is STEPS or FINE."""
+        unit = float(f"{np.max(np.abs(values), initial=0.0) / steps:.6g}") or 1.0
         return cls(unit, np.round(values / unit).astype(np.int16))
 
     @property
@@ -60,3 +62,8 @@ class Packed:
             raise ValueError(str(error)) from error
         changes = np.frombuffer(content, dtype="<i2").reshape(record["shape"])
         return cls(float(record["unit"]), np.cumsum(changes, axis=0, dtype=np.int16))
+
+
+def short(values: NDArray[np.float64]) -> Any:
+    """Lists of numbers with four significant digits: what a figure can show."""
+    return np.vectorize(lambda v: float(f"{v:.4g}"), otypes=[float])(values).tolist()

@@ -2,43 +2,83 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
+from manufactured.body import Body
 from manufactured.case import Case
-from manufactured.exact import ExactSolution
+from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
-from study.fem.mesh import Unstructured, facet_measures
+from study.facets import Facets
+from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Unstructured, boundary_parts, facet_measures
 from study.fem.space import Space
 from study.motion import Motion, balance, von_mises
-from study.packing import Packed
+from study.packing import FINE, Packed, short
+from study.skin import Skin
 
 FORM = 2
 """To be raised whenever a picture holds more or other things: older ones are then made anew."""
 FAMILY = Unstructured()
 LEVEL = 24
 STEPS = 64
-EVERY = 4
+SOLID_FAMILY = OneDiagonal()
+SOLID_LEVEL = 9
+SOLID_STEPS = 32
+INTERVALS = 16
+"""Between the times that are kept."""
 SHAPES = (0.25, 0.5, 1.0)
-FINE = 400
+POINTS = 400
+"""Along a face in the plane, for its exact zone."""
 
 
 def picture(case: Case) -> dict[str, Any]:
     """Contact gap and pressure, displacement and stress over time, and the deformed mesh at three times.
 
     The computed pressure at a vertex is its contact force over the integral of its shape function.
-    ``displacement`` (times, 2, vertices) and ``von_mises`` (times, cells) are packed.
+    ``cells`` are the triangles of the mesh, in space those of its surface, ``vertices`` their corners.
+    ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed.
+
+    A face has gap, pressure and their exact values at its points. In the plane these are written out, with the ends of
+    the exact zone. In space, where there are many, they are packed; ``nodes`` says which of the vertices they are, and
+    ``level_exact`` is ψ there and at the midpoints between them (the exact zone is {ψ ≥ 0}).
+
+    Raises:
+        MeshError: no mesh of a moderate level fits the body.
     """
-    return record(case.name, Motion.of(case.solution, FAMILY, LEVEL, STEPS), EVERY)
+    body = case.solution.body
+    steps = STEPS if body.dim == 2 else SOLID_STEPS
+    return record(case.name, Motion.of(case.solution, *mesh_for(body), steps), steps // INTERVALS)
+
+
+def mesh_for(body: Body) -> tuple[MeshFamily, int]:
+    """The family and the level of the picture of a body.
+
+    In space the edges of its parts have to fall on the grid: the first level from ``SOLID_LEVEL`` on where they do, or
+    this one itself, which then says what is wrong, where they do nowhere below twice of it.
+    """
+    if body.dim == 2:
+        return FAMILY, LEVEL
+    levels = range(SOLID_LEVEL, 2 * SOLID_LEVEL)
+    return SOLID_FAMILY, next((n for n in levels if _fits(body, n)), SOLID_LEVEL)
+
+
+def _fits(body: Body, level: int) -> bool:
+    try:
+        boundary_parts(SOLID_FAMILY(body, level), body)
+    except MeshError:
+        return False
+    return True
 
 
 def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
-    """The picture of a motion in the plane, with one of ``every`` frames."""
+    """The picture of a motion, with one of ``every`` frames."""
     solution, space, found = motion.solution, motion.space, motion.frames
+    skin, keep = Skin.of(space.mesh), _written(space.dim)
     shown = found[::every]
     times = np.array([frame.time for frame in shown])
-    displacement = np.array([space.nodal(frame.u) for frame in shown])
+    displacement = np.array([space.nodal(frame.u)[:, skin.vertices] for frame in shown])
     normal = np.array([frame.normal for frame in shown])
     pressure = np.array([frame.multipliers for frame in shown]) / contact_weights(space)
     instants = [round(share * (len(shown) - 1)) for share in SHAPES]
@@ -46,14 +86,14 @@ def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
         "case": name,
         "family": motion.family,
         "level": motion.level,
-        "times": _short(times),
-        "vertices": _short(space.mesh.p),
-        "cells": space.mesh.t.tolist(),
-        "shapes": [{"time": times[n], "displacement": _short(displacement[n])} for n in instants],
+        "times": short(times),
+        "vertices": short(space.mesh.p[:, skin.vertices]),
+        "cells": skin.triangles.tolist(),
+        "shapes": [{"time": times[n], "displacement": keep(displacement[n])} for n in instants],
         "displacement": Packed.of(displacement).record(),
-        "von_mises": Packed.of(np.array([von_mises(frame.stress) for frame in shown])).record(),
-        "energy": {name: _short(values) for name, values in balance(found).items()},
-        "faces": _faces(solution, space, times, normal, pressure),
+        "von_mises": Packed.of(np.array([von_mises(frame.stress)[skin.cells] for frame in shown])).record(),
+        "energy": {name: short(values) for name, values in balance(found).items()},
+        "faces": _faces(solution, space, skin, times, normal, pressure),
     }
 
 
@@ -69,7 +109,10 @@ def contact_weights(space: Space) -> Array:
     return np.concatenate(weights)
 
 
-def _faces(solution: ExactSolution, space: Space, times: Array, normal: Array, pressure: Array) -> list[dict[str, Any]]:
+def _faces(
+    solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
+) -> list[dict[str, Any]]:
+    keep = _written(space.dim)
     faces, start = [], 0
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
         columns = slice(start, start + len(vertices))
@@ -78,26 +121,36 @@ def _faces(solution: ExactSolution, space: Space, times: Array, normal: Array, p
         order = np.argsort(s[0])
         s = s[:, order]
         exact = solution.on(face, s)
-        fine = np.linspace(0, part.measure, FINE + 1)[None]
-        on_fine = solution.on(face, fine)
-        instants = np.linspace(0, solution.body.T, 101)
-        faces.append(
-            {
-                "face": i,
-                "normal": part.normal.tolist(),
-                "s": _short(s[0]),
-                "x": _short(part.point(s)),
-                "gap": _short(-normal[:, columns][:, order]),
-                "gap_exact": _short(np.array([exact.gap(t) for t in times])),
-                "pressure": _short(pressure[:, columns][:, order]),
-                "pressure_exact": _short(np.array([exact.pressure(t) for t in times])),
-                "zone_exact": {
-                    "times": _short(instants),
-                    "intervals": [_intervals(fine[0], on_fine.level(t)) for t in instants],
-                },
-            }
-        )
+        nodes = np.searchsorted(skin.vertices, vertices[order])
+        found = {
+            "face": i,
+            "normal": part.normal.tolist(),
+            "s": short(s[0] if space.dim == 2 else s),
+            "x": short(part.point(s)),
+            "gap": keep(-normal[:, columns][:, order]),
+            "gap_exact": keep(np.array([exact.gap(t) for t in times])),
+            "pressure": keep(pressure[:, columns][:, order]),
+            "pressure_exact": keep(np.array([exact.pressure(t) for t in times])),
+        }
+        plane = space.dim == 2
+        zone = _intervals_of(solution, face) if plane else _levels_of(solution, face, s, nodes, skin, times)
+        faces.append(found | zone)
     return faces
+
+
+def _intervals_of(solution: ExactSolution, face: Face) -> dict[str, Any]:
+    """The exact zone of a face in the plane, between fine points of it."""
+    fine = np.linspace(0, face.part.measure, POINTS + 1)
+    exact, instants = solution.on(face, fine[None]), np.linspace(0, solution.body.T, 101)
+    intervals = [_intervals(fine, exact.level(t)) for t in instants]
+    return {"zone_exact": {"times": short(instants), "intervals": intervals}}
+
+
+def _levels_of(solution: ExactSolution, face: Face, s: Array, nodes: Array, skin: Skin, times: Array) -> dict[str, Any]:
+    """ψ on a face in space, at its nodes and between them, and which vertices of the skin the nodes are."""
+    exact = solution.on(face, Facets.between(nodes, skin.triangles).refined(s))
+    levels = np.array([exact.level(t) for t in times])
+    return {"level_exact": Packed.of(levels, FINE).record(), "nodes": nodes.tolist()}
 
 
 def _intervals(s: Array, level: Array) -> list[list[float]]:
@@ -109,9 +162,9 @@ def _intervals(s: Array, level: Array) -> list[list[float]]:
     jump = level[crossing + 1] - level[crossing]
     roots = s[crossing] - level[crossing] * (s[crossing + 1] - s[crossing]) / jump
     ends = [*([s[0]] if inside[0] else []), *roots, *([s[-1]] if inside[-1] else [])]
-    return [_short(np.array(pair)) for pair in zip(ends[::2], ends[1::2], strict=True)]
+    return [short(np.array(pair)) for pair in zip(ends[::2], ends[1::2], strict=True)]
 
 
-def _short(values: Array) -> Any:
-    """Four significant digits: what a figure can show."""
-    return np.vectorize(lambda v: float(f"{v:.4g}"))(values).tolist()
+def _written(dim: int) -> Callable[[Array], Any]:
+    """How values at points over time are written: as they are, or packed where they are many."""
+    return short if dim == 2 else lambda values: Packed.of(values, FINE).record()

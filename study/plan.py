@@ -147,7 +147,9 @@ class Plan:
             elif isinstance(job, StressJob):
                 yield resolve(job.place.case), job.place.family, job.place.level
             elif isinstance(job, PictureJob):
-                yield resolve(job.case), pictures.FAMILY.name, pictures.LEVEL
+                case = resolve(job.case)
+                family, level = pictures.mesh_for(case.solution.body)
+                yield case, family.name, level
             elif isinstance(job, BoundJob) and job.problem in self.cases:
                 yield resolve(job.problem), job.family, job.level
 
@@ -216,7 +218,7 @@ class Plan:
 
     def picture_jobs(self) -> list[Job]:
         """What the figures show of a case."""
-        return [PictureJob(case) for case in self.cases if resolve(case).solution.body.dim == 2]
+        return [PictureJob(case) for case in self.cases]
 
     def stress_jobs(self) -> list[Job]:
         """Problem 3.2 on its own stress space, on the cases of the plan."""

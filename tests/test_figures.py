@@ -5,6 +5,7 @@ from __future__ import annotations
 import pickle
 import re
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import matplotlib as mpl
@@ -18,11 +19,14 @@ from test_presentation import CASES, write_data
 
 from study.datafiles import DataError, read_rates
 from study.figures import drawings
-from study.figures.body import CLIPPED, SHADES, Scale
+from study.figures.body import CLIPPED, SHADES, Scale, _shades, caption_body, draw_body
 from study.figures.canvas import COLUMN, PAGE, STYLE, Drawing, in_style
 from study.figures.defects import mathtext
 from study.figures.energy import caption_energy
+from study.figures.maps import caption_fronts, caption_maps, draw_fronts, draw_maps
+from study.figures.maps import misplaced as misplaced_nodes
 from study.figures.pictures import Face, Picture, read_pictures
+from study.figures.view import View
 from study.figures.zone import exact_zone, misplaced
 
 Array = NDArray[np.float64]
@@ -183,6 +187,90 @@ def test_the_exact_zone_between_known_times_lies_between(picture: Picture) -> No
     early, late = (face.zone[n][0][1] for n in (10, 11))
     ((_, front),) = exact_zone(face, float(face.zone_times[10:12].mean()))
     assert front == pytest.approx((early + late) / 2)
+
+
+@pytest.fixture(scope="module")
+def solid(measured: Path) -> Picture:
+    return read_pictures(measured)[-1]
+
+
+def with_faces(picture: Picture, **change: Array | float) -> Picture:
+    """A solid with other values on its contact faces."""
+    values = {name: np.broadcast_to(value, getattr(picture.faces[0], name).shape) for name, value in change.items()}
+    return replace(picture, faces=[replace(face, **values) for face in picture.faces])
+
+
+def test_a_solid_is_seen_from_outside_of_its_contact_faces_and_from_above(solid: Picture) -> None:
+    view = View.of(solid)
+    np.testing.assert_allclose(view.axes @ view.axes.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(view.axes) == pytest.approx(1)
+    right, up, towards = view.axes
+    assert len(solid.faces) == 2
+    assert all(towards @ face.normal > 0.3 for face in solid.faces)
+    # The third axis is upright and the eye above: on the page a horizontal plane rises with the distance.
+    assert right[2] == pytest.approx(0)
+    assert up[2] * towards[2] > 0
+
+
+def test_the_triangles_of_a_cube_that_are_drawn_are_those_of_three_sides_from_far_to_near(solid: Picture) -> None:
+    view, shades = View.of(solid), np.zeros(solid.cells.shape[1], dtype=int)
+    order = view.order(solid.vertices, solid.cells, shades)
+    assert len(set(order)) == len(order) == solid.cells.shape[1] / 2
+    corners = solid.vertices[:, solid.cells[:, order]]
+    depth = view.axes[2] @ corners.mean(axis=1)
+    assert (np.diff(depth) >= 0).all()
+    normals = np.cross((corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T)
+    assert (normals @ view.axes[2] > 0).all()
+
+
+def test_in_the_plane_the_page_is_the_plane(picture: Picture) -> None:
+    np.testing.assert_array_equal(View.of(picture).flat(picture.vertices), picture.vertices)
+
+
+def test_contact_faces_of_a_solid_have_the_colours_of_the_pressure_and_the_others_of_the_stress(solid: Picture) -> None:
+    numbers = {}
+    for pressure in (0.0, 1.0):
+        shown = with_faces(solid, pressure=pressure)
+        numbers[pressure], colours = _shades(shown, shown.shapes[0], Scale.of(shown))
+        assert colours.shape == (2 * SHADES, 4)
+    on_faces = np.concatenate([face.facets.cells for face in solid.polygons])
+    assert set(numbers[0.0][on_faces]) == {SHADES}
+    assert set(numbers[1.0][on_faces]) == {2 * SHADES - 1}
+    others = np.setdiff1d(np.arange(solid.cells.shape[1]), on_faces)
+    np.testing.assert_array_equal(numbers[0.0][others], numbers[1.0][others])
+    assert numbers[0.0][others].max() < SHADES
+
+
+def test_nodes_of_a_solid_on_the_wrong_side_are_counted(solid: Picture) -> None:
+    exact = replace(solid, faces=[replace(face, pressure=face.inside.astype(float)) for face in solid.polygons])
+    assert [misplaced_nodes(face).max() for face in exact.polygons] == [0, 0]
+    assert "none of the 32 nodes is ever on the wrong side" in caption_fronts(exact)
+    wrong = [face.pressure.copy() for face in exact.polygons]
+    wrong[1][5, :3] = 1 - wrong[1][5, :3]
+    off = replace(exact, faces=[replace(face, pressure=p) for face, p in zip(exact.polygons, wrong, strict=True)])
+    assert [misplaced_nodes(face).sum() for face in off.polygons] == [0, 3]
+    assert f"3 of 16 at most, on Γ3,2 at t = {off.times[5]:.3g}" in caption_fronts(off)
+
+
+@pytest.mark.filterwarnings("error::UserWarning")
+@pytest.mark.parametrize("level", [-1.0, 1.0])
+def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(solid: Picture, level: float) -> None:
+    values = {"level": level, "pressure": max(level, 0.0), "pressure_exact": max(level, 0.0), "gap": 0.0}
+    shown = with_faces(solid, **values, gap_exact=0.0)
+    for draw, caption in ((draw_fronts, caption_fronts), (draw_maps, caption_maps), (draw_body, caption_body)):
+        drawn(Drawing("extreme", partial(draw, shown), partial(caption, shown)))
+        assert "nan" not in caption(shown)
+
+
+def test_the_caption_of_a_map_states_the_largest_errors(solid: Picture) -> None:
+    exact = replace(
+        solid,
+        faces=[replace(face, gap=0.9 * face.gap_exact, pressure=1.2 * face.pressure_exact) for face in solid.polygons],
+    )
+    assert "the pressure, a nodal force divided by the integral of its shape function, by at most 20 % of" in (
+        caption_maps(exact)
+    )
+    assert "the gap by 10 % of the largest" in caption_maps(exact)
 
 
 def test_the_colours_of_the_stress_end_where_all_but_a_few_cells_lie(picture: Picture) -> None:

@@ -198,7 +198,7 @@ def test_a_storyboard_goes_from_the_first_time_to_the_last() -> None:
 
 
 def test_a_film_keeps_the_shapes_that_the_picture_of_a_case_has() -> None:
-    motion = moved("advance-recede", pictures.EVERY * 4)
+    motion = moved("advance-recede", 16)
     shot = film("advance-recede", motion)
     assert [shape.time for shape in shot.shapes] == [frame.time for frame in motion.frames[::EVERY]]
     for frame, shape in zip(motion.frames[::EVERY], shot.shapes, strict=True):

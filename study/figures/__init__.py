@@ -22,6 +22,7 @@ from study.figures.effectivity import caption_effectivity, draw_effectivity
 from study.figures.enclosure import caption_enclosure, draw_enclosure
 from study.figures.energy import caption_energy, draw_energy
 from study.figures.growth import caption_growth, draw_growth, read_growth
+from study.figures.maps import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.figures.pictures import Picture, read_pictures
 from study.figures.profiles import caption_profiles, draw_profiles
 from study.figures.zone import caption_zone, draw_zone
@@ -68,7 +69,8 @@ def drawings(directory: Path) -> list[Drawing]:
     """Every figure of the data in a directory, not drawn yet.
 
     Those of ``overview``; ``convergence-CASE`` for every case of ``rates.csv``; ``enclosure-CASE`` for every case with
-    one; ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` for every file in ``pictures``.
+    one; ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` for every file in ``pictures``; the contact
+    faces of solids are maps.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -183,13 +185,10 @@ def _growth(directory: Path) -> Iterator[Drawing]:
 
 
 def _runs(pictures: list[Picture]) -> Iterator[Drawing]:
-    """The figures of every picture."""
-    kinds = {
-        "zone": (draw_zone, caption_zone),
-        "profiles": (draw_profiles, caption_profiles),
-        "body": (draw_body, caption_body),
-        "energy": (draw_energy, caption_energy),
-    }
+    """The figures of every picture; contact faces are lines in the plane and maps in space."""
+    everywhere = {"body": (draw_body, caption_body), "energy": (draw_energy, caption_energy)}
+    plane = {"zone": (draw_zone, caption_zone), "profiles": (draw_profiles, caption_profiles)}
+    space = {"zone": (draw_fronts, caption_fronts), "profiles": (draw_maps, caption_maps)}
     for picture in pictures:
-        for kind, (draw, caption) in kinds.items():
+        for kind, (draw, caption) in (everywhere | (plane if picture.segments else space)).items():
             yield Drawing(f"{kind}-{picture.case}", partial(draw, picture), partial(caption, picture))

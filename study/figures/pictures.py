@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.datafiles import DataError, read_csv
+from study.facets import Facets
 from study.packing import Packed
 
 Array = NDArray[np.float64]
@@ -21,7 +22,7 @@ CONTACT = 1e-8
 
 @dataclass(frozen=True, eq=False)
 class Shape:
-    """The body at one time: the displacement of every vertex, (2, vertices), the von Mises stress, (cells,)."""
+    """The body at one time: the displacement of every vertex, (d, vertices), the von Mises stress, (cells,)."""
 
     time: float
     displacement: Array
@@ -50,17 +51,15 @@ class Energy:
 
 @dataclass(frozen=True, eq=False)
 class Face:
-    """One straight piece of Γ3.
+    """One flat piece of Γ3.
 
     Attributes:
         number: i of Γ3,i.
-        normal: ν, outward, (2,).
-        s: position along the face, (nodes,).
-        x: the nodes, (2, nodes).
+        normal: ν, outward, (d,).
+        s: positions of the nodes on the face, (nodes,) in the plane and (2, nodes) in space.
+        x: the nodes, (d, nodes).
         gap, gap_exact: −u_ν, (times, nodes).
         pressure, pressure_exact: −σ_ν, (times, nodes).
-        zone_times: times at which the exact zone is known.
-        zone: at each of them, the intervals [s0, s1] of the exact zone.
     """
 
     number: int
@@ -71,25 +70,34 @@ class Face:
     gap_exact: Array
     pressure: Array
     pressure_exact: Array
-    zone_times: Array
-    zone: list[list[tuple[float, float]]]
-
-    @classmethod
-    def of(cls, record: Mapping[str, Any]) -> Face:
-        """From one entry of ``faces``."""
-        arrays = ("normal", "s", "x", "gap", "gap_exact", "pressure", "pressure_exact")
-        zone = record["zone_exact"]
-        return cls(
-            number=int(record["face"]),
-            **{field: np.array(record[field], dtype=float) for field in arrays},
-            zone_times=np.array(zone["times"], dtype=float),
-            zone=[[(float(a), float(b)) for a, b in intervals] for intervals in zone["intervals"]],
-        )
 
     @property
     def touching(self) -> NDArray[np.bool_]:
         """Where and when a node is in contact, (times, nodes)."""
         return np.asarray(self.pressure > CONTACT * self.pressure.max(initial=0.0))
+
+
+@dataclass(frozen=True, eq=False)
+class Segment(Face):
+    """A piece of Γ3 in the plane.
+
+    Attributes:
+        zone_times: times at which the exact zone is known.
+        zone: at each of them, the intervals [s0, s1] of the exact zone.
+    """
+
+    zone_times: Array
+    zone: list[list[tuple[float, float]]]
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> Segment:
+        """From one entry of ``faces``."""
+        zone = record["zone_exact"]
+        return cls(
+            **_of_every_face(record),
+            zone_times=np.array(zone["times"], dtype=float),
+            zone=[[(float(a), float(b)) for a, b in intervals] for intervals in zone["intervals"]],
+        )
 
     @property
     def spacing(self) -> float:
@@ -109,8 +117,49 @@ class Face:
 
 
 @dataclass(frozen=True, eq=False)
+class Polygon(Face):
+    """A piece of Γ3 in space.
+
+    Attributes:
+        facets: the triangles between its nodes; those with a corner on Γ1, which is no node, are left out.
+        nodes: which of the vertices of the picture the nodes are, (nodes,).
+        level: ψ at the nodes and at the midpoints between them, (times, nodes + edges): the exact zone is {ψ ≥ 0}.
+    """
+
+    facets: Facets
+    nodes: NDArray[np.int64]
+    level: Array
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any], cells: NDArray[np.int64]) -> Polygon:
+        """From one entry of ``faces`` and the cells of the picture."""
+        nodes = np.array(record["nodes"], dtype=np.int64)
+        level = series(record["level_exact"])
+        return cls(**_of_every_face(record), facets=Facets.between(nodes, cells), nodes=nodes, level=level)
+
+    @property
+    def inside(self) -> NDArray[np.bool_]:
+        """Where and when a node is in the exact zone, (times, nodes)."""
+        return np.asarray(self.level[:, : len(self.nodes)] >= 0)
+
+
+def _of_every_face(record: Mapping[str, Any]) -> dict[str, Any]:
+    names = [field.name for field in fields(Face)]
+    return {"number": int(record["face"])} | {name: series(record[name]) for name in names if name != "number"}
+
+
+def series(entry: Any) -> Array:
+    """Values that are packed, or written as they are."""
+    return Packed.read(entry).values if isinstance(entry, Mapping) else np.array(entry, dtype=float)
+
+
+@dataclass(frozen=True, eq=False)
 class Picture:
-    """One run: the mesh, some deformed shapes, the faces and the energy in time."""
+    """One run: the mesh, some deformed shapes, the faces and the energy in time.
+
+    ``cells`` are triangles: those of the mesh in the plane, those of its surface in space, where their corners run
+    counter-clockwise seen from outside.
+    """
 
     case: str
     family: str
@@ -126,22 +175,24 @@ class Picture:
     def of(cls, record: Mapping[str, Any]) -> Picture:
         """From what ``study.pictures.picture`` returns."""
         times, von_mises = np.array(record["times"], dtype=float), Packed.read(record["von_mises"]).values
+        cells = np.array(record["cells"], dtype=np.int64)
+        plane = len(record["vertices"]) == 2
         return cls(
             case=str(record["case"]),
             family=str(record["family"]),
             level=int(record["level"]),
             times=times,
             vertices=np.array(record["vertices"], dtype=float),
-            cells=np.array(record["cells"], dtype=np.int64),
+            cells=cells,
             shapes=[
                 Shape(
                     time=float(shape["time"]),
-                    displacement=np.array(shape["displacement"], dtype=float),
+                    displacement=series(shape["displacement"]),
                     von_mises=von_mises[np.argmin(abs(times - shape["time"]))],
                 )
                 for shape in record["shapes"]
             ],
-            faces=[Face.of(face) for face in record["faces"]],
+            faces=[Segment.of(face) if plane else Polygon.of(face, cells) for face in record["faces"]],
             energy=Energy.of(record["energy"]),
         )
 
@@ -156,6 +207,16 @@ class Picture:
             return cls.of(json.loads(path.read_text(encoding="utf-8")))
         except (KeyError, TypeError, ValueError) as error:
             raise DataError(f"{path} is not a picture ({error!r}): make it again with `study run`") from error
+
+    @property
+    def segments(self) -> list[Segment]:
+        """The faces of a body in the plane."""
+        return [face for face in self.faces if isinstance(face, Segment)]
+
+    @property
+    def polygons(self) -> list[Polygon]:
+        """The faces of a body in space."""
+        return [face for face in self.faces if isinstance(face, Polygon)]
 
     def nearest(self, time: float) -> int:
         """The index of the time node nearest to a time."""

@@ -50,8 +50,8 @@ def caption_profiles(picture: Picture) -> str:
     """What to see."""
     instants = [picture.nearest(shape.time) for shape in picture.shapes]
     times = ", ".join(f"{picture.times[instant]:.3g}" for instant in instants)
-    gap = _largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in picture.faces])
-    pressure = _largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in picture.faces])
+    gap = largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in picture.faces])
+    pressure = largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in picture.faces])
     return (
         f"Gap and contact pressure along Γ3 at t = {times} ({place(picture)}): lines are exact, markers computed. "
         "What to see: there is a gap or a pressure, never both, and markers on the lines: at the nodes the gap is off "
@@ -60,7 +60,7 @@ def caption_profiles(picture: Picture) -> str:
     )
 
 
-def _largest_difference(pairs: list[tuple[Array, Array]]) -> str:
+def largest_difference(pairs: list[tuple[Array, Array]]) -> str:
     """max |computed − exact|, in per cent of max |exact| where that is not round-off."""
     difference = max(float(abs(computed - exact).max()) for computed, exact in pairs)
     size = max(float(abs(exact).max()) for _, exact in pairs)

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from study.figures.canvas import BLACK, BLUE, COLUMN, GREEN, GREY, PURPLE, SKY, VERMILLION, legend
-from study.figures.pictures import Array, Face, Picture, heading, name, place, symbol
+from study.figures.pictures import Array, Picture, Segment, heading, name, place, symbol
 
 ROWS = 40
 """At most about so many times are shown as dots: more would run into each other."""
@@ -35,10 +35,10 @@ def draw_zone(picture: Picture) -> Figure:
     The filled region is ``zone_exact``; a dot is a node with positive ``pressure``, at every time node
     or, if there are many, at evenly chosen ones. The last panel shows ``misplaced``.
     """
-    count = len(picture.faces)
+    count = len(picture.segments)
     figure = Figure(figsize=(COLUMN + 0.8 * (count - 1), 3.2))
     *panels, beside = figure.subplots(1, count + 1, sharey=True, width_ratios=(*[1] * count, WIDTH))
-    for axes, face in zip(panels, picture.faces, strict=True):
+    for axes, face in zip(panels, picture.segments, strict=True):
         _draw_face(axes, face, picture.times, faces=count)
         axes.set_xlabel(
             rf"position $s$ along ${symbol(face, picture)}$" if count < 3 else rf"$s$ on ${symbol(face, picture)}$"
@@ -57,8 +57,8 @@ def draw_zone(picture: Picture) -> Figure:
 
 def caption_zone(picture: Picture) -> str:
     """What to see."""
-    errors = [misplaced(face, picture.times) for face in picture.faces]
-    face, worst = max(zip(picture.faces, errors, strict=True), key=lambda found: float(found[1].max()))
+    errors = [misplaced(face, picture.times) for face in picture.segments]
+    face, worst = max(zip(picture.segments, errors, strict=True), key=lambda found: float(found[1].max()))
     when = int(np.argmax(worst))
     seen = (
         f"computed fronts are off by {np.mean(errors):.2g} cells on the average and by {worst[when]:.2g} at most, on "
@@ -68,17 +68,17 @@ def caption_zone(picture: Picture) -> str:
         else "no node is ever on the wrong side"
     )
     return (
-        f"Contact zone of {', '.join(name(face, picture) for face in picture.faces)} in space and time "
+        f"Contact zone of {', '.join(name(face, picture) for face in picture.segments)} in space and time "
         f"({place(picture)}): exact zone filled, dots are nodes with a positive computed pressure; on the right the "
         "length that one zone has and the other has not, in cells, after t = 0, where nothing has been solved. What "
         f"to see: how closely the dots fill the exact zone; {seen}."
     )
 
 
-def misplaced(face: Face, times: Array) -> Array:
+def misplaced(face: Segment, times: Array) -> Array:
     """|Z(t) Δ Z^h(t)|/h at the times after the first: the distances of all fronts in cells, added up, (times − 1,).
 
-    Z^h is ``Face.computed_zone``; it is defined where zones are born and vanish, too, and no wrong node can hide.
+    Z^h is ``Segment.computed_zone``; it is defined where zones are born and vanish, too, and no wrong node can hide.
     Clamped ends of a face, which have no node, do not count.
     """
     free = float(face.s.min()), float(face.s.max())
@@ -90,7 +90,7 @@ def misplaced(face: Face, times: Array) -> Array:
     return np.array(differences) / face.spacing
 
 
-def exact_zone(face: Face, time: float) -> list[tuple[float, float]]:
+def exact_zone(face: Segment, time: float) -> list[tuple[float, float]]:
     """The exact zone at a time, linear between those at which it is known."""
     pieces = strands(face.zone_times, face.zone)
     columns = [np.array(piece).T for piece in pieces if piece[0][0] <= time <= piece[-1][0]]
@@ -115,7 +115,7 @@ def _inside(s: float, zone: Intervals) -> bool:
 def _draw_misplaced(axes: Axes, picture: Picture) -> list[Line2D]:
     lines: list[Line2D] = []
     largest = 2.0
-    for face, (colour, marker) in zip(picture.faces, cycle(LINES), strict=False):
+    for face, (colour, marker) in zip(picture.segments, cycle(LINES), strict=False):
         error = misplaced(face, picture.times)
         largest = max(largest, 1.05 * float(error.max()))
         style: dict[str, Any] = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
@@ -181,7 +181,7 @@ def _continues(before: Intervals, after: Intervals) -> bool:
     return len(before) == len(after) and all(_meet(a, b) for a, b in zip(before, after, strict=True))
 
 
-def _draw_face(axes: Axes, face: Face, times: Array, faces: int) -> None:
+def _draw_face(axes: Axes, face: Segment, times: Array, faces: int) -> None:
     pieces = strands(face.zone_times, face.zone)
     columns = [np.array(piece).T for piece in pieces]
     outlines = [np.column_stack([[*left, *right[::-1]], [*t, *t[::-1]]]) for t, left, right in columns]

@@ -14,7 +14,7 @@ from PIL import Image
 
 from study.figures.body import Scale, colour_bar, draw_moment, handles
 from study.figures.canvas import BLACK, PAGE, SKY, VERMILLION, legend
-from study.figures.pictures import Face, Picture, heading, symbol
+from study.figures.pictures import Picture, Segment, heading, symbol
 from study.figures.zone import exact_zone
 from study.store import write_whole
 
@@ -78,7 +78,7 @@ def played(figure: Figure, picture: Picture) -> Iterator[None]:
         for axes in (left, *right):
             axes.clear()
         draw_moment(left, picture, shape, scale, 0.5 * PAGE)
-        for axes, face in zip(right, picture.faces, strict=True):
+        for axes, face in zip(right, picture.segments, strict=True):
             _draw_pressure(axes, face, picture, picture.nearest(shape.time))
         figure.suptitle(f"{heading(picture)},  $t={shape.time:.2f}$")
         if number == 0:
@@ -88,7 +88,7 @@ def played(figure: Figure, picture: Picture) -> Iterator[None]:
         yield
 
 
-def _draw_pressure(axes: Axes, face: Face, picture: Picture, instant: int) -> None:
+def _draw_pressure(axes: Axes, face: Segment, picture: Picture, instant: int) -> None:
     """Exact pressure as a line, computed as dots, the exact contact zone shaded."""
     for start, end in exact_zone(face, float(picture.times[instant])):
         axes.axvspan(start, end, color=SKY, alpha=0.35, lw=0)

@@ -1,0 +1,146 @@
+"""The picture of a solid: its surface and what happens on its contact faces, as solved, in little space."""
+
+from __future__ import annotations
+
+import json
+from functools import cache
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from manufactured import Kind, box
+from manufactured.body import Body, Part
+from manufactured.catalogue import catalogue
+from study import pictures
+from study.facets import Facets
+from study.fem.mesh import MeshError, Unstructured, boundary_parts
+from study.figures.pictures import Picture
+from study.jobs import PictureJob
+from study.motion import Motion
+from study.naming import resolve
+from study.packing import FINE
+from study.pictures import mesh_for, record
+from study.plan import full, quick
+from study.skin import Skin
+
+Array = NDArray[np.float64]
+SOLIDS = [case.name for case in catalogue() if case.solution.body.dim == 3]
+
+
+@cache
+def solved(case: str) -> tuple[Motion, Picture]:
+    """A motion on a coarse mesh, and its picture as a reader of the file has it."""
+    motion = Motion.of(resolve(case).solution, pictures.SOLID_FAMILY, 3, 4)
+    return motion, Picture.of(json.loads(json.dumps(record(case, motion, 2))))
+
+
+def vectors(x: Array, triangles: NDArray[np.int64]) -> Array:
+    """Area times normal of triangles, (k, 3)."""
+    a, b, c = (x[:, corner].T for corner in triangles)
+    return np.cross(b - a, c - a) / 2
+
+
+def test_there_are_solids_to_be_shown() -> None:
+    assert {"cube-disc", "cube-two-faces"} <= set(SOLIDS)
+
+
+@pytest.mark.parametrize("plan", [quick(), full()], ids=lambda plan: plan.name)
+def test_every_case_has_a_picture(plan) -> None:
+    assert [job.case for job in plan.jobs if isinstance(job, PictureJob)] == [case.name for case in catalogue()]
+
+
+@pytest.mark.parametrize("case", SOLIDS)
+def test_the_surface_of_a_solid_is_closed_and_seen_from_outside(case: str) -> None:
+    """∫ ν = 0 and ∫ x·ν/3 = |Ω|."""
+    motion, picture = solved(case)
+    areas = vectors(picture.vertices, picture.cells)
+    centres = picture.vertices[:, picture.cells].mean(axis=1).T
+    np.testing.assert_allclose(areas.sum(axis=0), 0, atol=1e-3)
+    assert np.sum(centres * areas) / 3 == pytest.approx(motion.solution.body.measure, rel=1e-3)
+
+
+def test_in_the_plane_the_surface_is_the_mesh() -> None:
+    mesh = Unstructured()(resolve("hexagon").solution.body, 6)
+    skin = Skin.of(mesh)
+    np.testing.assert_array_equal(mesh.p[:, skin.vertices], mesh.p)
+    np.testing.assert_array_equal(skin.triangles, mesh.t)
+
+
+@pytest.mark.parametrize("case", SOLIDS)
+def test_displacement_gap_and_pressure_are_those_of_the_motion_at_the_vertices(case: str) -> None:
+    motion, picture = solved(case)
+    space, start = motion.space, 0
+    weights = pictures.contact_weights(space)
+    for face, (part, vertices) in zip(picture.polygons, space.contact, strict=True):
+        rows = slice(start, start + len(vertices))
+        start += len(vertices)
+        by_place = {tuple(np.round(x, 3)): i for i, x in enumerate(space.mesh.p[:, vertices].T)}
+        order = [by_place[tuple(np.round(x, 3))] for x in picture.vertices[:, face.nodes].T]
+        assert sorted(order) == list(range(len(vertices)))
+        np.testing.assert_allclose(face.normal, part.normal)
+        np.testing.assert_allclose(part.point(face.s), picture.vertices[:, face.nodes], atol=1e-3)
+        for n, frame in enumerate(motion.frames[::2]):
+            gap, pressure = -frame.normal[rows][order], (frame.multipliers / weights)[rows][order]
+            np.testing.assert_allclose(face.gap[n], gap, atol=0.51 * abs(face.gap).max() / FINE)
+            np.testing.assert_allclose(face.pressure[n], pressure, atol=0.51 * abs(face.pressure).max() / FINE)
+            np.testing.assert_array_equal(face.touching[n], pressure > 0)
+    for shape in picture.shapes:
+        (frame,) = (frame for frame in motion.frames if frame.time == shape.time)
+        moved = space.nodal(frame.u)[:, Skin.of(space.mesh).vertices]
+        np.testing.assert_allclose(shape.displacement, moved, atol=0.51 * abs(moved).max() / FINE)
+
+
+@pytest.mark.parametrize("case", SOLIDS)
+def test_facets_cover_a_contact_face_and_the_exact_zone_is_known_on_their_quarters(case: str) -> None:
+    motion, picture = solved(case)
+    for face, exact in zip(picture.polygons, motion.solution.faces, strict=True):
+        flat = np.vstack([face.s, 0 * face.s[0]])
+        fine = np.vstack([face.facets.refined(face.s), np.zeros(face.level.shape[1])])
+        for x, triangles in ((flat, face.facets.corners), (fine, face.facets.quarters)):
+            assert abs(vectors(x, triangles)[:, 2]).sum() == pytest.approx(exact.part.measure, rel=1e-3)
+            # No triangle is turned over by cutting it.
+            assert len(set(np.sign(vectors(x, triangles)[:, 2]))) == 1
+        np.testing.assert_array_equal(picture.cells[:, face.facets.cells], face.nodes[face.facets.corners])
+        fields = motion.solution.on(exact, fine[:2])
+        for n, time in enumerate(picture.times):
+            np.testing.assert_allclose(face.level[n], fields.level(time), atol=2e-3)
+            np.testing.assert_array_equal(face.inside[n], fields.level(time)[: len(face.nodes)] >= 0)
+            np.testing.assert_allclose(face.gap_exact[n], fields.gap(time)[: len(face.nodes)], atol=1e-3)
+
+
+def test_a_facet_with_a_corner_that_is_no_node_is_left_out() -> None:
+    """Two triangles over a square, of which one corner is none."""
+    facets = Facets.between(np.array([4, 2, 7]), np.array([[2, 4], [4, 7], [7, 9]]))
+    np.testing.assert_array_equal(facets.cells, [0])
+    np.testing.assert_array_equal(facets.corners, [[1], [0], [2]])
+    np.testing.assert_array_equal(facets.edges, [[0, 0, 1], [1, 2, 2]])
+    np.testing.assert_allclose(facets.refined(np.array([1.0, 2.0, 4.0])), [1, 2, 4, 1.5, 2.5, 3])
+
+
+def cut(share: float) -> Body:
+    """The unit cube with Γ1 on a share of its top only."""
+    others = [part for part in box().parts if part.kind is not Kind.CLAMPED]
+    clamped = np.array([(0, 0, 1), (share, 0, 1), (share, 1, 1), (0, 1, 1)])
+    loaded = np.array([(share, 0, 1), (1, 0, 1), (1, 1, 1), (share, 1, 1)])
+    return Body((*others, Part(Kind.CLAMPED, clamped.T), Part(Kind.LOADED, loaded.T)))
+
+
+@pytest.mark.parametrize(("share", "level"), [(1 / 3, 9), (1 / 5, 10), (1 / 4, 12)])
+def test_the_mesh_of_a_picture_fits_the_parts_of_a_solid(share: float, level: int) -> None:
+    family, found = mesh_for(cut(share))
+    assert found == level
+    boundary_parts(family(cut(share), found), cut(share))
+
+
+def test_a_solid_that_no_moderate_mesh_fits_is_refused_by_its_first_mesh() -> None:
+    body = cut(1 / 23)
+    family, level = mesh_for(body)
+    with pytest.raises(MeshError, match="not a vertex of the mesh"):
+        boundary_parts(family(body, level), body)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("case", SOLIDS)
+def test_the_picture_of_a_solid_has_at_most_100_kilobytes(case: str) -> None:
+    assert len(json.dumps(pictures.picture(resolve(case)))) <= 100e3
