@@ -17,9 +17,10 @@ import pytest
 from manufactured.catalogue import catalogue
 from study import jobs
 from study.cli import main
+from study.figures.pictures import series
 from study.jobs import PictureJob
 from study.naming import resolve
-from study.packing import STEPS, Packed
+from study.packing import FINE, STEPS, Packed
 from study.pictures import picture
 from study.report import write_report
 from study.report.plots import finest_orders
@@ -31,11 +32,11 @@ RESULTS = Path(__file__).parents[1] / "results"
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
 TABLES = ("bounds", "cases", "claims", "enclosures", "equivalence", "rates", "stresses")
-FILES = [*(f"{name}.csv" for name in TABLES), "pictures/corner.json"]
+FILES = [*(f"{name}.csv" for name in TABLES), "pictures/corner.json", f"pictures/{SOLID}.json"]
 
 
 def write_data(directory: Path) -> Path:
-    """The committed data of three cases, with pictures of the two plane ones and with text that is hard on HTML."""
+    """The committed data of three cases, with their pictures and with text that is hard on HTML."""
     data = directory / "data"
     (data / "pictures").mkdir(parents=True)
     for name in TABLES:
@@ -51,7 +52,7 @@ def write_data(directory: Path) -> Path:
     controls.to_csv(data / "controls.csv", index=False)
     provenance = json.loads((RESULTS / "data" / "provenance.json").read_text(encoding="utf-8"))
     (data / "provenance.json").write_text(json.dumps(provenance | {"machine": HOSTILE}))
-    for case in PLANE:
+    for case in (*PLANE, SOLID):
         (data / "pictures" / f"{case}.json").write_text(json.dumps(picture(resolve(case))))
     return directory
 
@@ -184,23 +185,40 @@ def test_links_lead_to_sections_of_the_page(page: Page) -> None:
     )
 
 
-def test_plane_cases_are_shown_in_motion_and_solids_by_numbers(page: Page) -> None:
+def test_every_case_is_shown_in_motion(page: Page) -> None:
     films = [attributes["data-case"] for tag, attributes in page.tags if tag == "section" and "data-case" in attributes]
-    assert films == PLANE
-    assert f"case/{SOLID}" in {attributes.get("id") for _, attributes in page.tags}
+    assert films == [*PLANE, SOLID]
+    assert {f"case/{case}" for case in films} <= {attributes.get("id") for _, attributes in page.tags}
+    sliders = [attributes for tag, attributes in page.tags if attributes.get("type") == "range"]
+    assert [slider["id"] for slider in sliders] == [f"time-{case}" for case in films]
+    for case, content in zip(films, page.data, strict=True):
+        assert len(json.loads(content)["view"]) == (3 if case == SOLID else 2)
 
 
 def test_the_motion_on_the_page_passes_through_the_shapes_of_the_picture(directory: Path, page: Page) -> None:
-    for case, content in zip(PLANE, page.data, strict=True):
+    for case, content in zip((*PLANE, SOLID), page.data, strict=True):
         film = json.loads(content)
         record = json.loads((directory / "data" / "pictures" / f"{case}.json").read_text())
         raw = np.frombuffer(base64.b64decode(film["displacement"]), dtype="<i2")
-        moving = film["unit"] * raw.reshape(len(film["times"]), 2, -1)
+        moving = film["unit"] * raw.reshape(len(film["times"]), len(film["vertices"]), -1)
         for shape in record["shapes"]:
-            expected = np.array(shape["displacement"])
-            rounding = 0.5 * film["unit"] + 5e-4 * abs(expected)
+            expected = series(shape["displacement"])
+            rounding = 0.5 * film["unit"] + 5e-4 * abs(expected) + abs(expected).max() / FINE
             assert (abs(moving[film["times"].index(shape["time"])] - expected) <= rounding).all()
         assert abs(raw).max() == STEPS
+
+
+def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Path, page: Page) -> None:
+    film = json.loads(page.data[-1])
+    record = json.loads((directory / "data" / "pictures" / f"{SOLID}.json").read_text())
+    for shown, face in zip(film["faces"], record["faces"], strict=True):
+        for name in ("s", "x", "gap", "gap_exact", "pressure", "pressure_exact"):
+            np.testing.assert_allclose(shown[name], series(face[name]), rtol=6e-4)
+        np.testing.assert_array_equal(np.sign(shown["level"]), np.sign(series(face["level_exact"])))
+        corners = np.reshape(film["cells"], (-1, 3))[shown["cells"]].ravel()
+        np.testing.assert_array_equal(np.array(face["nodes"])[shown["facets"]], corners)
+        assert max(shown["edges"]) < len(face["nodes"])
+        assert max(shown["quarters"]) + 1 == len(face["nodes"]) + len(shown["edges"]) / 2 == np.shape(shown["level"])[1]
 
 
 def test_shades_grow_with_the_stress_and_the_brightest_is_reached(directory: Path, page: Page) -> None:
@@ -262,13 +280,16 @@ def test_every_statement_of_the_committed_ledger_names_the_files_that_judge_it()
         assert all((ROOT / file).is_file() for file in found[label])
 
 
-def test_packed_values_are_kept_to_half_a_unit() -> None:
+@pytest.mark.parametrize("steps", [STEPS, FINE])
+def test_packed_values_are_kept_to_half_a_unit(steps: int) -> None:
     values = np.random.default_rng(1).normal(size=(5, 2, 7)).cumsum(axis=0)
-    record = json.loads(json.dumps(Packed.of(values).record()))
+    # Changes of the largest size: from one end of the range to the other.
+    values[2:4, 0, 0] = -abs(values).max(), abs(values).max()
+    record = json.loads(json.dumps(Packed.of(values, steps).record()))
     again = Packed.read(record)
     # The unit itself is kept to six digits.
-    assert abs(again.values - values).max() <= 0.501 * again.unit
-    assert again.unit == pytest.approx(abs(values).max() / STEPS, rel=1e-5)
+    assert abs(again.values - values).max() <= (0.501 + 1e-6 * steps) * again.unit
+    assert again.unit == pytest.approx(abs(values).max() / steps, rel=1e-5)
     assert not Packed.of(np.zeros((3, 4))).values.any()
 
 
@@ -311,8 +332,7 @@ def test_orders_over_two_refinements_are_those_of_a_power_of_h() -> None:
 def test_the_page_of_the_committed_run_has_at_most_6_megabytes_and_its_pictures_130_kilobytes(tmp_path: Path) -> None:
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs"))
     for case in catalogue():
-        if case.solution.body.dim == 2:
-            path = tmp_path / "data" / "pictures" / f"{case.name}.json"
-            path.write_text(json.dumps(picture(case)) + "\n")
-            assert path.stat().st_size <= 130e3
+        path = tmp_path / "data" / "pictures" / f"{case.name}.json"
+        path.write_text(json.dumps(picture(case)) + "\n")
+        assert path.stat().st_size <= 130e3
     assert write_report(tmp_path).stat().st_size <= 6e6

@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 import pytest
 from selenium import webdriver
@@ -113,21 +114,42 @@ def rows_of(claims: pd.DataFrame) -> list[list[str]]:
     return claims[["label", "case", "verdict"]].to_numpy().tolist()
 
 
-def film(browser: webdriver.Chrome) -> WebElement:
-    return browser.find_element(By.CSS_SELECTOR, f"[data-case='{CASE}'].film")
+def film(browser: webdriver.Chrome, case: str = CASE) -> WebElement:
+    return browser.find_element(By.CSS_SELECTOR, f"[data-case='{case}'].film")
 
 
-def film_data(browser: webdriver.Chrome) -> dict[str, Any]:
-    script = film(browser).find_element(By.TAG_NAME, "script")
+def film_data(browser: webdriver.Chrome, case: str = CASE) -> dict[str, Any]:
+    script = film(browser, case).find_element(By.TAG_NAME, "script")
     return json.loads(str(script.get_attribute("textContent")))
 
 
-def drawing(browser: webdriver.Chrome) -> str:
-    return str(browser.execute_script("return arguments[0].querySelector('canvas').toDataURL()", film(browser)))
+def drawing(browser: webdriver.Chrome, case: str = CASE) -> str:
+    return str(browser.execute_script("return arguments[0].querySelector('canvas').toDataURL()", film(browser, case)))
 
 
-def time_shown(browser: webdriver.Chrome) -> float:
-    return float(film(browser).find_element(By.TAG_NAME, "output").text.removeprefix("t = "))
+def time_shown(browser: webdriver.Chrome, case: str = CASE) -> float:
+    return float(film(browser, case).find_element(By.TAG_NAME, "output").text.removeprefix("t = "))
+
+
+def touching(data: dict[str, Any], n: int) -> int:
+    return sum(pressure > face["touches"] for face in data["faces"] for pressure in face["pressure"][n])
+
+
+def attributes(element: WebElement, selector: str, name: str) -> list[str]:
+    return [str(one.get_attribute(name)) for one in element.find_elements(By.CSS_SELECTOR, selector)]
+
+
+def pixels(browser: webdriver.Chrome, case: str, condition: str) -> int:
+    """How many pixels of the body have a colour (r, g, b) that satisfies a condition."""
+    return browser.execute_script(
+        "const canvas = arguments[0].querySelector('canvas'), {width, height} = canvas;"
+        "const {data} = canvas.getContext('2d').getImageData(0, 0, width, height);"
+        "let count = 0;"
+        "for (let i = 0; i < data.length; i += 4) { const [r, g, b, a] = data.subarray(i, i + 4);"
+        f"if (a === 255 && {condition}) count++; }}"
+        "return count;",
+        film(browser, case),
+    )
 
 
 def test_every_section_is_shown_alone_under_its_address_and_nothing_is_fetched(
@@ -204,7 +226,7 @@ def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(
     go(page, directory, f"case/{CASE}")
     page.find_element(By.CSS_SELECTOR, ".page:not([hidden]) a[href^='#ledger?']").click()
     of_case = claims[claims["case"] == CASE]
-    assert shown_rows(page) == rows_of(of_case)
+    WebDriverWait(page, 5).until(lambda _: shown_rows(page) == rows_of(of_case))
     Select(page.find_element(By.ID, "filter-verdict")).select_by_visible_text("holds")
     page.refresh()
     assert shown_rows(page) == rows_of(of_case[of_case["verdict"] == "holds"])
@@ -215,7 +237,7 @@ def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(
 def test_a_statement_with_brackets_and_commas_leads_to_its_rows(page: webdriver.Chrome, claims: pd.DataFrame) -> None:
     label = "(3.9)–(3.11), (4.14), (4.15)"
     page.find_element(By.LINK_TEXT, label).click()
-    assert shown_rows(page) == rows_of(claims[claims["label"] == label])
+    WebDriverWait(page, 5).until(lambda _: shown_rows(page) == rows_of(claims[claims["label"] == label]))
 
 
 def test_keys_move_the_slider_the_body_and_the_curves(page: webdriver.Chrome, directory: Path) -> None:
@@ -227,8 +249,7 @@ def test_keys_move_the_slider_the_body_and_the_curves(page: webdriver.Chrome, di
         slider.send_keys(key)
         assert time_shown(page) == data["times"][n]
         said = f"t = {data['times'][n]:g}, "
-        touching = sum(pressure > data["faces"][0]["touches"] for pressure in data["faces"][0]["pressure"][n])
-        assert slider.get_attribute("aria-valuetext") == f"{said}{touching} vertices in contact"
+        assert slider.get_attribute("aria-valuetext") == f"{said}{touching(data, n)} vertices in contact"
         assert said in str(film(page).find_element(By.TAG_NAME, "canvas").get_attribute("aria-label"))
         drawn.add(drawing(page))
         dots = film(page).find_elements(By.CSS_SELECTOR, "[data-plot=pressure] circle")
@@ -237,15 +258,81 @@ def test_keys_move_the_slider_the_body_and_the_curves(page: webdriver.Chrome, di
     assert len(drawn) == 5
 
 
-def test_the_body_is_drawn_where_it_is(page: webdriver.Chrome, directory: Path) -> None:
+def test_keys_move_the_slider_the_body_and_the_maps_of_a_solid(page: webdriver.Chrome, directory: Path) -> None:
+    go(page, directory, f"case/{SOLID}")
+    data, section = film_data(page, SOLID), film(page, SOLID)
+    slider, (face,) = section.find_element(By.CSS_SELECTOR, "input[type=range]"), data["faces"]
+    nodes, drawn = len(face["nodes"]), set()
+    for key, n in ((Keys.HOME, 0), (Keys.ARROW_RIGHT, 1), (Keys.END, 16), (Keys.ARROW_LEFT, 15)):
+        slider.send_keys(key)
+        assert time_shown(page, SOLID) == data["times"][n]
+        said = f"t = {data['times'][n]:g}"
+        assert slider.get_attribute("aria-valuetext") == f"{said}, {touching(data, n)} vertices in contact"
+        assert said in str(section.find_element(By.TAG_NAME, "canvas").get_attribute("aria-label"))
+        drawn.add(drawing(page, SOLID))
+        largest = [
+            f"At {said} it is at most {max(face[kind][n]):.3g} computed, {max(face[f'{kind}_exact'][n]):.3g} exact."
+            for kind in ("gap", "pressure")
+        ]
+        assert [one.text for one in section.find_elements(By.CSS_SELECTOR, "figcaption output")] == largest
+        assert len(attributes(section, "[data-plot=gap] circle", "fill")) == nodes
+        (now,) = attributes(section, "[data-plot=zone] .now", "d")
+        assert float(now[1:].split(",")[0]) == pytest.approx(58 + 278 * data["times"][n], abs=0.006)
+    assert len(drawn) == 4
+    counts = [touching(data, n) for n in range(1, 17)]
+    heights = [float(height) for height in attributes(section, "[data-plot=zone] circle", "cy")]
+    assert heights == pytest.approx([150 - 140 * count / nodes for count in counts], abs=0.006)
+
+
+def test_a_map_of_a_solid_has_the_colours_of_its_values_and_the_exact_front(
+    page: webdriver.Chrome, directory: Path
+) -> None:
+    go(page, directory, f"case/{SOLID}")
+    data, section = film_data(page, SOLID), film(page, SOLID)
+    (face,), n = data["faces"], 8
+    assert time_shown(page, SOLID) == data["times"][n]
+    top = max(max(map(max, face[name])) for name in ("pressure", "pressure_exact"))
+    for name, selector in (("pressure", "circle"), ("pressure_exact", "path.tile")):
+        fills = [
+            sum(map(int, re.findall(r"\d+", one)))
+            for one in attributes(section, f"[data-plot=pressure] {selector}", "fill")
+        ]
+        shades = [round(255 * min(max(value / top, 0), 1)) for value in face[name][n]]
+        assert len(fills) == len(shades)
+        by_shade = [fill for _, fill in sorted(zip(shades, fills, strict=True), key=lambda pair: (pair[0], -pair[1]))]
+        assert by_shade == sorted(by_shade, reverse=True), "darker where the pressure is higher"
+        assert by_shade[0] == 255 + 247 + 236
+    # ψ is a paraboloid: every point of the front is at its distance from the middle of the disc.
+    (front,) = attributes(section, "[data-plot=pressure] .front", "d")
+    points = np.array(re.findall(r"[ML]([\d.]+),([\d.]+)", front), dtype=float)
+    s = (points - [58, 220]) / [210, -210]
+    t = data["times"][n]
+    np.testing.assert_allclose(np.linalg.norm(s - [0.4 + t / 5, 0.5], axis=1) ** 2, 0.1 + 0.6 * t * (1 - t), atol=4e-3)
+
+
+def test_a_solid_shows_pressure_where_there_is_some_and_its_exact_front_always(
+    page: webdriver.Chrome, directory: Path
+) -> None:
+    go(page, directory, f"case/{SOLID}")
+    slider = film(page, SOLID).find_element(By.CSS_SELECTOR, "input[type=range]")
+    red, blue = "r > 200 && g < 180 && b < 130", "r < 40 && g > 90 && b > 150"
+    assert pixels(page, SOLID, red) > 2000
+    assert pixels(page, SOLID, blue) > 200
+    slider.send_keys(Keys.HOME)
+    assert pixels(page, SOLID, red) == 0
+    assert pixels(page, SOLID, blue) > 200
+
+
+@pytest.mark.parametrize("case", [CASE, SOLID])
+def test_the_body_is_drawn_where_it_is(page: webdriver.Chrome, directory: Path, case: str) -> None:
     """The middle of the canvas is inside the body, its upper left corner outside."""
-    go(page, directory, f"case/{CASE}")
+    go(page, directory, f"case/{case}")
     middle, corner = page.execute_script(
         "const canvas = arguments[0].querySelector('canvas'), {width, height} = canvas;"
         "const {data} = canvas.getContext('2d').getImageData(0, 0, width, height);"
         "const opacity = (x, y) => data[4 * (Math.floor(y) * width + Math.floor(x)) + 3];"
         "return [opacity(width / 2, height / 2), opacity(1, 1)];",
-        film(page),
+        film(page, case),
     )
     assert (middle, corner) == (255, 0)
 

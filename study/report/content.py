@@ -62,7 +62,7 @@ class Group:
 
 @dataclass(frozen=True)
 class Case:
-    """The page of a case. ``film`` is None in 3D, where there is no picture."""
+    """The page of a case."""
 
     name: str
     summary: str
@@ -72,7 +72,7 @@ class Case:
     seen: str
     strip: Strip | None
     charts: list[tuple[str, Chart]]
-    film: dict[str, Any] | None
+    film: dict[str, Any]
     tables: list[Rows]
 
 
@@ -192,7 +192,7 @@ class _Cases:
             seen=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
             strip=Strip.of(rates, expected) if orders else None,
             charts=_charts(rates, expected, series[series["trajectory"] == "enclosure"]),
-            film=self._film(name) if int(fact["dimension"]) == 2 else None,
+            film=self._film(name),
             tables=[table for table in tables if table.cells],
         )
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from study.datafiles import DataError
 from study.figures.body import SHARE
-from study.figures.pictures import CONTACT, Face, Picture
-from study.packing import Packed
+from study.figures.pictures import CONTACT, Face, Picture, Polygon, Segment
+from study.figures.view import View
+from study.packing import Packed, short
 
 SHADES = 255
 BRIGHTEST = 0.95
@@ -25,9 +26,9 @@ Array = NDArray[np.float64]
 def read_film(path: Path) -> dict[str, Any]:
     """A picture in the form that the script of the page reads.
 
-    ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y; ``shades``: of the stress of each
-    cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` makes the largest displacement a given share
-    of the body.
+    ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z; ``shades``: of the
+    stress of each cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` makes the largest displacement a
+    given share of the body; ``view`` has the rows of the projection, two in the plane and three in space.
 
     Raises:
         DataError: the file is no picture, or an older one without motion.
@@ -55,7 +56,8 @@ def read_film(path: Path) -> dict[str, Any]:
         "shades": _base64(shades.astype(np.uint8)),
         "brightest": brightest,
         "magnification": _magnification(picture.vertices, displacement.values),
-        "faces": [_face(face) for face in picture.faces],
+        "view": View.of(picture).axes.tolist(),
+        "faces": [*map(_segment, picture.segments), *map(_polygon, picture.polygons)],
     }
 
 
@@ -78,16 +80,28 @@ def _magnification(vertices: Array, displacement: Array) -> float:
     return float(f"{np.floor(exact / unit) * unit:.2g}")
 
 
-def _face(face: Face) -> dict[str, Any]:
+def _segment(face: Segment) -> dict[str, Any]:
+    return _values(face) | {"zone": {"times": face.zone_times.tolist(), "intervals": face.zone}}
+
+
+def _polygon(face: Polygon) -> dict[str, Any]:
+    """Facets, edges and quarters: the points at the corners of each, one after the other."""
+    facets = face.facets
+    return _values(face) | {
+        "nodes": face.nodes.tolist(),
+        "cells": facets.cells.tolist(),
+        "facets": facets.corners.T.ravel().tolist(),
+        "edges": facets.edges.T.ravel().tolist(),
+        "quarters": facets.quarters.T.ravel().tolist(),
+        "level": short(face.level),
+    }
+
+
+def _values(face: Face) -> dict[str, Any]:
+    series = ("s", "x", "gap", "gap_exact", "pressure", "pressure_exact")
     return {
         "face": face.number,
         "normal": face.normal.tolist(),
-        "s": face.s.tolist(),
-        "x": face.x.tolist(),
-        "gap": face.gap.tolist(),
-        "gap_exact": face.gap_exact.tolist(),
-        "pressure": face.pressure.tolist(),
-        "pressure_exact": face.pressure_exact.tolist(),
+        **{name: short(getattr(face, name)) for name in series},
         "touches": CONTACT * face.pressure.max(initial=0.0),
-        "zone": {"times": face.zone_times.tolist(), "intervals": face.zone},
     }
