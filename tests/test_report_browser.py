@@ -282,6 +282,9 @@ def test_keys_move_the_slider_the_body_and_the_maps_of_a_solid(page: webdriver.C
     counts = [touching(data, n) for n in range(1, 17)]
     heights = [float(height) for height in attributes(section, "[data-plot=zone] circle", "cy")]
     assert heights == pytest.approx([150 - 140 * count / nodes for count in counts], abs=0.006)
+    (line,) = attributes(section, "[data-plot=zone] .exact-line", "d")
+    inside = (np.array(face["level"])[:, :nodes] >= 0).sum(axis=1)
+    assert [float(y) for y in re.findall(r",([\d.]+)", line)] == pytest.approx(150 - 140 * inside / nodes, abs=0.006)
 
 
 def test_a_map_of_a_solid_has_the_colours_of_its_values_and_the_exact_front(

@@ -159,6 +159,9 @@ function drawName({ pen, now }, face, shown) {
   pen.font = `0.9rem ${getComputedStyle(document.body).fontFamily}`;
   pen.textAlign = "center";
   pen.fillStyle = "#1a1a1a";
+  pen.strokeStyle = "#fff";
+  pen.lineWidth = 3;
+  pen.strokeText(`Γ3,${face.face}`, ...middle);
   pen.fillText(`Γ3,${face.face}`, ...middle);
 }
 
