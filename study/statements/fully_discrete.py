@@ -52,7 +52,7 @@ ORDERS = {"backward-euler": FIRST, "bdf2": SECOND, "midpoint": SECOND}
 IN_H = Window(0.85, 1.15, "1 ± 0.15")
 NOT_STIFF = Window(-0.1, 0.1, "0 ± 0.1")
 BETTER = Window(0.0, 1.0, "< 1")
-OPEN = "the source leaves it open (no number: the error in time cannot be seen; undecided: the interval is too wide)"
+OPEN = "the source leaves it open (no number: not to be seen; undecided: a wide interval)"
 
 
 @dataclass(frozen=True)
