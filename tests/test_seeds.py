@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -17,6 +18,7 @@ from study.seeds import NOT_CLAIMED, SEEDS, SeededPlan, seeded, tally, text
 from study.statements.fully_discrete import FullyDiscrete
 from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 
+RESULTS = Path(__file__).parents[1] / "results"
 JOBS = seeded(3).jobs
 
 
@@ -96,7 +98,7 @@ def test_no_seeds_are_refused(tmp_path, capsys) -> None:
 
 @pytest.fixture(scope="module")
 def committed() -> pd.DataFrame:
-    return pd.read_csv("results/data/seeds.csv", keep_default_na=False)
+    return pd.read_csv(RESULTS / "data" / "seeds.csv", keep_default_na=False)
 
 
 def test_the_committed_verdicts_hold_on_twenty_random_meshes(committed: pd.DataFrame) -> None:
