@@ -15,6 +15,8 @@ from study.fem.space import Space
 from study.solve import stress
 from study.solve.evolution import Problem
 from study.solve.stress import StressError, StressProblem
+from study.statements.base import Setting
+from study.statements.independence import StandsAlone
 
 CASES = {case.name: case for case in catalogue()}
 
@@ -41,12 +43,20 @@ def test_both_problems_have_one_solution_at_every_step(name: str, family) -> Non
 @pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
 def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name: str, monkeypatch) -> None:
     """With gaps of 1e-4 the solutions differ by 1e-6 and more of their size, and by no more than the gap allows."""
-    settings = stress.settings()
-    settings.tol_gap_abs = settings.tol_gap_rel = 1e-4
-    monkeypatch.setattr(stress, "settings", lambda: settings)
+    monkeypatch.setattr(stress, "GAP", 1e-4)
     found = gaps(*problems(name, Shaken(), 6), steps=12)
     assert 1e-6 <= found.displacement_gap <= found.displacement_bound
     assert 1e-6 <= found.stress_gap <= found.stress_bound
+
+
+def test_an_interior_point_that_rounding_breaks_off_is_asked_for_less(monkeypatch) -> None:
+    """With a mistake in Problem 3.1 alone, on a mesh on which the programme at t = T breaks off before its aim."""
+    setting = Setting("yield-on-a-part", "shaken-7", 4)
+    assert StandsAlone().measure(setting)["stress_shown"] == pytest.approx(1, abs=1e-6)
+    monkeypatch.setattr(stress, "ENOUGH_GAP", stress.GAP)
+    monkeypatch.setattr(stress, "ENOUGH_FEASIBILITY", stress.FEASIBILITY)
+    with pytest.raises(StressError, match="was not solved"):
+        StandsAlone().measure(setting)
 
 
 @pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])

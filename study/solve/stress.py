@@ -34,6 +34,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import clarabel
 import numpy as np
@@ -242,9 +243,14 @@ class _Programme:
         cones += [clarabel.NonnegativeConeT(m)]
         self.q = np.zeros(p * cells + m)
         self.b = np.zeros(constraints.shape[0])
-        self.solver = clarabel.DefaultSolver(
-            sps.csc_matrix(sps.triu(hessian)), self.q, sps.csc_matrix(constraints), self.b, cones, settings()
-        )
+        P, A = sps.csc_matrix(sps.triu(hessian)), sps.csc_matrix(constraints)
+
+        def solver(gap: float, feasibility: float) -> clarabel.DefaultSolver:
+            return clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(gap, feasibility))
+
+        self.solver = solver(GAP, FEASIBILITY)
+        # Where rounding breaks off the way to an aim out of reach, the last iterate is not the best.
+        self.modest = partial(solver, ENOUGH_GAP, ENOUGH_FEASIBILITY)
 
     def __call__(self, time: float, old: Tensors) -> StressState:
         """σ_n, λ_n, u_n and ε_n from ε_{n−1}."""
@@ -256,6 +262,8 @@ class _Programme:
         self.b[:dofs] = load / unit
         self.solver.update(q=self.q, b=self.b)
         solution = self.solver.solve()
+        if solution.status not in SOLVED:
+            solution = self.modest().solve()
         if solution.status not in SOLVED:
             raise StressError(
                 f"the stress problem at t = {time:.6g} was not solved: {solution.status} after "
@@ -274,15 +282,15 @@ class _Programme:
         return size or 1.0
 
 
-def settings() -> clarabel.DefaultSettings:
-    """How far the interior point goes."""
+def settings(gap: float, feasibility: float) -> clarabel.DefaultSettings:
+    """How far the interior point aims to go."""
     found = clarabel.DefaultSettings()
     found.verbose = False
     # Presolve and chordal decomposition would forbid new data for the next step.
     found.presolve_enable = False
     found.chordal_decomposition_enable = False
-    found.tol_gap_abs = found.tol_gap_rel = GAP
-    found.tol_feas = FEASIBILITY
+    found.tol_gap_abs = found.tol_gap_rel = gap
+    found.tol_feas = feasibility
     found.reduced_tol_gap_abs = found.reduced_tol_gap_rel = ENOUGH_GAP
     found.reduced_tol_feas = ENOUGH_FEASIBILITY
     found.iterative_refinement_abstol = found.iterative_refinement_reltol = REFINEMENT
