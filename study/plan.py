@@ -243,9 +243,10 @@ def violations(reference: str) -> list[Finding]:
     return [finding for finding in examine(resolve(reference).solution) if not finding.passes]
 
 
-NARROW, DISC = ("merging-patches", "layered"), "cube-disc"
-"""Two patches of contact of three or four cells at n = 8, a front above a layer of four, and a disc three cells wide
-at n = 6: there orders depend on the mesh and on the constants of a case, and these start where they do not."""
+NARROW = ("merging-patches", "layered")
+"""Two patches of contact of three or four cells at n = 8, and a front above a layer of four: there orders depend on the
+mesh and on the constants of a case, and these start where they do not. So do solids, at n = 9: a disc is three cells
+wide at n = 6, and the fitted order misses its window on one random mesh in twenty."""
 FINEST = ("fixed-front-off-vertex", "advance-recede")
 """Cases that are measured on one level more."""
 
@@ -256,11 +257,11 @@ def quick() -> Plan:
         cases=tuple(case.name for case in catalogue()),
         plane=Levels((8, 16, 32)),
         rough=Levels((8, 16, 32, 64)),
-        solid=Levels((6, 9, 12)),
+        solid=Levels((9, 12, 15)),
         equivalence=(4, 8),
         solid_equivalence=(3,),
         every_family=False,
-        own=(*((name, Levels((16, 24, 36))) for name in NARROW), (DISC, Levels((9, 12, 15)))),
+        own=tuple((name, Levels((16, 24, 36))) for name in NARROW),
     )
 
 
@@ -270,14 +271,13 @@ def full() -> Plan:
         quick(),
         plane=Levels((8, 16, 32, 64), (128,)),
         rough=Levels((8, 16, 32, 64, 128)),
-        solid=Levels((6, 9, 12, 18), (24,)),
+        solid=Levels((9, 12, 18), (24,)),
         equivalence=(4, 8, 16),
         solid_equivalence=(3, 6),
         every_family=True,
         name="full",
         own=(
             *((name, Levels((16, 32, 64), (128,))) for name in NARROW),
-            (DISC, Levels((9, 12, 18), (24,))),
             *((name, Levels((8, 16, 32, 64), (128, 256))) for name in FINEST),
         ),
     )

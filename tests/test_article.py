@@ -19,7 +19,7 @@ from study.margin import bounds, used, worst
 ROOT = Path(__file__).parent.parent
 PAPER, RESULTS = ROOT / "paper", ROOT / "results"
 SOURCES = sorted(PAPER.glob("*.tex"))
-NAMES = ("rates", "claims", "cases", "bounds", "equivalence", "controls")
+NAMES = ("rates", "claims", "cases", "bounds", "equivalence", "controls", "seeds")
 
 SETTINGS = {
     "95": "confidence of intervals, in per cent",
