@@ -188,8 +188,9 @@ class Plan:
 
     def levels_of(self, case: Case) -> Levels:
         """The levels of a case."""
-        if case.name in dict(self.own):
-            return dict(self.own)[case.name]
+        for name, levels in self.own:
+            if name == case.name:
+                return levels
         if case.solution.body.dim == 3:
             return self.solid
         return self.plane if case.regularity.satisfies_5_36 else self.rough
