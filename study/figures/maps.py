@@ -17,7 +17,7 @@ from matplotlib.tri import Triangulation
 
 from study.figures.body import PRESSURES
 from study.figures.canvas import BLACK, BLUE, COLUMN, GREEN, PURPLE, SKY, VERMILLION, legend
-from study.figures.pictures import Array, Picture, Polygon, heading, name, place, symbol
+from study.figures.pictures import CHEAP, Array, Picture, Polygon, heading, name, place, symbol
 from study.figures.profiles import largest_difference
 
 GAPS = "PuBu"
@@ -57,8 +57,7 @@ def caption_fronts(picture: Picture) -> str:
     when = int(np.argmax(worst))
     seen = (
         f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on the average and {worst[when]} of "
-        f"{len(face.nodes)} at most, on {name(face, picture)} at t = {picture.times[1:][when]:.3g}; where gap and "
-        "pressure vanish to high order at a front, this costs next to nothing in the norm of V"
+        f"{len(face.nodes)} at most, on {name(face, picture)} at t = {picture.times[1:][when]:.3g}; {CHEAP}"
         if worst[when] > 0
         else f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
     )

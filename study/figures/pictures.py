@@ -246,6 +246,10 @@ def symbol(face: Face, picture: Picture) -> str:
     return rf"\Gamma_{{3,{face.number}}}" if len(picture.faces) > 1 else r"\Gamma_3"
 
 
+CHEAP = "where gap and pressure vanish to high order at a front, this costs next to nothing in the norm of V"
+"""What to think of fronts that are off, in captions."""
+
+
 def name(face: Face, picture: Picture) -> str:
     """Γ3, or Γ3,i where there are several pieces, for captions."""
     return f"Γ3,{face.number}" if len(picture.faces) > 1 else "Γ3"

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from study.figures.canvas import BLACK, BLUE, COLUMN, GREEN, GREY, PURPLE, SKY, VERMILLION, legend
-from study.figures.pictures import Array, Picture, Segment, heading, name, place, symbol
+from study.figures.pictures import CHEAP, Array, Picture, Segment, heading, name, place, symbol
 
 ROWS = 40
 """At most about so many times are shown as dots: more would run into each other."""
@@ -62,8 +62,7 @@ def caption_zone(picture: Picture) -> str:
     when = int(np.argmax(worst))
     seen = (
         f"computed fronts are off by {np.mean(errors):.2g} cells on the average and by {worst[when]:.2g} at most, on "
-        f"{name(face, picture)} at t = {picture.times[1:][when]:.3g}, all fronts of a face added up; where gap and "
-        "pressure vanish to high order at a front, this costs next to nothing in the norm of V"
+        f"{name(face, picture)} at t = {picture.times[1:][when]:.3g}, all fronts of a face added up; {CHEAP}"
         if worst[when] > 0
         else "no node is ever on the wrong side"
     )
