@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
-from manufactured.tensors import Array
+import numpy as np
+
+from manufactured.tensors import Array, Tensors
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,3 +31,16 @@ class Modes:
     places: Array
     count: int
     amplitudes: Callable[[float, bool], Array]
+
+    def among(self, first: int, stop: int) -> Modes:
+        """The same strain at the points first, …, stop − 1, counted from zero."""
+        chosen = np.flatnonzero((first <= self.points) & (self.points < stop))
+        found = self.points[chosen] - first, self.shapes[:, chosen], self.places[chosen]
+        return replace(self, points=found[0], shapes=found[1], places=found[2])
+
+    def add(self, strain: Tensors, amplitudes: Array) -> None:
+        """Add the strain that amplitudes give to one at all points, (D, n)."""
+        for tensor, shape, amplitude in zip(self.tensors, self.shapes, amplitudes, strict=True):
+            values = shape * amplitude[self.places]
+            for row in np.flatnonzero(tensor):
+                strain[row, self.points] += tensor[row] * values

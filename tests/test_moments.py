@@ -8,10 +8,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from manufactured.catalogue import catalogue
-from study.fem.gauge import Gauge, rules, shared_lines
+from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
 from study.fem.line import Line
 from study.fem.mesh import FAMILIES, Unstructured
-from study.fem.quadrature import simplex_rule
+from study.fem.quadrature import facet_rule, simplex_rule
 from study.fem.sharing import shared
 from study.fem.space import Space
 from study.naming import resolve
@@ -49,6 +49,26 @@ def test_means_and_oscillation_are_those_of_the_strain_at_the_points_of_the_rule
         oscillation += np.einsum("Inq,Inq,nq->", np.tensordot(solution.law.A.matrix, apart, axes=1), apart, weights)
         assert abs(sample.means[:, rule.cells] - mean).max() <= 1e-12 * abs(mean).max()
     assert sample.oscillation == pytest.approx(oscillation, rel=1e-10)
+
+
+@pytest.mark.parametrize("case", ["hexagon", "yield-and-release", "layered", "corner", "cube-two-faces"])
+def test_the_load_on_cells_and_faces_is_that_of_the_stress_at_the_points_of_the_rules(case: str) -> None:
+    """(f, v) = (σ, ε(v))_Q + ∫_{Γ3} p v_ν, with σ and p evaluated point by point."""
+    solution = resolve(case).solution
+    family = next(family for family in FAMILIES if family.serves(solution.body) and family.name != "one-diagonal")
+    space = Space(family(solution.body, 12 if solution.body.dim == 2 else 6), solution.body)
+    gauge, time = Gauge(solution, space), 0.61 * solution.body.T
+    integrals, nodal = np.zeros((len(solution.law.A.matrix), space.mesh.t.shape[1])), np.zeros_like(space.mesh.p)
+    for rule in rules(solution, space.mesh, gauge.degree, shared_lines(solution)):
+        integrals[:, rule.cells] = np.einsum("Inq,nq->In", solution.at(rule.points).stress(time), rule.weights)
+    for face in solution.faces:
+        points = FACET_POINTS if space.dim == 2 else SOLID_FACET_POINTS
+        rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, points)
+        pressure = rule.weights * solution.on(face, rule.s).pressure(time)
+        local = np.einsum("anq,nq->an", rule.shapes, pressure)
+        nodal += space.scatter(space.mesh.facets[:, rule.facets], np.multiply.outer(face.part.normal, local))
+    expected = space.functional(integrals / space.volumes) + space.interpolate(nodal)
+    assert abs(gauge.load(time) - expected).max() <= 1e-12 * abs(expected).max()
 
 
 @pytest.mark.parametrize("level", [8, 16])

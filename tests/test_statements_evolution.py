@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -15,10 +16,11 @@ from study.fem.mesh import Shaken, Unstructured
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint
 from study.solve.signorini import Signorini
 from study.statements.admissibility import Admissibility, largest_violations
-from study.statements.base import Statement
+from study.statements.base import Setting, Statement
 from study.statements.boundary import NaturalConditions, tractions
 from study.statements.bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted, sides
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
+from study.statements.tally import grid
 from study.statements.wellposed import (
     BoundedVelocity,
     Dependence,
@@ -62,7 +64,10 @@ def table(found: list[tuple[int, dict[str, float]]]) -> pd.DataFrame:
 @cache
 def measured(statement: Statement) -> pd.DataFrame:
     """The rows of the quick settings."""
-    settings = statement.settings(full=False)
+    return measured_at(statement, statement.settings(full=False))
+
+
+def measured_at(statement: Statement, settings: Sequence[Setting]) -> pd.DataFrame:
     rows = [table([(s.level, statement.measure(s))]).assign(case=s.case, family=s.family) for s in settings]
     return pd.concat(rows)
 
@@ -274,8 +279,9 @@ def test_errors_in_time_that_cannot_be_seen_give_no_order() -> None:
 
 
 @pytest.mark.slow
-def test_the_quick_tables_agree_with_the_predictions_for_the_error_in_time() -> None:
-    for verdict in FullyDiscrete().judge(measured(FullyDiscrete())):
+def test_tables_on_coarse_meshes_agree_with_the_predictions_for_the_error_in_time() -> None:
+    settings = grid(("advance-recede",), ("shaken",), (4, 8, 12))
+    for verdict in FullyDiscrete().judge(measured_at(FullyDiscrete(), settings)):
         if "‖u^h − u^{hk}‖ in k" in verdict.quantity:
             assert verdict.expected.endswith("agrees")
             assert verdict.low <= verdict.observed <= verdict.high

@@ -17,6 +17,7 @@ from manufactured.law import Linear
 from manufactured.tensors import Array
 from study.equilibrated import measure as own
 from study.fem.gauge import DEGREE, Gauge, Sample
+from study.fem.moments import Amplitudes
 from study.fem.space import Space
 from study.solve.evolution import BackwardEuler, Problem, Scheme, State
 from study.solve.signorini import ContactSolver, Signorini
@@ -106,8 +107,8 @@ def contact_work_sign_flipped(setup: Setup) -> Setup:
 class FlippedWork(Gauge):
     """Green's formula with the wrong sign on Γ3."""
 
-    def _contact_work(self, time: float) -> Array:
-        return -super()._contact_work(time)
+    def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
+        return -super()._contact_work(strains, rates)
 
 
 def load_one_step_late(setup: Setup) -> Setup:

@@ -60,7 +60,7 @@ FAMILIES_OF = {
 }
 """Mesh families other than shaken ones. The error of the pressure at a natural front that rests is that of one cell:
 where the front lies in it may not be left to chance, or orders scatter by 1 from seed to seed."""
-QUICK = ("full-contact", "advance-recede", "anisotropic", "layered", "corner", "natural-front")
+QUICK = ("advance-recede", "layered", "corner", "natural-front")
 FINEST = ("re-entrant",)
 """Cases that are measured on the finest level, too."""
 

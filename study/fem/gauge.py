@@ -10,20 +10,21 @@ lower bound for every v ∈ V^h. The difference loses digits like ε_machine/h²
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from skfem import Mesh
 
 from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
-from manufactured.law import Linear
-from manufactured.tensors import Array, Tensors
+from manufactured.exact import ExactSolution, Face
+from manufactured.tensors import Array, Tensors, dyad
 from study.fem.line import Line
-from study.fem.moments import Amplitudes, CellIntegrals, Energy, Points
+from study.fem.moments import Amplitudes, Energy, Points
 from study.fem.quadrature import CellRule, cell_rules, facet_rule
 from study.fem.space import Space
+from study.fem.stresses import StressSums
 
 DEGREE = 4
 """Degree of the standard cell rule in 2D: exact for the square of a linear strain error, also when its points share
@@ -38,6 +39,9 @@ PARALLEL = 0.1
 
 FACET_POINTS = 8
 """Gauss points on a contact facet, or on each side of a rough point of it."""
+
+SOLID_FACET_POINTS = 4
+"""The same in 3D in both directions of a facet, for the load."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,49 +77,45 @@ class Gauge:
     def __init__(
         self, solution: ExactSolution, space: Space, raised: int = 0, along: Sequence[Line] | None = None
     ) -> None:
-        self.solution, self.space = solution, space
-        self.A, self.G = solution.law.A, solution.law.G
-        self._response: Callable[[float], Tensors]
+        self.solution, self.space, self.A = solution, space, solution.law.A
         self.degree = (DEGREE if space.dim == 2 else SOLID_DEGREE) + raised
-        found = rules(solution, space.mesh, self.degree, shared_lines(solution) if along is None else along)
-        points = Points.of(found)
-        viscous, elastic = (points.weights * tensor.factor(points.x) for tensor in (self.A, self.G))
-        self.viscous = points.totals(viscous)
-        modes = solution.at(points.x).modes()
+        lines = shared_lines(solution) if along is None else along
+        cells = Points.on_cells(rules(solution, space.mesh, self.degree, lines))
+        faces = [
+            self._on(face, (FACET_POINTS if space.dim == 2 else SOLID_FACET_POINTS) + raised) for face in solution.faces
+        ]
+        # Points in cells and on facets together, so that formulas are evaluated once for both.
+        points = [cells, *(found for found, _ in faces)]
+        modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
         self._parts = [part.amplitudes for part in modes]
-        self._energy = Energy(modes, viscous, self.A.matrix)
-        self._strains = CellIntegrals(modes, points, viscous)
-        if isinstance(self.G, Linear):
-            same = np.array_equal(viscous, elastic)
-            integrals = self._strains if same else CellIntegrals(modes, points, elastic)
-            self._response = self._linear(self.G, integrals)
-        else:
-            self._response = Pointwise(solution, found, len(self.viscous))
+        ends = np.cumsum([0, *(len(found.weights) for found in points)])
+        split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
+        self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
+        self._faces = [
+            (face, vertices, sums) for face, (_, vertices), sums in zip(solution.faces, faces, on_faces, strict=True)
+        ]
+        self._energy = Energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
-        self._faces = []
-        for face in solution.faces:
-            facets = space.facets(face.part)
-            rule = facet_rule(space.mesh, facets, face.part, face.rough, FACET_POINTS + raised)
-            self._faces.append((face, solution.on(face, rule.s), rule))
+
+    def _on(self, face: Face, points: int) -> tuple[Points, Array]:
+        """The points on the facets of a contact face, summed for each of their vertices."""
+        rule = facet_rule(self.space.mesh, self.space.facets(face.part), face.part, face.rough, points)
+        return Points.on_facets(rule, face.part, self.space.mesh)
 
     def _amplitudes(self, time: float, rate: bool = False) -> Amplitudes:
         return [amplitudes(time, rate) for amplitudes in self._parts]
 
-    def _linear(self, G: Linear, integrals: CellIntegrals) -> Callable[[float], Tensors]:
-        """t ↦ ∫_T G ε(u(t)), (D, cells), for a linear G: G of the integral of the strain."""
-        return lambda time: G.matrix @ integrals(self._amplitudes(time))
-
     def sample(self, time: float) -> Sample:
         """Means, oscillation and interpolant of u(t)."""
         amplitudes = self._amplitudes(time)
-        means = self._strains(amplitudes) / self.viscous
+        means = self._cells.strains(amplitudes) / self._cells.viscous
         # What rounding leaves of a strain that is constant on every cell may be negative.
         oscillation = max(self._energy(amplitudes) - self._constant_energy(means), 0.0)
         return Sample(time, means, oscillation, self.space.interpolate(self._nodes.displacement(time)))
 
     def _constant_energy(self, strain: Tensors) -> float:
         """∫ A ε·ε of a strain that is constant on every cell."""
-        return float(np.einsum("Ic,Ic,c->", self.A.matrix @ strain, strain, self.viscous))
+        return float(np.einsum("Ic,Ic,c->", self.A.matrix @ strain, strain, self._cells.viscous))
 
     def distance(self, sample: Sample, v: Array) -> float:
         """‖u(t) − v‖_V for v ∈ V^h."""
@@ -127,33 +127,16 @@ class Gauge:
         Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this
         serves solutions whose f_0 is not in L² as well.
         """
-        stress = self.A.matrix @ self._strains(self._amplitudes(time, rate=True)) + self._response(time)
-        return self.space.functional(stress / self.space.volumes) + self._contact_work(time)
+        amplitudes = self._amplitudes(time), self._amplitudes(time, rate=True)
+        return self.space.functional(self._cells(*amplitudes) / self.space.volumes) + self._contact_work(*amplitudes)
 
-    def _contact_work(self, time: float) -> Array:
-        """∫_{Γ3} p v_ν, (n_dofs,)."""
+    def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
+        """∫_{Γ3} p v_ν with p = −σ_ν, (n_dofs,)."""
         nodal = np.zeros_like(self.space.mesh.p)
-        for face, fields, rule in self._faces:
-            moments = np.einsum("anq,nq->an", rule.shapes, rule.weights * fields.pressure(time))
-            vertices = self.space.mesh.facets[:, rule.facets]
-            nodal += self.space.scatter(vertices, np.multiply.outer(face.part.normal, moments))
+        for face, vertices, sums in self._faces:
+            moments = -dyad(face.part.normal, face.part.normal) @ sums(strains, rates)
+            nodal[:, vertices] += np.multiply.outer(face.part.normal, moments)
         return self.space.interpolate(nodal)
-
-
-class Pointwise:
-    """t ↦ ∫_T G ε(u(t)), (D, cells), for a G that is evaluated at every point."""
-
-    def __init__(self, solution: ExactSolution, rules: Sequence[CellRule], cells: int) -> None:
-        self.G, self.cells = solution.law.G, cells
-        self._blocks = [
-            (rule.cells, rule.weights * self.G.factor(rule.points), solution.at(rule.points)) for rule in rules
-        ]
-
-    def __call__(self, time: float) -> Tensors:
-        integrals = np.empty((self.G.reference.shape[0], self.cells))
-        for cells, weights, fields in self._blocks:
-            integrals[:, cells] = np.einsum("Inq,nq->In", self.G(fields.strain(time)), weights)
-        return integrals
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:

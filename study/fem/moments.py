@@ -1,10 +1,11 @@
-"""Integrals of an exact strain over cells and over the body, as matrices that act on its amplitudes.
+"""Integrals of an exact strain over cells, facets and the body, as matrices that act on its amplitudes.
 
 With ε(x, t) = Σ_k E_k φ_k(x) T_k(s_j, t) (``manufactured.modes``) and a quadrature with points x_p and weights w_p,
 
     ∫_T ε dx = Σ_k E_k Σ_j B_k[T, j] T_k(s_j, t),      B_k[T, j] = Σ {w_p φ_k(x_p) : x_p ∈ T, j(p) = j},
 
-so that formulas are evaluated once for each place along a face, not once for each point of a cell.
+so that formulas are evaluated once for each place along a face, not once for each point of a cell. On facets the
+weights are those of the rule times the shape function of a vertex, and sums belong to vertices.
 """
 
 from __future__ import annotations
@@ -15,10 +16,12 @@ from itertools import combinations
 
 import numpy as np
 import scipy.sparse as sps
+from skfem import Mesh
 
+from manufactured.body import Part
 from manufactured.modes import Modes
 from manufactured.tensors import Array, Tensors
-from study.fem.quadrature import CellRule
+from study.fem.quadrature import CellRule, FacetRule
 
 Amplitudes = Sequence[Array]
 """T_k(s_j, t) of each contribution at one time, (K, J)."""
@@ -26,23 +29,23 @@ Amplitudes = Sequence[Array]
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """The points of a quadrature on all cells, one after the other.
+    """The points of a quadrature, one after the other, and the sums to which they belong.
 
     Attributes:
         x: (d, n).
-        cells: the cell of each point, (n,).
+        sums: the sum of each point, (n,).
         weights: (n,).
-        count: the number of cells.
+        count: the number of sums.
     """
 
     x: Array
-    cells: Array
+    sums: Array
     weights: Array
     count: int
 
     @classmethod
-    def of(cls, rules: Sequence[CellRule]) -> Points:
-        """The points of rules that cover every cell once."""
+    def on_cells(cls, rules: Sequence[CellRule]) -> Points:
+        """One sum for each cell: rules that cover every cell once."""
         return cls(
             np.concatenate([rule.points.reshape(len(rule.points), -1) for rule in rules], axis=1),
             np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in rules]),
@@ -50,25 +53,34 @@ class Points:
             sum(len(rule.cells) for rule in rules),
         )
 
+    @classmethod
+    def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[Points, Array]:
+        """One sum for each vertex of the facets, weighted with its shape function; and these vertices."""
+        vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
+        x, weights = part.point(rule.s), rule.shapes * rule.weights
+        copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
+        sums = np.repeat(sums.reshape(weights.shape[:2])[..., None], weights.shape[2], axis=2)
+        return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
+
     def totals(self, values: Array) -> Array:
-        """Σ of values (n,) over the points of each cell, (cells,)."""
-        return np.bincount(self.cells, values, self.count)
+        """Sums of values (n,), (sums,)."""
+        return np.bincount(self.sums, values, self.count)
 
 
-class CellIntegrals:
-    """∫_T α ε(t) dx on every cell.
+class StrainSums:
+    """Σ w_p ε(x_p, t), (D, sums).
 
     Args:
         modes: the contributions to ε at the points.
         points: the quadrature.
-        weights: its weights times α, (n,).
+        weights: w, which may be the rule's times a coefficient, (n,).
     """
 
     def __init__(self, modes: Sequence[Modes], points: Points, weights: Array) -> None:
         self._parts = [list(_by_tensor(part, points, weights)) for part in modes]
 
     def __call__(self, amplitudes: Amplitudes) -> Tensors:
-        """(D, cells)."""
+        """(D, sums) from the amplitudes at one time."""
         return sum(
             np.multiply.outer(tensor, matrix @ part[rows].ravel())
             for part, groups in zip(amplitudes, self._parts, strict=True)
@@ -79,13 +91,13 @@ class CellIntegrals:
 def _by_tensor(modes: Modes, points: Points, weights: Array) -> Iterator[tuple[Array, Array, sps.csr_array]]:
     """(E, the modes with E_k = E, their B_k side by side) for each different tensor."""
     distinct, group = np.unique(modes.tensors, axis=0, return_inverse=True)
-    cells, weights = points.cells[modes.points], weights[modes.points]
+    sums, weights = points.sums[modes.points], weights[modes.points]
     for i, tensor in enumerate(distinct):
         rows = np.flatnonzero(group == i)
         data = np.concatenate([weights * modes.shapes[k] for k in rows])
         columns = np.concatenate([modes.places + n * modes.count for n in range(len(rows))])
         shape = (points.count, len(rows) * modes.count)
-        yield tensor, rows, sps.csr_array((data, (np.tile(cells, len(rows)), columns)), shape=shape)
+        yield tensor, rows, sps.csr_array((data, (np.tile(sums, len(rows)), columns)), shape=shape)
 
 
 class Energy:

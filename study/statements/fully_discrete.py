@@ -108,9 +108,8 @@ class FullyDiscrete:
     claim: str = "the fully discrete error is of order p in h and q in k, open in the source"
 
     def settings(self, full: bool) -> list[Setting]:
-        if not full:
-            return grid(("advance-recede",), ("shaken",), (4, 8, 12))
-        cases = "full-contact", "advance-recede", "travelling-patch", "yield-and-release"
+        # Nothing is judged here, and every table needs a solution in a thousand steps: left to the full study.
+        cases = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release") if full else ()
         return grid(cases, ("shaken",), (6, 12, 24))
 
     def measure(self, setting: Setting) -> dict[str, float]:
