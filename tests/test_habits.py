@@ -257,10 +257,10 @@ ENTRIES = {
     ],
     "study/statements/__init__.py": [
         (
-            "from study.statements.wellposed",
-            "from study.statements.trace import Trace\nfrom study.statements.wellposed",
+            "from study.statements.untested",
+            "from study.statements.trace import Trace\nfrom study.statements.untested",
         ),
-        ("    SLIPS,\n)", "    Trace(),\n    SLIPS,\n)"),
+        ("    SLIPS,\n", "    Trace(),\n    SLIPS,\n"),
     ],
 }
 """What the recipes tell to enter, as (before, after)."""
@@ -308,7 +308,7 @@ def test_plans_find_what_the_recipes_enter(house: Path) -> None:
         for plan in (quick(), full()):
             keys = [job.key for job in plan.jobs]
             print(sum("breathing-patch" in key for key in keys) > 0, sum("statement__trace" in key for key in keys))
-        print(CONTROLS[-1].name, STATEMENTS[-2].label)
+        print(CONTROLS[-1].name, STATEMENTS[-3].label)
     """
     assert python(house, "-c", textwrap.dedent(code)).split("\n")[:3] == ["True 6", "True 8", "contact with gaps trace"]
 
