@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from manufactured.tensors import Array, Tensors
+from manufactured.tensors import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +37,3 @@ class Modes:
         chosen = np.flatnonzero((first <= self.points) & (self.points < stop))
         found = self.points[chosen] - first, self.shapes[:, chosen], self.places[chosen]
         return replace(self, points=found[0], shapes=found[1], places=found[2])
-
-    def add(self, strain: Tensors, amplitudes: Array) -> None:
-        """Add the strain that amplitudes give to one at all points, (D, n)."""
-        for tensor, shape, amplitude in zip(self.tensors, self.shapes, amplitudes, strict=True):
-            values = shape * amplitude[self.places]
-            for row in np.flatnonzero(tensor):
-                strain[row, self.points] += tensor[row] * values

@@ -21,7 +21,7 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array, Tensors, dyad
 from study.fem.line import Line
-from study.fem.moments import Amplitudes, Energy, Points
+from study.fem.moments import Amplitudes, Points, energy
 from study.fem.quadrature import CellRule, cell_rules, facet_rule
 from study.fem.space import Space
 from study.fem.stresses import StressSums
@@ -94,7 +94,7 @@ class Gauge:
         self._faces = [
             (face, vertices, sums) for face, (_, vertices), sums in zip(solution.faces, faces, on_faces, strict=True)
         ]
-        self._energy = Energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
+        self._energy = energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
 
     def _on(self, face: Face, points: int) -> tuple[Points, Array]:

@@ -10,7 +10,7 @@ weights are those of the rule times the shape function of a vertex, and sums bel
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -67,6 +67,17 @@ class Points:
         return np.bincount(self.sums, values, self.count)
 
 
+def strain_at_points(modes: Sequence[Modes], amplitudes: Amplitudes, count: int) -> Tensors:
+    """ε at all points, (D, count)."""
+    strain = np.zeros((modes[0].tensors.shape[1], count))
+    for part, values in zip(modes, amplitudes, strict=True):
+        for tensor, shape, value in zip(part.tensors, part.shapes, values, strict=True):
+            spread = shape * value[part.places]
+            for row in np.flatnonzero(tensor):
+                strain[row, part.points] += tensor[row] * spread
+    return strain
+
+
 class StrainSums:
     """Σ w_p ε(x_p, t), (D, sums).
 
@@ -100,14 +111,39 @@ def _by_tensor(modes: Modes, points: Points, weights: Array) -> Iterator[tuple[A
         yield tensor, rows, sps.csr_array((data, (np.tile(sums, len(rows)), columns)), shape=shape)
 
 
-class Energy:
+MANY = 4
+"""Times what the modes hold: as much may matrices of the energy."""
+
+
+def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplitudes], float]:
     """∫_Ω α C ε·ε dx.
+
+    Where points share places, matrices act on the amplitudes. Where hardly any do, these matrices would hold many times
+    what the modes do, and the strain is summed point by point.
 
     Args:
         modes: the contributions to ε at the points.
         weights: quadrature weights times α, (n,).
         C: symmetric, Mandel (D, D).
     """
+    held = sum(len(part.tensors) ** 2 * part.count for part in modes)
+    by_place = held <= MANY * sum(part.shapes.size for part in modes)
+    return (_ByPlace if by_place else _ByPoint)(modes, weights, C)
+
+
+class _ByPoint:
+    """Σ_p w_p C ε·ε."""
+
+    def __init__(self, modes: Sequence[Modes], weights: Array, C: Array) -> None:
+        self.modes, self.weights, self.C = modes, weights, C
+
+    def __call__(self, amplitudes: Amplitudes) -> float:
+        strain = strain_at_points(self.modes, amplitudes, len(self.weights))
+        return float(np.einsum("In,In,n->", self.C @ strain, strain, self.weights))
+
+
+class _ByPlace:
+    """Quadratic forms in the amplitudes of one contribution, bilinear ones in those of two."""
 
     def __init__(self, modes: Sequence[Modes], weights: Array, C: Array) -> None:
         self._own = [_own(part, weights, C) for part in modes]

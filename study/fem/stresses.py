@@ -9,7 +9,7 @@ import numpy as np
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.modes import Modes
 from manufactured.tensors import Array, Tensors
-from study.fem.moments import Amplitudes, Points, StrainSums
+from study.fem.moments import Amplitudes, Points, StrainSums, strain_at_points
 
 
 class StressSums:
@@ -54,7 +54,5 @@ class _Pointwise:
         self.G, self.modes, self.points, self.weights = G, modes, points, weights
 
     def __call__(self, strains: Amplitudes) -> Tensors:
-        strain = np.zeros((len(self.G.reference), len(self.weights)))
-        for part, amplitudes in zip(self.modes, strains, strict=True):
-            part.add(strain, amplitudes)
+        strain = strain_at_points(self.modes, strains, len(self.weights))
         return np.array([self.points.totals(component * self.weights) for component in self.G(strain)])
