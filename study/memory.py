@@ -5,8 +5,9 @@ numbers in the plane, n⁴ in space, n³ where multigrid takes its place. Consta
 resident size with one thread, here in MiB beyond the base:
 
     displacement   n = 128: 140, shaken 290, criss-cross 280; n = 256: 560; n = 512: 2220;
-                   in space n = 12: 60, 24: 1440, shaken n = 12: 390, 18: 1220; by multigrid n = 48: 4100,
-                   shaken 15000, since no two cells share points of quadrature
+                   in space n = 12: 60, 24: 1440, shaken n = 12: 390, 18: 1220; by multigrid n = 36: 2250, 48: 4100,
+                   shaken 6300 and 15000, since no two cells share points of quadrature, 2500 and 5900 of it without
+                   the finer quadrature of a row
     equivalence    n = 32: 11, 64: 55; in space n = 6: 18, 9: 79
     stress         n = 16: 39, 32: 170 … 207, 64: 868
     bound          of u_h alone n = 8: 25 … 69, 16: 239; with an enclosure on a mesh refined once n = 8: 183,
