@@ -26,6 +26,7 @@ import scipy.sparse as sps
 from scipy.optimize import nnls
 
 from manufactured.case import Case
+from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.material import on_cells
@@ -84,15 +85,18 @@ class EquivalenceRow:
 
 def compare(case: Case, family: MeshFamily, level: int, steps: int) -> EquivalenceRow:
     """Solve both problems for a case."""
-    solution = case.solution
+    displacements, stresses = problems(case.solution, family, level)
+    return EquivalenceRow(
+        case.name, "strains of V^h", level, stresses.space.h, steps, *gaps(displacements, stresses, steps), family.name
+    )
+
+
+def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[Problem, StressProblem]:
+    """Problems 3.1 and 3.2 of an exact solution on one mesh."""
     space = Space(family(solution.body, level), solution.body)
     gauge = Gauge(solution, space)
     u0 = gauge.sample(0.0).interpolant
-    displacements = Problem.of(space, solution.law, gauge.load, u0)
-    stresses = StressProblem.of(space, solution.law, gauge.load, u0)
-    return EquivalenceRow(
-        case.name, "strains of V^h", level, space.h, steps, *gaps(displacements, stresses, steps), family.name
-    )
+    return Problem.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
 
 
 def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:

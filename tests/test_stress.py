@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 
 from manufactured import catalogue
-from study.equivalence import beyond, gaps
-from study.fem.gauge import Gauge
+from study.equivalence import beyond, gaps, problems
 from study.fem.mesh import OneDiagonal, Shaken
-from study.fem.space import Space
 from study.solve import stress
 from study.solve.evolution import Problem
 from study.solve.stress import StressError, StressProblem
@@ -21,20 +19,15 @@ from study.statements.independence import StandsAlone
 CASES = {case.name: case for case in catalogue()}
 
 
-def problems(name: str, family, n: int) -> tuple[Problem, StressProblem]:
-    """Problems 3.1 and 3.2 of a case on one mesh."""
-    solution = CASES[name].solution
-    space = Space(family(solution.body, n), solution.body)
-    gauge = Gauge(solution, space)
-    u0 = gauge.sample(0.0).interpolant
-    return Problem.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
+def case_on(name: str, family, n: int) -> tuple[Problem, StressProblem]:
+    return problems(CASES[name].solution, family, n)
 
 
 @pytest.mark.parametrize("family", [OneDiagonal(), Shaken()], ids=lambda f: f.name)
 @pytest.mark.parametrize("name", ["advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part"])
 def test_both_problems_have_one_solution_at_every_step(name: str, family) -> None:
     """Linear law and law (3.3) with both balls; u ∈ K^h, (4.14) and σ ∈ Σ^h come out without being imposed."""
-    found = gaps(*problems(name, family, 6), steps=12)
+    found = gaps(*case_on(name, family, 6), steps=12)
     assert max(found.admissibility, found.energy_gap, found.membership) <= 1e-7
     assert found.displacement_gap <= found.displacement_bound <= 1e-5
     assert found.stress_gap <= found.stress_bound <= 1e-5
@@ -44,7 +37,7 @@ def test_both_problems_have_one_solution_at_every_step(name: str, family) -> Non
 def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name: str, monkeypatch) -> None:
     """With gaps of 1e-4 the solutions differ by 1e-6 and more of their size, and by no more than the gap allows."""
     monkeypatch.setattr(stress, "GAP", 1e-4)
-    found = gaps(*problems(name, Shaken(), 6), steps=12)
+    found = gaps(*case_on(name, Shaken(), 6), steps=12)
     assert 1e-6 <= found.displacement_gap <= found.displacement_bound
     assert 1e-6 <= found.stress_gap <= found.stress_bound
 
@@ -61,14 +54,14 @@ def test_an_interior_point_that_rounding_breaks_off_is_asked_for_less(monkeypatc
 
 @pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
 def test_the_history_of_strains_is_compatible_though_it_knows_no_displacement(name: str) -> None:
-    _, stresses = problems(name, Shaken(), 6)
+    _, stresses = case_on(name, Shaken(), 6)
     for state in stresses.march(10):
         strain = stresses.space.strain(state.u)
         assert abs(state.strain - strain).max() <= 1e-7 * max(abs(strain).max(), 1e-3)
 
 
 def test_contact_and_release_and_yielding_truly_occur() -> None:
-    _, stresses = problems("yield-and-release", Shaken(), 6)
+    _, stresses = case_on("yield-and-release", Shaken(), 6)
     G = stresses.law.G
     states = list(stresses.march(10))[1:]
     touching = [state.multipliers.max() > 1e-3 for state in states]
@@ -79,18 +72,18 @@ def test_contact_and_release_and_yielding_truly_occur() -> None:
 
 
 def test_a_flipped_normal_is_seen() -> None:
-    displacements, stresses = problems("full-contact", OneDiagonal(), 6)
+    displacements, stresses = case_on("full-contact", OneDiagonal(), 6)
     assert gaps(displacements, replace(stresses, N=-stresses.N), steps=6).displacement_gap > 1e-3
 
 
 def test_a_stress_problem_with_the_load_of_another_time_is_seen() -> None:
-    displacements, stresses = problems("advance-recede", OneDiagonal(), 6)
+    displacements, stresses = case_on("advance-recede", OneDiagonal(), 6)
     late = replace(stresses, load=lambda t: stresses.load(max(t - 1 / 12, 0.0)))
     assert gaps(displacements, late, steps=12).displacement_gap > 1e-3
 
 
 def test_the_distance_from_the_admissible_set_is_zero_for_contact_forces_only() -> None:
-    displacements, _ = problems("advance-recede", OneDiagonal(), 4)
+    displacements, _ = case_on("advance-recede", OneDiagonal(), 4)
     N = displacements.N
     push = np.linspace(0, 1, N.shape[0])
     assert beyond(N.T @ push, N) <= 1e-12
@@ -101,7 +94,7 @@ def test_the_distance_from_the_admissible_set_is_zero_for_contact_forces_only() 
 
 
 def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused() -> None:
-    _, stresses = problems("advance-recede", OneDiagonal(), 4)
+    _, stresses = case_on("advance-recede", OneDiagonal(), 4)
     with pytest.raises(StressError, match="one step or more"):
         list(stresses.march(0))
 

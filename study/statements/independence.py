@@ -26,11 +26,9 @@ import numpy as np
 import pandas as pd
 
 from manufactured.exact import ExactSolution
-from study.equivalence import gaps
-from study.fem.gauge import Gauge
+from study.equivalence import gaps, problems
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
-from study.fem.space import Space
 from study.naming import family_named, resolve
 from study.solve.evolution import BackwardEuler, Problem
 from study.solve.stress import GAP, StressProblem, StressState
@@ -60,12 +58,9 @@ class Sides:
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int) -> Sides:
-        """Both problems of an exact solution on one mesh, as ``equivalence.compare`` has them."""
-        space = Space(family(solution.body, level), solution.body)
-        gauge = Gauge(solution, space)
-        u0 = gauge.sample(0.0).interpolant
-        stresses = StressProblem.of(space, solution.law, gauge.load, u0)
-        return cls(Problem.of(space, solution.law, gauge.load, u0), lambda _: stresses)
+        """Both problems of an exact solution on one mesh."""
+        displacements, stresses = problems(solution, family, level)
+        return cls(displacements, lambda _: stresses)
 
 
 @dataclass(frozen=True, eq=False)
