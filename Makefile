@@ -20,7 +20,7 @@ full: $(READY)  ## all levels into results/, and the slow tests
 controls: $(READY)  ## deliberate defects that the verdicts must catch, half a minute
 	$(BIN)/study controls --out results/quick
 
-seeds: $(READY)  ## the verdicts on twenty other random meshes into results/, three quarters of an hour
+seeds: $(READY)  ## the verdicts on twenty other random meshes into results/, fifty minutes
 	$(BIN)/study seeds --out results
 	$(BIN)/python -m study.overview README.md results
 
