@@ -59,7 +59,9 @@ def test_cases_with_levels_of_their_own_have_those_unless_levels_are_asked_for()
 @pytest.mark.parametrize("name", PLANS)
 def test_every_numbered_statement_is_measured_on_cases_that_exist(name: str) -> None:
     jobs = [job for job in PLANS[name].jobs if isinstance(job, StatementJob)]
-    assert {job.label for job in jobs} == {statement.label for statement in STATEMENTS if statement.settings(True)}
+    missing = {statement.label for statement in STATEMENTS if statement.settings(True)} - {job.label for job in jobs}
+    # What the source leaves open is for the full study.
+    assert missing == ({FullyDiscrete.label} if name == "quick" else set())
     assert len({job.key for job in jobs}) == len(jobs)
     for job in jobs:
         resolve(job.setting.case)
