@@ -13,6 +13,7 @@ from study.jobs import EquivalenceJob, RateJob, StatementJob
 from study.naming import resolve
 from study.plan import Levels, full, quick
 from study.statements import ORDERS, STATEMENTS, position
+from study.statements.fully_discrete import FullyDiscrete
 
 PLANS = {"quick": quick(), "full": full()}
 
