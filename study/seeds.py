@@ -24,7 +24,6 @@ from study.naming import SEEDED, family_named
 from study.plan import Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.base import Setting, Statement
-from study.statements.fully_discrete import FullyDiscrete
 from study.verdict import HOLDS, REPORTED, Verdict
 
 SEEDS = 20
@@ -83,7 +82,6 @@ class SeededPlan(Plan):
             *(
                 StatementJob(statement.label, replace(setting, family=self.family))
                 for statement in STATEMENTS
-                if statement.label != FullyDiscrete.label
                 for setting in on_shaken(statement)
             ),
             *(StatementJob("(5.24)", setting) for setting in traces),
