@@ -236,12 +236,12 @@ def enclosures(data: Data) -> str:
     rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
     deep = [str(case) for case, part in rows.groupby("case", sort=False) if len(part) > 2]
     body = [
-        [prose(str(row["case"])), prose(str(row["family"])), str(row["level"])]
+        [prose(str(row["case"])), prose(str(row["family"])), str(row["level"]), _number(row["h"])]
         + ["--" if pd.isna(row[name]) else _number(row[name], rounded) for name, rounded in ENDS.items()]
         for _, row in rows[rows["case"].isin(deep)].iterrows()
     ]
-    headings = ["problem", "meshes", r"\(n\)", "lower end", "error", "upper end", "upper/error", "lower/error"]
-    return tabular(headings, "llrrrrrr", body)
+    headings = ["problem", "meshes", *(rf"\({name}\)" for name in "nh"), "lower end", "error", "upper end"]
+    return tabular([*headings, "upper/error", "lower/error"], "llrrrrrrr", body)
 
 
 def discrete(data: Data) -> str:

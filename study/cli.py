@@ -110,7 +110,7 @@ def parser() -> argparse.ArgumentParser:
     size.add_argument("--quick", dest="plan", action="store_const", const=quick, help="about a minute (default)")
     size.add_argument("--full", dest="plan", action="store_const", const=full, help="all levels")
     sweep.add_argument("--case", action="extend", nargs="+", metavar="NAME|FILE.py:NAME", help="only these cases")
-    sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a unit length, increasing")
+    sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a side, increasing")
     sweep.add_argument("--scheme", default="midpoint", help="time scheme (default midpoint)")
     sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
     _jobs(sweep)
@@ -157,7 +157,7 @@ def parser() -> argparse.ArgumentParser:
 
     look = commands.add_parser("show", help="storyboard, animation and ParaView files of a case, solved on one mesh")
     look.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
-    look.add_argument("--level", type=int, metavar="N", help="cells along a unit length (default 24, in 3D 9)")
+    look.add_argument("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)")
     look.add_argument("--out", type=Path, default=Path("shows"), metavar="DIR", help="directory (default shows)")
     look.set_defaults(command=do_show)
 
@@ -287,6 +287,7 @@ def do_seeds(options: argparse.Namespace) -> int:
         for seed in range(options.seeds):
             store = Store(options.out / "seeds" / str(seed))
             with store.locked():
+                refuse_too_large(unfinished(seeded(seed).jobs, store), pool)
                 found[seed] = _measure(seeded(seed), store, pool)
     table = tally(found)
     written = write_seeds(options.out, table)

@@ -12,7 +12,7 @@ G is monotone, and A ≤ k C: with R_n = Σ_{j≤n} g_j^{1/2},
     ‖u_n(3.2) − u_n(3.1)‖_V ≤ k^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
 
 but for rounding: A/k alone carries ε_{j−1} into σ_n, and |τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The law (3.3) obeys the same,
-its potential being at least as convex.
+its potential being at least as convex. ``paper/article.tex`` has the proof.
 """
 
 from __future__ import annotations

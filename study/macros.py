@@ -50,6 +50,10 @@ def _seeds(data: Data) -> Named:
     yield "seedTrace", str(worst[0]["(5.24)"])
     yield "seedNatural", str(worst[1]["natural-front"])
     yield "seedRough", str(worst[1]["rough-trace"])
+    multipliers = unclaimed["quantity"].str.startswith("order of multipliers − u on")
+    rough = unclaimed[multipliers & unclaimed["case"].eq("rough-trace")]
+    yield "seedRoughLow", below(rough["lowest"].min(), 1)
+    yield "seedRoughHigh", above(rough["highest"].max(), 1)
 
 
 def _plan(data: Data) -> Named:
@@ -147,8 +151,10 @@ def _bounds(data: Data) -> Named:
 
 
 def _beyond(data: Data) -> Named:
-    """How many predictions about the fully discrete error came true."""
-    expected = data.rows("beyond: fully discrete", "")["expected"]
+    """How many predictions about the fully discrete error came true; the sum is there to be compared with only."""
+    rows = data.rows("beyond: fully discrete", "")
+    expected = rows.loc[~rows["quantity"].str.contains("of C_h h^p + C_k k^q fitted", regex=False), "expected"]
+    yield "discretePredictions", str(len(expected))
     for outcome in ("agrees", "undecided", "differs"):
         yield f"discrete{outcome.capitalize()}", str(int(expected.str.endswith(f": {outcome}").sum()))
     constant = data.rows("(5.20)–(5.21), (5.42)", "error / (c")

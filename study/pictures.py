@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -18,7 +19,7 @@ from study.motion import Motion, balance, von_mises
 from study.packing import FINE, Packed, short
 from study.skin import Skin
 
-FORM = 2
+FORM = 3
 """To be raised whenever a picture holds more or other things: older ones are then made anew."""
 FAMILY = Unstructured()
 LEVEL = 24
@@ -31,6 +32,10 @@ INTERVALS = 16
 SHAPES = (0.25, 0.5, 1.0)
 POINTS = 400
 """Along a face in the plane, for its exact zone."""
+LINE = 80
+"""Intervals of the lines that exact gaps and pressures are along a face in the plane."""
+HALVINGS = 10
+"""Of the interval between two instants in which the number of pieces of an exact zone changes."""
 
 
 def picture(case: Case) -> dict[str, Any]:
@@ -41,8 +46,9 @@ def picture(case: Case) -> dict[str, Any]:
     ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed.
 
     A face has gap, pressure and their exact values at its points. In the plane these are written out, with the ends of
-    the exact zone. In space, where there are many, they are packed; ``nodes`` says which of the vertices they are, and
-    ``level_exact`` is ψ there and at the midpoints between them (the exact zone is {ψ ≥ 0}).
+    the exact zone, and ``line`` has exact values at more points, evenly spaced, packed. In space, where there are many,
+    they are packed; ``nodes`` says which of the vertices they are, and ``level_exact`` is ψ there and at the midpoints
+    between them (the exact zone is {ψ ≥ 0}).
 
     Raises:
         MeshError: no mesh of a moderate level fits the body.
@@ -133,17 +139,38 @@ def _faces(
             "pressure_exact": keep(np.array([exact.pressure(t) for t in times])),
         }
         plane = space.dim == 2
-        zone = _intervals_of(solution, face) if plane else _levels_of(solution, face, s, nodes, skin, times)
-        faces.append(found | zone)
+        only = _in_plane(solution, face, s, times) if plane else _levels_of(solution, face, s, nodes, skin, times)
+        faces.append(found | only)
     return faces
 
 
-def _intervals_of(solution: ExactSolution, face: Face) -> dict[str, Any]:
-    """The exact zone of a face in the plane, between fine points of it."""
-    fine = np.linspace(0, face.part.measure, POINTS + 1)
-    exact, instants = solution.on(face, fine[None]), np.linspace(0, solution.body.T, 101)
-    intervals = [_intervals(fine, exact.level(t)) for t in instants]
-    return {"zone_exact": {"times": short(instants), "intervals": intervals}}
+def _in_plane(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
+    """The exact zone of a face in the plane, between fine points of it, and lines of exact gap and pressure.
+
+    Lines reach from node to node: where Γ3 meets Γ1, which has none, the pressure need not be bounded.
+    """
+    fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
+    level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
+    zone = _zone(lambda t: _intervals(fine, level(t)), np.linspace(0, solution.body.T, 101).tolist())
+    return {
+        "zone_exact": {"times": list(zone), "intervals": list(zone.values())},
+        "line": {
+            "s": short(line),
+            "gap": Packed.of(np.array([exact.gap(t) for t in times]), FINE).record(),
+            "pressure": Packed.of(np.array([exact.pressure(t) for t in times]), FINE).record(),
+        },
+    }
+
+
+def _zone(intervals: Callable[[float], list[list[float]]], instants: list[float]) -> dict[float, list[list[float]]]:
+    """Instant ↦ pieces of a zone, with more instants where their number changes: pieces meet and end in points."""
+    found = {t: intervals(t) for t in instants}
+    for before, after in pairwise(instants):
+        for _ in range(HALVINGS if len(found[before]) != len(found[after]) else 0):
+            middle = (before + after) / 2
+            found[middle] = intervals(middle)
+            before, after = (middle, after) if len(found[middle]) == len(found[before]) else (before, middle)
+    return {round(t, 7): found[t] for t in sorted(found)}
 
 
 def _levels_of(solution: ExactSolution, face: Face, s: Array, nodes: Array, skin: Skin, times: Array) -> dict[str, Any]:

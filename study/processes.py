@@ -30,7 +30,7 @@ class Processes(Executor):
 
     def _started(self) -> ProcessPoolExecutor:
         pool = ProcessPoolExecutor(self.workers, initializer=_end_with_parent)
-        # Where processes are forked, the first submission forks all: now, while no thread holds a lock.
+        # Where processes are forked, the first submission forks all: now, before a run has threads with locks.
         pool.submit(os.getpid)
         return pool
 

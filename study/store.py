@@ -122,17 +122,17 @@ class Store:
     def steady(self) -> AbstractContextManager[None]:
         """``locked`` for commands that start from the data of a finished run.
 
-        Data that this user may not write, or that are not there, are not locked: no run of his changes them.
+        Data that this user may not write, or that are not there, are not locked: his command leaves them as they are.
 
         Raises:
-            StoreError: another run works on the directory.
+            StoreError: another run works on the directory, or its data can be written and its lock cannot.
         """
-        lock = self.data / ".lock"
-        return self.locked() if os.access(lock if lock.exists() else self.data, os.W_OK) else nullcontext()
+        changes = any(os.access(path, os.W_OK) for path in (self.data, self.data / ".lock"))
+        return self.locked() if changes else nullcontext()
 
     def _sweep(self) -> None:
         """Remove the temporary files of processes that are gone."""
-        for part in [*self.directory.glob("*/.*.part"), *self.data.glob("*/.*.part")]:
+        for part in [part for depth in ("", "*/", "data/*/") for part in self.directory.glob(f"{depth}.*.part")]:
             owner = part.name.split(".")[-2]
             if owner.isdigit() and not psutil.pid_exists(int(owner)):
                 part.unlink(missing_ok=True)

@@ -69,6 +69,24 @@ def test_each_piece_of_evidence_can_fail_alone(column: str, value: float, quanti
     assert verdicts(prop_5_4("a", table(**{column: value}), 1.0))[quantity] == FAILS
 
 
+@pytest.mark.parametrize(
+    ("column", "quantity"),
+    [
+        ("time_share", "time share"),
+        ("residual", "residual of the contact solves / allowed"),
+        ("clamped", "u^h = 0 on Γ1"),
+        ("parallelogram", "parallelogram law of u − u^h and u − Π^h u"),
+        ("quadrature_change", "change under finer quadrature"),
+        ("initial_error", "error at t = 0 / largest error"),
+    ],
+)
+@pytest.mark.parametrize("level", [0, 1, 2])
+def test_a_number_that_is_missing_on_one_level_fails(column: str, quantity: str, level: int) -> None:
+    rows = table()
+    rows.loc[rows.index[level], column] = np.nan
+    assert verdicts(prop_5_4("a", rows, 1.0))[quantity] == FAILS
+
+
 @pytest.mark.parametrize("factor", [0.8, 1.2])
 def test_errors_of_the_right_order_but_the_wrong_size_fail(factor: float) -> None:
     rows = table()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from unittest.mock import Mock
+
 import numpy as np
 import pytest
 import scipy.sparse as sps
@@ -18,6 +20,7 @@ from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshError, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
+from study.solve import signorini
 from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, Problem
 from study.solve.signorini import Signorini
 
@@ -303,8 +306,21 @@ def test_the_contact_solve_is_the_minimiser(problem) -> None:
     assert energy <= other.fun + 1e-6 * max(1.0, abs(energy))
 
 
-def test_a_cycling_active_set_is_finished_by_the_finite_method() -> None:
-    """Matrices that are no M-matrices can make the active set cycle; some of these do."""
+def test_a_cycling_active_set_is_finished_by_the_finite_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Being definite is not enough (F. E. Curtis, Z. Han, D. P. Robinson, Comput. Optim. Appl. 60 (2015) 311–341)."""
+    finished = Mock(wraps=signorini.nnls)
+    monkeypatch.setattr(signorini, "nnls", finished)
+    S = np.array([[4.0, 5, -5], [5, 9, -5], [-5, -5, 7]])
+    for times, b in enumerate(([-2.0, -1, 3], [2.0, 1, -3]), start=1):
+        u, multipliers = Signorini(sps.csc_array(S), sps.csr_array(np.eye(3)))(np.array(b))
+        assert finished.call_count == times
+        assert u.max() <= 1e-12
+        assert multipliers.min() >= 0
+        assert np.allclose(S @ u + multipliers, b, atol=1e-12)
+        assert abs(multipliers * u).max() <= 1e-12
+
+
+def test_ill_conditioned_matrices_that_are_no_m_matrices_are_solved() -> None:
     rng = np.random.default_rng(5)
     for _ in range(200):
         root = rng.normal(size=(6, 6))
@@ -314,6 +330,7 @@ def test_a_cycling_active_set_is_finished_by_the_finite_method() -> None:
         assert u.max() <= 1e-8
         assert multipliers.min() >= 0
         assert np.allclose(S @ u + multipliers, b, atol=1e-7)
+        assert abs(multipliers * u).max() <= 1e-7
 
 
 def trajectory(case, scheme, steps: int, n: int = 8):

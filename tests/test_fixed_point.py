@@ -47,7 +47,7 @@ def test_parts_of_very_different_size_and_contraction_do_not_end_it_early(diagon
     assert np.linalg.norm(found - exact) <= 1000 * 1e-9 * np.linalg.norm(exact)
 
 
-def test_on_a_line_three_images_are_enough_for_a_linear_map() -> None:
+def test_on_a_line_four_images_are_enough_for_a_linear_map() -> None:
     found, taken = fixed_point(lambda v: 0.7 * v + 3, np.array([0.0]), euclidean, 1e-12, 50)
     assert found == pytest.approx(10)
     assert taken <= 4
@@ -60,3 +60,8 @@ def test_a_start_at_the_fixed_point_takes_one_image() -> None:
 def test_a_map_that_does_not_settle_says_so() -> None:
     with pytest.raises(FixedPointError, match="did not settle in 7 steps"):
         fixed_point(lambda v: np.cos(3 * v) * 5 + v[::-1], np.array([0.1, 0.7]), euclidean, 1e-12, 7)
+
+
+def test_a_value_that_is_no_number_is_not_a_fixed_point() -> None:
+    with pytest.raises(FixedPointError, match="did not settle"):
+        fixed_point(lambda v: v * np.nan, np.ones(2), euclidean, 1e-12, 7)

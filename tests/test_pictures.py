@@ -109,6 +109,30 @@ def test_facets_cover_a_contact_face_and_the_exact_zone_is_known_on_their_quarte
             np.testing.assert_allclose(face.gap_exact[n], fields.gap(time)[: len(face.nodes)], atol=1e-3)
 
 
+def test_lines_of_exact_values_do_not_stop_at_nodes() -> None:
+    solution = resolve("advance-recede").solution
+    picture = Picture.of(json.loads(json.dumps(record("", Motion.of(solution, Unstructured(), 4, 4), 1))))
+    (face,), (exact,) = picture.faces, solution.faces
+    assert len(face.line) > 10 * len(face.s)
+    assert (face.line[0], face.line[-1]) == (face.s.min(), face.s.max())
+    fields = solution.on(exact, face.line[None])
+    for n, time in enumerate(picture.times):
+        for values, fine in ((fields.gap(time), face.line_gap), (fields.pressure(time), face.line_pressure)):
+            np.testing.assert_allclose(fine[n], values, atol=abs(fine).max() / FINE)
+
+
+def test_an_exact_zone_is_known_just_before_and_just_after_its_pieces_meet() -> None:
+    def intervals(t: float) -> list[list[float]]:
+        half = max(0.3 - t, 0) ** 0.5
+        return [[0, 0.5 - half], [0.5 + half, 1]] if half else [[0, 1]]
+
+    zone = pictures._zone(intervals, [0.0, 0.25, 0.5])
+    assert list(zone) == sorted(zone)
+    before, after = max(t for t in zone if t < 0.3), min(t for t in zone if t >= 0.3)
+    assert after - before < 0.001
+    assert (len(zone[before]), len(zone[after])) == (2, 1)
+
+
 def test_a_facet_with_a_corner_that_is_no_node_is_left_out() -> None:
     """Two triangles over a square, of which one corner is none."""
     facets = Facets.between(np.array([4, 2, 7]), np.array([[2, 4], [4, 7], [7, 9]]))

@@ -32,7 +32,7 @@ from study.figures.zone import caps, strands
 from study.latex import encode
 from study.motion import Motion
 from study.naming import resolve
-from study.packing import Packed
+from study.packing import FINE, Packed
 from study.pictures import record
 from study.store import StoreError, write_text, write_whole
 from study.tables import DataError, ledger_text, rates_text, write_tables
@@ -215,6 +215,11 @@ def contact_face(number: int, s: Array, times: Array, side: Side) -> dict[str, A
         "gap_exact": exact["gap"].tolist(),
         "pressure": (exact["pressure"] * (1 + 0.05 * np.sin(40 * s))).tolist(),
         "pressure_exact": exact["pressure"].tolist(),
+        "line": {
+            "s": fine[::20].tolist(),
+            "gap": Packed.of(np.array([gap(fine[::20], t) for t in times]), FINE).record(),
+            "pressure": Packed.of(np.array([pressure(fine[::20], t) for t in times]), FINE).record(),
+        },
         "zone_exact": {"times": instants.tolist(), "intervals": [intervals(fine, gap(fine, t)) for t in instants]},
     }
 

@@ -243,7 +243,8 @@ def test_a_statement_with_brackets_and_commas_leads_to_its_rows(page: webdriver.
 def test_keys_move_the_slider_the_body_and_the_curves(page: webdriver.Chrome, directory: Path) -> None:
     go(page, directory, f"case/{CASE}")
     data, slider = film_data(page), film(page).find_element(By.CSS_SELECTOR, "input[type=range]")
-    high = max(max(map(max, data["faces"][0][name])) for name in ("pressure", "pressure_exact"))
+    (face,) = data["faces"]
+    high = max(max(map(max, pressures)) for pressures in (face["pressure"], face["line"]["pressure"]))
     drawn = set()
     for key, n in ((Keys.HOME, 0), (Keys.ARROW_RIGHT, 1), (Keys.ARROW_RIGHT, 2), (Keys.END, 16), (Keys.ARROW_LEFT, 15)):
         slider.send_keys(key)

@@ -36,7 +36,7 @@ def read_growth(directory: Path) -> pd.DataFrame | None:
         raise DataError(f"{path} is not a table ({error}): make it again with `make bench-growth`") from error
     if lacking := [column for column in COLUMNS if column not in growth]:
         raise DataError(f"{path} lacks the columns {', '.join(lacking)}: make it again with `make bench-growth`")
-    return growth
+    return growth.dropna(subset=[*COLUMNS])
 
 
 def draw_growth(growth: pd.DataFrame) -> Figure:

@@ -84,19 +84,27 @@ class Segment(Face):
     Attributes:
         zone_times: times at which the exact zone is known.
         zone: at each of them, the intervals [s0, s1] of the exact zone.
+        line: positions for lines of exact values, (points,).
+        line_gap, line_pressure: the exact values there, (times, points).
     """
 
     zone_times: Array
     zone: list[list[tuple[float, float]]]
+    line: Array
+    line_gap: Array
+    line_pressure: Array
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> Segment:
         """From one entry of ``faces``."""
-        zone = record["zone_exact"]
+        zone, line = record["zone_exact"], record["line"]
         return cls(
             **_of_every_face(record),
             zone_times=np.array(zone["times"], dtype=float),
             zone=[[(float(a), float(b)) for a, b in intervals] for intervals in zone["intervals"]],
+            line=np.array(line["s"], dtype=float),
+            line_gap=Packed.read(line["gap"]).values,
+            line_pressure=Packed.read(line["pressure"]).values,
         )
 
     @property

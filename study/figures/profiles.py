@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from study.figures.canvas import BLACK, BLUE, COLUMN, VERMILLION, legend
-from study.figures.pictures import Array, Picture, heading, place, symbol
+from study.figures.pictures import Array, Picture, Segment, heading, place, symbol
 
 MARKERS = 24
 """At most about so many markers on a line."""
@@ -31,8 +31,8 @@ def draw_profiles(picture: Picture) -> Figure:
     panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
     for i, face in enumerate(picture.faces):
         s = rf"$s$ on ${symbol(face, picture)}$"
-        _draw_row(panels[2 * i], face.s, face.gap_exact[instants], face.gap[instants], BLUE)
-        _draw_row(panels[2 * i + 1], face.s, face.pressure_exact[instants], face.pressure[instants], VERMILLION)
+        _draw_row(panels[2 * i], face, face.line_gap[instants], face.gap[instants], BLUE)
+        _draw_row(panels[2 * i + 1], face, face.line_pressure[instants], face.pressure[instants], VERMILLION)
         panels[2 * i, 0].set_ylabel("gap $w$")
         panels[2 * i + 1, 0].set_ylabel("pressure $p$")
         for upper, lower in panels[2 * i : 2 * i + 2].T:
@@ -71,12 +71,12 @@ def largest_difference(pairs: list[tuple[Array, Array]]) -> str:
     )
 
 
-def _draw_row(panels: list[Axes], s: Array, exact: Array, computed: Array, colour: str) -> None:
-    every = max(1, round(len(s) / MARKERS))
+def _draw_row(panels: list[Axes], face: Segment, exact: Array, computed: Array, colour: str) -> None:
+    every = max(1, round(len(face.s) / MARKERS))
     for axes, line, dots in zip(panels, exact, computed, strict=True):
-        axes.plot(s, line, color=BLACK, lw=0.9)
-        axes.plot(s, dots, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
-        axes.set_xlim(s.min(), s.max())
+        axes.plot(face.line, line, color=BLACK, lw=0.9)
+        axes.plot(face.s, dots, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
+        axes.set_xlim(face.line.min(), face.line.max())
         axes.grid(True)
     # From zero, so that round-off around a constant does not fill the panel.
     low, high = min(exact.min(), computed.min(), 0.0), max(exact.max(), computed.max())

@@ -81,7 +81,10 @@ def _magnification(vertices: Array, displacement: Array) -> float:
 
 
 def _segment(face: Segment) -> dict[str, Any]:
-    return _values(face) | {"zone": {"times": face.zone_times.tolist(), "intervals": face.zone}}
+    return _values(face) | {
+        "zone": {"times": face.zone_times.tolist(), "intervals": face.zone},
+        "line": {"s": short(face.line), "gap": short(face.line_gap), "pressure": short(face.line_pressure)},
+    }
 
 
 def _polygon(face: Polygon) -> dict[str, Any]:

@@ -92,9 +92,9 @@ def _draw_pressure(axes: Axes, face: Segment, picture: Picture, instant: int) ->
     """Exact pressure as a line, computed as dots, the exact contact zone shaded."""
     for start, end in exact_zone(face, float(picture.times[instant])):
         axes.axvspan(start, end, color=SKY, alpha=0.35, lw=0)
-    axes.plot(face.s, face.pressure_exact[instant], color=BLACK, lw=0.9)
+    axes.plot(face.line, face.line_pressure[instant], color=BLACK, lw=0.9)
     axes.plot(face.s, face.pressure[instant], "o", color=VERMILLION, mfc="white", ms=2.8, clip_on=False)
-    top = max(float(face.pressure.max()), float(face.pressure_exact.max()))
-    axes.set(xlim=(face.s.min(), face.s.max()), ylim=(0, 1.08 * top if top > 0 else 1))
+    top = max(float(face.pressure.max()), float(face.line_pressure.max()))
+    axes.set(xlim=(face.line.min(), face.line.max()), ylim=(0, 1.08 * top if top > 0 else 1))
     axes.set_xlabel(rf"$s$ on ${symbol(face, picture)}$")
     axes.set_ylabel("pressure $p$")

@@ -31,15 +31,19 @@ def residual(dim: int, dofs: int) -> float:
     in units of the body; the discretisation error is of order h. With ρ = ϑ h², h = (d/dofs)^{1/d}, the former is
     at most ϑ times the latter, up to constants that tests measure.
     """
-    return ROUNDING if dofs <= FACTORED[dim] else SHARE * (dim / dofs) ** (2 / dim)
+    return ROUNDING if dofs <= FACTORED[dim] else 2 * aim(dim, dofs)
+
+
+def aim(dim: int, dofs: int) -> float:
+    """The relative residual at which multigrid stops: half of what is asked, so that rounding does not decide."""
+    return SHARE / 2 * (dim / dofs) ** (2 / dim)
 
 
 def contact_solver(space: Space) -> Callable[[sps.csc_array, sps.csr_array], ContactSolver]:
     """(S, N) ↦ the contact solver for matrices on a space."""
     if space.dofs <= FACTORED[space.dim]:
         return Signorini
-    # It measures residuals in coordinates of its own, which rounding turns into these.
-    return partial(Multigrid, x=free_vertices(space), tolerance=residual(space.dim, space.dofs) / 2)
+    return partial(Multigrid, x=free_vertices(space), tolerance=aim(space.dim, space.dofs))
 
 
 def free_vertices(space: Space) -> Points:

@@ -46,18 +46,18 @@ def fixed_point(
         return float(np.sqrt(product(w, w)))
 
     old_v, old_u = v, image(v)
-    if not norm(old_u - old_v) > 0:
+    if norm(old_u - old_v) == 0:
         return old_u, 1
     v, contraction = old_u, 0.0
     for taken in range(2, most + 1):
         u = image(v)
         change, moved, followed = u - v, v - old_v, u - old_u
-        contraction = max(contraction, norm(followed) / norm(moved))
+        contraction = max(contraction, norm(followed) / max(norm(moved), TINY))
         # Quotients of what rounding leaves may be anything: a change of the size of the tolerance is enough.
         room = max(1.0, (1 - contraction) / max(contraction, TINY))
         settled = norm(change) <= tolerance * room * norm(u)
         # One quotient says too little; and a change of 0 needs none.
-        if (settled and taken >= SEEN) or not norm(change) > 0:
+        if (settled and taken >= SEEN) or norm(change) == 0:
             return u, taken
         bent = followed - moved
         old_v, old_u = v, u

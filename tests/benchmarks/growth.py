@@ -42,6 +42,7 @@ COLUMNS = [
     "peak_bytes",
     "dim",
     "solver",
+    "remark",
 ]
 
 
@@ -64,7 +65,8 @@ class Level:
         seconds = perf_counter() - start
         peak = 1024 * resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         bare = watched.solver.bare(watched)
-        solve, step = median(_seconds(bare, b) for b in watched.rights), median(watched.step_seconds)
+        # Both on the same right sides one after the other, with the same caches.
+        solve, step = (median(_seconds(solver, b) for b in watched.rights) for solver in (bare, watched.contact))
         return {
             "n": self.n,
             "dofs": setup.space.dofs,
@@ -102,7 +104,7 @@ def exponent(dofs: Any, seconds: Any) -> float:
 def findings(table: pd.DataFrame) -> list[str]:
     """A sentence for every dimension and solver: the exponent, and the bytes per unknown at the finest level."""
     found = []
-    for (dim, solver), rows in table.groupby(["dim", "solver"]):
+    for (dim, solver), rows in table.dropna(subset="dofs").groupby(["dim", "solver"]):
         finest = rows.loc[rows["dofs"].idxmax()]
         sentence = (
             f"{dim}D, {solver}: {finest['peak_bytes'] / finest['dofs']:.0f} bytes per unknown at {finest['dofs']}"
@@ -116,15 +118,14 @@ def findings(table: pd.DataFrame) -> list[str]:
     return found
 
 
-def row(level: Level) -> dict[str, Any] | None:
-    """The row from a process of its own; None, with a word why, if that failed."""
+def row(level: Level) -> dict[str, Any]:
+    """The row from a process of its own; with nothing but a remark why, if that failed."""
     command = [sys.executable, "-m", "benchmarks.growth", "--level", json.dumps(asdict(level))]
     done = subprocess.run(command, capture_output=True, text=True, env=single_thread(os.environ))
     if done.returncode:
         last = (done.stderr.strip().splitlines() or [f"signal {-done.returncode}"])[-1]
-        print(f"{level}: not measured, {last}")
-        return None
-    return json.loads(done.stdout)
+        return {"n": level.n, "solver": level.solver, "remark": f"not measured: {last}"}
+    return json.loads(done.stdout) | {"remark": ""}
 
 
 def main(arguments: list[str]) -> None:
@@ -138,9 +139,9 @@ def main(arguments: list[str]) -> None:
         return
     rows = []
     for level in LEVELS:
-        if level.n <= options.largest and (found := row(level)):
-            print(found, flush=True)
-            rows.append(found)
+        if level.n <= options.largest:
+            rows.append(row(level))
+            print(rows[-1], flush=True)
     table = pd.DataFrame(rows, columns=COLUMNS)
     note = (
         "A level: mesh, assembly, set-up of the solver (*factor*: factorisation and condensation) and "

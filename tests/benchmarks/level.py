@@ -13,7 +13,7 @@ import scipy.sparse as sps
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.naming import family_named, resolve
-from study.solve.choice import SHARE, free_vertices
+from study.solve.choice import aim, free_vertices
 from study.solve.evolution import Midpoint
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
@@ -38,14 +38,9 @@ class Solver:
     bare: Callable[[Watched], Callable[[Array], Array]]
 
 
-def share(space: Space) -> float:
-    """The tolerance of multigrid where the study chooses it, on any space."""
-    return SHARE * (space.dim / space.dofs) ** (2 / space.dim) / 2
-
-
 DIRECT = Solver(on=lambda space: Signorini, bare=lambda watched: watched.contact.factor)
 MULTIGRID = Solver(
-    on=lambda space: partial(Multigrid, x=free_vertices(space), tolerance=share(space)),
+    on=lambda space: partial(Multigrid, x=free_vertices(space), tolerance=aim(space.dim, space.dofs)),
     # Without constraints: the same hierarchy, the same tolerance.
     bare=lambda watched: watched.make(watched.S, watched.N[:0]),
 )
@@ -53,7 +48,7 @@ SOLVERS = {"direct": DIRECT, "multigrid": MULTIGRID}
 
 
 class Watched:
-    """A contact solver that keeps what it is given and how long it takes.
+    """A contact solver that keeps what it is given and how long it took to make.
 
     Attributes:
         made: how often a solver was made for a matrix.
@@ -62,7 +57,6 @@ class Watched:
         contact: the solver made.
         setup_seconds: what making it took.
         rights: the first ``keep`` right sides.
-        step_seconds: the seconds of every contact solve.
     """
 
     make: Make
@@ -71,7 +65,6 @@ class Watched:
         self.solver, self.keep = solver, keep
         self.made = 0
         self.rights: list[Array] = []
-        self.step_seconds: list[float] = []
 
     def on(self, space: Space) -> Make:
         self.make = self.solver.on(space)
@@ -87,10 +80,7 @@ class Watched:
     def _solve(self, b: Array) -> tuple[Array, Array]:
         if len(self.rights) < self.keep:
             self.rights.append(b)
-        start = perf_counter()
-        solution = self.contact(b)
-        self.step_seconds.append(perf_counter() - start)
-        return solution
+        return self.contact(b)
 
 
 @dataclass(frozen=True)

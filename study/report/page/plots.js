@@ -31,9 +31,9 @@ const largest = (...series) => Math.max(0, ...series.flat(2));
 
 /** Gap or pressure along a face in the plane: exact line, computed dots. */
 function drawAlong(svg, face, kind, n) {
-  const exact = face[`${kind}_exact`];
+  const { s: points, [kind]: exact } = face.line;
   const at = axes(svg, face.range, [0, largest(exact, face[kind]) || 1], "s", kind);
-  element(svg, "path", { class: "exact-line", d: path(face.s.map((s, i) => at(s, exact[n][i]))) });
+  element(svg, "path", { class: "exact-line", d: path(points.map((s, i) => at(s, exact[n][i]))) });
   face.s.forEach((s, i) => {
     const [cx, cy] = at(s, face[kind][n][i]);
     element(svg, "circle", { class: "computed", r: 2.8, cx, cy });
@@ -42,10 +42,11 @@ function drawAlong(svg, face, kind, n) {
 
 /** The contact zone in space and time: exact as a surface, computed vertices as dots, now as a line. */
 function drawHistory(svg, face, film, n) {
-  const end = film.times.at(-1);
+  const end = film.times.at(-1), { times, intervals } = face.zone;
   const at = axes(svg, face.range, [0, end], "s", "t");
-  const d = face.zone.times.flatMap((t, j) => face.zone.intervals[j].map(([a, b]) => path([at(a, t), at(b, t)]))).join("");
-  if (d) element(svg, "path", { class: "exact-zone", d, "stroke-width": (145 / (face.zone.times.length - 1)).toFixed(2) });
+  const d = times.flatMap((t, j) => intervals[j].map(([a, b]) => path([at(a, t), at(b, t)]))).join("");
+  const widest = Math.max(...times.slice(1).map((t, j) => t - times[j]));
+  if (d) element(svg, "path", { class: "exact-zone", d, "stroke-width": ((145 * widest) / end).toFixed(2) });
   film.times.forEach((t, j) => face.pressure[j].forEach((pressure, i) => {
     if (pressure <= face.touches) return;
     const [cx, cy] = at(face.s[i], t);

@@ -42,7 +42,7 @@ def solve(given):
         nodal[n, places] = step(b)
     seconds = perf_counter() - assembled
     name = f"DOLFINx {dolfinx.__version__}, {version()}"
-    return Answer(nodal[1:, given.free], assembled - start, seconds, name)
+    return Answer(nodal[1:, given.free], seconds, name, step.factorisations, assembled - start)
 
 
 def space(given):

@@ -12,6 +12,7 @@ A file PROBLEM.npz holds one level: M u̇ + G u + N_K(u) ∋ F with backward Eul
 import json
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -22,12 +23,21 @@ MATRICES = ("S", "M", "G", "N", "R")
 
 @dataclass(frozen=True)
 class Answer:
-    """u_1, …, u_steps, (steps, dofs); seconds for assembly, and for all set-ups and solves; what ran."""
+    """What a peer has to say.
+
+    Attributes:
+        u: u_1, …, u_steps, (steps, dofs).
+        seconds: for all set-ups and solves.
+        version: of what ran.
+        factorisations: of matrices with about as many unknowns; None if unknown.
+        assembly_seconds: for assembly; None if matrices are given.
+    """
 
     u: np.ndarray
-    assembly_seconds: float
     seconds: float
     version: str
+    factorisations: int | None = None
+    assembly_seconds: float | None = None
 
 
 def save(path, matrices, **arrays):
@@ -67,6 +77,15 @@ def bounds(problem):
     return lower, upper
 
 
+def blas():
+    """The kinds of BLAS that this process has loaded, by the names of files; empty where the system has no /proc."""
+    maps = Path("/proc/self/maps")
+    files = {line.split()[-1].lower() for line in maps.read_text().splitlines()} if maps.exists() else set()
+    kinds = {"openblas": "OpenBLAS", "mkl": "MKL", "blis": "BLIS"}
+    found = {name for file in files for part, name in kinds.items() if part in file}
+    return ", ".join(sorted(found)) or ("reference" if any("/libblas" in file for file in files) else "")
+
+
 def main(solve):
     """PROBLEM.npz ANSWER.npy [OPTION ...]: solve, keep the trajectory, print the rest as JSON.
 
@@ -77,4 +96,5 @@ def main(solve):
     solve(SimpleNamespace(**{**vars(given), "loads": given.loads[:1]}), *options)
     answer = solve(given, *options)
     np.save(target, answer.u)
-    print(json.dumps({name: getattr(answer, name) for name in ("assembly_seconds", "seconds", "version")}))
+    printed = {name: value for name, value in vars(answer).items() if name != "u"}
+    print(json.dumps(printed | {"blas": blas()}))

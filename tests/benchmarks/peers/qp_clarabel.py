@@ -23,16 +23,17 @@ def solve(given):
     settings.tol_feas = RESIDUAL
     settings.iterative_refinement_abstol = settings.iterative_refinement_reltol = REFINEMENT
     solver = clarabel.DefaultSolver(S, -given.u0, N, np.zeros(m), [clarabel.NonnegativeConeT(m)], settings)
-    u, trajectory = given.u0, []
+    u, trajectory, iterations = given.u0, [], 0
     for load in given.loads:
         b = load + given.M @ (u / given.k)
         # In the energy norm of the step before the solution is of size one, as absolute tolerances expect.
         size = np.sqrt(u @ (given.S @ u))
         solver.update(q=-b / size)
         solution = solver.solve()
+        iterations += solution.iterations
         u = size * np.array(solution.x)
         trajectory.append(u)
-    return Answer(np.array(trajectory), 0.0, perf_counter() - start, f"Clarabel {clarabel.__version__}")
+    return Answer(np.array(trajectory), perf_counter() - start, f"Clarabel {clarabel.__version__}", iterations)
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ def solve(given):
         solver.update(q=-(load + given.M @ (u / given.k)))
         u = solver.solve().x
         trajectory.append(u)
-    return Answer(np.array(trajectory), 0.0, perf_counter() - start, f"OSQP {osqp.__version__}")
+    return Answer(np.array(trajectory), perf_counter() - start, f"OSQP {osqp.__version__}")
 
 
 if __name__ == "__main__":

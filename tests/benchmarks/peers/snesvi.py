@@ -22,7 +22,7 @@ def solve(given, factorisation):
         M.mult(old, inertia)
         w = step(given.R.T @ load + inertia.array / given.k)
         trajectory.append(given.R @ w)
-    return Answer(np.array(trajectory), 0.0, perf_counter() - start, version())
+    return Answer(np.array(trajectory), perf_counter() - start, version(), step.factorisations)
 
 
 if __name__ == "__main__":
