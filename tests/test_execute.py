@@ -223,6 +223,12 @@ def test_a_level_of_a_bound_beyond_the_memory_is_refused_by_the_command(tmp_path
     assert "level 64 needs about 10.0 GiB of memory, 1.0 GiB are available" in capsys.readouterr().err
 
 
+def test_other_random_meshes_beyond_the_memory_are_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
+    monkeypatch.setattr("study.execute.available", lambda: 0.1 * GIB)
+    assert main(["seeds", "--seeds", "1", "--jobs", "1", "--out", str(tmp_path)]) == 2
+    assert "GiB of memory, 0.1 GiB are available" in capsys.readouterr().err
+
+
 def test_a_level_beyond_the_memory_is_not_shown(tmp_path, capsys) -> None:
     assert main(["show", "full-contact", "--level", "100000", "--out", str(tmp_path / "shows")]) == 2
     assert "level 100000 needs about" in capsys.readouterr().err
@@ -340,16 +346,26 @@ def test_data_that_may_not_be_written_or_are_not_there_are_not_locked(tmp_path, 
         assert [*data.iterdir()] == [data / ".lock"]
 
 
+def test_data_that_may_be_written_are_not_left_unlocked_where_the_lock_may_not(tmp_path, monkeypatch) -> None:
+    data = Store(tmp_path).data
+    (data / ".lock").mkdir(parents=True)
+    monkeypatch.setattr(os, "access", lambda path, mode: path == data)
+    with pytest.raises(StoreError, match="lock"), Store(tmp_path).steady():
+        pass
+
+
 def test_what_a_killed_process_left_half_written_is_removed_and_what_a_living_one_writes_is_not(tmp_path) -> None:
     dead = subprocess.Popen([sys.executable, "-c", ""])
     dead.wait()
     jobs = tmp_path / "data" / "jobs"
     jobs.mkdir(parents=True)
     stale, alive = jobs / f".a.json.{dead.pid}.part", jobs / f".b.json.{os.getpid()}.part"
-    stale.touch()
-    alive.touch()
+    page = tmp_path / f".report.html.{dead.pid}.part"
+    for part in (stale, alive, page):
+        part.touch()
     with Store(tmp_path).locked():
         assert [*jobs.iterdir()] == [alive]
+        assert not page.exists()
 
 
 @pytest.mark.parametrize(

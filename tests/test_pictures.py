@@ -112,7 +112,7 @@ def test_facets_cover_a_contact_face_and_the_exact_zone_is_known_on_their_quarte
 def test_lines_of_exact_values_do_not_stop_at_nodes() -> None:
     solution = resolve("advance-recede").solution
     picture = Picture.of(json.loads(json.dumps(record("", Motion.of(solution, Unstructured(), 4, 4), 1))))
-    (face,), (exact,) = picture.faces, solution.faces
+    (face,), (exact,) = picture.segments, solution.faces
     assert len(face.line) > 10 * len(face.s)
     assert (face.line[0], face.line[-1]) == (face.s.min(), face.s.max())
     fields = solution.on(exact, face.line[None])

@@ -26,10 +26,10 @@ def draw_profiles(picture: Picture) -> Figure:
     there are many).
     """
     instants = [picture.nearest(shape.time) for shape in picture.shapes]
-    rows = 2 * len(picture.faces)
+    rows = 2 * len(picture.segments)
     figure = Figure(figsize=(COLUMN, 0.9 + 1.1 * rows))
     panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
-    for i, face in enumerate(picture.faces):
+    for i, face in enumerate(picture.segments):
         s = rf"$s$ on ${symbol(face, picture)}$"
         _draw_row(panels[2 * i], face, face.line_gap[instants], face.gap[instants], BLUE)
         _draw_row(panels[2 * i + 1], face, face.line_pressure[instants], face.pressure[instants], VERMILLION)
@@ -50,8 +50,8 @@ def caption_profiles(picture: Picture) -> str:
     """What to see."""
     instants = [picture.nearest(shape.time) for shape in picture.shapes]
     times = ", ".join(f"{picture.times[instant]:.3g}" for instant in instants)
-    gap = largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in picture.faces])
-    pressure = largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in picture.faces])
+    gap = largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in picture.segments])
+    pressure = largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in picture.segments])
     return (
         f"Gap and contact pressure along Γ3 at t = {times} ({place(picture)}): lines are exact, markers computed. "
         "What to see: there is a gap or a pressure, never both, and markers on the lines: at the nodes the gap is off "
