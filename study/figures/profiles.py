@@ -50,8 +50,9 @@ def caption_profiles(picture: Picture) -> str:
     """What to see."""
     instants = [picture.nearest(shape.time) for shape in picture.shapes]
     times = ", ".join(f"{picture.times[instant]:.3g}" for instant in instants)
-    gap = largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in picture.segments])
-    pressure = largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in picture.segments])
+    faces = picture.segments
+    gap = largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in faces])
+    pressure = largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in faces])
     return (
         f"Gap and contact pressure along Γ3 at t = {times} ({place(picture)}): lines are exact, markers computed. "
         "What to see: there is a gap or a pressure, never both, and markers on the lines: at the nodes the gap is off "
