@@ -40,8 +40,8 @@ bench-growth: $(READY)  ## time and memory on finer and finer meshes, some minut
 bench-peers: $(READY)  ## the same matrices solved by other programs, ten minutes
 	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.compare
 
-bench-parallel: $(READY)  ## the quick study with one process and with two, four minutes; the data must be the same
-	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.parallel
+bench-parallel: $(READY)  ## the quick study with one process and with two, four minutes; PLAN=--full, an hour
+	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.parallel $(PLAN)
 
 lint: $(READY)  ## style and types
 	$(BIN)/ruff check .
