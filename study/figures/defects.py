@@ -30,7 +30,7 @@ def draw_defects(controls: pd.DataFrame) -> Figure:
     for line, record in enumerate(_records(injected)):
         colour, marker = (BLUE, "o") if record["caught"] == "yes" else (VERMILLION, "X")
         axes.plot(rows.index(_row(record)), line, ls="", marker=marker, ms=5.5, color=colour, zorder=3)
-    names = [f"{record['defect']}: {mathtext(record['what'])}" for record in _records(injected)]
+    names = [f"{mathtext(record['defect'])}: {mathtext(record['what'])}" for record in _records(injected)]
     axes.set_yticks(range(len(injected)), names)
     axes.set_xticks(range(len(rows)), ascii_uppercase[: len(rows)])
     axes.xaxis.tick_top()
