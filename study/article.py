@@ -18,7 +18,7 @@ import pandas as pd
 
 from study.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
 from study.latex import encode, longtable, prose
-from study.macros import macros
+from study.macros import DISCRETE, macros
 from study.margin import bounds, used, worst
 from study.rounding import down, up
 from study.store import write_text
@@ -246,18 +246,11 @@ def enclosures(data: Data) -> str:
 
 def discrete(data: Data) -> str:
     """The fully discrete error, one row per case and scheme: 95 % intervals of orders, marked where they miss."""
-    quantities = [
-        "order q of ‖u^h − u^{hk}‖ in k",
-        "order s of ‖u^h − u^{hk}‖ in h",
-        "order p of ‖u − u^{hk}‖ in h",
-        "order q of ‖u − u^{hk}‖ in k",
-        "misfit of the root",
-    ]
     rows = data.claims[data.claims["label"] == "beyond: fully discrete"]
     body = []
     for case, part in rows.groupby("case", sort=False):
         for scheme in part["quantity"].str.partition(":")[0].drop_duplicates():
-            of = [part[part["quantity"].str.startswith(f"{scheme}: {quantity}")] for quantity in quantities]
+            of = [part[part["quantity"].str.startswith(f"{scheme}: {quantity}")] for quantity in DISCRETE]
             body.append([prose(str(case)), prose(scheme), *(_marked(row.iloc[0]) for row in of)])
     headings = ["case", "scheme", r"\(q\) of \(d\)", r"\(s\) of \(d\)", r"\(p\) of \(e\)", r"\(q\) of \(e\)", "misfit"]
     return tabular(headings, "llrrrrr", body)

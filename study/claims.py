@@ -370,10 +370,9 @@ def theorem_4_2(case: str, rows: pd.DataFrame) -> list[Verdict]:
     ]
     found = []
     for quantity, window, values in measured:
-        worst = float(np.max(values.to_numpy()))
+        worst, (low, _) = _worst(values.to_numpy())
         verdict = HOLDS if window.low <= worst <= window.high else FAILS
         statement = STATEMENTS["Thm 4.2"]
-        low = float(np.min(values.to_numpy()))
         found.append(Verdict("Thm 4.2", statement, case, quantity, window.text, worst, low, worst, verdict))
     return found
 

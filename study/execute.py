@@ -71,10 +71,12 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
     again one by one, so that a second death has one job to its name.
 
     Raises:
+        UsageError: a job needs more memory than there is; nothing is done.
         JobsError: after all others are done; names each failed job and its error.
         BrokenExecutor: the executor does not survive its workers.
     """
     waiting = unfinished(jobs, store)
+    refuse_too_large(waiting, pool)
     notify(sum(job.cost for job in jobs) - sum(job.cost for job in waiting))
     running: dict[Future[dict[str, Any]], Job] = {}
     suspects: set[str] = set()

@@ -39,7 +39,7 @@ _PROSE = {
 # Γ3,i, L∞ and e∞ are written on the line in plain text and with scripts in a formula.
 _LITERAL = re.compile(r"Γ\d(?:,\w)?|L∞|\be∞")
 _LITERALS = {"Γ": "Γ_{{{}}}", "L": "L^{}", "e": "e_{}"}
-_SCRIPT = re.compile(r"(?:^|[^A-Za-z])(?:[A-Za-z]|2|max|min|sup|inf|lim)[\^_]|[)\]}][\^_]|^O\(|^[=<>]$")
+_SCRIPT = re.compile(r"(?:^|[^A-Za-z])(?:[A-Za-z]|max|min|sup|inf|lim)[\^_]|\d\^|[)\]}][\^_]|^O\(|^[=<>]$")
 _SHORT = re.compile(r"(?:\(?[B-HJ-Zb-z]\)?|[+/|]|\(?[-+]?[\d./]+\)?|[A-Z]?\([^()]*\))[,;]?")
 _TAIL = re.compile(r"[.,;:]+$")
 _NUMBER = re.compile(r"(-?[\d.]+)(?:e([+-]\d+))?|(-?)inf")

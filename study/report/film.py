@@ -91,6 +91,8 @@ def _polygon(face: Polygon) -> dict[str, Any]:
     """Facets, edges and quarters: the points at the corners of each, one after the other."""
     facets = face.facets
     return _values(face) | {
+        "gap_exact": short(face.gap_exact),
+        "pressure_exact": short(face.pressure_exact),
         "nodes": face.nodes.tolist(),
         "cells": facets.cells.tolist(),
         "facets": facets.corners.T.ravel().tolist(),
@@ -101,7 +103,7 @@ def _polygon(face: Polygon) -> dict[str, Any]:
 
 
 def _values(face: Face) -> dict[str, Any]:
-    series = ("s", "x", "gap", "gap_exact", "pressure", "pressure_exact")
+    series = ("s", "x", "gap", "pressure")
     return {
         "face": face.number,
         "normal": face.normal.tolist(),
