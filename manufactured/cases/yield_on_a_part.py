@@ -42,5 +42,5 @@ def case(law: KelvinVoigt = LAW, gap: Expr = ONE, pressure: Expr = ONE, speed: E
         regularity=Regularity(gap=3, pressure=2),
         order=1,
         reason="fixed front with α = 3 > 5/2 and m = 2 > 3/2: u(t) ∈ H², (5.36) and order 1 by Prop. 5.4",
-        pace=3,
+        pace=6,
     )

@@ -8,7 +8,7 @@ k ‖G − G_ref‖/m_A, and vanishes for a linear law.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -19,12 +19,12 @@ from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array
 from study.fem.material import form, means
 from study.fem.space import Space
-from study.solve.choice import contact_solver
+from study.solve.choice import ROUNDING, contact_solver
 from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.signorini import ContactSolver, Signorini
 
-FIXED_POINT = 1e-12
-"""Relative distance in ‖·‖_M to the fixed point of a nonlinear law at which its iteration stops."""
+FIXED_POINT = ROUNDING / 10
+"""Relative distance in ‖·‖_M to the fixed point of a nonlinear law at which its iteration stops: less than rounding."""
 ITERATIONS = 60
 TINY = 1e-150
 """Stands for zero in denominators; its square is still positive."""
@@ -138,7 +138,7 @@ class _Step:
             return u
 
         try:
-            u, taken = fixed_point(image, guess, lambda v, w: float(v @ (problem.M @ w)), FIXED_POINT, ITERATIONS)
+            u, taken = fixed_point(image, guess, lambda w: problem.M @ w, FIXED_POINT, ITERATIONS)
         except FixedPointError as error:
             raise EvolutionError(
                 f"step to t = {time:.6g}: {error}; it contracts like k L_G/m_A, so take more steps"
@@ -207,13 +207,19 @@ def _theta_method(problem: Problem, steps: int, theta: float) -> Iterator[State]
     step = _Step(problem, 1 / k, theta)
     state = _start(problem)
     yield state
-    older = state.u
+    past = [state.u]
     for n in range(1, steps + 1):
-        old = state.u
+        old = past[-1]
         rhs = problem.load((n - 1 + theta) * k) + problem.M @ (old / k)
-        state = step(n * k, rhs, (1 - theta) * old, 2 * old - older)
-        older = old
+        state = step(n * k, rhs, (1 - theta) * old, _extrapolated(past))
+        past = [*past[-2:], state.u]
         yield state
+
+
+def _extrapolated(past: Sequence[Array]) -> Array:
+    """The next value of the polynomial through the last three at equal steps, or as many as there are."""
+    weights = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(past)]
+    return sum((weight * u for weight, u in zip(weights, past, strict=True)), np.zeros_like(past[0]))
 
 
 @dataclass(frozen=True)
