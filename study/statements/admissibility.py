@@ -19,7 +19,7 @@ from study.equivalence import beyond
 from study.fem.material import on_cells
 from study.fem.space import Space
 from study.naming import family_named, resolve
-from study.solve.evolution import BackwardEuler, Problem
+from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem
 from study.solve.factor import Factor
 from study.statements.base import Setting
 from study.statements.tally import grid, judge, largest, with_h
@@ -35,7 +35,9 @@ SAMPLES = 8
 """Random v ∈ K^h and τ ∈ Σ^h(t) at every step."""
 SEED = 2002
 
-ROUND_OFF = Window(0.0, 1e-10, "≤ 1e-10 at every step: round-off, and for law (3.3) a fixed point stopped at 1e-12")
+ROUND_OFF = Window(
+    0.0, 1e-10, f"≤ 1e-10 at every step: round-off, and for law (3.3) a fixed point stopped at {FIXED_POINT:g}"
+)
 
 CRITERIA = (
     largest("(3.10): u_n ∈ K^h", ROUND_OFF, "membership"),

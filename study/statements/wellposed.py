@@ -18,7 +18,7 @@ from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
 from study.fem.space import Space
 from study.naming import family_named, resolve
-from study.solve.evolution import BackwardEuler, Problem, State
+from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem, State
 from study.solve.factor import Factor
 from study.solve.signorini import Signorini
 from study.statements.base import Setting
@@ -41,7 +41,7 @@ def norm(problem: Problem, v: Array) -> float:
 # Existence and uniqueness.
 
 RIVALS_STEPS = 12
-EXACTLY = Window(0.0, 1e-9, "≤ 1e-9: exact solvers, or a fixed point stopped at 1e-12 in every step")
+EXACTLY = Window(0.0, 1e-9, f"≤ 1e-9: exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step")
 INTERIOR = Window(0.0, 1e-7, "≤ 1e-7: the root of the duality gap 1e-15 at which the interior point method stops")
 
 UNIQUENESS = (
@@ -217,7 +217,7 @@ def fastest(problem: Problem, steps: int) -> float:
 
 SIZES = (0.1, 1.0, 10.0)
 """Sizes of the perturbations, relative to the data."""
-NEVER = Window(0.0, 1 + 1e-7, "≤ 1, up to 1e-7 for fixed points stopped at 1e-12")
+NEVER = Window(0.0, 1 + 1e-7, f"≤ 1, up to 1e-7 for fixed points stopped at {FIXED_POINT:g}")
 SHARP = Window(0.5, 1 + 1e-7, "0.5 … 1: without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4")
 
 DEPENDENCE = (
