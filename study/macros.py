@@ -97,7 +97,10 @@ def _smooth(data: Data) -> Named:
     yield "shareTimeDiscrete", _percent(data.rows(label, "time share of")["high"].max())
     yield "shareTime", _percent(data.rows(label, "time share")["high"].max())
     yield "shareQuadrature", _percent(data.rows(label, "change under finer")["high"].max())
-    yield "residualMost", _power(data.rates.loc[data.rates["claim"] == label, "residual"].max())
+    sweeps = data.rates[data.rates["claim"] == label]
+    yielding = sweeps["case"].isin(data.cases.loc[data.cases["law"].str.startswith("(3.3)"), "case"])
+    yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
+    yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
     later = data.rows(label, "cases with the supremum")
     yield "supremumLater", _count(later["observed"].iloc[0])
 

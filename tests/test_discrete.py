@@ -23,6 +23,7 @@ from study.fem.space import Space
 from study.solve import signorini
 from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, Problem
 from study.solve.signorini import Signorini
+from study.sweep import Setup, steps_for
 
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
 CASES = {case.name: case for case in catalogue()}
@@ -365,6 +366,18 @@ def test_the_schemes_agree_on_one_trajectory() -> None:
     _, v = trajectory(case, BDF2(), 400)
     size = max(np.sqrt(w @ (problem.M @ w)) for w in u)
     assert max(np.sqrt(d @ (problem.M @ d)) for d in u - v) < 2e-3 * size
+
+
+@pytest.mark.parametrize("family", FOR_SQUARES, ids=lambda f: f.name)
+@pytest.mark.parametrize("name", ["yield-and-release", "yield-on-a-part"])
+def test_the_law_with_a_convex_set_takes_at_most_six_solves_a_step_where_its_fixed_points_are_slowest(
+    name: str, family
+) -> None:
+    """On the coarsest mesh of a sweep, where steps are longest."""
+    case = CASES[name]
+    setup = Setup.of(case.solution, family, 8, Midpoint(), steps_for(case, 8))
+    solves = [state.iterations for state in Midpoint().march(setup.problem, setup.steps)][1:]
+    assert max(solves) <= 6
 
 
 def test_a_fixed_point_that_does_not_settle_says_so() -> None:
