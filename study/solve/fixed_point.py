@@ -1,7 +1,7 @@
 """The fixed point of a contraction, with some memory.
 
-Inputs v_i and their images u_i show where a map that were affine on their span would have its fixed point: where the
-change u − v, taken as affine as well, is smallest. The image there is the next input (D. G. Anderson, Iterative
+Inputs v_i and their images u_i show where a map that were affine between them would come nearest to a fixed point:
+where the change u − v, affine as well, is smallest. The image there is the next input (D. G. Anderson, Iterative
 procedures for nonlinear integral equations, J. ACM 12 (1965) 547–560). Two of them also show how much the map contracts
 between them, which is at most ρ, its contraction everywhere; with ρ, the fixed point is no further from u than
 ρ/(1 − ρ) ‖u − v‖. The largest of the quotients seen stands for ρ, and for ρ > 1/2 the change ‖u − v‖ itself is judged:
@@ -22,7 +22,7 @@ SEEN = 3
 MEMORY = 3
 """Images before the last that an input is made of."""
 CUTOFF = 1e-12
-"""Of the eigenvalues of a Gram matrix, relative: directions that rounding has made."""
+"""Of the eigenvalues of a Gram matrix, relative: what is smaller counts as zero."""
 TINY = 1e-300
 """Stands for zero in denominators."""
 
@@ -50,9 +50,15 @@ def fixed_point(
     def norm(w: Array) -> float:
         return float(np.sqrt(w @ dual(w)))
 
+    def size(change: Array, taken: int) -> float:
+        found = norm(change)
+        if not np.isfinite(found):
+            raise FixedPointError(f"the iteration did not settle: image {taken} is not finite")
+        return found
+
     u = image(v)
     change, contraction = u - v, 0.0
-    if norm(change) == 0:
+    if size(change, 1) == 0:
         return u, 1
     memory: deque[tuple[Array, Array, Array]] = deque(maxlen=MEMORY)
     for taken in range(2, most + 1):
@@ -60,9 +66,7 @@ def fixed_point(
         v = _input(u, change, memory)
         u = image(v)
         change = u - v
-        left = norm(change)
-        if not np.isfinite(left):
-            raise FixedPointError(f"the iteration did not settle: image {taken} is not finite")
+        left = size(change, taken)
         contraction = max(contraction, norm(u - old_u) / max(norm(v - old_v), TINY))
         # Quotients of what rounding leaves may be anything: a change of the size of the tolerance is enough.
         room = max(1.0, (1 - contraction) / max(contraction, TINY))
