@@ -124,7 +124,8 @@ class _Step:
         self.S = sps.csc_array(mass * problem.M + theta * problem.reference)
         self.solve = problem.solver(self.S, problem.N)
 
-    def __call__(self, time: float, rhs: Array, base: Array, guess: Array) -> State:
+    def __call__(self, time: float, rhs: Array, base: Array, past: Sequence[Array]) -> State:
+        """u at a time; a nonlinear law starts from what the last u at equal steps extrapolate to."""
         problem = self.problem
         constant = rhs - problem.reference @ base if base.any() else rhs
         remainder = problem.remainder
@@ -139,7 +140,7 @@ class _Step:
             return u
 
         try:
-            u, taken = fixed_point(image, guess, lambda w: problem.M @ w, FIXED_POINT, ITERATIONS)
+            u, taken = fixed_point(image, _extrapolated(past), lambda w: problem.M @ w, FIXED_POINT, ITERATIONS)
         except FixedPointError as error:
             raise EvolutionError(
                 f"step to t = {time:.6g}: {error}; it contracts like k L_G/m_A, so take more steps"
@@ -212,7 +213,7 @@ def _theta_method(problem: Problem, steps: int, theta: float) -> Iterator[State]
     for n in range(1, steps + 1):
         old = past[-1]
         rhs = problem.load((n - 1 + theta) * k) + problem.M @ (old / k)
-        state = step(n * k, rhs, (1 - theta) * old, _extrapolated(past))
+        state = step(n * k, rhs, (1 - theta) * old, past)
         past = [*past[-2:], state.u]
         yield state
 
@@ -236,14 +237,14 @@ class BDF2:
         first = _Step(problem, 1 / k, 1.0)
         older = _start(problem)
         yield older
-        state = first(k, problem.load(k) + problem.M @ (older.u / k), zero, older.u)
+        state = first(k, problem.load(k) + problem.M @ (older.u / k), zero, [older.u])
         yield state
         if steps == 1:
             return
         step = _Step(problem, 1.5 / k, 1.0)
         for n in range(2, steps + 1):
             rhs = problem.load(n * k) + problem.M @ ((2 * state.u - 0.5 * older.u) / k)
-            older, state = state, step(n * k, rhs, zero, 2 * state.u - older.u)
+            older, state = state, step(n * k, rhs, zero, [older.u, state.u])
             yield state
 
 
