@@ -49,8 +49,13 @@ def collect(plan: Plan, store: Store) -> None:
     write_csv(store.data / "enclosures.csv", pd.DataFrame(enclosure_rows(done[BoundJob]), columns=ENCLOSURES))
     write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.resolved()]))
     for result in done[PictureJob]:
-        write_text(store.data / "pictures" / f"{result['case']}.json", json.dumps(result) + "\n")
+        write_text(store.data / "pictures" / f"{result['case']}.json", picture_text(result))
     write_text(store.data / "provenance.json", json.dumps(provenance(plan), indent=2) + "\n")
+
+
+def picture_text(picture: dict[str, Any]) -> str:
+    """A picture as in its file: without spaces after separators, which would be a tenth of it."""
+    return json.dumps(picture, separators=(",", ":")) + "\n"
 
 
 BOUND_KEY = ["trajectory", "case", "family", "scheme", "level"]
