@@ -14,7 +14,7 @@ full: $(READY)  ## all levels into results/, and the slow tests
 	$(BIN)/study controls --out results
 	$(BIN)/study tables --out results
 	$(BIN)/study figures --out results
-	$(BIN)/python -m study.overview README.md results
+	$(BIN)/python -m study.present.readme README.md results
 	$(BIN)/pytest -m slow --numprocesses auto
 
 controls: $(READY)  ## deliberate defects that the verdicts must catch, half a minute
@@ -22,7 +22,7 @@ controls: $(READY)  ## deliberate defects that the verdicts must catch, half a m
 
 seeds: $(READY)  ## the verdicts on twenty other random meshes into results/, fifty minutes
 	$(BIN)/study seeds --out results
-	$(BIN)/python -m study.overview README.md results
+	$(BIN)/python -m study.present.readme README.md results
 
 test: $(READY)  ## the test suite without the slow levels
 	$(BIN)/pytest --numprocesses auto

@@ -12,9 +12,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.article import Data, write_article
-from study.datafiles import DataError, read_claims
-from study.margin import bounds, used, worst
+from study.ledger.datafiles import DataError, read_claims
+from study.ledger.margin import bounds, used, worst
+from study.present.article.fragments import Data, write_article
 
 ROOT = Path(__file__).parent.parent
 PAPER, RESULTS = ROOT / "paper", ROOT / "results"

@@ -17,8 +17,8 @@ from benchmarks.level import DIRECT, Place, Watched, errors
 from benchmarks.peers import problem as exchange
 
 from study.fem.mesh import OneDiagonal
+from study.fem.naming import resolve
 from study.fem.space import Space
-from study.naming import resolve
 from study.solve.evolution import BackwardEuler
 
 SYSTEM = "/usr/bin/python3"

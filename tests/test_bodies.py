@@ -26,9 +26,9 @@ from manufactured import (
 )
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.space import Space
-from study.rates import orders
+from study.ledger.orders import orders
 from study.solve.evolution import Midpoint
-from study.sweep import Setup, measure
+from study.statements.prop_5_4.sweep import Setup, measure
 
 CASES = {case.name: case for case in catalogue()}
 SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]

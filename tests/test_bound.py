@@ -44,18 +44,18 @@ from manufactured import (
 from manufactured.cases.laws import not_proportional
 from manufactured.data import Data
 from manufactured.tensors import Array, Points, Tensors
+from study.bound.discretisation import BoundError, Setting
 from study.bound.enclosure import Better, Computed, Enclosure, Itself, Trajectory, compute, enclose, order
 from study.bound.enclosure import _prolongation as prolongation
 from study.bound.majorant import Balance, Interval, Majorant, Piece, spline
-from study.bound.measure import known_error, measure_bound
-from study.bound.plan import eligible
-from study.bound.setting import BoundError, Setting
-from study.equilibrated.composite import SIDES, bernstein, thirds
 from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
+from study.statements.enclosure.measure import known_error, measure_bound
+from study.statements.enclosure.plan import eligible
+from study.stresses.composite import SIDES, bernstein, thirds
 
 CASES = {case.name: case for case in catalogue()}
 BOUNDED = [case for case in catalogue() if eligible(case)]

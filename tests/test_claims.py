@@ -6,8 +6,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.claims import beyond_5_36, complete, judge, prop_5_3, prop_5_4, theorem_4_2, turned
-from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Window
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Window
+from study.statements.prop_5_4.claims import beyond_5_36, complete, judge, prop_5_3, prop_5_4, theorem_4_2, turned
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="shaken", **changes) -> pd.DataFrame:

@@ -10,9 +10,9 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from study.cli import main
-from study.naming import resolve
-from study.store import FORMAT, Store, StoreError, write_text
+from study.cli.main import main
+from study.fem.naming import resolve
+from study.run.store import FORMAT, Store, StoreError, write_text
 
 README = Path(__file__).parents[1] / "README.md"
 

@@ -9,8 +9,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.cli import main
-from study.naming import resolve_data
+from study.cli.main import main
+from study.fem.naming import resolve_data
 
 USER = """
 from manufactured import *

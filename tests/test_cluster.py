@@ -15,12 +15,12 @@ from pathlib import Path
 import psutil
 import pytest
 
-from study.cli import main
-from study.cluster import connected
-from study.execute import execute
-from study.jobs import RateJob
-from study.naming import UsageError
-from study.store import Store
+from study.cli.main import main
+from study.fem.naming import UsageError
+from study.run.cluster import connected
+from study.run.execute import execute
+from study.run.job import RateJob
+from study.run.store import Store
 
 MINE = """
 from dataclasses import replace
@@ -91,7 +91,7 @@ def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys
 
 
 def test_a_cluster_without_workers_is_refused_with_how_to_start_some(scheduler, monkeypatch) -> None:
-    monkeypatch.setattr("study.cluster.PATIENCE", 1)
+    monkeypatch.setattr("study.run.cluster.PATIENCE", 1)
     with pytest.raises(UsageError, match=f"has no workers.*dask worker {scheduler} "), connected(scheduler, []):
         pass
 
@@ -109,7 +109,7 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
     (tmp_path / "mine.py").write_text(MINE)
     monkeypatch.chdir(tmp_path)
     # Figures are drawn here from the data in any case.
-    monkeypatch.setattr("study.cli.draw_figures", lambda *arguments, **options: [])
+    monkeypatch.setattr("study.cli.main.draw_figures", lambda *arguments, **options: [])
     run = ["run", "--case", "mine.py:mine", "--levels", "2", "4", "--jobs", "2"]
     codes = {main([*run, "--out", "processes"]), main([*run, "--out", "cluster", "--cluster", cluster])}
     assert len(codes) == 1
@@ -122,7 +122,7 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
 
 
 def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch) -> None:
-    monkeypatch.setattr("study.cluster.METHOD", -1)
+    monkeypatch.setattr("study.run.cluster.METHOD", -1)
     with (
         pytest.raises(UsageError, match=r"the worker tcp://127.* would not compute the same: method \d+, here -1"),
         connected(cluster, ["full-contact"]),

@@ -13,8 +13,8 @@ from manufactured import Kind, catalogue, polygon
 from study.fem.material import form
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
-from study.solve.dissection import LEAF, nested_dissection
-from study.solve.factor import Factor
+from study.solve.cholesky.dissection import LEAF, nested_dissection
+from study.solve.cholesky.factorisation import Factor
 from study.solve.signorini import Signorini
 
 CASES = {case.name: case for case in catalogue()}
@@ -98,7 +98,7 @@ def test_the_factor_solves(matrices: Matrices, monkeypatch: pytest.MonkeyPatch) 
     S, _ = matrices
     b = np.random.default_rng(1).standard_normal(S.shape[0])
     assert close(Factor(S)(b), np.linalg.solve(S.toarray(), b), 1e-11)
-    monkeypatch.setattr("study.solve.factor.PANEL", 1000)
+    monkeypatch.setattr("study.solve.cholesky.factorisation.PANEL", 1000)
     factor = Factor(S)
     assert len(factor.panels) > 1
     assert close(factor(b), np.linalg.solve(S.toarray(), b), 1e-11)
@@ -160,7 +160,7 @@ def test_dissection_fills_about_as_little_as_minimum_degree(
     name: str, family: MeshFamily, n: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Entries of L against SuperLU's with an order of its own; in small leaves, since blocks are kept as dense ones."""
-    monkeypatch.setattr("study.solve.dissection.LEAF", 16)
+    monkeypatch.setattr("study.solve.cholesky.dissection.LEAF", 16)
     solution = CASES[name].solution
     S = form(Space(family(solution.body, n), solution.body), solution.law.A)
     entries = sum(panel.entries.size for panel in Factor(S).panels)

@@ -19,22 +19,22 @@ from manufactured.body import Kind, unit_square
 from manufactured.cases.laws import not_proportional
 from manufactured.exact import ExactSolution
 from manufactured.factor import Factor, x1, x2
-from study.claims import PARALLELOGRAM
-from study.cli import main
+from study.cli.main import main
 from study.controls import defects
 from study.controls.judge import NO_DEFECT, Finding, controls_text, settings, unchanged, work
 from study.controls.register import ALONE, CONTROLS, FULL, MOVING, ORDER, Control
 from study.controls.settings import Equivalence, Sweep, turned
-from study.equivalence import compare, gaps
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import OneDiagonal
+from study.fem.naming import resolve
 from study.fem.space import Space
-from study.naming import resolve
+from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.solve.evolution import Midpoint
 from study.statements.base import Setting
 from study.statements.independence import Derived, Independence, Sides, StandsAlone, independence
-from study.sweep import Measurement, Setup, measure
-from study.verdict import FAILS, HOLDS, UNDECIDED, Verdict
+from study.statements.prop_5_4.claims import PARALLELOGRAM
+from study.statements.prop_5_4.sweep import Measurement, Setup, measure
+from study.statements.thm_4_2.same_mesh import compare, gaps
 
 HARMLESS = Control("harmless", "a copy in place of the original", Equivalence("no-contact"), copy.copy, ALONE)
 """No defect at all, which nobody can catch."""
@@ -193,8 +193,10 @@ def modules_after(code: str) -> set[str]:
 
 
 def test_what_a_run_computes_with_knows_no_defect() -> None:
-    loaded = modules_after("import study.plan, study.execute, study.collect, study.judgement, study.tables")
-    assert "study.sweep" in loaded
+    loaded = modules_after(
+        "import study.run.plan, study.run.execute, study.run.collect, study.run.judgement, study.present.tables"
+    )
+    assert "study.statements.prop_5_4.sweep" in loaded
     assert "study.controls.defects" not in loaded
 
 
@@ -208,7 +210,7 @@ space = Space(OneDiagonal()(solution.body, 4), solution.body)
 gauge = Gauge(solution, space)
 data = space, solution.law, gauge.load, gauge.sample(0.0).interpolant
 """
-STRESSES = "from study.solve.stress import StressProblem; *_, last = StressProblem.of(*data).march(8)"
+STRESSES = "from study.solve.interior_point import StressProblem; *_, last = StressProblem.of(*data).march(8)"
 DISPLACEMENTS = """
 from study.solve.evolution import BackwardEuler, Problem
 *_, last = BackwardEuler().march(Problem.of(*data), 8)

@@ -30,11 +30,11 @@ from manufactured.cases.laws import not_proportional
 from manufactured.data import Data, LoadError
 from manufactured.problems import problems
 from manufactured.tensors import mandel
+from study.bound.discretisation import BoundError, Setting
 from study.bound.enclosure import Better
-from study.bound.measure import check_bound, check_force, steps_for
-from study.bound.setting import BoundError, Setting
 from study.fem.mesh import OneDiagonal, Unstructured
-from study.naming import UsageError, resolve_data
+from study.fem.naming import UsageError, resolve_data
+from study.statements.enclosure.measure import check_bound, check_force, steps_for
 
 CASES = {case.name: case for case in catalogue()}
 SQUARE, LAW = unit_square(), not_proportional()

@@ -23,7 +23,7 @@ from study.fem.space import Space
 from study.solve import signorini
 from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, Problem
 from study.solve.signorini import Signorini
-from study.sweep import Setup, steps_for
+from study.statements.prop_5_4.sweep import Setup, steps_for
 
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
 CASES = {case.name: case for case in catalogue()}

@@ -22,18 +22,18 @@ from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.regularity import Regularity
 from manufactured.tensors import Array, basis
-from study.equilibrated.claims import ADMISSIBLE, QUANTITIES, RATIO, judge_stresses, predicted
-from study.equilibrated.composite import SIDES, bernstein, composite, indices, thirds
-from study.equilibrated.dual import BACKWARD_EULER, BDF2, EquilibriumError, Multistep, march, tensor_at
-from study.equilibrated.hybrid import EquilibratedStress, Equilibrium, Loads
-from study.equilibrated.loads import ProjectedLoads, cut
-from study.equilibrated.measure import Exact, places
-from study.equilibrated.stresses import StressSpace
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.naming import family_named, resolve
+from study.fem.naming import family_named, resolve
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.statements.base import Setting
 from study.statements.hypercircle import Hypercircle
-from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.statements.thm_4_2.orders_of_stresses import ADMISSIBLE, QUANTITIES, RATIO, judge_stresses, predicted
+from study.statements.thm_4_2.own_space import Exact, places
+from study.stresses.composite import SIDES, bernstein, composite, indices, thirds
+from study.stresses.dual import BACKWARD_EULER, BDF2, EquilibriumError, Multistep, march, tensor_at
+from study.stresses.hybrid import EquilibratedStress, Equilibrium, Loads
+from study.stresses.loads import ProjectedLoads, cut
+from study.stresses.space import StressSpace
 
 BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entrant", "junction")
 """Cases on bodies of different shape: turned, with an interface, with several contact faces, re-entrant, refined."""
@@ -337,12 +337,12 @@ def test_a_stress_without_contact_balances_its_loads_and_leaves_the_foundation_a
 
 def test_problem_3_2_in_time_knows_no_displacement() -> None:
     """A fresh interpreter that has loaded it holds no finite element space and no time scheme of displacements."""
-    code = "import study.equilibrated.dual, sys; print(*sys.modules)"
+    code = "import study.stresses.dual, sys; print(*sys.modules)"
     loaded = set(
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     )
-    assert "study.equilibrated.hybrid" in loaded
-    assert not loaded & {"study.fem.space", "study.fem.gauge", "study.solve.evolution", "study.solve.stress"}
+    assert "study.stresses.hybrid" in loaded
+    assert not loaded & {"study.fem.space", "study.fem.gauge", "study.solve.evolution", "study.solve.interior_point"}
 
 
 def test_what_cannot_be_posed_is_refused() -> None:

@@ -18,17 +18,17 @@ import psutil
 import pytest
 
 from study.bound.enclosure import Better
-from study.bound.jobs import BoundJob
-from study.cli import main
-from study.collect import collect
-from study.equilibrated.measure import Place
-from study.execute import JobsError, Pool, admitted, execute, refuse_too_large
-from study.jobs import EquivalenceJob, Job, RateJob, StressJob
-from study.memory import GIB, available
-from study.naming import UsageError
-from study.plan import Levels, Plan, quick
-from study.processes import Processes
-from study.store import Store, StoreError
+from study.cli.main import main
+from study.fem.naming import UsageError
+from study.run.collect import collect
+from study.run.execute import JobsError, Pool, admitted, execute, refuse_too_large
+from study.run.job import EquivalenceJob, Job, RateJob, StressJob
+from study.run.plan import Levels, Plan, quick
+from study.run.processes import Processes
+from study.run.resources import GIB, available
+from study.run.store import Store, StoreError
+from study.statements.enclosure.jobs import BoundJob
+from study.statements.thm_4_2.own_space import Place
 
 LEVELS = Levels((2, 4))
 SMALL = replace(
@@ -218,13 +218,13 @@ def test_a_level_beyond_the_memory_is_refused_by_the_command_before_a_mesh_is_ma
 
 
 def test_a_level_of_a_bound_beyond_the_memory_is_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("study.memory.available", lambda: 1.0 * GIB)
+    monkeypatch.setattr("study.run.resources.available", lambda: 1.0 * GIB)
     assert main(["bound", "full-contact", "--levels", "4", "64", "--out", str(tmp_path / "r")]) == 2
     assert "level 64 needs about 10.0 GiB of memory, 1.0 GiB are available" in capsys.readouterr().err
 
 
 def test_other_random_meshes_beyond_the_memory_are_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("study.execute.available", lambda: 0.1 * GIB)
+    monkeypatch.setattr("study.run.execute.available", lambda: 0.1 * GIB)
     assert main(["seeds", "--seeds", "1", "--jobs", "1", "--out", str(tmp_path)]) == 2
     assert "GiB of memory, 0.1 GiB are available" in capsys.readouterr().err
 
@@ -316,7 +316,7 @@ def test_memory_is_what_the_machine_has_and_the_tightest_control_group_allows(tm
 
 
 def test_a_second_run_on_a_directory_is_refused_while_the_first_one_works(tmp_path, capsys) -> None:
-    code = "import sys; from pathlib import Path; from study.store import Store\n"
+    code = "import sys; from pathlib import Path; from study.run.store import Store\n"
     code += "with Store(Path(sys.argv[1])).locked(): print('locked', flush=True); sys.stdin.read()"
     command = [sys.executable, "-c", code, str(tmp_path)]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) as first:

@@ -17,17 +17,17 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 from test_presentation import CASES, write_data
 
-from study.datafiles import DataError, read_rates
-from study.figures import drawings
-from study.figures.body import CLIPPED, SHADES, Scale, _shades, caption_body, draw_body
-from study.figures.canvas import COLUMN, PAGE, STYLE, Drawing, in_style
-from study.figures.defects import mathtext
-from study.figures.energy import caption_energy
-from study.figures.maps import caption_fronts, caption_maps, draw_fronts, draw_maps
-from study.figures.maps import misplaced as misplaced_nodes
-from study.figures.pictures import Face, Picture, read_pictures
-from study.figures.view import View
-from study.figures.zone import exact_zone, misplaced
+from study.ledger.datafiles import DataError, read_rates
+from study.present.figures import drawings
+from study.present.figures.body import CLIPPED, SHADES, Scale, _shades, caption_body, draw_body
+from study.present.figures.canvas import COLUMN, PAGE, STYLE, Drawing, in_style
+from study.present.figures.defects import mathtext
+from study.present.figures.energy import caption_energy
+from study.present.figures.maps import caption_fronts, caption_maps, draw_fronts, draw_maps
+from study.present.figures.maps import misplaced as misplaced_nodes
+from study.present.figures.pictures import Face, Picture, read_pictures
+from study.present.figures.view import View
+from study.present.figures.zone import exact_zone, misplaced
 
 Array = NDArray[np.float64]
 SMALLEST = 7.0

@@ -27,14 +27,14 @@ from test_catalogue import lacks
 
 import manufactured
 from manufactured import Case, prove
-from study.claims import prop_5_4
-from study.cli import main, parser
+from study.cli.main import main, parser
 from study.controls import defects, register
 from study.controls.judge import work
 from study.fem.mesh import OneDiagonal
+from study.ledger.verdict import FAILS, HOLDS
 from study.solve.evolution import Midpoint
-from study.sweep import measure_case, steps_for
-from study.verdict import FAILS, HOLDS
+from study.statements.prop_5_4.claims import prop_5_4
+from study.statements.prop_5_4.sweep import measure_case, steps_for
 
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -304,7 +304,7 @@ def test_plans_find_what_the_recipes_enter(house: Path) -> None:
     code = """
         from study.controls.register import CONTROLS
         from study.statements import STATEMENTS
-        from study.plan import full, quick
+        from study.run.plan import full, quick
         for plan in (quick(), full()):
             keys = [job.key for job in plan.jobs]
             print(sum("breathing-patch" in key for key in keys) > 0, sum("statement__trace" in key for key in keys))
@@ -351,7 +351,7 @@ def test_the_pages_of_the_api_are_made_without_a_warning(tmp_path) -> None:
 
 USE = """
 from manufactured import Body, Case, KelvinVoigt, Regularity, catalogue, examine, isotropic, unit_square
-from study.rates import orders
+from study.ledger.orders import orders
 
 body: Body = unit_square()
 law: KelvinVoigt = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")

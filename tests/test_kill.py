@@ -15,8 +15,8 @@ import pytest
 RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "4", "8", "--jobs", "2", "--out"]
 ONLY_THE_DATA = """
 import sys
-from study import cli
-from study.plan import Plan
+from study.cli import main as cli
+from study.run.plan import Plan
 cli.draw_figures = lambda *arguments, **options: []
 Plan.check = lambda *arguments: None
 sys.exit(cli.main(sys.argv[1:]))

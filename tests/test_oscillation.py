@@ -20,10 +20,10 @@ from skfem import MeshTri
 from manufactured import Linear, isotropic
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.tensors import Array, rotation
-from study.equilibrated.composite import CORNERS, SIDES
-from study.equilibrated.oscillation import cell_constants, side_constants
 from study.fem.quadratic import Quadratic
 from study.fem.quadrature import simplex_rule
+from study.stresses.composite import CORNERS, SIDES
+from study.stresses.oscillation import cell_constants, side_constants
 
 TRIANGLES = {
     "right isosceles": np.eye(2),

@@ -12,17 +12,17 @@ from numpy.typing import NDArray
 from manufactured import Kind, box
 from manufactured.body import Body, Part
 from manufactured.catalogue import catalogue
-from study import pictures
-from study.facets import Facets
+from study.fem.facets import Facets
 from study.fem.mesh import MeshError, Unstructured, boundary_parts
-from study.figures.pictures import Picture
-from study.jobs import PictureJob
-from study.motion import Motion
-from study.naming import resolve
-from study.packing import FINE
-from study.pictures import mesh_for, record
-from study.plan import full, quick
-from study.skin import Skin
+from study.fem.naming import resolve
+from study.fem.skin import Skin
+from study.ledger.packing import FINE
+from study.present.figures.pictures import Picture
+from study.run import pictures
+from study.run.job import PictureJob
+from study.run.pictures import mesh_for, record
+from study.run.plan import full, quick
+from study.solve.motion import Motion
 
 Array = NDArray[np.float64]
 SOLIDS = [case.name for case in catalogue() if case.solution.body.dim == 3]

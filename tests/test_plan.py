@@ -7,11 +7,11 @@ from dataclasses import replace
 import pytest
 
 from manufactured import catalogue
-from study.collect import statement_rows
 from study.fem.mesh import FAMILIES, MeshError
-from study.jobs import EquivalenceJob, RateJob, StatementJob
-from study.naming import resolve
-from study.plan import Levels, full, quick
+from study.fem.naming import resolve
+from study.run.collect import statement_rows
+from study.run.job import EquivalenceJob, RateJob, StatementJob
+from study.run.plan import Levels, full, quick
 from study.statements import ORDERS, STATEMENTS, position
 from study.statements.fully_discrete import FullyDiscrete
 

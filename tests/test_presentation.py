@@ -22,20 +22,20 @@ from matplotlib.mathtext import MathTextParser
 from matplotlib.patches import Polygon
 from numpy.typing import NDArray
 
-from study.datafiles import read_rates
 from study.fem.mesh import OneDiagonal
-from study.figures import draw_figures, drawings
-from study.figures.body import SHARE, magnify
-from study.figures.logarithmic import slope_triangle
-from study.figures.pictures import read_pictures
-from study.figures.zone import caps, strands
-from study.latex import encode
-from study.motion import Motion
-from study.naming import resolve
-from study.packing import FINE, Packed
-from study.pictures import record
-from study.store import StoreError, write_text, write_whole
-from study.tables import DataError, ledger_text, rates_text, write_tables
+from study.fem.naming import resolve
+from study.ledger.datafiles import read_rates
+from study.ledger.packing import FINE, Packed
+from study.present.figures import draw_figures, drawings
+from study.present.figures.body import SHARE, magnify
+from study.present.figures.logarithmic import slope_triangle
+from study.present.figures.pictures import read_pictures
+from study.present.figures.zone import caps, strands
+from study.present.latex import encode
+from study.present.tables import DataError, ledger_text, rates_text, write_tables
+from study.run.pictures import record
+from study.run.store import StoreError, write_text, write_whole
+from study.solve.motion import Motion
 
 Array = NDArray[np.float64]
 Present = Callable[[Path], object]
@@ -48,7 +48,7 @@ SOURCES = [
     *(STUDY / f"{name}.py" for name in ("datafiles", "latex", "summary", "tables")),
     *(STUDY / "figures").glob("*.py"),
 ]
-SOLVERS = ("study.fem", "study.solve", "study.sweep", "manufactured", "skfem")
+SOLVERS = ("study.fem", "study.solve", "study.statements.prop_5_4.sweep", "manufactured", "skfem")
 
 LEVELS = (8, 16, 32, 64)
 FAMILIES = {"one-diagonal": (1.0, 1.9), "criss-cross": (0.72, 1.8), "shaken": (1.08, 1.15), "unstructured": (0.9, 1.1)}
@@ -316,8 +316,8 @@ def test_every_figure_is_written_in_three_formats_with_a_caption_and_nothing_is_
 
 def test_a_second_run_gives_the_same_bytes_and_loads_no_solver(drawn: Path, data: Path) -> None:
     script = (
-        "import sys, pathlib, study.figures, study.tables; d = pathlib.Path(sys.argv[1]);"
-        "study.tables.write_tables(d); study.figures.draw_figures(d, study.figures.drawings); print(*sys.modules)"
+        "import sys, pathlib, study.present.figures, study.present.tables; d = pathlib.Path(sys.argv[1]);"
+        "study.present.tables.write_tables(d); study.present.figures.draw_figures(d, study.present.figures.drawings); print(*sys.modules)"
     )
     # Another process with another hash seed: an order taken from a set would show.
     environment = os.environ | {"PYTHONHASHSEED": "7", "PYTHONPATH": str(STUDY.parent)}

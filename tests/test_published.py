@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from study.cli import main
+from study.cli.main import main
 
 
 @pytest.fixture

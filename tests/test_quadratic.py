@@ -14,13 +14,13 @@ from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.data import Data
 from manufactured.problems import problems
 from manufactured.tensors import Array, Points, Tensors, mandel
+from study.bound.discretisation import BoundError, Setting
 from study.bound.enclosure import _embedding, _prolongation
-from study.bound.setting import BoundError, Setting
-from study.equilibrated.composite import bernstein
 from study.fem.material import form
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured, boundary_parts
 from study.fem.quadratic import Quadratic
 from study.fem.space import Space
+from study.stresses.composite import bernstein
 
 CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 BODIES = {

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.rates import RatesError, fit, limit, orders
+from study.ledger.orders import RatesError, fit, limit, orders
 
 H = 1 / np.array([8.0, 16, 32, 64, 128])
 

@@ -13,11 +13,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from study.claims import AXES, AXES_DISCRETE, LATER, LIMIT
-from study.cli import parser
-from study.datafiles import DataError, read_claims, read_csv, write_csv
-from study.overview import headline, refresh
-from study.rounding import above, below
+from study.cli.main import parser
+from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
+from study.ledger.rounding import above, below
+from study.present.readme import headline, refresh
+from study.statements.prop_5_4.claims import AXES, AXES_DISCRETE, LATER, LIMIT
 
 ROOT = Path(__file__).parents[1]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -78,7 +78,7 @@ def newcomer(tmp_path: Path) -> Path:
 def test_the_tables_of_the_readme_come_from_the_committed_data(tmp_path: Path) -> None:
     copy = tmp_path / "README.md"
     copy.write_text(TEXT, encoding="utf-8")
-    assert not refresh(copy, ROOT / "results"), "run: .venv/bin/python -m study.overview README.md results"
+    assert not refresh(copy, ROOT / "results"), "run: .venv/bin/python -m study.present.readme README.md results"
 
 
 def test_the_orders_at_its_head_are_those_of_the_errors_measured() -> None:

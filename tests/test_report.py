@@ -15,19 +15,19 @@ import pandas as pd
 import pytest
 
 from manufactured.catalogue import catalogue
-from study import jobs
-from study.cli import main
-from study.collect import picture_text
-from study.figures.pictures import series
-from study.jobs import PictureJob
-from study.naming import resolve
-from study.packing import FINE, STEPS, Packed
-from study.pictures import picture
-from study.report import write_report
-from study.report.plots import finest_orders
-from study.report.sources import ROOT, sources
-from study.report.typeset import typeset
-from study.tables import DataError, bounds_table, equivalence_table, ledger_table, rates_table, stress_table
+from study.cli.main import main
+from study.fem.naming import resolve
+from study.ledger.packing import FINE, STEPS, Packed
+from study.present.figures.pictures import series
+from study.present.report import write_report
+from study.present.report.plots import finest_orders
+from study.present.report.sources import ROOT, sources
+from study.present.report.typeset import typeset
+from study.present.tables import DataError, bounds_table, equivalence_table, ledger_table, rates_table, stress_table
+from study.run import job as jobs
+from study.run.collect import picture_text
+from study.run.job import PictureJob
+from study.run.pictures import picture
 
 RESULTS = Path(__file__).parents[1] / "results"
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"

@@ -22,7 +22,7 @@ from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
 from test_report import PLANE, SOLID, write_data
 
-from study.report import write_report
+from study.present.report import write_report
 
 PAGES = [
     "overview",

@@ -10,14 +10,14 @@ import pandas as pd
 import pytest
 
 from manufactured import catalogue
-from study.equilibrated.measure import measure_stresses, places
-from study.equivalence import compare
-from study.judgement import check
-from study.naming import family_named, resolve
-from study.rates import orders
+from study.fem.naming import family_named, resolve
+from study.ledger.orders import orders
+from study.ledger.verdict import HOLDS, REPORTED
+from study.run.judgement import check
 from study.solve.evolution import Midpoint
-from study.sweep import measure_case
-from study.verdict import HOLDS, REPORTED
+from study.statements.prop_5_4.sweep import measure_case
+from study.statements.thm_4_2.own_space import measure_stresses, places
+from study.statements.thm_4_2.same_mesh import compare
 
 RESULTS = Path(__file__).parents[1] / "results"
 RATES = pd.read_csv(RESULTS / "data" / "rates.csv")

@@ -48,13 +48,13 @@ from manufactured.cases import (
 )
 from manufactured.cases.laws import lame
 from manufactured.factor import UNIFORM, layers
-from study.claims import prop_5_3, prop_5_4
 from study.fem.mesh import FAMILIES, Graded, MeshFamily, OneDiagonal
-from study.jobs import fingerprint
-from study.plan import quick
+from study.ledger.verdict import HOLDS
+from study.run.job import fingerprint
+from study.run.plan import quick
 from study.solve.evolution import Midpoint
-from study.sweep import measure_case, steps_for
-from study.verdict import HOLDS
+from study.statements.prop_5_4.claims import prop_5_3, prop_5_4
+from study.statements.prop_5_4.sweep import measure_case, steps_for
 
 CASES = {case.name: case for case in catalogue()}
 

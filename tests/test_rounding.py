@@ -7,7 +7,7 @@ from fractions import Fraction
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.rounding import down, interval, up
+from study.ledger.rounding import down, interval, up
 
 
 @given(value=st.floats(-1e9, 1e9), digits=st.integers(1, 8))

@@ -9,14 +9,14 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.cli import main
+from study.cli.main import main
+from study.controls.seeds import NOT_CLAIMED, SEEDS, SeededPlan, seeded, tally, text
 from study.fem.mesh import Shaken
-from study.jobs import EquivalenceJob, Job, RateJob, StatementJob, StressJob
-from study.naming import UsageError, family_named, resolve
-from study.plan import full
-from study.seeds import NOT_CLAIMED, SEEDS, SeededPlan, seeded, tally, text
+from study.fem.naming import UsageError, family_named, resolve
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+from study.run.job import EquivalenceJob, Job, RateJob, StatementJob, StressJob
+from study.run.plan import full
 from study.statements.fully_discrete import FullyDiscrete
-from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 
 RESULTS = Path(__file__).parents[1] / "results"
 JOBS = seeded(3).jobs

@@ -15,17 +15,17 @@ from PIL import Image
 
 from manufactured.law import DeviatoricBall, FrobeniusBall, Yield, isotropic
 from manufactured.tensors import full, identity, mandel, size
-from study import pictures
-from study.cli import main
+from study.cli.main import main
 from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, Unstructured
-from study.figures.canvas import VERMILLION, in_style
-from study.motion import Motion, balance, density, von_mises
-from study.naming import resolve
-from study.show import EVERY, Shown, film, show, ticks
-from study.show.animation import write_mp4
-from study.show.storyboard import MOMENTS, draw_storyboard
-from study.show.vtk import mesh_of
+from study.fem.naming import resolve
+from study.present.figures.canvas import VERMILLION, in_style
+from study.present.show import EVERY, Shown, film, show, ticks
+from study.present.show.animation import write_mp4
+from study.present.show.storyboard import MOMENTS, draw_storyboard
+from study.present.show.vtk import mesh_of
+from study.run import pictures
+from study.solve.motion import Motion, balance, density, von_mises
 
 CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
 RNG = np.random.default_rng(2002)
@@ -104,7 +104,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Shown]:
     """A case on a coarse mesh with few steps, where there is no ffmpeg."""
     directory, case, notified = tmp_path_factory.mktemp("shows"), resolve("hexagon"), []
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("study.show.STEPS", 8)
+        patch.setattr("study.present.show.STEPS", 8)
         patch.setenv("PATH", "")
         found = show(case, 6, directory, lambda: notified.append(True))
         assert len(notified) == ticks(case)

@@ -13,6 +13,7 @@ import pytest
 
 from manufactured import catalogue
 from study.fem.mesh import Shaken, Unstructured
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint
 from study.solve.signorini import Signorini
 from study.statements.admissibility import Admissibility, largest_violations
@@ -20,6 +21,7 @@ from study.statements.base import Setting, Statement
 from study.statements.boundary import NaturalConditions, tractions
 from study.statements.bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted, sides
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
+from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import grid
 from study.statements.wellposed import (
     BoundedVelocity,
@@ -32,8 +34,6 @@ from study.statements.wellposed import (
     quotients,
     rivals,
 )
-from study.sweep import Setup
-from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 
 CASES = {case.name: case for case in catalogue()}
 JUDGED = [Admissibility(), OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()]

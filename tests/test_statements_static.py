@@ -16,13 +16,13 @@ from manufactured import Kind, catalogue, unit_square
 from manufactured.law import DeviatoricBall, FrobeniusBall, KelvinVoigt, Linear, Scaled, Yield, isotropic
 from study.fem.gauge import Gauge
 from study.fem.mesh import OneDiagonal, Shaken
+from study.fem.naming import resolve
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
-from study.naming import resolve
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.statements import constraint, eigen, green, interpolation, korn, law, lipschitz, norms, residual
 from study.statements.base import Setting, Statement
 from study.statements.places import EVERY, families, place, space_of
-from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 
 STATEMENTS: tuple[Statement, ...] = (
     green.Green(),

@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 from manufactured import catalogue
-from study.equivalence import beyond, gaps, problems
 from study.fem.mesh import OneDiagonal, Shaken
-from study.solve import stress
+from study.solve import interior_point as stress
 from study.solve.evolution import Problem
-from study.solve.stress import StressError, StressProblem
+from study.solve.interior_point import StressError, StressProblem
 from study.statements.base import Setting
 from study.statements.independence import StandsAlone
+from study.statements.thm_4_2.same_mesh import beyond, gaps, problems
 
 CASES = {case.name: case for case in catalogue()}
 

@@ -28,7 +28,7 @@ coefficients; it balances the parabola through P f at both ends and in the middl
 ‖ρ‖²)^{1/2} is exact up to the last step. For other G, Lipschitz with L, Gε(ũ) differs from its linear interpolation by
 at most 2θ(1−θ) k L |ε̇|, and by nothing where the whole piece stays in the convex set of (3.3).
 
-**Data.** f − P f is bounded cell by cell with the constants of ``study.equilibrated.oscillation`` and joined to ρ in
+**Data.** f − P f is bounded cell by cell with the constants of ``study.stresses.oscillation`` and joined to ρ in
 the same cell; P f minus its parabola, sampled once in each piece, is balanced by a stress of its own. Integrals of the
 data are quadratures; constants are computed.
 """
@@ -43,9 +43,9 @@ import numpy as np
 
 from manufactured.law import Linear, Yield
 from manufactured.tensors import Array, Tensors
-from study.bound.setting import BoundError, Setting
-from study.equilibrated.hybrid import Loads
-from study.equilibrated.loads import Snapshot
+from study.bound.discretisation import BoundError, Setting
+from study.stresses.hybrid import Loads
+from study.stresses.loads import Snapshot
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """∫_0^1 B_i B_j for the Bernstein polynomials of degree 2."""

@@ -11,9 +11,9 @@ import pandas as pd
 
 from manufactured.tensors import Array
 from study.bound.enclosure import order
-from study.bound.measure import Bounded
-from study.rounding import down, interval, up
-from study.store import write_text, write_whole
+from study.ledger.rounding import down, interval, up
+from study.run.store import write_text, write_whole
+from study.statements.enclosure.measure import Bounded
 
 LINES = 8
 """Times in the printed table."""

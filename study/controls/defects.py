@@ -15,14 +15,14 @@ from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.tensors import Array
-from study.equilibrated import measure as own
 from study.fem.gauge import DEGREE, Gauge, Sample
 from study.fem.moments import Amplitudes
 from study.fem.space import Space
 from study.solve.evolution import BackwardEuler, Problem, Scheme, State
 from study.solve.signorini import ContactSolver, Signorini
 from study.statements.independence import Derived, Sides
-from study.sweep import Setup
+from study.statements.prop_5_4.sweep import Setup
+from study.statements.thm_4_2 import own_space as own
 
 # The contact condition.
 

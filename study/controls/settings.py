@@ -12,15 +12,15 @@ import pandas as pd
 from manufactured.body import Kind, polygon
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
-from study.claims import prop_5_4, theorem_4_2
-from study.equilibrated import measure as own
-from study.equilibrated.claims import judge_stresses
-from study.equivalence import gaps
-from study.naming import family_named, resolve
+from study.fem.naming import family_named, resolve
+from study.ledger.verdict import REPORTED, Verdict
 from study.solve.evolution import Midpoint
 from study.statements.independence import Sides, StandsAlone, independence
-from study.sweep import Setup, measure, steps_for
-from study.verdict import REPORTED, Verdict
+from study.statements.prop_5_4.claims import prop_5_4, theorem_4_2
+from study.statements.prop_5_4.sweep import Setup, measure, steps_for
+from study.statements.thm_4_2 import own_space as own
+from study.statements.thm_4_2.orders_of_stresses import judge_stresses
+from study.statements.thm_4_2.same_mesh import gaps
 
 S = TypeVar("S")
 

@@ -24,7 +24,7 @@ from study.fem.line import Line
 from study.fem.moments import Amplitudes, Points, energy
 from study.fem.quadrature import CellRule, cell_rules, facet_rule
 from study.fem.space import Space
-from study.fem.stresses import StressSums
+from study.fem.stress_sums import StressSums
 
 DEGREE = 4
 """Degree of the standard cell rule in 2D: exact for the square of a linear strain error, also when its points share

@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured.tensors import Array, Points
-from study.solve.dissection import Integers
+from study.solve.cholesky.dissection import Integers
 from study.solve.hierarchy import Hierarchy
 
 REDUCTION = 0.02

@@ -25,7 +25,7 @@ from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.optimize import nnls
 
 from manufactured.tensors import Array
-from study.solve.factor import Factor
+from study.solve.cholesky.factorisation import Factor
 
 
 class ContactSolver(Protocol):

@@ -15,16 +15,16 @@ from scipy.optimize import nnls
 
 from manufactured.law import AtPoints
 from manufactured.tensors import Array, Tensors
-from study.equivalence import beyond
 from study.fem.material import on_cells
+from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.naming import family_named, resolve
+from study.ledger.verdict import Verdict, Window
+from study.solve.cholesky.factorisation import Factor
 from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem
-from study.solve.factor import Factor
 from study.statements.base import Setting
+from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import grid, judge, largest, with_h
-from study.sweep import Setup
-from study.verdict import Verdict, Window
+from study.statements.thm_4_2.same_mesh import beyond
 
 LINEAR = ("full-contact", "advance-recede", "travelling-patch")
 YIELDING = ("yield-and-release", "yield-on-a-part")

@@ -7,7 +7,7 @@ from typing import Protocol
 
 import pandas as pd
 
-from study.verdict import Verdict
+from study.ledger.verdict import Verdict
 
 
 @dataclass(frozen=True, order=True)

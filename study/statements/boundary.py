@@ -29,13 +29,13 @@ from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, traction
 from study.fem.gauge import DEGREE, FACET_POINTS, rules
 from study.fem.material import on_cells
+from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
-from study.naming import family_named, resolve
+from study.ledger.verdict import Verdict, Window
 from study.solve.evolution import Midpoint
 from study.statements.base import Setting
+from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import Observation, grid, judge, order, with_h
-from study.sweep import Setup
-from study.verdict import Verdict, Window
 
 SEED = 2002
 INSTANTS = 8

@@ -52,11 +52,13 @@ from manufactured.case import Case
 from manufactured.exact import Face
 from manufactured.law import KelvinVoigt
 from study.fem.gauge import FACET_POINTS
+from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
-from study.naming import family_named, resolve
+from study.ledger.verdict import Verdict, Window
 from study.solve.evolution import Midpoint
 from study.statements.base import Setting
 from study.statements.instants import Velocity, midpoints
+from study.statements.prop_5_4.sweep import Setup, steps_for
 from study.statements.tally import (
     ENOUGH,
     Criterion,
@@ -71,8 +73,6 @@ from study.statements.tally import (
     order,
     with_h,
 )
-from study.sweep import Setup, steps_for
-from study.verdict import Verdict, Window
 
 INSTANTS = 64
 """Nodes of the midpoint rule for the norms in time."""

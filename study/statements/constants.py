@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass, replace
 
+from study.ledger.verdict import FAILS, REPORTED, Verdict, Window
 from study.statements.base import Statement
 from study.statements.tally import Groups, largest
-from study.verdict import FAILS, REPORTED, Verdict, Window
 
 ROUNDING = 1e-9
 """Room for rounding in bounds that hold exactly."""

@@ -18,13 +18,13 @@ from manufactured.body import Body, Kind, Part
 from manufactured.catalogue import catalogue
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Points, Vectors
+from study.fem.naming import resolve
 from study.fem.space import Space
-from study.naming import resolve
+from study.ledger.verdict import Verdict, Window
 from study.statements.base import Setting
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.places import EVERY, LAST, different, place, shape, space_of
 from study.statements.tally import every, judge, largest, with_h
-from study.verdict import Verdict, Window
 
 SEED = 2002
 SAMPLES = 40

@@ -29,13 +29,13 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from manufactured.tensors import Array
-from study.naming import family_named, resolve
-from study.rates import CONFIDENCE
+from study.fem.naming import family_named, resolve
+from study.ledger.orders import CONFIDENCE
+from study.ledger.verdict import Verdict, Window
 from study.solve.evolution import SCHEMES, Midpoint, Scheme
 from study.statements.base import Setting
+from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import ENOUGH, Criterion, Line, Measure, Measured, Observation, grid, judge, with_h
-from study.sweep import Setup
-from study.verdict import Verdict, Window
 
 COUNTS = (4, 8, 16, 32, 64, 128)
 """Time steps of the tables: so few that the error in time is seen beside that in space."""

@@ -43,14 +43,14 @@ from manufactured.law import Linear
 from manufactured.tensors import Array
 from study.fem.gauge import DEGREE, SOLID_DEGREE, Gauge
 from study.fem.independent import work_of_body_force, work_on
+from study.fem.naming import resolve
 from study.fem.space import Space
-from study.naming import resolve
-from study.solve.factor import Factor
+from study.ledger.verdict import Verdict, Window
+from study.solve.cholesky.factorisation import Factor
 from study.statements.base import Setting
 from study.statements.eigen import unloaded
 from study.statements.places import FIRST, named, place, space_of
 from study.statements.tally import finest, judge, largest, with_h
-from study.verdict import Verdict, Window
 
 TIMES = (0.23, 0.61, 0.79)
 """Fractions of T at which no case has an event (0.3 and 0.7 are where ``lift-and-land`` lifts and lands): before,

@@ -7,7 +7,7 @@ For u^h ∈ K^h of P1 and a stress σ^h that balances P f_0, P f_2 with σ^h_τ 
                              + 2∫_{Γ3} (σ^h_ν − σ_ν) e_ν,     e = u − u^h,
 
 the theorem of Prager and Synge but for the last terms. (σ^h_ν − σ_ν) e_ν ≥ −σ^h_ν u^h_ν, and with the constants of
-``study.equilibrated.oscillation`` the loads are at most Ω ‖e‖_C, so that with
+``study.stresses.oscillation`` the loads are at most Ω ‖e‖_C, so that with
 η² = ‖σ^h − Cε(u^h)‖² + 2∫_{Γ3} σ^h_ν u^h_ν
 
     (‖u − u^h‖² + ‖σ − σ^h‖²)^½ ≤ Ω + (Ω² + η²)^½:     a bound without the exact solution.
@@ -38,18 +38,18 @@ from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array, Tensors
-from study.equilibrated.composite import products
-from study.equilibrated.hybrid import Equilibrium
-from study.equilibrated.loads import ProjectedLoads
-from study.equilibrated.oscillation import LeftOut
-from study.equilibrated.stresses import StressSpace
 from study.fem.gauge import Gauge
+from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.naming import family_named, resolve
+from study.ledger.verdict import Verdict, Window
 from study.solve.signorini import Signorini
 from study.statements.base import Setting
 from study.statements.tally import Line, Observation, every, grid, judge, with_h
-from study.verdict import Verdict, Window
+from study.stresses.composite import products
+from study.stresses.hybrid import Equilibrium
+from study.stresses.loads import ProjectedLoads
+from study.stresses.oscillation import LeftOut
+from study.stresses.space import StressSpace
 
 FROZEN = Rational(1, 3)
 """The time at which gap and pressure are held."""

@@ -26,15 +26,15 @@ import numpy as np
 import pandas as pd
 
 from manufactured.exact import ExactSolution
-from study.equivalence import gaps, problems
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
-from study.naming import family_named, resolve
+from study.fem.naming import family_named, resolve
+from study.ledger.verdict import Verdict, Window
 from study.solve.evolution import BackwardEuler, Problem
-from study.solve.stress import GAP, StressProblem, StressState
+from study.solve.interior_point import GAP, StressProblem, StressState
 from study.statements.base import Setting
 from study.statements.tally import every, judge, with_h
-from study.verdict import Verdict, Window
+from study.statements.thm_4_2.same_mesh import gaps, problems
 
 CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 

@@ -21,19 +21,19 @@ import pandas as pd
 from manufactured.body import Body, Kind, Part
 from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
-from study.claims import JUDGED, consecutive, last_order
 from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
 from study.fem.mesh import Graded, Shaken
+from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.naming import resolve
-from study.rates import RatesError
+from study.ledger.orders import RatesError
+from study.ledger.verdict import Verdict, Window
 from study.statements.base import Setting
 from study.statements.boundary import Field, distances, planes, strain, waves
 from study.statements.places import EVERY, different, material, named, place, shape, space_of
+from study.statements.prop_5_4.claims import JUDGED, consecutive, last_order
 from study.statements.tally import Criterion, Line, Measured, Observation, by_case, with_h
 from study.statements.tally import order as fitted_order
-from study.verdict import Verdict, Window
 
 SEED = 2002
 TIMES = (0.23, 0.61)

@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from study.ledger.verdict import Verdict, Window
 from study.statements.base import Setting
 from study.statements.constants import ROUNDING
 from study.statements.eigen import h1_product, smallest, strain_product
 from study.statements.places import FIRST, different, place, shape, space_of
 from study.statements.tally import ENOUGH, Criterion, Measured, judge, with_h
-from study.verdict import Verdict, Window
 
 FALLING = Window(0.0, 1 + ROUNDING, "≤ 1 on every level")
 LIMIT = Window(0.7, 1.0, "0.7 … 1 of the finest value")

@@ -19,13 +19,13 @@ import pandas as pd
 
 from manufactured.law import AtPoints, Yield
 from manufactured.tensors import Array, Points, Tensors, size
+from study.fem.naming import resolve
 from study.fem.space import Space
-from study.naming import resolve
+from study.ledger.verdict import Verdict, Window
 from study.statements.base import Setting
 from study.statements.constants import BOUND, ROUNDING, Constant
 from study.statements.places import FIRST, different, material, place, space_of
 from study.statements.tally import Observation, judge, largest, with_h
-from study.verdict import Verdict, Window
 
 SEED = 2002
 SCALES = (-3.0, 3.0)

@@ -27,10 +27,11 @@ import pandas as pd
 from manufactured.case import Case
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, mandel, size
+from study.fem.naming import resolve
 from study.fem.space import Space
-from study.naming import resolve
+from study.ledger.verdict import Verdict, Window
+from study.solve.cholesky.factorisation import Factor
 from study.solve.evolution import Problem
-from study.solve.factor import Factor
 from study.statements.base import Setting
 from study.statements.constants import BOUND, ROUNDING, Constant
 from study.statements.eigen import largest, unloaded
@@ -38,7 +39,6 @@ from study.statements.law import derivative, points, tensors
 from study.statements.places import EVERY, FIRST, different, material, place, shape, space_of
 from study.statements.tally import finest, judge, with_h
 from study.statements.tally import largest as largest_of
-from study.verdict import Verdict, Window
 
 SEED = 2002
 STRAINS = (1e-2, 1.0, 1e2, 1e4)

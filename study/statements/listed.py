@@ -7,8 +7,8 @@ from dataclasses import dataclass
 
 import pandas as pd
 
+from study.ledger.verdict import REPORTED, Verdict
 from study.statements.base import Setting
-from study.verdict import REPORTED, Verdict
 
 
 @dataclass(frozen=True)

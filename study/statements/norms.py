@@ -13,14 +13,14 @@ from dataclasses import dataclass
 import pandas as pd
 
 from manufactured.case import Case
-from study.naming import resolve
+from study.fem.naming import resolve
+from study.ledger.verdict import Verdict, Window
 from study.statements.base import Setting
 from study.statements.constants import BOUND
 from study.statements.eigen import h1_product, largest, smallest, strain_product, unloaded
 from study.statements.places import FIRST, different, place, shape, space_of
 from study.statements.tally import ENOUGH, Criterion, Measured, judge, with_h
 from study.statements.tally import largest as largest_of
-from study.verdict import Verdict, Window
 
 SETTLED = Window(0.75, 1.25, "0.75 … 1.25")
 """From one level to the next a power h^{1/2} would change by the factor 0.71 or 1.41."""

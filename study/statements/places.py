@@ -8,8 +8,8 @@ from functools import lru_cache
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.fem.mesh import FAMILIES, MeshError
+from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.naming import family_named, resolve
 from study.statements.base import Setting
 
 

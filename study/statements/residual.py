@@ -37,9 +37,10 @@ from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.gauge import rules
 from study.fem.independent import shapes
 from study.fem.mesh import barycentric_gradients
+from study.fem.naming import resolve
 from study.fem.quadrature import CellRule, FacetRule, facet_rule
 from study.fem.space import Space
-from study.naming import resolve
+from study.ledger.verdict import Verdict, Window
 from study.statements.base import Setting
 from study.statements.boundary import Field, distances, planes, strain, waves
 from study.statements.green import (
@@ -56,7 +57,6 @@ from study.statements.green import (
 from study.statements.instants import midpoints
 from study.statements.places import FIRST, LAST, named, place, space_of
 from study.statements.tally import Criterion, Measured, finest, judge, largest, with_h
-from study.verdict import Verdict, Window
 
 SEED = 2002
 FIELDS = 3

@@ -9,14 +9,14 @@ import numpy as np
 import pandas as pd
 
 from manufactured.tensors import Tensors
-from study.equilibrated.measure import Setup
 from study.fem.mesh import size as mesh_size
-from study.naming import family_named, resolve
+from study.fem.naming import family_named, resolve
+from study.ledger.verdict import Verdict
 from study.solve.signorini import Signorini
 from study.statements.base import Setting
 from study.statements.tally import grid, judge, largest, with_h
+from study.statements.thm_4_2.own_space import Setup
 from study.statements.wellposed import EXACTLY, INTERIOR, InteriorPoint, LeastSquares, RandomStarts
-from study.verdict import Verdict
 
 CASES = ("advance-recede", "corner", "anisotropic")
 STEPS = 12

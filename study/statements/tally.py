@@ -10,9 +10,9 @@ from typing import Protocol
 import numpy as np
 import pandas as pd
 
-from study.rates import RatesError, fit
+from study.ledger.orders import RatesError, fit
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, Window
 from study.statements.base import Setting, Statement
-from study.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, Window
 
 Groups = dict[str, pd.DataFrame]
 """For every mesh family its levels, coarse to fine: columns level, h and the quantities."""

@@ -16,16 +16,16 @@ from scipy.optimize import nnls
 
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
+from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.naming import family_named, resolve
+from study.ledger.verdict import Verdict, Window
+from study.solve.cholesky.factorisation import Factor
 from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem, State
-from study.solve.factor import Factor
 from study.solve.signorini import Signorini
 from study.statements.base import Setting
 from study.statements.instants import Velocity
+from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import every, finest, grid, judge, largest, with_h
-from study.sweep import Setup
-from study.verdict import Verdict, Window
 
 SEED = 2002
 CASES = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")

@@ -16,10 +16,10 @@ from scipy.sparse.linalg import SuperLU, splu
 
 from benchmarks.level import DIRECT, Place, Watched, compile_formulas, errors
 from manufactured.tensors import Array
-from study.naming import resolve
+from study.fem.naming import resolve
 from study.solve import signorini
-from study.solve.factor import Factor
-from study.sweep import steps_for
+from study.solve.cholesky.factorisation import Factor
+from study.statements.prop_5_4.sweep import steps_for
 
 LEVELS = [int(n) for n in os.environ.get("BENCH_LEVELS", "256 512").split()]
 PLACES = [Place("advance-recede", family, n) for n in LEVELS for family in ("one-diagonal", "shaken")]

@@ -29,8 +29,8 @@ from benchmarks.report import RESULTS, single_thread, write
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.mesh import Shaken
+from study.fem.naming import resolve
 from study.fem.space import Space
-from study.naming import resolve
 from study.solve.evolution import Problem
 
 CASE, FAMILY, STEPS = "advance-recede", Shaken(), 50

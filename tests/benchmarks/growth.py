@@ -24,7 +24,7 @@ import pandas as pd
 
 from benchmarks.level import SOLVERS, STEPS, Place, Watched, compile_formulas, errors
 from benchmarks.report import RESULTS, single_thread, write
-from study.naming import resolve
+from study.fem.naming import resolve
 
 RIGHTS = 5
 """Right sides on which bare solves are timed."""

@@ -1,0 +1,166 @@
+"""The verdicts on other random meshes: none may hang on the one seed that the study shakes its meshes with.
+
+For every seed, all that the quick study judges is measured on meshes shaken with that seed, of every case that such
+meshes serve, and judged as the ledger is. A row of the ledger that does not hold raises an alarm. What the ledger does
+not claim on shaken meshes, because it alarms too often there, is measured and counted as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+import pandas as pd
+from tabulate import tabulate
+
+from manufactured.case import Case
+from study.fem.mesh import MeshFamily, Shaken
+from study.fem.naming import SEEDED, family_named
+from study.ledger.datafiles import write_csv
+from study.ledger.verdict import HOLDS, REPORTED, Verdict
+from study.run.job import Job, StatementJob, StressJob
+from study.run.plan import Plan, full, quick
+from study.statements import STATEMENTS
+from study.statements.base import Setting, Statement
+from study.statements.enclosure.jobs import BoundJob
+from study.statements.thm_4_2.own_space import Place, places
+
+SEEDS = 20
+NOT_CLAIMED = {
+    ("(5.24)", ""): "orders of a trace hang on few edges of random length",
+    ("Thm 4.2, own space", "natural-front"): "the pressure's error is that of the one cell in which the front rests",
+    ("Thm 4.2, own space", "rough-trace"): "the same, and an order of the multipliers that is not understood",
+}
+"""Label and case, or every case, of what the ledger does not claim on shaken meshes, and why."""
+TRACES = ("no-contact", "advance-recede")
+"""Cases whose traces are interpolated."""
+
+
+@dataclass(frozen=True)
+class SeededPlan(Plan):
+    """The quick study on shaken meshes alone.
+
+    Attributes:
+        seed: of the meshes, which are called shaken-SEED.
+    """
+
+    seed: int = 0
+
+    @property
+    def family(self) -> str:
+        """The name of the meshes."""
+        return f"shaken-{self.seed}"
+
+    def families_of(self, case: Case) -> list[MeshFamily]:
+        """The shaken meshes, where they serve."""
+        family = family_named(self.family)
+        return [family] if family.serves(case.solution.body) else []
+
+    def picture_jobs(self) -> list[Job]:
+        """None."""
+        return []
+
+    def bound_jobs(self) -> list[BoundJob]:
+        """None: bounds are proved for every mesh, and tested with random ones."""
+        return []
+
+    def stress_jobs(self) -> list[Job]:
+        """Every case on its own stress space that shaken meshes serve, also where nothing is claimed there."""
+        shaken = [place for place in places(True) if place.family == Shaken().name]
+        levels = sorted({place.level for place in shaken})
+        cases = [case for label, case in NOT_CLAIMED if case]
+        return [
+            StressJob(replace(place, family=self.family))
+            for place in (*shaken, *(Place(case, self.family, n) for case in cases for n in levels))
+        ]
+
+    def statement_jobs(self) -> list[Job]:
+        """What is judged of every statement on shaken meshes, and the traces of (5.24); no claim is made beyond."""
+        traces = [Setting(case, self.family, n) for case in TRACES for n in (16, 32, 64)]
+        return [
+            *(
+                StatementJob(statement.label, replace(setting, family=self.family))
+                for statement in STATEMENTS
+                for setting in on_shaken(statement)
+            ),
+            *(StatementJob("(5.24)", setting) for setting in traces),
+        ]
+
+
+def on_shaken(statement: Statement) -> list[Setting]:
+    """The settings of the quick study on shaken meshes; where it has none those of the full one, up to its levels."""
+    quickly = statement.settings(False)
+    found = [setting for setting in quickly if setting.family == Shaken().name]
+    finest = max((setting.level for setting in quickly), default=0)
+    return found or [
+        setting for setting in statement.settings(True) if setting.family == Shaken().name and setting.level <= finest
+    ]
+
+
+def seeded(seed: int) -> SeededPlan:
+    """The quick plan with a seed, but for rough cases, which need the levels of the full one on random meshes."""
+    plan = replace(quick(), rough=full().rough)
+    return SeededPlan(**{field.name: getattr(plan, field.name) for field in fields(plan)}, seed=seed)
+
+
+def tally(found: Mapping[int, Sequence[Verdict]]) -> pd.DataFrame:
+    """One line for each row of the ledger that is judged: on how many seeds it was and on how many it did not hold.
+
+    Columns label, case, quantity, expected, seeds, alarms, lowest and highest observed value, claimed.
+    """
+    rows = pd.DataFrame(
+        {
+            "label": verdict.label,
+            "case": verdict.case,
+            # Some quantities name the meshes; one row is wanted for all seeds.
+            "quantity": SEEDED.sub(Shaken().name, verdict.quantity),
+            "expected": verdict.expected,
+            "observed": verdict.observed,
+            "alarm": verdict.verdict != HOLDS,
+        }
+        for verdicts in found.values()
+        for verdict in verdicts
+        if verdict.verdict != REPORTED
+    )
+    groups = rows.groupby(["label", "case", "quantity", "expected"], sort=False)
+    table = groups.agg(
+        seeds=("alarm", "size"), alarms=("alarm", "sum"), lowest=("observed", "min"), highest=("observed", "max")
+    ).reset_index()
+    claims = ["no" if _not_claimed(row.label, row.case) else "yes" for row in table.itertuples()]
+    return table.assign(claimed=claims)
+
+
+def _not_claimed(label: str, case: str) -> bool:
+    return (label, case) in NOT_CLAIMED or (label, "") in NOT_CLAIMED
+
+
+def text(table: pd.DataFrame) -> str:
+    """What was judged, and every alarm."""
+    claimed = table[table["claimed"] == "yes"]
+    lines = [
+        (label, part["case"].nunique(), len(part), int(part["seeds"].sum()), int(part["alarms"].sum()))
+        for label, part in claimed.groupby("label", sort=False)
+    ]
+    alarms = [
+        (row.label, row.case, row.quantity, f"{row.alarms} of {row.seeds}", row.claimed)
+        for row in table[table["alarms"] > 0].itertuples()
+    ]
+    return "\n".join(
+        [
+            tabulate(lines, ["statement", "cases", "rows", "judged", "alarms"], "simple"),
+            "",
+            tabulate(
+                alarms, ["alarm", "case", "quantity", "seeds", "claimed"], "simple", maxcolwidths=[18, 18, 48, 9, 7]
+            ),
+            "",
+            f"{len(claimed)} claimed rows, {claimed['seeds'].sum()} verdicts: {claimed['alarms'].sum()} alarms",
+        ]
+    )
+
+
+def write_seeds(directory: Path, table: pd.DataFrame) -> Path:
+    """``data/seeds.csv``."""
+    path = directory / "data" / "seeds.csv"
+    write_csv(path, table)
+    return path

@@ -1,0 +1,102 @@
+"""How much larger than the error its guaranteed bounds are, from ``bounds.csv``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from study.present.figures.canvas import BLACK, BLUE, GREEN, PAGE, VERMILLION, Look, legend
+
+SCHEMES = {
+    "backward-euler": Look(VERMILLION, "s"),
+    "bdf2": Look(GREEN, "^"),
+    "midpoint": Look(BLUE, "o"),
+}
+
+
+def draw_effectivity(bounds: pd.DataFrame) -> Figure:
+    """A line per case: left the bound from u_h alone over the error, right both ends of the enclosure over it.
+
+    From ``upper`` and ``lower``, the worst over the second half of time; one marker per scheme, mesh family and level,
+    larger on finer levels. Problems whose error is unknown have none.
+    """
+    known = _known(bounds)
+    cases = list(dict.fromkeys(known["case"]))
+    row = {case: len(cases) - 1 - i for i, case in enumerate(cases)}
+    figure = Figure(figsize=(PAGE, 1.2 + 0.15 * len(cases)))
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, trajectory, columns in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
+        mine = known[known["trajectory"] == trajectory]
+        for scheme, look in SCHEMES.items():
+            of_scheme = mine[mine["scheme"] == scheme]
+            # Schemes side by side where their markers would hide each other.
+            y = of_scheme["case"].map(row) + _shift(scheme)
+            for column in columns:
+                _draw_markers(axes, of_scheme[column], y, of_scheme["level"], look, filled=column == "upper")
+        axes.axvline(1, color=BLACK, lw=0.7)
+        axes.grid(True)
+    left.set_xscale("log")
+    ticks = [tick for tick in (1, 1.5, 2, 3, 5, 7, 10, 20, 50) if tick <= 1.1 * left.get_xlim()[1]]
+    left.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    left.minorticks_off()
+    left.set_yticks(list(row.values()), list(row))
+    left.set_ylim(-0.7, len(cases) - 0.3)
+    left.set_xlabel("bound from $u_h$ alone / error")
+    right.set_xlim(left=0)
+    right.set_xlabel("ends of the enclosure / error")
+    legend(figure, _handles(known), columns=6)
+    return figure
+
+
+def caption_effectivity(bounds: pd.DataFrame) -> str:
+    """What to see."""
+    known = _known(bounds)
+    plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
+    wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
+    seen = [f"{wrong or 'no'} upper ends left of 1 or lower ends right of it"]
+    if len(plain):
+        medians = [f"{mine['upper'].median():.3g} with {scheme}" for scheme, mine in plain.groupby("scheme")]
+        seen.append(
+            f"from u_h alone the bound is {plain['upper'].min():.3g} … {plain['upper'].max():.3g} times the error, the "
+            f"median {', '.join(medians)}"
+        )
+    if len(enclosed):
+        seen.append(
+            f"an enclosure by a better displacement ends at {enclosed['lower'].min():.3g} … "
+            f"{enclosed['lower'].max():.3g} below and at {enclosed['upper'].min():.3g} … "
+            f"{enclosed['upper'].max():.3g} above"
+        )
+    return (
+        f"Effectivity of the guaranteed bounds for {known['case'].nunique()} cases whose error is known, the worst "
+        f"over the second half of time; a larger marker is a finer mesh. What to see: {'; '.join(seen)}."
+    )
+
+
+def _known(bounds: pd.DataFrame) -> pd.DataFrame:
+    return bounds[bounds["upper"].notna()]
+
+
+def _shift(scheme: str) -> float:
+    return 0.22 * (list(SCHEMES).index(scheme) - 1)
+
+
+def _draw_markers(axes: Axes, x: pd.Series, y: pd.Series, levels: pd.Series, look: Look, filled: bool) -> None:
+    style: dict[str, Any] = {"edgecolor": look.colour, "facecolor": look.colour if filled else "white"}
+    sizes = 5.0 * np.log2(levels) - 8
+    axes.scatter(x, y, s=sizes, marker=look.marker, linewidth=0.6, zorder=3, **style)
+
+
+def _handles(known: pd.DataFrame) -> list[Line2D]:
+    found = [
+        Line2D([], [], ls="", color=look.colour, marker=look.marker, label=scheme)
+        for scheme, look in SCHEMES.items()
+        if (known["scheme"] == scheme).any()
+    ]
+    kinds = (("upper end", "0.3"), ("lower end", "white"))
+    found += [Line2D([], [], ls="", color="0.3", marker="o", mfc=fill, label=label) for label, fill in kinds]
+    return [*found, Line2D([], [], ls="", label="larger: finer mesh")]

@@ -1,0 +1,105 @@
+"""What a finer mesh costs, from ``benchmarks/growth.csv``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from study.ledger.datafiles import DataError
+from study.present.figures.canvas import BLACK, BLUE, COLUMN, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Look, legend
+from study.present.figures.logarithmic import set_ticks
+
+COLUMNS = ("n", "dofs", "factor_seconds", "step_seconds", "level_seconds", "peak_bytes", "dim", "solver")
+PARTS = {"level_seconds": ("a level", "-"), "factor_seconds": ("factorisation", "--"), "step_seconds": ("a step", ":")}
+LOOKS = (Look(BLUE, "o"), Look(VERMILLION, "s"), Look(GREEN, "^"), Look(PURPLE, "D"), Look(ORANGE, "v"), Look(SKY, "P"))
+KIB = 1024
+
+
+def read_growth(directory: Path) -> pd.DataFrame | None:
+    """``directory/benchmarks/growth.csv``, which `make bench-growth` writes; None where nobody has measured.
+
+    Raises:
+        DataError: it is not what `make bench-growth` writes.
+    """
+    path = directory / "benchmarks" / "growth.csv"
+    if not path.is_file():
+        return None
+    try:
+        growth = pd.read_csv(path)
+    except (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError) as error:
+        raise DataError(f"{path} is not a table ({error}): make it again with `make bench-growth`") from error
+    if lacking := [column for column in COLUMNS if column not in growth]:
+        raise DataError(f"{path} lacks the columns {', '.join(lacking)}: make it again with `make bench-growth`")
+    return growth.dropna(subset=[*COLUMNS])
+
+
+def draw_growth(growth: pd.DataFrame) -> Figure:
+    """Above, seconds of a whole level, of a factorisation and of a time step; below, memory per unknown.
+
+    Against ``dofs``, a colour for every ``dim`` and ``solver``; the thin line above has slope 1.
+    """
+    figure = Figure(figsize=(COLUMN, 4.6))
+    above, below = figure.subplots(2, sharex=True, height_ratios=(3, 2))
+    handles = []
+    for (name, mine), look in zip(_by_solver(growth), LOOKS, strict=False):
+        style: dict[str, Any] = {"color": look.colour, "marker": look.marker}
+        for column, (_, line) in PARTS.items():
+            above.plot(mine["dofs"], mine[column], ls=line, lw=0.9, **style)
+        below.plot(mine["dofs"], mine["peak_bytes"] / mine["dofs"] / KIB, **style)
+        handles.append(Line2D([], [], label=name, **style))
+    seconds = growth[list(PARTS)].to_numpy()
+    seconds = seconds[seconds > 0]
+    ends = np.array([growth["dofs"].min(), growth["dofs"].max()], dtype=float)
+    above.plot(ends, 1.6 * _highest_ratio(growth) * ends, color=BLACK, lw=0.6)
+    for axes in (above, below):
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+        axes.grid(True)
+    above.set_ylim(seconds.min() / 2, None)
+    above.set_ylabel("seconds")
+    below.set_ylabel("KiB per unknown")
+    below.set_xlabel("unknowns")
+    set_ticks(below.xaxis, below.get_xlim(), least=2)
+    for axes in (above, below):
+        set_ticks(axes.yaxis, axes.get_ylim(), least=2)
+    above.tick_params(labelbottom=False)
+    handles += [Line2D([], [], color="0.3", ls=line, label=name) for name, line in PARTS.values()]
+    handles.append(Line2D([], [], color=BLACK, lw=0.6, label="slope 1"))
+    legend(figure, handles, columns=2)
+    return figure
+
+
+def caption_growth(growth: pd.DataFrame) -> str:
+    """What to see."""
+    seen = []
+    for name, mine in _by_solver(growth):
+        first, last = mine.iloc[0], mine.iloc[-1]
+        text = (
+            f"{name}: {last['level_seconds']:.3g} s and {last['peak_bytes'] / KIB**3:.2g} GiB for {last['dofs']:.0f} "
+            "unknowns"
+        )
+        if last["dofs"] > first["dofs"]:
+            exponent, _ = np.polyfit(np.log(mine["dofs"]), np.log(mine["level_seconds"]), 1)
+            text += f", time growing like unknowns^{exponent:.2f}"
+        seen.append(text)
+    return (
+        "Cost of a level: seconds for all of it, for a factorisation and for a time step, and peak memory per unknown, "
+        f"against the number of unknowns; the thin line has slope 1. What to see: {'; '.join(seen)}."
+    )
+
+
+def _by_solver(growth: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    for (dim, solver), mine in growth.groupby(["dim", "solver"], sort=False):
+        yield f"{dim}D, {solver}", mine.sort_values("dofs")
+
+
+def _highest_ratio(growth: pd.DataFrame) -> float:
+    """max level_seconds/dofs at the smallest sizes, so that the line of slope 1 starts above the curves."""
+    smallest = growth[growth["dofs"] == growth["dofs"].min()]
+    return float((smallest["level_seconds"] / smallest["dofs"]).max())

@@ -1,0 +1,198 @@
+"""The contact faces of a solid as maps: the contact zone, gap and pressure, from ``pictures/CASE.json``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.tri import Triangulation
+
+from study.present.figures.body import PRESSURES
+from study.present.figures.canvas import BLACK, BLUE, COLUMN, GREEN, PURPLE, SKY, VERMILLION, legend
+from study.present.figures.pictures import CHEAP, Array, Picture, Polygon, heading, name, place, symbol
+from study.present.figures.profiles import largest_difference
+
+GAPS = "PuBu"
+LEVELS = 10
+"""Shades of a map."""
+LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
+"""Colour and marker of the counts on each face."""
+
+Paint = Callable[[Axes, int], Any]
+"""Draws what a map shows at one of the times of the picture."""
+
+
+def draw_fronts(picture: Picture) -> Figure:
+    """For every face a row with the exact zone and the nodes in contact at three times; below, their numbers over time.
+
+    The exact zone is where the linear interpolant of ``level`` is not negative.
+    """
+    rows, columns = len(picture.polygons), len(picture.shapes)
+    figure = Figure(figsize=(COLUMN, 1.9 + 1.2 * rows))
+    grid = figure.add_gridspec(2, height_ratios=(rows, 0.9))
+    panels = grid[0].subgridspec(rows, columns).subplots(sharex="row", sharey="row", squeeze=False)
+    for row, face in zip(panels, picture.polygons, strict=True):
+        _draw_row(row, picture, face, _zone(face))
+    _label(panels, picture)
+    _draw_counts(figure.add_subplot(grid[1]), picture)
+    figure.suptitle(f"{heading(picture)}: contact zone")
+    dot: dict[str, Any] = {"ls": "", "marker": "o", "ms": 2.5, "mew": 0, "color": BLUE}
+    zone = Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
+    legend(figure, [zone, Line2D([], [], label=r"nodes in contact, $p^h>0$", **dot)], columns=2)
+    return figure
+
+
+def caption_fronts(picture: Picture) -> str:
+    """What to see."""
+    wrong = [misplaced(face) for face in picture.polygons]
+    face, worst = max(zip(picture.polygons, wrong, strict=True), key=lambda found: int(found[1].max()))
+    when = int(np.argmax(worst))
+    seen = (
+        f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on the average and {worst[when]} of "
+        f"{len(face.nodes)} at most, on {name(face, picture)} at t = {picture.times[1:][when]:.3g}; {CHEAP}"
+        if worst[when] > 0
+        else f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
+    )
+    times = ", ".join(f"{shape.time:.3g}" for shape in picture.shapes)
+    return (
+        f"Contact zone of {', '.join(name(face, picture) for face in picture.polygons)} at t = {times} "
+        f"({place(picture)}), seen from inside the body: exact zone filled, dots are nodes with a positive computed "
+        "pressure; below, the number of nodes in the exact zone (lines) and in computed contact (markers) over time, "
+        f"after t = 0, where nothing has been solved. What to see: how closely the dots fill the exact zone; {seen}."
+    )
+
+
+def misplaced(face: Polygon) -> Array:
+    """How many nodes are in contact outside of the exact zone or free inside, after the first time, (times − 1,)."""
+    return np.asarray((face.touching != face.inside)[1:].sum(axis=1))
+
+
+def draw_maps(picture: Picture) -> Figure:
+    """For every face a row of ``gap`` and one of ``pressure``; from left to right the times of the shapes.
+
+    Surfaces are the exact values, dots the computed ones at the nodes, in the same colours.
+    """
+    instants = [picture.nearest(shape.time) for shape in picture.shapes]
+    rows = 2 * len(picture.polygons)
+    figure = Figure(figsize=(COLUMN, 0.7 + 1.05 * rows))
+    panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
+    for i, face in enumerate(picture.polygons):
+        gap = "gap $w$", GAPS, face.gap_exact, face.gap
+        pressure = "pressure $p$", PRESSURES, face.pressure_exact, face.pressure
+        for row, (label, colours, exact, computed) in zip(panels[2 * i : 2 * i + 2], (gap, pressure), strict=True):
+            top = float(max(exact[instants].max(), computed[instants].max())) or 1.0
+            _draw_row(row, picture, face, _values(face, exact, computed, top, colours))
+            bar = figure.colorbar(row[-1].collections[0], ax=list(row), fraction=0.05, ticks=[0, top], format="%.3g")
+            bar.set_label(label)
+    _label(panels, picture)
+    figure.suptitle(heading(picture))
+    legend(figure, _handles(), columns=3)
+    return figure
+
+
+def caption_maps(picture: Picture) -> str:
+    """What to see."""
+    instants = [picture.nearest(shape.time) for shape in picture.shapes]
+    times = ", ".join(f"{picture.times[instant]:.3g}" for instant in instants)
+    faces = picture.polygons
+    gap = largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in faces])
+    pressure = largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in faces])
+    return (
+        f"Gap and contact pressure on {', '.join(name(face, picture) for face in faces)} at t = {times} "
+        f"({place(picture)}), seen from inside the body: surfaces are exact, dots computed, in the same colours. What "
+        "to see: there is a gap or a pressure, never both, and where a dot stands out the computed value is off: the "
+        f"pressure, a nodal force divided by the integral of its shape function, by at most {pressure}; the gap by "
+        f"{gap}, which itself is at most {100 * _largest_gap(picture):.2g} % of the largest displacement."
+    )
+
+
+def _largest_gap(picture: Picture) -> float:
+    """The largest exact gap at the times of the shapes over the largest displacement."""
+    instants = [picture.nearest(shape.time) for shape in picture.shapes]
+    displacement = max(float(np.linalg.norm(shape.displacement, axis=0).max()) for shape in picture.shapes)
+    return max(float(face.gap_exact[instants].max()) for face in picture.polygons) / (displacement or 1.0)
+
+
+def _draw_row(row: Array, picture: Picture, face: Polygon, paint: Paint) -> None:
+    """The maps of a face at the times of the shapes."""
+    for axes, shape in zip(row, picture.shapes, strict=True):
+        instant = picture.nearest(shape.time)
+        paint(axes, instant)
+        _draw_front(axes, face, instant)
+        axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
+    row[0].set_ylabel(rf"$s_2$ on ${symbol(face, picture)}$")
+
+
+def _label(panels: Array, picture: Picture) -> None:
+    """Times above, what is to the right below."""
+    for axes, shape in zip(panels[0], picture.shapes, strict=True):
+        axes.set_title(f"$t={shape.time:.3g}$")
+    for axes in panels[-1]:
+        axes.set_xlabel("$s_1$")
+
+
+def _triangles(face: Polygon) -> Triangulation:
+    return Triangulation(*face.s, face.facets.corners.T)
+
+
+def _fine_triangles(face: Polygon) -> Triangulation:
+    """Those on which ψ is known."""
+    return Triangulation(*face.facets.refined(face.s), face.facets.quarters.T)
+
+
+def _draw_front(axes: Axes, face: Polygon, instant: int) -> None:
+    level = face.level[instant]
+    if level.min() < 0 <= level.max():
+        axes.tricontour(_fine_triangles(face), level, [0], colors=VERMILLION, linewidths=1.0)
+
+
+def _zone(face: Polygon) -> Paint:
+    def paint(axes: Axes, instant: int) -> None:
+        level, touching = face.level[instant], face.touching[instant]
+        if level.max() >= 0:
+            axes.tricontourf(_fine_triangles(face), level, [0, level.max() + 1], colors=[SKY], alpha=0.45)
+        if touching.any():
+            axes.plot(*face.s[:, touching], "o", color=BLUE, ms=1.6, mew=0, clip_on=False, zorder=3)
+
+    return paint
+
+
+def _values(face: Polygon, exact: Array, computed: Array, top: float, colours: str) -> Paint:
+    levels = np.linspace(0, top, LEVELS + 1)
+    style: dict[str, Any] = {"cmap": colormaps[colours], "norm": BoundaryNorm(levels, 256)}
+
+    def paint(axes: Axes, instant: int) -> None:
+        axes.tricontourf(_triangles(face), exact[instant].clip(0), levels, **style)
+        axes.scatter(
+            face.s[0], face.s[1], s=5, c=computed[instant].clip(0), edgecolors="0.4", linewidths=0.2, zorder=2, **style
+        )
+
+    return paint
+
+
+def _draw_counts(axes: Axes, picture: Picture) -> None:
+    for face, (colour, marker) in zip(picture.polygons, cycle(LINES), strict=False):
+        times, label = picture.times[1:], f"${symbol(face, picture)}$"
+        axes.plot(times, face.inside.sum(axis=1)[1:], color=colour, lw=0.8)
+        axes.plot(times, face.touching.sum(axis=1)[1:], marker, color=colour, mfc="white", ms=2.6, label=label)
+    axes.set(xlabel="time $t$", ylabel="nodes in contact", ylim=(0, max(len(face.nodes) for face in picture.polygons)))
+    axes.grid(True)
+    if len(picture.polygons) > 1:
+        axes.legend(frameon=True)
+
+
+def _handles() -> list[Line2D]:
+    dot: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "mec": "0.4", "mew": 0.4, "ms": 2.6}
+    return [
+        Line2D([], [], color="0.6", lw=4, label="exact"),
+        Line2D([], [], label="computed", **dot),
+        Line2D([], [], color=VERMILLION, lw=1.0, label="exact front"),
+    ]

@@ -1,0 +1,95 @@
+"""Gap and pressure along the contact faces at three times, from ``pictures/CASE.json``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from study.present.figures.canvas import BLACK, BLUE, COLUMN, VERMILLION, legend
+from study.present.figures.pictures import Array, Picture, Segment, heading, place, symbol
+
+MARKERS = 24
+"""At most about so many markers on a line."""
+
+
+ROUND_OFF = 1e-9
+"""What counts as zero for a gap or a pressure that is of order one where it is not zero."""
+
+
+def draw_profiles(picture: Picture) -> Figure:
+    """For every face a row of ``gap`` and one of ``pressure``; from left to right the times of the shapes.
+
+    Lines are the exact values, markers the computed ones at the nodes (every second or third node if
+    there are many).
+    """
+    instants = [picture.nearest(shape.time) for shape in picture.shapes]
+    rows = 2 * len(picture.segments)
+    figure = Figure(figsize=(COLUMN, 0.9 + 1.1 * rows))
+    panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
+    for i, face in enumerate(picture.segments):
+        s = rf"$s$ on ${symbol(face, picture)}$"
+        _draw_row(panels[2 * i], face, face.line_gap[instants], face.gap[instants], BLUE)
+        _draw_row(panels[2 * i + 1], face, face.line_pressure[instants], face.pressure[instants], VERMILLION)
+        panels[2 * i, 0].set_ylabel("gap $w$")
+        panels[2 * i + 1, 0].set_ylabel("pressure $p$")
+        for upper, lower in panels[2 * i : 2 * i + 2].T:
+            upper.tick_params(labelbottom=False)
+            lower.set_xlabel(s)
+    for axes, instant in zip(panels[0], instants, strict=True):
+        axes.set_title(f"$t={picture.times[instant]:.3g}$")
+    figure.align_ylabels(panels[:, 0])
+    figure.suptitle(heading(picture))
+    legend(figure, _handles(), columns=3)
+    return figure
+
+
+def caption_profiles(picture: Picture) -> str:
+    """What to see."""
+    instants = [picture.nearest(shape.time) for shape in picture.shapes]
+    times = ", ".join(f"{picture.times[instant]:.3g}" for instant in instants)
+    faces = picture.segments
+    gap = largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in faces])
+    pressure = largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in faces])
+    return (
+        f"Gap and contact pressure along Γ3 at t = {times} ({place(picture)}): lines are exact, markers computed. "
+        "What to see: there is a gap or a pressure, never both, and markers on the lines: at the nodes the gap is off "
+        f"by at most {gap}; the pressure, a nodal force divided by the integral of its shape function, by "
+        f"{pressure}."
+    )
+
+
+def largest_difference(pairs: list[tuple[Array, Array]]) -> str:
+    """max |computed − exact|, in per cent of max |exact| where that is not round-off."""
+    difference = max(float(abs(computed - exact).max()) for computed, exact in pairs)
+    size = max(float(abs(exact).max()) for _, exact in pairs)
+    return (
+        f"{100 * difference / size:.2g} % of the largest"
+        if size > ROUND_OFF
+        else f"{difference:.1e}, the largest being 0"
+    )
+
+
+def _draw_row(panels: list[Axes], face: Segment, exact: Array, computed: Array, colour: str) -> None:
+    every = max(1, round(len(face.s) / MARKERS))
+    for axes, line, dots in zip(panels, exact, computed, strict=True):
+        axes.plot(face.line, line, color=BLACK, lw=0.9)
+        axes.plot(face.s, dots, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
+        axes.set_xlim(face.line.min(), face.line.max())
+        axes.grid(True)
+    # From zero, so that round-off around a constant does not fill the panel.
+    low, high = min(exact.min(), computed.min(), 0.0), max(exact.max(), computed.max())
+    high = high if high > ROUND_OFF else 1.0
+    room = 0.06 * (high - low)
+    panels[0].set_ylim(low - room, high + room)
+
+
+def _handles() -> list[Line2D]:
+    style: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "ms": 2.6}
+    return [
+        Line2D([], [], color=BLACK, lw=0.9, label="exact"),
+        Line2D([], [], color=BLUE, label="computed gap", **style),
+        Line2D([], [], color=VERMILLION, label="computed pressure", **style),
+    ]

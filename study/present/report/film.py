@@ -1,0 +1,112 @@
+"""What the page needs to show a case in motion, from ``pictures/CASE.json``."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from study.ledger.datafiles import DataError
+from study.ledger.packing import Packed, short
+from study.present.figures.body import SHARE
+from study.present.figures.pictures import CONTACT, Face, Picture, Polygon, Segment
+from study.present.figures.view import View
+
+SHADES = 255
+BRIGHTEST = 0.95
+"""Stresses above this quantile share the last colour: peaks at fronts and corners would leave the rest dark."""
+
+Array = NDArray[np.float64]
+
+
+def read_film(path: Path) -> dict[str, Any]:
+    """A picture in the form that the script of the page reads.
+
+    ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z; ``shades``: of the
+    stress of each cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` makes the largest displacement a
+    given share of the body; ``view`` has the rows of the projection, two in the plane and three in space.
+
+    Raises:
+        DataError: the file is no picture, or an older one without motion.
+    """
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        displacement, stress = (Packed.read(record[name]) for name in ("displacement", "von_mises"))
+        vertices, cells = np.shape(record["vertices"]), np.shape(record["cells"])
+        _require(displacement.multiples.shape, (len(record["times"]), *vertices))
+        _require(stress.multiples.shape, (len(record["times"]), cells[1]))
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(
+            f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
+            "version wrote it, make it anew with the same `study run`"
+        ) from error
+    picture = Picture.read(path)
+    brightest = float(np.quantile(stress.values, BRIGHTEST)) or float(stress.values.max()) or 1.0
+    shades = np.round(SHADES * np.sqrt(np.minimum(stress.values / brightest, 1)))
+    return {
+        "times": picture.times.tolist(),
+        "vertices": picture.vertices.tolist(),
+        "cells": picture.cells.T.ravel().tolist(),
+        "unit": displacement.unit,
+        "displacement": _base64(displacement.multiples.astype("<i2")),
+        "shades": _base64(shades.astype(np.uint8)),
+        "brightest": brightest,
+        "magnification": _magnification(picture.vertices, displacement.values),
+        "view": View.of(picture).axes.tolist(),
+        "faces": [*map(_segment, picture.segments), *map(_polygon, picture.polygons)],
+    }
+
+
+def _require(found: tuple[int, ...], expected: tuple[int, ...]) -> None:
+    if found != expected:
+        raise ValueError(f"shape {found}, expected {expected}")
+
+
+def _base64(values: NDArray[Any]) -> str:
+    return b64encode(values.tobytes()).decode("ascii")
+
+
+def _magnification(vertices: Array, displacement: Array) -> float:
+    """Rounded down to two digits, so that it can be stated."""
+    largest = float(np.linalg.norm(displacement, axis=1).max())
+    if largest == 0:
+        return 1.0
+    exact = SHARE * float(np.ptp(vertices, axis=1).max()) / largest
+    unit = 10.0 ** (np.floor(np.log10(exact)) - 1)
+    return float(f"{np.floor(exact / unit) * unit:.2g}")
+
+
+def _segment(face: Segment) -> dict[str, Any]:
+    return _values(face) | {
+        "zone": {"times": face.zone_times.tolist(), "intervals": face.zone},
+        "line": {"s": short(face.line), "gap": short(face.line_gap), "pressure": short(face.line_pressure)},
+    }
+
+
+def _polygon(face: Polygon) -> dict[str, Any]:
+    """Facets, edges and quarters: the points at the corners of each, one after the other."""
+    facets = face.facets
+    return _values(face) | {
+        "gap_exact": short(face.gap_exact),
+        "pressure_exact": short(face.pressure_exact),
+        "nodes": face.nodes.tolist(),
+        "cells": facets.cells.tolist(),
+        "facets": facets.corners.T.ravel().tolist(),
+        "edges": facets.edges.T.ravel().tolist(),
+        "quarters": facets.quarters.T.ravel().tolist(),
+        "level": short(face.level),
+    }
+
+
+def _values(face: Face) -> dict[str, Any]:
+    series = ("s", "x", "gap", "pressure")
+    return {
+        "face": face.number,
+        "normal": face.normal.tolist(),
+        **{name: short(getattr(face, name)) for name in series},
+        "touches": CONTACT * face.pressure.max(initial=0.0),
+    }

@@ -1,0 +1,95 @@
+"""Jobs on more than one machine: the workers of a running Dask cluster."""
+
+from __future__ import annotations
+
+import socket
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from importlib.metadata import version
+from typing import Any
+
+from study.fem.naming import UsageError, resolve
+from study.run.execute import Pool
+from study.run.job import METHOD, fingerprint
+from study.run.versions import versions
+
+PATIENCE = 10
+"""Seconds in which a scheduler has to answer and to have a worker."""
+START = "dask worker {address} --nworkers 2 --nthreads 1"
+
+
+@contextmanager
+def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
+    """The workers of the cluster at an address, once each has shown that it would compute the same.
+
+    ``references`` are the cases of the run: FILE.py:NAME has to be the same file at the same path on every machine.
+
+    Raises:
+        UsageError: Dask is not installed, nothing answers at the address, there are no workers, one of them runs
+            several threads, or has other versions or cases.
+    """
+    try:
+        from distributed import Client
+        from distributed.comm import get_address_host_port
+    except ImportError as error:
+        raise UsageError(
+            f"--cluster needs Dask ({error}): python -m pip install '.[cluster]' in a clone of the repository"
+        ) from error
+    try:
+        # A client waits long for what does not answer; this says at once that nothing listens.
+        socket.create_connection(get_address_host_port(address), PATIENCE).close()
+        client = Client(address, timeout=PATIENCE, set_as_default=False)
+    except (OSError, ValueError) as error:
+        raise UsageError(
+            f"no Dask scheduler answers at {address} ({error}); give what `dask scheduler` prints, such as "
+            "tcp://192.168.0.1:8786"
+        ) from error
+    with client:
+        yield _pool(client, address, references)
+
+
+def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
+    start = START.format(address=address)
+    try:
+        client.wait_for_workers(1, timeout=PATIENCE)
+    except TimeoutError as error:
+        raise UsageError(f"the cluster at {address} has no workers; start some on every machine: {start}") from error
+    workers = client.scheduler_info()["workers"]
+    for name, worker in workers.items():
+        if worker["nthreads"] != 1:
+            raise UsageError(f"the worker {name} runs {worker['nthreads']} threads, expected 1; start it with {start}")
+    expected = identity(references)
+    try:
+        found = client.run(identity, references)
+    except Exception as error:
+        # Whatever a worker without this package, or with another, may raise.
+        raise UsageError(f"a worker at {address} cannot run this study ({error}); install it there, too") from error
+    for name, theirs in found.items():
+        other = [f"{key} {theirs.get(key)}, here {mine}" for key, mine in expected.items() if theirs.get(key) != mine]
+        if other:
+            raise UsageError(
+                f"the worker {name} would not compute the same: {'; '.join(other)}. Give every machine the same "
+                "versions, and the files of your cases at the same paths, and start the workers again"
+            )
+    each = min(float(worker["memory_limit"] or "inf") for worker in workers.values())
+    # Workers that come later have not been asked.
+    executor = client.get_executor(pure=False, workers=list(workers), allow_other_workers=False)
+    return Pool(executor, len(workers), each, float("inf"))
+
+
+def identity(references: Sequence[str]) -> dict[str, str]:
+    """What numbers depend on: versions, and the problems behind the cases as this process knows them."""
+    resolve.cache_clear()
+    return {
+        **versions(),
+        "study": version("signorini-study"),
+        "method": str(METHOD),
+        **{reference: _problem(reference) for reference in references},
+    }
+
+
+def _problem(reference: str) -> str:
+    try:
+        return fingerprint(resolve(reference).solution)
+    except UsageError as error:
+        return str(error)

@@ -1,0 +1,197 @@
+"""What the figures and the report of a case need from one solved problem: contact history, motion and stress."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+
+from manufactured.body import Body
+from manufactured.case import Case
+from manufactured.exact import ExactSolution, Face
+from manufactured.tensors import Array
+from study.fem.facets import Facets
+from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Unstructured, boundary_parts, facet_measures
+from study.fem.skin import Skin
+from study.fem.space import Space
+from study.ledger.packing import FINE, Packed, short
+from study.solve.motion import Motion, balance, von_mises
+
+FORM = 3
+"""To be raised whenever a picture holds more or other things: older ones are then made anew."""
+FAMILY = Unstructured()
+LEVEL = 24
+STEPS = 64
+SOLID_FAMILY = OneDiagonal()
+SOLID_LEVEL = 9
+SOLID_STEPS = 32
+INTERVALS = 16
+"""Between the times that are kept."""
+SHAPES = (0.25, 0.5, 1.0)
+POINTS = 400
+"""Along a face in the plane, for its exact zone."""
+LINE = 80
+"""Intervals of the lines that exact gaps and pressures are along a face in the plane."""
+HALVINGS = 10
+"""Of the interval between two instants in which the number of pieces of an exact zone changes."""
+
+
+def picture(case: Case) -> dict[str, Any]:
+    """Contact gap and pressure, displacement and stress over time, and the deformed mesh at three times.
+
+    The computed pressure at a vertex is its contact force over the integral of its shape function.
+    ``cells`` are the triangles of the mesh, in space those of its surface, ``vertices`` their corners.
+    ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed.
+
+    A face has gap, pressure and their exact values at its points. In the plane these are written out, with the ends of
+    the exact zone, and ``line`` has exact values at more points, evenly spaced, packed. In space, where there are many,
+    they are packed; ``nodes`` says which of the vertices they are, and ``level_exact`` is ψ there and at the midpoints
+    between them (the exact zone is {ψ ≥ 0}).
+
+    Raises:
+        MeshError: no mesh of a moderate level fits the body.
+    """
+    body = case.solution.body
+    steps = STEPS if body.dim == 2 else SOLID_STEPS
+    return record(case.name, Motion.of(case.solution, *mesh_for(body), steps), steps // INTERVALS)
+
+
+def mesh_for(body: Body) -> tuple[MeshFamily, int]:
+    """The family and the level of the picture of a body.
+
+    In space the edges of its parts have to fall on the grid: the first level from ``SOLID_LEVEL`` on where they do, or
+    this one itself, which then says what is wrong, where they do nowhere below twice of it.
+    """
+    if body.dim == 2:
+        return FAMILY, LEVEL
+    levels = range(SOLID_LEVEL, 2 * SOLID_LEVEL)
+    return SOLID_FAMILY, next((n for n in levels if _fits(body, n)), SOLID_LEVEL)
+
+
+def _fits(body: Body, level: int) -> bool:
+    try:
+        boundary_parts(SOLID_FAMILY(body, level), body)
+    except MeshError:
+        return False
+    return True
+
+
+def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
+    """The picture of a motion, with one of ``every`` frames."""
+    solution, space, found = motion.solution, motion.space, motion.frames
+    skin, keep = Skin.of(space.mesh), _written(space.dim)
+    shown = found[::every]
+    times = np.array([frame.time for frame in shown])
+    displacement = np.array([space.nodal(frame.u)[:, skin.vertices] for frame in shown])
+    normal = np.array([frame.normal for frame in shown])
+    pressure = np.array([frame.multipliers for frame in shown]) / contact_weights(space)
+    instants = [round(share * (len(shown) - 1)) for share in SHAPES]
+    return {
+        "case": name,
+        "family": motion.family,
+        "level": motion.level,
+        "times": short(times),
+        "vertices": short(space.mesh.p[:, skin.vertices]),
+        "cells": skin.triangles.tolist(),
+        "shapes": [{"time": times[n], "displacement": keep(displacement[n])} for n in instants],
+        "displacement": Packed.of(displacement).record(),
+        "von_mises": Packed.of(np.array([von_mises(frame.stress)[skin.cells] for frame in shown])).record(),
+        "energy": {name: short(values) for name, values in balance(found).items()},
+        "faces": _faces(solution, space, skin, times, normal, pressure),
+    }
+
+
+def contact_weights(space: Space) -> Array:
+    """∫ φ_z of the shape function of each contact vertex over the pieces with its normal, (m,)."""
+    weights = []
+    for part, vertices in space.contact:
+        aligned = [other for other, _ in space.contact if np.allclose(other.normal, part.normal)]
+        facets = np.concatenate([space.facets(other) for other in aligned])
+        ends = space.mesh.facets[:, facets]
+        shares = np.tile(facet_measures(space.mesh, facets) / space.dim, (space.dim, 1))
+        weights.append(space.scatter(ends, shares[None])[0, vertices])
+    return np.concatenate(weights)
+
+
+def _faces(
+    solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
+) -> list[dict[str, Any]]:
+    keep = _written(space.dim)
+    faces, start = [], 0
+    for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
+        columns = slice(start, start + len(vertices))
+        start += len(vertices)
+        s = part.coordinates(space.mesh.p[:, vertices])[0]
+        order = np.argsort(s[0])
+        s = s[:, order]
+        exact = solution.on(face, s)
+        nodes = np.searchsorted(skin.vertices, vertices[order])
+        found = {
+            "face": i,
+            "normal": part.normal.tolist(),
+            "s": short(s[0] if space.dim == 2 else s),
+            "x": short(part.point(s)),
+            "gap": keep(-normal[:, columns][:, order]),
+            "gap_exact": keep(np.array([exact.gap(t) for t in times])),
+            "pressure": keep(pressure[:, columns][:, order]),
+            "pressure_exact": keep(np.array([exact.pressure(t) for t in times])),
+        }
+        plane = space.dim == 2
+        only = _in_plane(solution, face, s, times) if plane else _levels_of(solution, face, s, nodes, skin, times)
+        faces.append(found | only)
+    return faces
+
+
+def _in_plane(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
+    """The exact zone of a face in the plane, between fine points of it, and lines of exact gap and pressure.
+
+    Lines reach from node to node: where Γ3 meets Γ1, which has none, the pressure need not be bounded.
+    """
+    fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
+    level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
+    zone = _zone(lambda t: _intervals(fine, level(t)), np.linspace(0, solution.body.T, 101).tolist())
+    return {
+        "zone_exact": {"times": list(zone), "intervals": list(zone.values())},
+        "line": {
+            "s": short(line),
+            "gap": Packed.of(np.array([exact.gap(t) for t in times]), FINE).record(),
+            "pressure": Packed.of(np.array([exact.pressure(t) for t in times]), FINE).record(),
+        },
+    }
+
+
+def _zone(intervals: Callable[[float], list[list[float]]], instants: list[float]) -> dict[float, list[list[float]]]:
+    """Instant ↦ pieces of a zone, with more instants where their number changes: pieces meet and end in points."""
+    found = {t: intervals(t) for t in instants}
+    for before, after in pairwise(instants):
+        for _ in range(HALVINGS if len(found[before]) != len(found[after]) else 0):
+            middle = (before + after) / 2
+            found[middle] = intervals(middle)
+            before, after = (middle, after) if len(found[middle]) == len(found[before]) else (before, middle)
+    return {round(t, 7): found[t] for t in sorted(found)}
+
+
+def _levels_of(solution: ExactSolution, face: Face, s: Array, nodes: Array, skin: Skin, times: Array) -> dict[str, Any]:
+    """ψ on a face in space, at its nodes and between them, and which vertices of the skin the nodes are."""
+    exact = solution.on(face, Facets.between(nodes, skin.triangles).refined(s))
+    levels = np.array([exact.level(t) for t in times])
+    return {"level_exact": Packed.of(levels, FINE).record(), "nodes": nodes.tolist()}
+
+
+def _intervals(s: Array, level: Array) -> list[list[float]]:
+    """Where ψ ≥ 0 on a face, by linear interpolation between fine points."""
+    inside = level >= 0
+    if not inside.any():
+        return []
+    crossing = np.flatnonzero(inside[1:] != inside[:-1])
+    jump = level[crossing + 1] - level[crossing]
+    roots = s[crossing] - level[crossing] * (s[crossing + 1] - s[crossing]) / jump
+    ends = [*([s[0]] if inside[0] else []), *roots, *([s[-1]] if inside[-1] else [])]
+    return [short(np.array(pair)) for pair in zip(ends[::2], ends[1::2], strict=True)]
+
+
+def _written(dim: int) -> Callable[[Array], Any]:
+    """How values at points over time are written: as they are, or packed where they are many."""
+    return short if dim == 2 else lambda values: Packed.of(values, FINE).record()

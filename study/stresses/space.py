@@ -1,0 +1,196 @@
+"""Σ^h: composite equilibrium stresses on a mesh, joined by their tractions.
+
+The freedoms of one cell are split into the part with Div σ = 0, unknown, and the lift of a given divergence. A stress
+is held by its values at the points of a quadrature rule on the thirds, at which products of two stresses are integrated
+exactly, and by the Bernstein coefficients of its tractions on the edges, in axes (ν, τ) on Γ3 and Cartesian elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from skfem import Mesh
+
+from manufactured.body import Body, Kind, Part
+from manufactured.tensors import Array, Points, Tensors, Vectors, basis
+from study.fem.mesh import MeshError, boundary_parts, cell_volumes
+from study.fem.quadrature import simplex_rule
+from study.stresses.composite import SIDES, Composite, bernstein, composite, thirds
+
+LEAST_DEGREE = 4
+"""Degree of the rule on the thirds, at least: errors of linear stresses are quadratic."""
+FACETS = (1, 2, 0)
+"""Facet i of a cell, in the order of the mesh, joins its vertices i and i + 1 modulo 3; side i is opposite vertex i."""
+
+
+@dataclass(frozen=True, eq=False)
+class StressSpace:
+    """Composite stresses of degree k on a triangulation of a body.
+
+    Shapes: Q points a cell (all thirds together), p freedoms with Div σ = 0 a cell, n = k + 1 Bernstein
+    polynomials an edge.
+
+    Raises:
+        MeshError: the mesh is not one of triangles, or does not fit the parts of the body.
+    """
+
+    mesh: Mesh
+    body: Body
+    degree: int = 1
+
+    def __post_init__(self) -> None:
+        if self.mesh.dim() != 2:
+            raise MeshError(f"composite stresses are made for triangles, got a mesh of dimension {self.mesh.dim()}")
+        self.parts  # refuse a mesh that does not fit before anything is built on it  # noqa: B018
+
+    @cached_property
+    def parts(self) -> list[Array]:
+        """Edges of each part of the body."""
+        return boundary_parts(self.mesh, self.body)
+
+    @property
+    def element(self) -> Composite:
+        return composite(self.degree)
+
+    @property
+    def cells(self) -> int:
+        return int(self.mesh.t.shape[1])
+
+    @cached_property
+    def volumes(self) -> Array:
+        """|T|, (cells,)."""
+        return cell_volumes(self.mesh)
+
+    @cached_property
+    def map(self) -> Array:
+        """F, (cells, 2, 2)."""
+        corners = self.mesh.p[:, self.mesh.t]
+        return np.moveaxis(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1), 2, 0)
+
+    @cached_property
+    def _orientation(self) -> Array:
+        """det F, (cells,)."""
+        return np.linalg.det(self.map)
+
+    @cached_property
+    def _piola(self) -> Array:
+        """σ̂ ↦ F σ̂ Fᵀ / det F in Mandel form, (cells, 3, 3)."""
+        F = self.map
+        E = basis(2)
+        pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self._orientation[:, None, None, None]
+        return np.einsum("Iil,cJil->cIJ", E, pushed)
+
+    @cached_property
+    def _rule(self) -> tuple[Array, Array]:
+        """Barycentric points (3, q) and weights (q,) of sum 1 on a third."""
+        return simplex_rule(2, max(LEAST_DEGREE, 2 * self.degree))
+
+    @cached_property
+    def _values(self) -> Array:
+        """Coefficients ↦ Mandel values at the points of the reference triangle, (Q, 3 thirds, polynomials)."""
+        at = bernstein(self.degree, self._rule[0]).T
+        found = np.zeros((3, *at.shape[:1], 3, at.shape[1]))
+        for third in range(3):
+            found[third, :, third] = at
+        return found.reshape(-1, 3, at.shape[1])
+
+    @cached_property
+    def points(self) -> Points:
+        """Quadrature points, (2, cells, Q)."""
+        vertices = thirds(self.mesh.p[:, self.mesh.t])
+        return np.einsum("dvtc,vq->dctq", vertices, self._rule[0]).reshape(2, self.cells, -1)
+
+    @cached_property
+    def barycentric(self) -> Array:
+        """The points in the barycentric coordinates of the cell, (3, Q)."""
+        return np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0]).reshape(3, -1)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Quadrature weights, (cells, Q)."""
+        return np.multiply.outer(self.volumes / 3, np.tile(self._rule[1], 3))
+
+    @cached_property
+    def basis(self) -> Array:
+        """The stresses with Div σ = 0 at the points, (cells, Q, 3, p)."""
+        reference = np.einsum("qta,taJp->qJp", self._values, self.element.free)
+        return np.einsum("cIJ,qJp->cqIp", self._piola, reference, optimize=True)
+
+    @cached_property
+    def tractions(self) -> Array:
+        """Their tractions on the three sides, (cells, 3, n, 2, p)."""
+        reference = np.tensordot(self.element.tractions, self.element.free, axes=3)
+        return self._to_edges(np.broadcast_to(reference, (self.cells, *reference.shape)))
+
+    def _to_edges(self, reference: Array) -> Array:
+        """|ê| σ̂ν̂ on the sides of the reference triangle ↦ σν on the edges, (cells, 3, n, 2, ...)."""
+        pushed = np.einsum("cij,csnj...->csni...", self.map, reference, optimize=True)
+        a, b = (self.mesh.t[[side[end] for side in SIDES]].T for end in (0, 1))
+        turned = (self.mesh.facets[0, self.edges] == b) & (self.mesh.facets[1, self.edges] == a)
+        pushed[turned] = pushed[turned][:, ::-1]
+        # Cells that are turned over have inward normals on their sides.
+        length = self.lengths[self.edges] * np.sign(self._orientation)[:, None]
+        pushed = pushed / length.reshape(*length.shape, *[1] * (pushed.ndim - 2))
+        return np.einsum("csij,csnj...->csni...", self.frames[self.edges], pushed, optimize=True)
+
+    @cached_property
+    def edges(self) -> Array:
+        """The edge on each side of the cells, (cells, 3)."""
+        return self.mesh.t2f[list(FACETS)].T
+
+    @cached_property
+    def lengths(self) -> Array:
+        """|e|, (edges,)."""
+        ends = self.mesh.p[:, self.mesh.facets]
+        return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
+
+    @cached_property
+    def frames(self) -> Array:
+        """Rows: the axes of tractions, (ν, τ) on Γ3, Cartesian elsewhere, (edges, 2, 2)."""
+        found = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
+        for part, edges in self.on(Kind.CONTACT):
+            found[edges] = np.array([part.normal, part.tangent])
+        return found
+
+    def on(self, kind: Kind) -> list[tuple[Part, Array]]:
+        """The pieces of one kind with their edges."""
+        return [(part, edges) for part, edges in zip(self.body.parts, self.parts, strict=True) if part.kind is kind]
+
+    def seen_from(self, edges: Array, tractions: Array) -> Array:
+        """Tractions on edges of the boundary, with the outward normal: (cells, 3, n, 2) → (edges, n, 2)."""
+        found = np.empty((len(self.lengths), *tractions.shape[2:]))
+        found[self.edges] = tractions
+        return found[edges]
+
+    def coefficients(self, values: Tensors) -> Array:
+        """Values at the points of polynomials of degree k → Bernstein coefficients, (3, thirds, polynomials)."""
+        inverse = np.linalg.pinv(bernstein(self.degree, self._rule[0]))
+        return values.reshape(3, 3 * self.cells, -1) @ inverse
+
+    # ---- data
+
+    @cached_property
+    def _projection(self) -> Array:
+        """Values at the points of a third ↦ Bernstein coefficients of the best P_{k−1}, (lower, q)."""
+        at, weights = bernstein(self.degree - 1, self._rule[0]), self._rule[1]
+        return np.linalg.solve((at * weights) @ at.T, at * weights)
+
+    def project(self, force: Vectors) -> Array:
+        """P f_0: values at the points (2, cells, Q) → Bernstein coefficients, (cells, 3 thirds, lower, 2)."""
+        return np.einsum("aq,dctq->ctad", self._projection, force.reshape(2, self.cells, 3, -1), optimize=True)
+
+    def evaluate(self, coefficients: Array) -> Vectors:
+        """P f_0 at the points: (cells, 3 thirds, lower, 2) → (2, cells, Q)."""
+        at = bernstein(self.degree - 1, self._rule[0])
+        return np.einsum("ctad,aq->dctq", coefficients, at).reshape(2, self.cells, -1)
+
+    def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
+        """A stress with Div σ + P f_0 = 0 in every cell: values (3, cells, Q), tractions (cells, 3, n, 2)."""
+        back = -np.einsum("c,cij,ctaj->ctai", self._orientation, np.linalg.inv(self.map), coefficients)
+        stress = np.tensordot(back, self.element.lift, axes=([1, 2, 3], [3, 4, 5]))
+        reference = np.einsum("qta,ctaJ->cqJ", self._values, stress, optimize=True)
+        values = np.einsum("cIJ,cqJ->Icq", self._piola, reference, optimize=True)
+        tractions = np.tensordot(stress, self.element.tractions, axes=([1, 2, 3], [3, 4, 5]))
+        return values, self._to_edges(tractions)
