@@ -12,7 +12,7 @@ solution with itself. A flipped normal matters wherever there is a gap or a pres
 What this shows is that the comparison is sensitive. It does not show how the stresses are found: where both sides agree
 without the mistake, the triangle inequality gives 1 up to their distance, also for a Problem 3.2 that solves a copy of
 Problem 3.1 of its own. Against that speaks that stresses are found without a displacement solver in the process
-(``tests/test_controls.py``).
+(``tests/controls/test_controls.py``).
 """
 
 from __future__ import annotations

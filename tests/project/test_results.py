@@ -19,7 +19,7 @@ from study.statements.prop_5_4.sweep import measure_case
 from study.statements.thm_4_2.own_space import measure_stresses, places
 from study.statements.thm_4_2.same_mesh import compare
 
-RESULTS = Path(__file__).parents[1] / "results"
+RESULTS = Path(__file__).parents[2] / "results"
 RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
 EQUIVALENCE = pd.read_csv(RESULTS / "data" / "equivalence.csv")
 CASES = [case.name for case in catalogue()]

@@ -18,7 +18,7 @@ from study.run.job import EquivalenceJob, Job, RateJob, StatementJob, StressJob
 from study.run.plan import full
 from study.statements.fully_discrete import FullyDiscrete
 
-RESULTS = Path(__file__).parents[1] / "results"
+RESULTS = Path(__file__).parents[2] / "results"
 JOBS = seeded(3).jobs
 
 

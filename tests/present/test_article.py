@@ -16,7 +16,7 @@ from study.ledger.datafiles import DataError, read_claims
 from study.ledger.margin import bounds, used, worst
 from study.present.article.fragments import Data, write_article
 
-ROOT = Path(__file__).parent.parent
+ROOT = Path(__file__).parents[2]
 PAPER, RESULTS = ROOT / "paper", ROOT / "results"
 SOURCES = sorted(PAPER.glob("*.tex"))
 NAMES = ("rates", "claims", "cases", "bounds", "equivalence", "controls", "seeds")

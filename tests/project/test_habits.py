@@ -23,7 +23,7 @@ from typing import Any
 import pandas as pd
 import pytest
 import yaml
-from test_catalogue import lacks
+from case_docstrings import lacks
 
 import manufactured
 from manufactured import Case, prove
@@ -36,7 +36,7 @@ from study.solve.evolution import Midpoint
 from study.statements.prop_5_4.claims import prop_5_4
 from study.statements.prop_5_4.sweep import measure_case, steps_for
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text())
 WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), ROOT / "examples" / "convergence-check.yml"]
@@ -233,7 +233,7 @@ def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:
 
 def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatch) -> None:
     module(monkeypatch, "study.statements.trace")
-    recipe = module(monkeypatch, "tests.test_trace")
+    recipe = module(monkeypatch, "tests.statements.test_trace")
     recipe.test_the_trace_on_contact_is_bounded_uniformly()
     recipe.test_sums_over_vertices_are_not(monkeypatch)
 

@@ -14,7 +14,7 @@ from study.cli.main import main
 from study.fem.naming import resolve
 from study.run.store import FORMAT, Store, StoreError, write_text
 
-README = Path(__file__).parents[1] / "README.md"
+README = Path(__file__).parents[2] / "README.md"
 
 HEAD = """
 from dataclasses import replace

@@ -43,7 +43,7 @@ Function = Callable[[Array, float], Array]
 Side = tuple[tuple[float, float], Function, Function]
 """Inward normal of a side of the unit square, its gap w(s, t) and its pressure p(s, t)."""
 
-STUDY = Path(__file__).parent.parent / "study"
+STUDY = Path(__file__).parents[2] / "study"
 SOURCES = [
     *(STUDY / f"{name}.py" for name in ("datafiles", "latex", "summary", "tables")),
     *(STUDY / "figures").glob("*.py"),

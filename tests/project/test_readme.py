@@ -19,7 +19,7 @@ from study.ledger.rounding import above, below
 from study.present.readme import headline, refresh
 from study.statements.prop_5_4.claims import AXES, AXES_DISCRETE, LATER, LIMIT
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
 LINES = [line for block in re.findall(r"```sh\n(.*?)```", TEXT, re.DOTALL) for line in block.strip().splitlines()]
 STUDY = [line for line in LINES if line.startswith(".venv/bin/study ")]

@@ -29,7 +29,7 @@ from study.run.collect import picture_text
 from study.run.job import PictureJob
 from study.run.pictures import picture
 
-RESULTS = Path(__file__).parents[1] / "results"
+RESULTS = Path(__file__).parents[2] / "results"
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
 TABLES = ("bounds", "cases", "claims", "enclosures", "equivalence", "rates", "stresses")

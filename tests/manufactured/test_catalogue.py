@@ -3,22 +3,16 @@
 from __future__ import annotations
 
 import re
-from fractions import Fraction
 from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType
 
 import pytest
+from case_docstrings import FORMULAS, lacks
 
 from manufactured import Case, cases, catalogue
 
 CASES = {case.name: case for case in catalogue()}
-
-FORMULAS = ("w =", "p =", "ψ =")
-PREDICTION = re.compile(r"^Predicted order ([\d./]+)[^:]*: (.+?)(?=\n\n|\Z)", re.MULTILINE | re.DOTALL)
-REASON = {"Prop. 5.4": "(5.36)", "Prop. 5.3": "H^{1+s}"}
-DIGITS = 5e-5
-"""An order that is no simple fraction is stated with four digits."""
 
 
 def module_named(name: str) -> ModuleType:
@@ -28,17 +22,6 @@ def module_named(name: str) -> ModuleType:
 def own(case: Case) -> ModuleType:
     """The module named after a case."""
     return module_named(re.sub(r"\W", "_", case.name))
-
-
-def lacks(docstring: str | None, case: Case) -> list[str]:
-    """What the docstring of a case's module does not state: gap, pressure, zone, and then the order and the reason."""
-    text = (docstring or "").strip()
-    found = PREDICTION.search(text)
-    formulas = text[: found.start()] if found else text
-    missing = [part for part in FORMULAS if not re.search(rf"^    .*{re.escape(part)}", formulas, re.MULTILINE)]
-    if found is None or abs(float(Fraction(found[1])) - case.order) > DIGITS:
-        return [*missing, f"Predicted order {case.order:.4g}: …"]
-    return missing if REASON[case.proposition] in found[2] else [*missing, REASON[case.proposition]]
 
 
 @pytest.mark.parametrize("name", CASES)

@@ -1,0 +1,25 @@
+"""What the docstring of an exact solution's file has to state."""
+
+from __future__ import annotations
+
+import re
+from fractions import Fraction
+
+from manufactured import Case
+
+FORMULAS = ("w =", "p =", "ψ =")
+PREDICTION = re.compile(r"^Predicted order ([\d./]+)[^:]*: (.+?)(?=\n\n|\Z)", re.MULTILINE | re.DOTALL)
+REASON = {"Prop. 5.4": "(5.36)", "Prop. 5.3": "H^{1+s}"}
+DIGITS = 5e-5
+"""An order that is no simple fraction is stated with four digits."""
+
+
+def lacks(docstring: str | None, case: Case) -> list[str]:
+    """What the docstring of a case's module does not state: gap, pressure, zone, and then the order and the reason."""
+    text = (docstring or "").strip()
+    found = PREDICTION.search(text)
+    formulas = text[: found.start()] if found else text
+    missing = [part for part in FORMULAS if not re.search(rf"^    .*{re.escape(part)}", formulas, re.MULTILINE)]
+    if found is None or abs(float(Fraction(found[1])) - case.order) > DIGITS:
+        return [*missing, f"Predicted order {case.order:.4g}: …"]
+    return missing if REASON[case.proposition] in found[2] else [*missing, REASON[case.proposition]]
