@@ -1,4 +1,4 @@
-"""What a row of the ledger is, and how a measured range meets a window that was fixed before.
+"""What a row of the ledger is.
 
 holds      the whole range lies in the window
 fails      the observed value lies outside
@@ -8,26 +8,46 @@ reported   no claim is made, the numbers stand for themselves
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Protocol
 
-import numpy as np
+from study.ledger.window import Window
 
 HOLDS, FAILS, UNDECIDED, REPORTED = "holds", "fails", "undecided", "reported"
+VERDICTS = (HOLDS, REPORTED, UNDECIDED, FAILS)
+"""From best to worst."""
+NOWHERE = (-math.inf, math.inf)
+"""The range of what could not be measured."""
+Span = tuple[float, float]
+
+
+class Named(Protocol):
+    """What a row takes from its statement: the number and what it says."""
+
+    @property
+    def label(self) -> str: ...
+    @property
+    def claim(self) -> str: ...
 
 
 @dataclass(frozen=True)
 class Verdict:
-    """One line of ``claims.csv``.
+    """One line of ``claims.csv``, known by its label, key, case and family.
 
     Attributes:
         label: number of the statement.
         statement: what is claimed, in words.
         case: the exact solution it was measured on.
-        quantity: what was measured.
-        expected: the window, as text.
+        quantity: what was measured, in words.
+        expected: the window, in words.
         observed: the value farthest from the middle of the window over the mesh families.
         low, high: range of the quantity over families and levels.
         verdict: holds, fails, undecided or reported.
+        key: short name of the quantity, which never changes.
+        family: the mesh family, empty for a row about all of them.
+        window_low, window_high: the window. A row that holds with a range that reaches beyond is judged by its
+            observed value, or, where that lies outside, in the way that ``expected`` says.
     """
 
     label: str
@@ -39,23 +59,42 @@ class Verdict:
     low: float
     high: float
     verdict: str
+    key: str
+    family: str
+    window_low: float
+    window_high: float
+
+    @property
+    def identity(self) -> tuple[str, str, str, str]:
+        """(label, key, case, family), different for every row of a ledger."""
+        return self.label, self.key, self.case, self.family
 
 
-@dataclass(frozen=True)
-class Window:
-    """[low, high] for a quantity, with the reason as text."""
-
-    low: float
-    high: float
-    text: str
-
-    def judge(self, observed: list[float], ranges: list[tuple[float, float]]) -> tuple[float, float, float, str]:
-        """(worst observed, low, high, verdict) of values with their ranges."""
-        # Without a positive lower end, only large values are bad.
-        middle = (self.low + self.high) / 2
-        distances = [abs(v - middle) if self.low > 0 else v for v in observed]
-        worst = observed[int(np.argmax(np.nan_to_num(distances, nan=np.inf)))]
-        low, high = min(r[0] for r in ranges), max(r[1] for r in ranges)
-        if not all(self.low <= value <= self.high for value in observed):
-            return worst, low, high, FAILS
-        return worst, low, high, HOLDS if self.low <= low and high <= self.high else UNDECIDED
+def row(
+    of: Named,
+    key: str,
+    quantity: str,
+    window: Window,
+    observed: float,
+    span: Span,
+    verdict: str,
+    case: str,
+    family: str = "",
+    expected: str = "",
+) -> Verdict:
+    """A row; without ``expected`` the text of the window says what is expected."""
+    return Verdict(
+        label=of.label,
+        statement=of.claim,
+        case=case,
+        quantity=f"{quantity}, {family} meshes" if family else quantity,
+        expected=expected or window.text,
+        observed=observed,
+        low=span[0],
+        high=span[1],
+        verdict=verdict,
+        key=key,
+        family=family,
+        window_low=window.low,
+        window_high=window.high,
+    )
