@@ -30,7 +30,8 @@ from study.controls.judge import controls_text, run_controls, settings, write_co
 from study.controls.seeds import SEEDS, seeded, tally, write_seeds
 from study.controls.seeds import text as seeds_text
 from study.fem.mesh import MeshError
-from study.fem.naming import UsageError, absolute, choose, family_named, resolve, resolve_data
+from study.ledger.errors import UsageError
+from study.fem.naming import absolute, choose, family_named, resolve, resolve_data
 from study.ledger.datafiles import DataError
 from study.ledger.files import StoreError
 from study.ledger.orders import RatesError

@@ -20,14 +20,14 @@ from study.fem.moments import Amplitudes
 from study.fem.space import Space
 from study.solve.evolution import BackwardEuler, Problem, Scheme, State
 from study.solve.signorini import ContactSolver, Signorini
-from study.statements.independence import Derived, Sides
-from study.statements.prop_5_4.sweep import Setup
+from study.statements.thm_4_2.stands_alone import Derived, Sides
+from study.statements.prop_5_4.experiment import Experiment
 from study.statements.thm_4_2 import own_space as own
 
 # The contact condition.
 
 
-def contact_dropped(setup: Setup) -> Setup:
+def contact_dropped(setup: Experiment) -> Experiment:
     """V^h in place of K^h."""
     return replace(setup, problem=replace(setup.problem, N=setup.problem.N[:0], solver=Unconstrained))
 
@@ -39,7 +39,7 @@ class Unconstrained(Signorini):
         return self.factor(b), np.zeros(0)
 
 
-def contact_two_sided(setup: Setup) -> Setup:
+def contact_two_sided(setup: Experiment) -> Experiment:
     """{v : v_ν = 0} in place of K^h: the foundation holds the body."""
     return _solver(setup, TwoSided)
 
@@ -51,7 +51,7 @@ class TwoSided(Signorini):
         return self.on(np.ones_like(self.active), gap)
 
 
-def constraint_relaxed(setup: Setup) -> Setup:
+def constraint_relaxed(setup: Experiment) -> Experiment:
     """{v : v_ν ≤ √h} in place of K^h."""
     allowed = np.sqrt(setup.space.h)
 
@@ -62,7 +62,7 @@ def constraint_relaxed(setup: Setup) -> Setup:
     return _solver(setup, Relaxed)
 
 
-def one_active_set_iteration(setup: Setup) -> Setup:
+def one_active_set_iteration(setup: Experiment) -> Experiment:
     """The active set is what the free solution violates, and is not iterated."""
     return _solver(setup, OneIteration)
 
@@ -74,11 +74,11 @@ class OneIteration(Signorini):
         return self.on(gap > 0, gap)
 
 
-def _solver(setup: Setup, solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver]) -> Setup:
+def _solver(setup: Experiment, solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver]) -> Experiment:
     return replace(setup, problem=replace(setup.problem, solver=solver))
 
 
-def normal_flipped(setup: Setup) -> Setup:
+def normal_flipped(setup: Experiment) -> Experiment:
     """v_ν ≥ 0 in place of v_ν ≤ 0.
 
     Where all of Γ3 is in contact this is V^h in place of K^h, as the free solution penetrates everywhere; where a gap
@@ -87,7 +87,7 @@ def normal_flipped(setup: Setup) -> Setup:
     return replace(setup, problem=replace(setup.problem, N=-setup.problem.N))
 
 
-def normal_along_an_axis(setup: Setup) -> Setup:
+def normal_along_an_axis(setup: Experiment) -> Experiment:
     """The nearest axis in place of ν, which no axis-parallel body would show."""
     N = setup.problem.N.copy()
     normals = N.data.reshape(-1, setup.space.dim)
@@ -99,7 +99,7 @@ def normal_along_an_axis(setup: Setup) -> Setup:
 # The data.
 
 
-def contact_work_sign_flipped(setup: Setup) -> Setup:
+def contact_work_sign_flipped(setup: Experiment) -> Experiment:
     """(σ, ε(v))_Q + ∫_{Γ3} σ_ν v_ν in place of the load (3.7)."""
     return _load(setup, FlippedWork(setup.solution, setup.space).load)
 
@@ -111,22 +111,22 @@ class FlippedWork(Gauge):
         return -super()._contact_work(strains, rates)
 
 
-def load_one_step_late(setup: Setup) -> Setup:
+def load_one_step_late(setup: Experiment) -> Experiment:
     """F(t − k) in place of F(t)."""
     load, k = setup.problem.load, setup.problem.T / setup.steps
     return _load(setup, lambda t: load(max(t - k, 0.0)))
 
 
-def _load(setup: Setup, load: Callable[[float], Array]) -> Setup:
+def _load(setup: Experiment, load: Callable[[float], Array]) -> Experiment:
     return replace(setup, problem=replace(setup.problem, load=load))
 
 
-def zero_start(setup: Setup) -> Setup:
+def zero_start(setup: Experiment) -> Experiment:
     """0 in place of u_0^h = Π^h u_0."""
     return replace(setup, problem=replace(setup.problem, u0=np.zeros_like(setup.problem.u0)))
 
 
-def clamp_one_cell_short(setup: Setup) -> Setup:
+def clamp_one_cell_short(setup: Experiment) -> Experiment:
     """V^h whose functions need not vanish at one end of Γ1."""
     space = ShortClamp(setup.space.mesh, setup.space.body)
     gauge = Gauge(setup.solution, space)
@@ -150,17 +150,17 @@ class ShortClamp(Space):
 # The law and the time scheme.
 
 
-def viscosity_dropped(setup: Setup) -> Setup:
+def viscosity_dropped(setup: Experiment) -> Experiment:
     """G(u) + N_K(u) ∋ F in place of A u̇ + G(u) + N_K(u) ∋ F."""
     return _altered(setup, lambda problem: replace(problem, M=_zero(problem.M)))
 
 
-def elasticity_dropped(setup: Setup) -> Setup:
+def elasticity_dropped(setup: Experiment) -> Experiment:
     """A u̇ + N_K(u) ∋ F in place of A u̇ + G(u) + N_K(u) ∋ F."""
     return _altered(setup, lambda problem: replace(problem, reference=_zero(problem.reference)))
 
 
-def viscosity_and_elasticity_swapped(setup: Setup) -> Setup:
+def viscosity_and_elasticity_swapped(setup: Experiment) -> Experiment:
     """G u̇ + A(u) + N_K(u) ∋ F in place of A u̇ + G(u) + N_K(u) ∋ F."""
     return _altered(setup, lambda problem: replace(problem, M=problem.reference, reference=problem.M))
 
@@ -194,11 +194,11 @@ class Altered(Around):
         return self.scheme.march(self.alter(problem), steps)
 
 
-def _altered(setup: Setup, alter: Callable[[Problem], Problem]) -> Setup:
+def _altered(setup: Experiment, alter: Callable[[Problem], Problem]) -> Experiment:
     return replace(setup, scheme=Altered(setup.scheme, alter))
 
 
-def backward_euler_with_k_like_h(setup: Setup) -> Setup:
+def backward_euler_with_k_like_h(setup: Experiment) -> Experiment:
     """A fully discrete solution, first order in k ~ h, in place of u^h."""
     return replace(setup, scheme=BackwardEuler(), steps=round(1 / setup.space.h))
 
@@ -206,22 +206,22 @@ def backward_euler_with_k_like_h(setup: Setup) -> Setup:
 # What the error is measured with.
 
 
-def norm_of_h1(setup: Setup) -> Setup:
+def norm_of_h1(setup: Experiment) -> Experiment:
     """(‖v‖² + ‖ε(v)‖²)^½, the norm of H_1, in place of (A ε(v), ε(v))^½."""
     return _measured_with(setup, H1Norm)
 
 
-def norm_of_l2(setup: Setup) -> Setup:
+def norm_of_l2(setup: Experiment) -> Experiment:
     """‖v‖_{L²} in place of (A ε(v), ε(v))^½."""
     return _measured_with(setup, L2Norm)
 
 
-def norm_with_elasticity(setup: Setup) -> Setup:
+def norm_with_elasticity(setup: Experiment) -> Experiment:
     """(G ε(v), ε(v))^½ in place of (A ε(v), ε(v))^½."""
     return _measured_with(setup, ElasticNorm)
 
 
-def _measured_with(setup: Setup, gauge: Callable[[ExactSolution, Space], Gauge]) -> Setup:
+def _measured_with(setup: Experiment, gauge: Callable[[ExactSolution, Space], Gauge]) -> Experiment:
     return replace(setup, gauge=gauge(setup.solution, setup.space))
 
 
@@ -265,7 +265,7 @@ class H1Norm(TensorNorm):
         return float(np.hypot(super().distance(sample, v), self.values.distance(sample, v)))
 
 
-def one_point_quadrature(setup: Setup) -> Setup:
+def one_point_quadrature(setup: Experiment) -> Experiment:
     """ε(u) at the centres of the cells, where the interpolant's strain is nearly exact, in place of all of ε(u)."""
     return _measured_with(setup, OnePoint)
 
@@ -278,7 +278,7 @@ class OnePoint(Gauge):
         return replace(super().sample(time), means=self.solution.at(centres).strain(time), oscillation=0.0)
 
 
-def sum_of_square_roots(setup: Setup) -> Setup:
+def sum_of_square_roots(setup: Experiment) -> Experiment:
     """Σ_T ‖·‖_T in place of (Σ_T ‖·‖_T²)^½."""
     return _measured_with(setup, SumOfRoots)
 
@@ -292,7 +292,7 @@ class SumOfRoots(Gauge):
         return float(np.sqrt(local + sample.oscillation / len(local)).sum())
 
 
-def final_time_only(setup: Setup) -> Setup:
+def final_time_only(setup: Experiment) -> Experiment:
     """The value at T in place of the maximum over [0, T], for u − u^h, u − Π^h u and Π^h u − u^h alike."""
     return replace(setup, scheme=FinalOnly(setup.scheme))
 
@@ -305,7 +305,7 @@ class FinalOnly(Around):
         yield last
 
 
-def baseline_judged(setup: Setup) -> Setup:
+def baseline_judged(setup: Experiment) -> Experiment:
     """‖u − Π^h u‖_V in place of ‖u − u^h‖_V, whose order is the same whatever u^h is."""
     return _measured_with(setup, Baseline)
 
@@ -329,23 +329,23 @@ def stress_from_displacement(sides: Sides) -> Sides:
 # Theorem 4.2 on a stress space of its own.
 
 
-def foundation_pulls_nothing(setup: own.Setup) -> own.Setup:
+def foundation_pulls_nothing(setup: own.Experiment) -> own.Experiment:
     """σ_ν = 0 in place of σ_ν ≤ 0 on Γ3: what is left if the multipliers there are not held at u_ν ≤ 0."""
     return replace(setup, solver=Unconstrained)
 
 
-def law_of_stresses_swapped(setup: own.Setup) -> own.Setup:
+def law_of_stresses_swapped(setup: own.Experiment) -> own.Experiment:
     """A and G in each other's place in Problem 3.2."""
     law = setup.data.law
     assert isinstance(law.G, Linear)
     return replace(setup, data=replace(setup.data, law=replace(law, A=law.G, G=law.A)))
 
 
-def history_forgotten(setup: own.Setup) -> own.Setup:
+def history_forgotten(setup: own.Experiment) -> own.Experiment:
     """ε̇ ≈ w ε_n/k, as if the body had come from rest in every step."""
     return replace(setup, scheme=replace(setup.scheme, past=(0.0, 0.0)))
 
 
-def surface_load_left_out(setup: own.Setup) -> own.Setup:
+def surface_load_left_out(setup: own.Experiment) -> own.Experiment:
     """σν = 0 in place of σν = f_2 on Γ2."""
     return replace(setup, data=replace(setup.data, surface_load=lambda part, x: lambda time: np.zeros_like(x)))

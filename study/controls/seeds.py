@@ -22,7 +22,7 @@ from study.ledger.verdict import HOLDS, REPORTED, Verdict
 from study.run.job import Job, StatementJob, StressJob
 from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
-from study.statements.base import Setting, Statement
+from study.statements.shared.base import Setting, Statement
 from study.statements.enclosure.jobs import BoundJob
 from study.statements.thm_4_2.own_space import Place, places
 

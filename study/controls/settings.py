@@ -15,12 +15,14 @@ from manufactured.exact import ExactSolution
 from study.fem.naming import family_named, resolve
 from study.ledger.verdict import REPORTED, Verdict
 from study.solve.evolution import Midpoint
-from study.statements.independence import Sides, StandsAlone, independence
+from study.statements.thm_4_2.stands_alone import Sides, StandsAlone, independence
 from study.statements.prop_5_4.claims import prop_5_4, theorem_4_2
-from study.statements.prop_5_4.sweep import Setup, measure, steps_for
+from study.statements.prop_5_4.experiment import Experiment
+from study.solve.steps import steps_for
+from study.statements.prop_5_4.measure import measure
 from study.statements.thm_4_2 import own_space as own
-from study.statements.thm_4_2.orders_of_stresses import judge_stresses
-from study.statements.thm_4_2.same_mesh import gaps
+from study.statements.thm_4_2.predicted_orders import judge_stresses
+from study.statements.thm_4_2.gaps import gaps
 
 S = TypeVar("S")
 
@@ -59,12 +61,12 @@ class Sweep:
         turned = f" turned by {self.angle:g}" if self.angle else ""
         return f"{self.case}{turned}, n = {' '.join(map(str, self.levels))}"
 
-    def verdicts(self, defect: Callable[[Setup], Setup]) -> list[Verdict]:
+    def verdicts(self, defect: Callable[[Experiment], Experiment]) -> list[Verdict]:
         case, family = resolve(self.case), family_named(self.family)
         solution = turned(case.solution, self.angle) if self.angle else case.solution
         rows = []
         for level in self.levels:
-            setup = defect(Setup.of(solution, family, level, Midpoint(), steps_for(case, level)))
+            setup = defect(Experiment.of(solution, family, level, Midpoint(), steps_for(case, level)))
             rows.append(asdict(measure(setup).row(case.name, family.name, level)))
         return prop_5_4(case.name, pd.DataFrame(rows), case.order)
 
@@ -117,11 +119,11 @@ class OwnSpace:
     def __str__(self) -> str:
         return f"stresses of {self.case}, n = {' '.join(map(str, self.levels))}"
 
-    def verdicts(self, defect: Callable[[own.Setup], own.Setup]) -> list[Verdict]:
+    def verdicts(self, defect: Callable[[own.Experiment], own.Experiment]) -> list[Verdict]:
         case, family = resolve(self.case), family_named(self.family)
         rows = []
         for level in self.levels:
-            setup = defect(own.Setup.of(case.solution, family, level, own.steps_for(case, level)))
+            setup = defect(own.Experiment.of(case.solution, family, level, own.steps_for(case, level)))
             rows.append(asdict(own.row(setup, case.name, family.name, level)))
         found = judge_stresses(pd.DataFrame(rows), {case.name: case.regularity})
         return [verdict for verdict in found if verdict.verdict != REPORTED]

@@ -15,10 +15,7 @@ from manufactured.catalogue import catalogue
 from manufactured.data import Data
 from manufactured.problems import Problem, problems
 from study.fem.mesh import FAMILIES, MeshFamily, Shaken
-
-
-class UsageError(ValueError):
-    """A command was given something it cannot use."""
+from study.ledger.errors import UsageError
 
 
 def choose(kind: str, name: str, known: Sequence[Any]) -> Any:

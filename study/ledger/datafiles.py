@@ -1,25 +1,27 @@
-"""What presentation needs from the disk: data files read with clear errors."""
+"""The data files between measuring, judging and showing, read with clear errors and written whole."""
 
 from __future__ import annotations
 
-from collections.abc import Collection
+import json
+from collections.abc import Callable, Collection, Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from study.ledger.files import write_text
-
-VERDICTS = ("holds", "reported", "undecided", "fails")
-"""From best to worst."""
+from study.ledger.orders import RatesError, orders
+from study.ledger.verdict import VERDICTS, Verdict
 
 SERIES = ["claim", "case", "family", "scheme"]
 RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
 RATES += ["time_share"]
 SEEDS = ["label", "case", "seeds", "alarms", "claimed"]
-LEDGER = ["label", "statement", "case", "quantity", "expected", "observed", "low", "high", "verdict"]
+LEDGER = [field.name for field in fields(Verdict)]
 TEXT = {
     *SERIES,
     "label",
@@ -35,6 +37,7 @@ TEXT = {
     "reason",
     "twin",
     "trajectory",
+    "key",
 }
 """Columns that hold words even where they look like numbers or are empty."""
 
@@ -73,19 +76,76 @@ def write_csv(path: Path, table: pd.DataFrame) -> None:
     write_text(path, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
 
 
+Row = Mapping[str, Any]
+
+
+class DataFile(Protocol):
+    """Where measurements are kept: its name, and which columns tell its rows apart."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def key(self) -> tuple[str, ...]: ...
+
+    def write(self, data: Path, rows: Sequence[Row]) -> None: ...
+
+
+@dataclass(frozen=True)
+class CsvFile:
+    """A table of measurements.
+
+    Attributes:
+        name: of the file in ``data``.
+        key: the columns that tell its rows apart.
+        columns: all columns that are measured.
+        derive: adds columns that follow from the others.
+    """
+
+    name: str
+    key: tuple[str, ...]
+    columns: tuple[str, ...]
+    derive: Callable[[pd.DataFrame], pd.DataFrame] = pd.DataFrame.copy
+
+    def write(self, data: Path, rows: Sequence[Row]) -> None:
+        """Write the whole table."""
+        write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=list(self.columns))))
+
+    def read(self, directory: Path) -> pd.DataFrame:
+        """The table in ``directory/data``; DataError as ``read_csv``."""
+        return read_csv(directory, self.name, self.columns)
+
+    def keys(self, table: pd.DataFrame) -> set[tuple[str, ...]]:
+        """What identifies the rows: the name of the file and their key, as text."""
+        return {(self.name, *row) for row in table[list(self.key)].astype(str).itertuples(index=False, name=None)}
+
+
+@dataclass(frozen=True)
+class JsonFiles:
+    """A folder with a file for every measurement, named after the only column of its key."""
+
+    name: str
+    key: tuple[str, ...]
+
+    def write(self, data: Path, rows: Sequence[Row]) -> None:
+        """Write every file, without spaces after separators, which would be a tenth of it."""
+        for row in rows:
+            text = json.dumps(row, separators=(",", ":")) + "\n"
+            write_text(data / self.name / f"{row[self.key[0]]}.json", text)
+
+
 def read_rates(directory: Path) -> pd.DataFrame:
     """``rates.csv`` with the levels of every series in order and a column ``discrete_order``."""
     rates = read_csv(directory, "rates.csv", RATES)
     series = [frame.sort_values("level") for _, frame in rates.groupby(SERIES, sort=False)]
     rates = pd.concat(series, ignore_index=True) if series else rates
-    orders = [_orders(frame["h"].to_numpy(), frame["discrete_error"].to_numpy()) for frame in series]
+    orders = [since_before(frame["h"].to_numpy(), frame["discrete_error"].to_numpy()) for frame in series]
     return rates.assign(discrete_order=np.concatenate(orders) if orders else [])
 
 
 def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
     """The levels of a series in order with the consecutive orders of a column as ``order``."""
     ordered = series.sort_values("level")
-    return ordered.assign(order=_orders(ordered["h"].to_numpy(), ordered[column].to_numpy()))
+    return ordered.assign(order=since_before(ordered["h"].to_numpy(), ordered[column].to_numpy()))
 
 
 def caught(controls: pd.DataFrame) -> tuple[int, int]:
@@ -119,7 +179,20 @@ def read_claims(directory: Path) -> pd.DataFrame:
     return claims
 
 
-def _orders(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Consecutive orders with NaN for the first level, and where an error is zero and has none."""
-    safe = np.where(error > 0, error, np.nan)
-    return np.concatenate([[np.nan], np.log(safe[:-1] / safe[1:]) / np.log(h[:-1] / h[1:])])
+def with_orders(table: pd.DataFrame) -> pd.DataFrame:
+    """Rows with the order of their error since the level before, in the column ``order`` behind the time share."""
+    found = table.assign(order=np.nan)
+    for _, group in table.groupby(SERIES, sort=False):
+        found.loc[group.index, "order"] = since_before(group["h"].to_numpy(), group["error"].to_numpy())
+    columns = list(table.columns)
+    columns.insert(columns.index("time_share") + 1, "order")
+    return found[columns]
+
+
+def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Orders of every level since the one before; not a number for the first, and where an error has none."""
+    found = np.full(len(h), np.nan)
+    for i in range(1, len(h)):
+        with suppress(RatesError):
+            found[i] = orders(h[i - 1 : i + 1], error[i - 1 : i + 1])[0]
+    return found

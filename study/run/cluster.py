@@ -8,7 +8,8 @@ from contextlib import contextmanager
 from importlib.metadata import version
 from typing import Any
 
-from study.fem.naming import UsageError, resolve
+from study.ledger.errors import UsageError
+from study.fem.naming import resolve
 from study.run.execute import Pool
 from study.run.job import METHOD, fingerprint
 from study.run.versions import versions

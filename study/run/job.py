@@ -22,11 +22,11 @@ from study.run.pictures import FORM, picture
 from study.run.versions import versions
 from study.solve.evolution import SCHEMES, Scheme
 from study.statements import STATEMENTS
-from study.statements.base import Setting, Statement
-from study.statements.prop_5_4.sweep import measure_case
+from study.statements.shared.base import Setting, Statement
+from study.statements.prop_5_4.measure import measure_case
 from study.statements.thm_4_2.own_space import Place, measure_stresses
 from study.statements.thm_4_2.own_space import steps_for as stress_steps
-from study.statements.thm_4_2.same_mesh import compare
+from study.statements.thm_4_2.gaps import compare
 
 METHOD = 8
 """To be raised with every change of the code that changes numbers: older results are then computed anew.

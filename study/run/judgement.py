@@ -15,10 +15,10 @@ from study.run.provenance import read_provenance
 from study.statements import STATEMENTS, position
 from study.statements.enclosure.claims import judge_bounds
 from study.statements.prop_5_4.claims import complete, judge
-from study.statements.prop_5_4.sweep import Row
-from study.statements.thm_4_2.orders_of_stresses import judge_stresses
+from study.statements.prop_5_4.measure import Row
+from study.statements.thm_4_2.predicted_orders import judge_stresses
 from study.statements.thm_4_2.own_space import StressRow
-from study.statements.thm_4_2.same_mesh import Gaps
+from study.statements.thm_4_2.gaps import Gaps
 
 RATE_KEY = ["case", "family", "scheme", "level"]
 EQUIVALENCE_KEY = ["case", "family", "level"]

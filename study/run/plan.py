@@ -13,14 +13,15 @@ from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.fem.line import Line
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, boundary_parts
-from study.fem.naming import UsageError, family_named, resolve
+from study.ledger.errors import UsageError
+from study.fem.naming import family_named, resolve
 from study.fem.quadrature import rough_cells
 from study.run import pictures
 from study.run.job import EquivalenceJob, Job, PictureJob, RateJob, StatementJob, StressJob
 from study.statements import STATEMENTS
 from study.statements.enclosure.jobs import BoundJob
 from study.statements.enclosure.plan import full_bounds, quick_bounds
-from study.statements.prop_5_4.sweep import steps_for
+from study.solve.steps import steps_for
 from study.statements.thm_4_2.own_space import places
 
 

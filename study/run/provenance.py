@@ -7,7 +7,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from study.fem.naming import UsageError
+from study.ledger.errors import UsageError
 from study.run.plan import Plan
 from study.run.store import FORMAT, Store, require_format
 from study.run.versions import packages

@@ -3,22 +3,22 @@
 from __future__ import annotations
 
 from study.statements.admissibility import Admissibility
-from study.statements.base import Statement
 from study.statements.boundary import NaturalConditions
 from study.statements.bounds import ErrorBounds
 from study.statements.constraint import Interpolant, VertexConstraint
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.hypercircle import Hypercircle
-from study.statements.independence import StandsAlone
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn
 from study.statements.law import ElasticityOperator, Projection, Viscosity
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms import Norms
 from study.statements.residual import Residual
+from study.statements.shared.base import Statement
 from study.statements.slips import SLIPS
 from study.statements.stress_uniqueness import OneStress
+from study.statements.thm_4_2.stands_alone import StandsAlone
 from study.statements.untested import UNTESTED
 from study.statements.wellposed import BoundedVelocity, Dependence, OneTrajectory
 

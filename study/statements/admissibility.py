@@ -18,13 +18,15 @@ from manufactured.tensors import Array, Tensors
 from study.fem.material import on_cells
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.verdict import Verdict, Window
+from study.ledger.criterion import judge
+from study.ledger.measures import largest
+from study.ledger.verdict import Verdict
+from study.ledger.window import at_most
 from study.solve.cholesky.factorisation import Factor
 from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem
-from study.statements.base import Setting
-from study.statements.prop_5_4.sweep import Setup
-from study.statements.tally import grid, judge, largest, with_h
-from study.statements.thm_4_2.same_mesh import beyond
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.thm_4_2.gaps import beyond
 
 LINEAR = ("full-contact", "advance-recede", "travelling-patch")
 YIELDING = ("yield-and-release", "yield-on-a-part")
@@ -35,27 +37,25 @@ SAMPLES = 8
 """Random v ∈ K^h and τ ∈ Σ^h(t) at every step."""
 SEED = 2002
 
-ROUND_OFF = Window(
-    0.0, 1e-10, f"≤ 1e-10 at every step: round-off, and for law (3.3) a fixed point stopped at {FIXED_POINT:g}"
-)
+ROUND_OFF = at_most(1e-10, f"round-off at every step, and for law (3.3) a fixed point stopped at {FIXED_POINT:g}")
 
 CRITERIA = (
-    largest("(3.10): u_n ∈ K^h", ROUND_OFF, "membership"),
-    largest("(4.15): distance of F − Eᵀσ_n from {Nᵀλ : λ ≥ 0}", ROUND_OFF, "distance"),
-    largest("(4.14): |(σ_n, ε(u_n))_Q − (f_n, u_n)_V|", ROUND_OFF, "work"),
-    largest("(3.10): violation for random v ∈ K^h", ROUND_OFF, "displacements"),
-    largest("(3.11): violation for random τ ∈ Σ^h(t_n)", ROUND_OFF, "stresses"),
+    largest("membership", "(3.10): u_n ∈ K^h", ROUND_OFF, "membership"),
+    largest("cone", "(4.15): distance of F − Eᵀσ_n from {Nᵀλ : λ ≥ 0}", ROUND_OFF, "distance"),
+    largest("work", "(4.14): |(σ_n, ε(u_n))_Q − (f_n, u_n)_V|", ROUND_OFF, "work"),
+    largest("displacements", "(3.10): violation for random v ∈ K^h", ROUND_OFF, "displacements"),
+    largest("stresses", "(3.11): violation for random τ ∈ Σ^h(t_n)", ROUND_OFF, "stresses"),
 )
 
 
 @dataclass(frozen=True)
-class Admissibility:
+class Admissibility(ListedNumbers):
     """σ_n ∈ Σ^h(t_n), (σ_n, ε(u_n)) = (f_n, u_n), and the inequalities (3.10) and (3.11)."""
 
     label: str = "(3.9)–(3.11), (4.14), (4.15)"
     claim: str = "σ(t) ∈ Σ(t) and (σ(t), ε(u(t)))_Q = (f(t), u(t))_V"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if not full:
             return grid((*LINEAR, *YIELDING), ("shaken",), (8,))
         structured = grid((*LINEAR, *YIELDING), ("one-diagonal", "criss-cross", "shaken"), (8, 16, 32))
@@ -67,14 +67,14 @@ class Admissibility:
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Setup.of(solution, family_named(setting.family), setting.level, BackwardEuler(), STEPS)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, BackwardEuler(), STEPS)
         return with_h(setup.space.h, largest_violations(setup))
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         return judge(self, rows, CRITERIA)
 
 
-def largest_violations(setup: Setup) -> dict[str, float]:
+def largest_violations(setup: Experiment) -> dict[str, float]:
     """The largest over the steps, each relative to the largest size of its terms."""
     space, problem = setup.space, setup.problem
     cells, k = on_cells(space, setup.solution.law), problem.T / setup.steps

@@ -31,11 +31,13 @@ from study.fem.gauge import DEGREE, FACET_POINTS, rules
 from study.fem.material import on_cells
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.verdict import Verdict, Window
+from study.ledger.criterion import Observation, judge
+from study.ledger.measures import order
+from study.ledger.verdict import Verdict
+from study.ledger.window import around, between
 from study.solve.evolution import Midpoint
-from study.statements.base import Setting
-from study.statements.prop_5_4.sweep import Setup
-from study.statements.tally import Observation, grid, judge, order, with_h
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 
 SEED = 2002
 INSTANTS = 8
@@ -43,30 +45,30 @@ INSTANTS = 8
 FIELDS = 3
 """Smooth fields for each of the two conditions."""
 
-STRONG = Window(0.75, 1.25, "1 ± 0.25: the error is spread evenly (1/2 is all that ‖σ − σ^h‖_Q = O(h) gives)")
-SUPERCLOSE = Window(0.75, 2.0, "≥ 1 − 0.25, up to 2 where triangles along Γ3 are symmetric")
-WEAK = Window(1.7, 2.3, "2 ± 0.3: O(h) in σ − σ^h times O(h) in v − Π^h v")
+STRONG = around(1, 0.25, "the error is spread evenly (1/2 is all that ‖σ − σ^h‖_Q = O(h) gives)")
+SUPERCLOSE = between(1, 2, 0.25, 0, "2 where triangles along Γ3 are symmetric")
+WEAK = around(2, 0.3, "O(h) in σ − σ^h times O(h) in v − Π^h v")
 
 LINES = (
-    order("order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
-    order("order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
+    order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
+    order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
     Observation(
-        order("order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
+        order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
         "it is bounded by the row above, and what is of first order in it depends on how the triangles along Γ3 lie",
     ),
-    order("order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
-    order("order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
+    order("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
+    order("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
 )
 
 
 @dataclass(frozen=True)
-class NaturalConditions:
+class NaturalConditions(ListedNumbers):
     """The natural boundary conditions of the discrete stress at the midpoints of the time steps."""
 
     label: str = "(4.13)"
     claim: str = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if not full:
             return grid(("advance-recede",), ("shaken",), (8, 16, 32))
         cases = "advance-recede", "travelling-patch", "yield-and-release"
@@ -76,14 +78,14 @@ class NaturalConditions:
         solution = resolve(setting.case).solution
         # An odd number of steps for each instant puts the instants into the middle of steps.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
-        setup = Setup.of(solution, family_named(setting.family), setting.level, Midpoint(), steps)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, Midpoint(), steps)
         return with_h(setup.space.h, tractions(setup))
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         return judge(self, rows, LINES)
 
 
-def tractions(setup: Setup) -> dict[str, float]:
+def tractions(setup: Experiment) -> dict[str, float]:
     """The norms relative to ‖σν‖ on Γ2 ∪ Γ3, the weak ones with fields of ‖v‖_V = 1."""
     sides = {kind: [Side(setup, part) for part in setup.space.body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT)}
     probes = {
@@ -105,7 +107,7 @@ def tractions(setup: Setup) -> dict[str, float]:
     return {name: float(np.sqrt(total[name] / total["size"])) for name in total.index if name != "size"}
 
 
-def discrete_stresses(setup: Setup) -> Iterator[tuple[float, Tensors]]:
+def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
     """(t, σ^h(t)) at the instants, each the middle of a step: σ^h = A ε(δu_n) + G ε((u_n + u_{n−1})/2)."""
     space, cells, k = setup.space, on_cells(setup.space, setup.solution.law), setup.problem.T / setup.steps
     each = setup.steps // INSTANTS
@@ -118,7 +120,7 @@ def discrete_stresses(setup: Setup) -> Iterator[tuple[float, Tensors]]:
 class Side:
     """One part of Γ with its facets and the cells behind them."""
 
-    def __init__(self, setup: Setup, part: Part) -> None:
+    def __init__(self, setup: Experiment, part: Part) -> None:
         mesh, facets = setup.space.mesh, setup.space.facets(part)
         self.part = part
         self.cells = mesh.f2t[0, facets]
@@ -152,7 +154,7 @@ class Probe:
     (f, v)_V = (σ, ε(v))_Q for these fields, by Green's formula (2.14) with (2.2), (2.4) and (2.5).
     """
 
-    def __init__(self, setup: Setup, fields: list[Field]) -> None:
+    def __init__(self, setup: Experiment, fields: list[Field]) -> None:
         self.blocks = []
         squares = np.zeros(len(fields))
         for rule in rules(setup.solution, setup.space.mesh, DEGREE):

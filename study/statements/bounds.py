@@ -54,25 +54,15 @@ from manufactured.law import KelvinVoigt
 from study.fem.gauge import FACET_POINTS
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.verdict import Verdict, Window
+from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_case
+from study.ledger.measures import ENOUGH, change, largest, order
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, around, at_most
 from study.solve.evolution import Midpoint
-from study.statements.base import Setting
-from study.statements.instants import Velocity, midpoints
-from study.statements.prop_5_4.sweep import Setup, steps_for
-from study.statements.tally import (
-    ENOUGH,
-    Criterion,
-    Groups,
-    Line,
-    Measured,
-    Observation,
-    by_case,
-    change,
-    grid,
-    largest,
-    order,
-    with_h,
-)
+from study.solve.steps import steps_for
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.instants import Velocity, midpoints
 
 INSTANTS = 64
 """Nodes of the midpoint rule for the norms in time."""
@@ -80,8 +70,8 @@ INSTANTS = 64
 ROUND_OFF = 1e-11
 """Pressures below this part of the size of stresses are none."""
 
-STEADY = Window(0.7, 1.4, "0.7 … 1.4 over two refinements: orders that differ by less than 1/4")
-PROVED = Window(0.0, 1.0, "≤ 1 with the constant c of the proof; 1/observed is the room that it leaves")
+STEADY = Window(0.7, 1.4, "over two refinements: orders that differ by less than 1/4")
+PROVED = at_most(1.0, "with the constant c of the proof; 1/observed is the room that it leaves")
 BOUNDS = "(5.21)", "(5.42)"
 RATE, TRACE = "‖η̇‖_{L²(0,T;V)}", "(‖σ_ν‖ ‖η_ν‖)^{1/2}"
 """The terms that may be of lower order than the error."""
@@ -90,13 +80,13 @@ LOGARITHM = "τ = 2"
 
 
 @dataclass(frozen=True)
-class ErrorBounds:
+class ErrorBounds(ListedNumbers):
     """The right sides of (5.21) and (5.42) over the error, under refinement and with the constant of the proof."""
 
     label: str = "(5.20)–(5.21), (5.42)"
     claim: str = "‖u − u^h‖_{L∞(0,T;V)} ≤ c (‖u_0 − v_0^h‖_V + ‖u̇ − v̇^h‖_{L²(0,T;V)} + ‖R‖^{1/2}) + c ‖u_0 − u_0^h‖_V"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if not full:
             return grid(("full-contact", "advance-recede", "rough-2"), ("shaken",), (6, 12, 24))
         smooth = "full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part"
@@ -112,7 +102,7 @@ class ErrorBounds:
     def measure(self, setting: Setting) -> dict[str, float]:
         case = resolve(setting.case)
         steps = steps_for(case, setting.level)
-        setup = Setup.of(case.solution, family_named(setting.family), setting.level, Midpoint(), steps)
+        setup = Experiment.of(case.solution, family_named(setting.family), setting.level, Midpoint(), steps)
         return with_h(setup.space.h, {**sides(setup), **predicted(case)})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -127,29 +117,35 @@ def predicted(case: Case) -> dict[str, float]:
     return {**growth, LOGARITHM: float(found.trace == 2)}
 
 
+def number(bound: str) -> str:
+    """5.21 of (5.21)."""
+    return bound.strip("()")
+
+
 def exponent(bound: str) -> str:
     """The column of γ."""
     return f"γ of {bound}"
 
 
-def lines(groups: Groups) -> list[Line]:
+def lines(groups: Groups) -> list[Rule]:
     """Two rows for each bound."""
     (table, *_) = groups.values()
-    found: list[Line] = []
+    found: list[Rule] = []
     for bound in BOUNDS:
         gamma = first(table, exponent(bound))
-        steady = change(f"right side of {bound} / error: change under refinement", STEADY, bound)
+        about = f"right side of {bound} / error: change under refinement"
         # Undecided without a prediction.
-        steady = replace(steady, needs=(bound, exponent(bound)))
+        steady = replace(change(f"steady-{number(bound)}", about, STEADY, bound), needs=(bound, exponent(bound)))
         if gamma > 0:
             of_rate = gamma == first(table, exponent("(5.21)"))
             found.append(growing(bound, gamma, RATE if of_rate else TRACE))
         elif bound == "(5.42)" and first(table, LOGARITHM) > 0:
-            about = f"{steady.quantity}, of lower order by |log h|^{{1/4}}"
-            found.append(Observation(replace(steady, quantity=about), "a logarithm does not show on a few levels"))
+            lower = replace(steady, quantity=f"{about}, of lower order by |log h|^{{1/4}}")
+            found.append(Observation(lower, "a logarithm does not show on a few levels"))
         else:
             found.append(steady)
-        found.append(largest(f"error / (c · right side of {bound})", PROVED, f"{bound}, c"))
+        room = f"error / (c · right side of {bound})"
+        found.append(largest(f"constant-{number(bound)}", room, PROVED, f"{bound}, c"))
     return found
 
 
@@ -160,17 +156,15 @@ def first(table: pd.DataFrame, column: str) -> float:
 
 def growing(bound: str, gamma: float, term: str) -> Criterion:
     """The exponent with which the term of lowest order of a bound grows over the error."""
-    window = Window(
-        gamma / 2, 3 * gamma / 2, f"{gamma:g} ± {gamma / 2:g}: nearer to {gamma:g} than to 0 or {2 * gamma:g}"
-    )
-    falling = order("", window, term)
+    window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
+    falling = order("", "", window, term)
 
     def measure(group: pd.DataFrame) -> Measured | None:
         found = falling.measure(group)
         return found and (-found[0], (-found[0], -found[0]))
 
     quantity = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
-    return Criterion(quantity, window, measure, (term,), ENOUGH)
+    return Criterion(f"growth-{number(bound)}", quantity, window, measure, (term,), ENOUGH)
 
 
 def constant(law: KelvinVoigt, T: float) -> float:
@@ -180,7 +174,7 @@ def constant(law: KelvinVoigt, T: float) -> float:
     return math.exp(omega * T) * max(2 + L * T, on_rate)
 
 
-def sides(setup: Setup) -> dict[str, float]:
+def sides(setup: Experiment) -> dict[str, float]:
     """Both sides of both bounds."""
     gauge, problem, T = setup.gauge, setup.problem, setup.problem.T
     error = max(gauge.distance(gauge.sample(state.time), state.u) for state in setup.scheme.march(problem, setup.steps))
@@ -208,7 +202,7 @@ def sides(setup: Setup) -> dict[str, float]:
 class Trace:
     """σ_ν and η_ν = u_ν − Π^h u_ν on one piece of Γ3."""
 
-    def __init__(self, setup: Setup, face: Face) -> None:
+    def __init__(self, setup: Experiment, face: Face) -> None:
         mesh, facets = setup.space.mesh, setup.space.facets(face.part)
         self.rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
         self.exact = setup.solution.on(face, self.rule.s)

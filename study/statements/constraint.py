@@ -20,11 +20,13 @@ from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.verdict import Verdict, Window
-from study.statements.base import Setting
+from study.ledger.criterion import judge
+from study.ledger.measures import every, largest
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
-from study.statements.places import EVERY, LAST, different, place, shape, space_of
-from study.statements.tally import every, judge, largest, with_h
+from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.places import EVERY, LAST, different, place, shape, space_of
 
 SEED = 2002
 SAMPLES = 40
@@ -38,20 +40,20 @@ CORNER = 0.95
 TOLERANCE = 1e-8
 """Distance below which a vertex lies on a part of the boundary."""
 
-NEVER = Window(-math.inf, 1e-12, "≤ 0 up to 1e-12")
-SEEN = Window(0.5, 1.0, "≥ 1/2 of that at the vertex")
+NEVER = at_most(1e-12, "never positive but for rounding", low=-math.inf)
+SEEN = Window(0.5, 1.0, "of that at the vertex")
 """With v_ν = 1 at a vertex and v_ν ≥ −1 at the others the points near it have 2 · 0.95 − 1 = 0.9 at least."""
-CLAMPED = Window(0.0, 1e-12, "0 up to 1e-12")
+CLAMPED = at_most(1e-12, "0 but for rounding")
 
 
 @dataclass(frozen=True)
-class VertexConstraint:
+class VertexConstraint(ListedNumbers):
     """The largest v_ν on Γ3 of members of K^h, the smallest of strangers, once for each body."""
 
     label: str = "K^h"
     claim: str = "v ∈ V^h lies in K if and only if v_ν ≤ 0 at the vertices of Γ3"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         bodies = different(shape)
         return place(bodies, EVERY, (8, 16), (2, 4)) if full else place(bodies, LAST, (8,), (2,))
 
@@ -66,20 +68,20 @@ class VertexConstraint:
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         lines = (
-            largest("Nv ≤ 0 ⇒ v_ν ≤ 0 on Γ3", NEVER, "members"),
-            every("(Nv)_i > 0 ⇒ v_ν > 0 somewhere on Γ3", SEEN, "strangers"),
+            largest("members", "Nv ≤ 0 ⇒ v_ν ≤ 0 on Γ3", NEVER, "members"),
+            every("strangers", "(Nv)_i > 0 ⇒ v_ν > 0 somewhere on Γ3", SEEN, "strangers"),
         )
         return judge(self, rows, lines)
 
 
 @dataclass(frozen=True)
-class Interpolant:
+class Interpolant(ListedNumbers):
     """The largest v_ν on Γ3 of Π^h v, for v = u(t) at many times and for random smooth v ∈ K."""
 
     label: str = "Π^h"
     claim: str = "Π^h v ∈ K^h for v ∈ K ∩ C(Ω̄)"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         return place(catalogue(), EVERY, (8, 16), (2, 4)) if full else place(different(shape), LAST, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -90,9 +92,9 @@ class Interpolant:
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         lines = (
-            largest("Π^h u(t): v_ν on Γ3 and Nv", NEVER, "exact"),
-            largest("|u(t)| on Γ1", CLAMPED, "clamped"),
-            largest("Π^h v for random v ∈ K ∩ C(Ω̄): v_ν on Γ3 and Nv", NEVER, "smooth"),
+            largest("exact", "Π^h u(t): v_ν on Γ3 and Nv", NEVER, "exact"),
+            largest("clamped", "|u(t)| on Γ1", CLAMPED, "clamped"),
+            largest("smooth", "Π^h v for random v ∈ K ∩ C(Ω̄): v_ν on Γ3 and Nv", NEVER, "smooth"),
         )
         return judge(self, rows, lines)
 

@@ -30,12 +30,14 @@ from scipy.stats import t as student
 
 from manufactured.tensors import Array
 from study.fem.naming import family_named, resolve
+from study.ledger.criterion import Criterion, Measure, Measured, Observation, Rule, judge
+from study.ledger.measures import ENOUGH
 from study.ledger.orders import CONFIDENCE
-from study.ledger.verdict import Verdict, Window
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, around, at_most, between
 from study.solve.evolution import SCHEMES, Midpoint, Scheme
-from study.statements.base import Setting
-from study.statements.prop_5_4.sweep import Setup
-from study.statements.tally import ENOUGH, Criterion, Line, Measure, Measured, Observation, grid, judge, with_h
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 
 COUNTS = (4, 8, 16, 32, 64, 128)
 """Time steps of the tables: so few that the error in time is seen beside that in space."""
@@ -46,12 +48,12 @@ ASYMPTOTIC = COUNTS[2:]
 VISIBLE = 0.5
 """An order in k is read from e only if d is this part of it for two numbers of steps."""
 
-FIRST = Window(0.9, 1.1, "1 ± 0.1")
-SECOND = Window(1.4, 2.1, "2, falling to 3/2 where vertices change contact, ± 0.1")
+FIRST = around(1, 0.1)
+SECOND = between(1.5, 2, 0.1, 0.1, "3/2 where vertices change contact")
 ORDERS = {"backward-euler": FIRST, "bdf2": SECOND, "midpoint": SECOND}
-IN_H = Window(0.85, 1.15, "1 ± 0.15")
-NOT_STIFF = Window(-0.1, 0.1, "0 ± 0.1")
-BETTER = Window(0.0, 1.0, "< 1")
+IN_H = around(1, 0.15)
+NOT_STIFF = around(0, 0.1)
+BETTER = at_most(1.0)
 OPEN = "the source leaves it open (no number: not to be seen; undecided: a wide interval)"
 
 
@@ -101,27 +103,27 @@ def joint_fit(h: Array, k: Array, e: Array, time: Fit, power: float) -> Fit:
 
 
 @dataclass(frozen=True)
-class FullyDiscrete:
+class FullyDiscrete(ListedNumbers):
     """e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
 
     label: str = "beyond: fully discrete"
     claim: str = "the fully discrete error is of order p in h and q in k, open in the source"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         # Nothing is judged here, and every table needs a solution in a thousand steps: left to the full study.
         cases = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release") if full else ()
         return grid(cases, ("shaken",), (6, 12, 24))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Setup.of(solution, family_named(setting.family), setting.level, Midpoint(), FINEST)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, Midpoint(), FINEST)
         return with_h(setup.space.h, dict(errors(setup)))
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         return judge(self, rows, LINES)
 
 
-def errors(setup: Setup) -> Iterator[tuple[str, float]]:
+def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
     """e and d of every scheme and number of steps, under the names of ``columns``."""
     gauge, M = setup.gauge, setup.problem.M
     # Schemes and grids share most of their times.
@@ -184,28 +186,38 @@ class Table:
         return value, (value, value)
 
 
-def lines(scheme: Scheme) -> Iterator[Line]:
+def lines(scheme: Scheme) -> Iterator[Rule]:
     """What is reported for a scheme."""
     order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e", COUNTS) + columns(scheme, "d", COUNTS))
-    found: list[tuple[str, Window, Callable[[Table], Measured | None]]] = [
-        ("order q of ‖u^h − u^{hk}‖ in k", order, lambda table: table.in_time().parameter(1)),
-        ("order s of ‖u^h − u^{hk}‖ in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
-        ("order p of ‖u − u^{hk}‖ in h", IN_H, lambda table: table.jointly().parameter(1)),
+    found: list[tuple[str, str, Window, Callable[[Table], Measured | None]]] = [
+        ("time-in-k", "order q of ‖u^h − u^{hk}‖ in k", order, lambda table: table.in_time().parameter(1)),
+        ("time-in-h", "order s of ‖u^h − u^{hk}‖ in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
+        ("error-in-h", "order p of ‖u − u^{hk}‖ in h", IN_H, lambda table: table.jointly().parameter(1)),
         (
+            "error-in-k",
             "order q of ‖u − u^{hk}‖ in k",
             order,
             lambda table: table.jointly().parameter(3) if table.visible() else None,
         ),
-        ("misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, Table.misfits),
-        ("order p of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖", IN_H, lambda table: table.jointly(1.0).parameter(1)),
+        ("misfit", "misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, Table.misfits),
         (
+            "sum-in-h",
+            "order p of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖",
+            IN_H,
+            lambda table: table.jointly(1.0).parameter(1),
+        ),
+        (
+            "sum-in-k",
             "order q of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖",
             order,
             lambda table: table.jointly(1.0).parameter(3) if table.visible() else None,
         ),
     ]
-    for quantity, window, of in found:
-        yield Observation(Criterion(f"{scheme.name}: {quantity}", window, _on(scheme, of), needs, ENOUGH), OPEN)
+    for key, quantity, window, of in found:
+        yield Observation(
+            Criterion(f"{scheme.name}-{key}", f"{scheme.name}: {quantity}", window, _on(scheme, of), needs, ENOUGH),
+            OPEN,
+        )
 
 
 def _on(scheme: Scheme, of: Callable[[Table], Measured | None]) -> Measure:

@@ -45,12 +45,14 @@ from study.fem.gauge import DEGREE, SOLID_DEGREE, Gauge
 from study.fem.independent import work_of_body_force, work_on
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.verdict import Verdict, Window
+from study.ledger.criterion import judge
+from study.ledger.measures import finest, largest
+from study.ledger.verdict import Verdict
+from study.ledger.window import at_most
 from study.solve.cholesky.factorisation import Factor
-from study.statements.base import Setting
-from study.statements.eigen import unloaded
-from study.statements.places import FIRST, named, place, space_of
-from study.statements.tally import finest, judge, largest, with_h
+from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.eigen import unloaded
+from study.statements.shared.places import FIRST, named, place, space_of
 
 TIMES = (0.23, 0.61, 0.79)
 """Fractions of T at which no case has an event (0.3 and 0.7 are where ``lift-and-land`` lifts and lands): before,
@@ -62,21 +64,21 @@ COARSE = 4
 HALVINGS = {2: 3, 3: 2}
 """How often cells are halved, by dimension."""
 
-SMOOTH = Window(0.0, 1e-10, "≤ 1e-10 with the fine rule: f_0 is smooth off straight lines")
-KINKED = Window(0.0, 0.1, "≤ 0.1: f_0 jumps along curves, a term left out gives 1")
-SHRINKING = Window(0.0, 2.0, "≤ 2 · 2^{−k} for k halvings: 2^{−k} if all errors have one sign, 2 for their scatter")
+SMOOTH = at_most(1e-10, "with the fine rule: f_0 is smooth off straight lines")
+KINKED = at_most(0.1, "f_0 jumps along curves, a term left out gives 1")
+SHRINKING = at_most(2.0, "times 2^{−k} for k halvings: 1 if all errors have one sign, 2 for their scatter")
 ROUND_OFF = 1e-12
 """Defects and terms below it are rounding."""
 
 
 @dataclass(frozen=True)
-class Green:
+class Green(ListedNumbers):
     """The two sides as functionals on V^h, for the cases with Div σ ∈ H."""
 
     label: str = "(2.14)"
     claim: str = "(σ, ε(v))_Q + (Div σ, v)_H = ∫_Γ σν·v"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if full:
             return place([case for case in catalogue() if square_integrable(case)], FIRST, (8, 16), (6,))
         cases = named("full-contact", "no-contact", "fixed-front-off-vertex", "advance-recede", "yield-and-release")
@@ -102,9 +104,11 @@ class Green:
         return judge(self, first, [REMAINING]) + judge(self, second, [HALVED, SHRUNK])
 
 
-REMAINING = finest("defect as a functional on V^h / smallest term", SMOOTH, "fine rule")
-HALVED = finest("defect as a functional on V^h / smallest term, cells halved", KINKED, "halved cells")
-SHRUNK = largest("2^k · defect on cells halved k times / defect on whole cells, same V^h", SHRINKING, "shrunk")
+REMAINING = finest("fine-rule", "defect as a functional on V^h / smallest term", SMOOTH, "fine rule")
+HALVED = finest("halved", "defect as a functional on V^h / smallest term, cells halved", KINKED, "halved cells")
+SHRUNK = largest(
+    "shrunk", "2^k · defect on cells halved k times / defect on whole cells, same V^h", SHRINKING, "shrunk"
+)
 
 
 def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0) -> float:

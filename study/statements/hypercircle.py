@@ -41,10 +41,12 @@ from manufactured.tensors import Array, Tensors
 from study.fem.gauge import Gauge
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.verdict import Verdict, Window
+from study.ledger.criterion import Observation, Rule, judge
+from study.ledger.measures import every
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, around
 from study.solve.signorini import Signorini
-from study.statements.base import Setting
-from study.statements.tally import Line, Observation, every, grid, judge, with_h
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.stresses.composite import products
 from study.stresses.hybrid import Equilibrium
 from study.stresses.loads import ProjectedLoads
@@ -58,18 +60,18 @@ QUICK = ("full-contact", "advance-recede")
 LOW, HIGH = 1, 3
 """Degrees of the stresses."""
 BOUND = "guaranteed bound of both errors"
-TIGHT = Window(1.0, 1.05, "1 … 1.05 from n = 16 on: never below both errors")
-NEAR = Window(0.95, 1.05, "1 ± 0.05 from n = 16 on")
+TIGHT = Window(1.0, 1.05, "from n = 16 on: never below both errors")
+NEAR = around(1, 0.05, "from n = 16 on")
 
 
 @dataclass(frozen=True)
-class Hypercircle:
+class Hypercircle(ListedNumbers):
     """‖σ^h − Cε(u^h)‖ over both errors, for linear laws with constant coefficients."""
 
     label: str = "Prager–Synge"
     claim: str = "u^h and σ^h bound each other's errors, at a frozen time"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         return grid(CASES, ("shaken",), (16, 32)) if full else grid(QUICK, ("shaken",), (16,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -88,11 +90,16 @@ class Hypercircle:
         return with_h(displacements.h, found)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        lines: list[Line] = [
-            every(f"{BOUND} / both errors", TIGHT, "guaranteed"),
+        lines: list[Rule] = [
+            every("guaranteed", f"{BOUND} / both errors", TIGHT, "guaranteed"),
             *(
                 Observation(
-                    every(f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {degree}", NEAR, f"plain_{degree}"),
+                    every(
+                        f"plain-{degree}",
+                        f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {degree}",
+                        NEAR,
+                        f"plain_{degree}",
+                    ),
                     "it is a bound only with the oscillation of the forces",
                 )
                 for degree in (LOW, HIGH)

@@ -12,8 +12,9 @@ at a front lie in H^τ, τ < α + 1/2, and have the order min(2, α + 1/2).
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import count, takewhile
 
 import numpy as np
 import pandas as pd
@@ -26,14 +27,13 @@ from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.orders import RatesError
-from study.ledger.verdict import Verdict, Window
-from study.statements.base import Setting
+from study.ledger.criterion import Criterion, Measured, Observation, Rule, by_case, judge
+from study.ledger.measures import ENOUGH, between_levels, consecutive, order
+from study.ledger.verdict import Verdict
+from study.ledger.window import around
 from study.statements.boundary import Field, distances, planes, strain, waves
-from study.statements.places import EVERY, different, material, named, place, shape, space_of
-from study.statements.prop_5_4.claims import JUDGED, consecutive, last_order
-from study.statements.tally import Criterion, Line, Measured, Observation, by_case, with_h
-from study.statements.tally import order as fitted_order
+from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.places import EVERY, different, material, named, place, shape, space_of
 
 SEED = 2002
 TIMES = (0.23, 0.61)
@@ -44,27 +44,6 @@ NOTHING = 1e-10
 """Relative errors smaller than this are rounding: traces that are zero or linear have no error with an order."""
 ROOM = 0.15
 """Fronts lie differently in their cells on each level, and meshes that are not nested differ by chance."""
-
-
-def window(expected: float) -> Window:
-    return Window(expected - ROOM, expected + ROOM, f"{expected:g} ± {ROOM:g}")
-
-
-def order(quantity: str, column: str, expected: float) -> Criterion:
-    """Every consecutive order of the finest levels."""
-    return Criterion(f"{quantity}, level by level", window(expected), or_none(consecutive(column)), (column,), JUDGED)
-
-
-def or_none(measure: Callable[[pd.DataFrame], Measured]) -> Callable[[pd.DataFrame], Measured]:
-    """Not a number where errors have no order, so that the verdict fails."""
-
-    def measured(table: pd.DataFrame) -> Measured:
-        try:
-            return measure(table)
-        except RatesError:
-            return math.nan, (math.nan, math.nan)
-
-    return measured
 
 
 def smooth(body: Body) -> Field:
@@ -78,16 +57,18 @@ def at(fraction: float) -> str:
 
 
 SMOOTH = "a smooth field"
+FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": at(fraction) for fraction in TIMES}}
+"""The v, by what the keys of their rows say of them."""
 
 
 @dataclass(frozen=True)
-class InterpolationInV:
+class InterpolationInV(ListedNumbers):
     """Orders of ‖v − Π^h v‖_V, for the cases with u(t) ∈ H² on each cell."""
 
     label: str = "(5.23)"
     claim: str = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if full:
             cases = [case for case in different(_body_and_law) if case.regularity.smoothness > 1]
             return uniform(place(cases, EVERY, (8, 16, 32), (8, 12, 16)))
@@ -101,9 +82,14 @@ class InterpolationInV:
         return with_h(space.h, {**found, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        columns = [*map(at, TIMES), SMOOTH]
-        lines = [order(f"order of ‖v − Π^h v‖_V, v = {name}", name, 1.0) for name in columns]
-        return [line.verdict(self, case, groups) for case, groups in by_case(rows) for line in lines]
+        return judge(
+            self,
+            rows,
+            [
+                consecutive(key, f"order of ‖v − Π^h v‖_V, v = {v}, level by level", around(1.0, ROOM), v)
+                for key, v in FIELDS.items()
+            ],
+        )
 
 
 def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
@@ -117,13 +103,13 @@ def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
 
 
 @dataclass(frozen=True)
-class InterpolationOnContact:
+class InterpolationOnContact(ListedNumbers):
     """Orders of ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)}, where v_ν is not linear."""
 
     label: str = "(5.24)"
     claim: str = "‖v_ν − Π^h v_ν‖_{L²(Γ3,i)} ≤ c h² |v_ν|_{H²(Γ3,i)}, printed with h"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if full:
             return even(place(different(_body_and_trace), EVERY, (16, 32, 64), (8, 16, 24)))
         return even(place(named("advance-recede", "rough-2"), EVERY, (16, 32, 64)))
@@ -132,8 +118,8 @@ class InterpolationOnContact:
         space, case = space_of(setting), resolve(setting.case)
         found = {REGULARITY: case.regularity.trace}
         for i, face in enumerate(case.solution.faces, start=1):
-            found[f"size of Γ3,{i}"] = induced_size(space, face.part)
-            found |= {f"{name} on Γ3,{i}": error for name, error in on_face(case.solution, space, face).items()}
+            found[size_of(i)] = induced_size(space, face.part)
+            found |= {trace_of(name, i): error for name, error in on_face(case.solution, space, face).items()}
         return with_h(space.h, found)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -141,10 +127,27 @@ class InterpolationOnContact:
         for case, groups in by_case(rows):
             tables = list(groups.values())
             tau = min(float(table[REGULARITY].min()) for table in tables)
-            for name in dict.fromkeys(name for table in tables for name in table if " on Γ3," in name):
-                line = on_trace(name, math.inf if name.startswith(SMOOTH) else tau)
-                found.append(line.verdict(self, case, groups))
+            for key, v in FIELDS.items():
+                for face in faces(tables):
+                    if any(trace_of(v, face) in table for table in tables):
+                        rule = on_trace(f"{key}-face-{face}", v, face, math.inf if v == SMOOTH else tau)
+                        found.append(rule.verdict(self, case, groups))
         return found
+
+
+def faces(tables: Sequence[pd.DataFrame]) -> Iterator[int]:
+    """1, …, I for the pieces Γ3,i with a size in one of the tables."""
+    return takewhile(lambda i: any(size_of(i) in table for table in tables), count(1))
+
+
+def size_of(face: int) -> str:
+    """The column of the size of the partition of Γ3,i."""
+    return f"size of Γ3,{face}"
+
+
+def trace_of(v: str, face: int) -> str:
+    """The column of the error of v_ν on Γ3,i."""
+    return f"{v} on Γ3,{face}"
 
 
 REGULARITY = "τ"
@@ -160,30 +163,27 @@ def induced_size(space: Space, part: Part) -> float:
     return float((math.factorial(along) * part.measure / len(space.facets(part))) ** (1 / along))
 
 
-def on_trace(name: str, tau: float) -> Line:
+def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
     """What is expected of a trace: order 2 is claimed for τ > 2, min(2, τ) predicted for others."""
+    name = trace_of(v, face)
     quantity = f"order of ‖v_ν − Π^h v_ν‖, v = {name}"
     if tau >= 2.5:
-        return induced(order(quantity, name, 2.0), name)
+        return induced(consecutive(key, f"{quantity}, level by level", around(2.0, ROOM), name), face)
     if tau > 2:
         # The error in the cell of the front, where w'' is not bounded, depends on where it is in the cell.
-        over_two = Criterion(
-            f"{quantity}, over two refinements", window(2.0), or_none(last_order(name, 2)), (name,), JUDGED
-        )
-        return induced(over_two, name)
-    predicted = Window(tau - 0.3, tau + 0.3, f"{tau:g} ± 0.3")
-    criterion = induced(fitted_order(f"{quantity}, fitted", predicted, name), name)
+        over_two = between_levels(key, f"{quantity}, over two refinements", around(2.0, ROOM), name, 2, ENOUGH)
+        return induced(over_two, face)
+    criterion = induced(order(key, f"{quantity}, fitted", around(tau, 0.3), name), face)
     return Observation(criterion, "the trace is not in H² and (5.24) says nothing about it")
 
 
-def induced(criterion: Criterion, name: str) -> Criterion:
+def induced(criterion: Criterion, face: int) -> Criterion:
     """The criterion with the size of the partition of Γ3,i in place of h."""
-    size = f"size of {name.rpartition(' on ')[2]}"
 
     def measure(table: pd.DataFrame) -> Measured | None:
-        return criterion.measure(table.assign(h=table[size]))
+        return criterion.measure(table.assign(h=table[size_of(face)]))
 
-    return replace(criterion, measure=measure, needs=(*criterion.needs, size))
+    return replace(criterion, measure=measure, needs=(*criterion.needs, size_of(face)))
 
 
 def on_face(solution: ExactSolution, space: Space, face: Face) -> dict[str, float]:

@@ -13,15 +13,16 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from study.ledger.verdict import Verdict, Window
-from study.statements.base import Setting
-from study.statements.constants import ROUNDING
-from study.statements.eigen import h1_product, smallest, strain_product
-from study.statements.places import FIRST, different, place, shape, space_of
-from study.statements.tally import ENOUGH, Criterion, Measured, judge, with_h
+from study.ledger.criterion import Criterion, Measured, judge
+from study.ledger.measures import ENOUGH, ROUNDING
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, at_most
+from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.eigen import h1_product, smallest, strain_product
+from study.statements.shared.places import FIRST, different, place, shape, space_of
 
-FALLING = Window(0.0, 1 + ROUNDING, "≤ 1 on every level")
-LIMIT = Window(0.7, 1.0, "0.7 … 1 of the finest value")
+FALLING = at_most(1 + ROUNDING, "on every level")
+LIMIT = Window(0.7, 1.0, "of the finest value")
 """Values that tend to zero leave the window: those like h^p extrapolate to 0, those like 1/(c + |log h|), the slowest
 that come up (Γ1 a point), to m/(2m − 2) < 0.7 of the last one if that is 1/m times the unit of log 2."""
 
@@ -43,19 +44,19 @@ def extrapolated(table: pd.DataFrame) -> Measured:
 
 COLUMNS = ("smallest eigenvalue",)
 CRITERIA = (
-    Criterion("smallest eigenvalue, level over level", FALLING, consecutive_ratio, COLUMNS, 2),
-    Criterion("limit of the smallest eigenvalue for h → 0", LIMIT, extrapolated, COLUMNS, ENOUGH),
+    Criterion("falling", "smallest eigenvalue, level over level", FALLING, consecutive_ratio, COLUMNS, 2),
+    Criterion("limit", "limit of the smallest eigenvalue for h → 0", LIMIT, extrapolated, COLUMNS, ENOUGH),
 )
 
 
 @dataclass(frozen=True)
-class Korn:
+class Korn(ListedNumbers):
     """Smallest eigenvalue of (ε(·), ε(·))_Q against the product of H_1, once for each body."""
 
     label: str = "(2.17)"
     claim: str = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         bodies = different(shape)
         return place(bodies, FIRST, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, FIRST, (4, 8, 16))
 

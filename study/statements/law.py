@@ -21,17 +21,18 @@ from manufactured.law import AtPoints, Yield
 from manufactured.tensors import Array, Points, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.verdict import Verdict, Window
-from study.statements.base import Setting
-from study.statements.constants import BOUND, ROUNDING, Constant
-from study.statements.places import FIRST, different, material, place, space_of
-from study.statements.tally import Observation, judge, largest, with_h
+from study.ledger.criterion import Observation, judge
+from study.ledger.measures import BOUND, ROUNDING, Constant, largest
+from study.ledger.verdict import Verdict
+from study.ledger.window import at_most
+from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.places import FIRST, different, material, place, space_of
 
 SEED = 2002
 SCALES = (-3.0, 3.0)
 """Decimal logarithms of the sizes of generated tensors: both sides of any yield point."""
-ZERO = Window(0.0, 1e-12, "0 up to 1e-12")
-MONOTONE = Window(-math.inf, ROUNDING, "≤ 0 up to 1e-9")
+ZERO = at_most(1e-12, "0 but for rounding")
+MONOTONE = at_most(ROUNDING, "never positive but for rounding", low=-math.inf)
 
 
 def points(space: Space) -> Points:
@@ -58,13 +59,13 @@ def placed(full: bool) -> list[Setting]:
 
 
 @dataclass(frozen=True)
-class Viscosity:
+class Viscosity(ListedNumbers):
     """Aτ·τ/|τ|² for random tensors and on their way to where it is least and largest; Aσ·τ − σ·Aτ."""
 
     label: str = "(3.1)"
     claim: str = "A is symmetric, bounded and elliptic with the constant m_A"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         return placed(full)
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -80,10 +81,11 @@ class Viscosity:
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         lines = (
-            Constant("m_A / smallest Aτ·τ/|τ|²", "ellipticity"),
-            Constant("largest Aτ·τ/|τ|² / ‖A‖", "bound"),
+            Constant("ellipticity", "m_A / smallest Aτ·τ/|τ|²", "ellipticity"),
+            Constant("bound", "largest Aτ·τ/|τ|² / ‖A‖", "bound"),
             Observation(
-                largest("|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)", ZERO, "asymmetry"), "it is symmetric by construction of a law"
+                largest("symmetry", "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)", ZERO, "asymmetry"),
+                "it is symmetric by construction of a law",
             ),
         )
         return judge(self, rows, lines)
@@ -117,13 +119,13 @@ def quotients(A: AtPoints, rng: np.random.Generator, dim: int, count: int) -> di
 
 
 @dataclass(frozen=True)
-class ElasticityOperator:
+class ElasticityOperator(ListedNumbers):
     """|G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for generated tensors, and G(0)."""
 
     label: str = "(3.2)"
     claim: str = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         return placed(full)
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -144,9 +146,9 @@ class ElasticityOperator:
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         lines = (
-            Constant("|G(a) − G(b)| / (L_G |a − b|)", "quotient"),
-            largest("(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
-            largest("|G(0)| / L_G", ZERO, "at zero"),
+            Constant("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", "quotient"),
+            largest("monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
+            largest("at-zero", "|G(0)| / L_G", ZERO, "at zero"),
         )
         return judge(self, rows, lines)
 
@@ -166,13 +168,13 @@ def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) ->
 
 
 @dataclass(frozen=True)
-class Projection:
+class Projection(ListedNumbers):
     """P_K ε = ε − G(ε)/β: it lies in K, is the nearest point of K, and is not expansive."""
 
     label: str = "(3.3)"
     claim: str = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         return [setting for setting in placed(full) if isinstance(resolve(setting.case).solution.law.G, Yield)]
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -182,10 +184,10 @@ class Projection:
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         lines = (
-            largest("|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
-            largest("P_K a ∈ K: gauge of K at P_K a", BOUND, "membership"),
-            largest("(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
-            largest("|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
+            largest("expansion", "|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
+            largest("membership", "P_K a ∈ K: gauge of K at P_K a", BOUND, "membership"),
+            largest("nearest", "(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
+            largest("identity", "|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
         )
         return judge(self, rows, lines)
 

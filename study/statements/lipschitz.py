@@ -29,16 +29,17 @@ from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, mandel, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.verdict import Verdict, Window
+from study.ledger.criterion import judge
+from study.ledger.measures import BOUND, ROUNDING, Constant, finest
+from study.ledger.measures import largest as largest_of
+from study.ledger.verdict import Verdict
+from study.ledger.window import at_least, at_most
 from study.solve.cholesky.factorisation import Factor
 from study.solve.evolution import Problem
-from study.statements.base import Setting
-from study.statements.constants import BOUND, ROUNDING, Constant
-from study.statements.eigen import largest, unloaded
 from study.statements.law import derivative, points, tensors
-from study.statements.places import EVERY, FIRST, different, material, place, shape, space_of
-from study.statements.tally import finest, judge, with_h
-from study.statements.tally import largest as largest_of
+from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.eigen import largest, unloaded
+from study.statements.shared.places import EVERY, FIRST, different, material, place, shape, space_of
 
 SEED = 2002
 STRAINS = (1e-2, 1.0, 1e2, 1e4)
@@ -52,9 +53,9 @@ LARGE = 1e6
 DIRECTIONS = 4000
 """Tensors sym(a ⊗ k) for κ_1."""
 
-POINTWISE = Window(-math.inf, 1 + 1e-5, "≤ 1 up to 1e-5")
+POINTWISE = at_most(1 + 1e-5, low=-math.inf)
 """κ comes from samples of x and of strains."""
-NOT_VACUOUS = Window(0.97, math.inf, "≥ 0.97 on the finest level")
+NOT_VACUOUS = at_least(0.97, "on the finest level")
 """V^h resolves fields that oscillate over some cells: at n = 16 to three per cent."""
 
 
@@ -113,13 +114,13 @@ def pointwise(space: Space, law: KelvinVoigt) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class Lipschitz:
+class Lipschitz(ListedNumbers):
     """The largest quotients of B^h, once for each law and body."""
 
     label: str = "(4.3), (5.5)"
     claim: str = "‖B u − B v‖_V ≤ L_G/m_A ‖u − v‖_V, on V^h with the same constant"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         cases = different(_body_and_law)
         return place(cases, EVERY, (8, 16, 32), (2, 4)) if full else place(cases, FIRST, (8, 16), (2,))
 
@@ -143,10 +144,10 @@ class Lipschitz:
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         lines = (
-            Constant("largest quotient / (L_G/m_A)", "over the constant"),
-            largest_of("largest quotient / κ", POINTWISE, "over the pointwise constant"),
-            finest("largest quotient / κ_1", NOT_VACUOUS, "over the waves"),
-            largest_of("−(B u − B v, u − v)_V / ‖u − v‖_V² over L_G/m_A, (4.4)", BOUND, "monotonicity"),
+            Constant("constant", "largest quotient / (L_G/m_A)", "over the constant"),
+            largest_of("pointwise", "largest quotient / κ", POINTWISE, "over the pointwise constant"),
+            finest("waves", "largest quotient / κ_1", NOT_VACUOUS, "over the waves"),
+            largest_of("monotonicity", "−(B u − B v, u − v)_V / ‖u − v‖_V² over L_G/m_A, (4.4)", BOUND, "monotonicity"),
         )
         return judge(self, rows, lines)
 

@@ -14,15 +14,16 @@ import pandas as pd
 
 from manufactured.case import Case
 from study.fem.naming import resolve
-from study.ledger.verdict import Verdict, Window
-from study.statements.base import Setting
-from study.statements.constants import BOUND
-from study.statements.eigen import h1_product, largest, smallest, strain_product, unloaded
-from study.statements.places import FIRST, different, place, shape, space_of
-from study.statements.tally import ENOUGH, Criterion, Measured, judge, with_h
-from study.statements.tally import largest as largest_of
+from study.ledger.criterion import Criterion, Measured, judge
+from study.ledger.measures import BOUND, ENOUGH
+from study.ledger.measures import largest as largest_of
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window
+from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
+from study.statements.shared.places import FIRST, different, place, shape, space_of
 
-SETTLED = Window(0.75, 1.25, "0.75 … 1.25")
+SETTLED = Window(0.75, 1.25)
 """From one level to the next a power h^{1/2} would change by the factor 0.71 or 1.41."""
 
 
@@ -33,25 +34,32 @@ def finest_ratio(column: str) -> Criterion:
         ratio = float(table[column].iloc[-1] / table[column].iloc[-2])
         return ratio, (ratio, ratio)
 
-    return Criterion(f"{column} eigenvalue, finest level over the one before", SETTLED, measure, (column,), ENOUGH)
+    return Criterion(
+        f"settled-{column}",
+        f"{column} eigenvalue, finest level over the one before",
+        SETTLED,
+        measure,
+        (column,),
+        ENOUGH,
+    )
 
 
 CRITERIA = (
-    largest_of("m_A C_K² / smallest eigenvalue", BOUND, "lower bound"),
-    largest_of("largest eigenvalue / ‖A‖", BOUND, "upper bound"),
+    largest_of("lower", "m_A C_K² / smallest eigenvalue", BOUND, "lower bound"),
+    largest_of("upper", "largest eigenvalue / ‖A‖", BOUND, "upper bound"),
     finest_ratio("smallest"),
     finest_ratio("largest"),
 )
 
 
 @dataclass(frozen=True)
-class Norms:
+class Norms(ListedNumbers):
     """Extreme eigenvalues of (·,·)_V against the product of H_1, once for each body and viscosity."""
 
     label: str = "(3.6)"
     claim: str = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         cases = different(_body_and_viscosity)
         return place(cases, FIRST, (8, 16, 32), (2, 4, 8)) if full else place(cases, FIRST, (4, 8, 16))
 

@@ -40,8 +40,10 @@ from study.fem.mesh import barycentric_gradients
 from study.fem.naming import resolve
 from study.fem.quadrature import CellRule, FacetRule, facet_rule
 from study.fem.space import Space
-from study.ledger.verdict import Verdict, Window
-from study.statements.base import Setting
+from study.ledger.criterion import Criterion, Measured, judge
+from study.ledger.measures import finest, largest
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, strain, waves
 from study.statements.green import (
     FINE,
@@ -54,9 +56,9 @@ from study.statements.green import (
     smooth_off_lines,
     square_integrable,
 )
-from study.statements.instants import midpoints
-from study.statements.places import FIRST, LAST, named, place, space_of
-from study.statements.tally import Criterion, Measured, finest, judge, largest, with_h
+from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.instants import midpoints
+from study.statements.shared.places import FIRST, LAST, named, place, space_of
 
 SEED = 2002
 FIELDS = 3
@@ -67,19 +69,19 @@ POINTS = 20
 INSTANTS = 64
 """Where contact is looked for."""
 
-CANCELLING = Window(0.0, 1e-8, "≤ 1e-8 with the fine rule: 1/h times the 1e-10 for a smooth f_0")
+CANCELLING = at_most(1e-8, "with the fine rule: 1/h times the 1e-10 for a smooth f_0")
 
-BOUND = Window(0.0, 1 + 1e-9, "≤ 1 by the inequality of Cauchy and Schwarz")
+BOUND = at_most(1 + 1e-9, "by the inequality of Cauchy and Schwarz")
 
 
 @dataclass(frozen=True)
-class Residual:
+class Residual(ListedNumbers):
     """The definition of R against the integral over Γ3 and against its bound, for the cases with f_0(t) ∈ H."""
 
     label: str = "(5.40), (5.41)"
     claim: str = "R(t; v) = ∫_{Γ3} σ_ν v_ν and |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ for v ∈ V"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if full:
             cases = [case for case in catalogue() if square_integrable(case)]
             # In space what cells cut by a front leave depends on where it cuts them: by a factor of three on random
@@ -97,14 +99,14 @@ class Residual:
         first, second = rows[rows["case"].isin(smooth)], rows[~rows["case"].isin(smooth)]
         found = judge(self, first, lines(SMOOTH, CANCELLING)) + judge(self, second, lines(KINKED, KINKED))
         measured = set(rows.loc[rows["quantity"] == "bound", "case"])
-        return [verdict for verdict in found if verdict.quantity != SHARE.quantity or verdict.case in measured]
+        return [verdict for verdict in found if verdict.key != SHARE.key or verdict.case in measured]
 
 
 def lines(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
     """The rows of a case."""
     return (
-        finest("|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term, smooth v", window, "smooth v"),
-        finest("|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term of R, v = Π^hu − u", cancelling, "Π^hu − u"),
+        finest("smooth", "|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term, smooth v", window, "smooth v"),
+        finest("remainder", "|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term of R, v = Π^hu − u", cancelling, "Π^hu − u"),
         SHARE,
     )
 
@@ -118,7 +120,7 @@ def decided(criterion: Criterion) -> Criterion:
     return replace(criterion, measure=measure)
 
 
-SHARE = decided(largest("|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)})", BOUND, "bound"))
+SHARE = decided(largest("bound", "|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)})", BOUND, "bound"))
 
 
 class Member(Protocol):

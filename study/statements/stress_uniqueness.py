@@ -11,10 +11,11 @@ import pandas as pd
 from manufactured.tensors import Tensors
 from study.fem.mesh import size as mesh_size
 from study.fem.naming import family_named, resolve
+from study.ledger.criterion import judge
+from study.ledger.measures import largest
 from study.ledger.verdict import Verdict
 from study.solve.signorini import Signorini
-from study.statements.base import Setting
-from study.statements.tally import grid, judge, largest, with_h
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.thm_4_2.own_space import Setup
 from study.statements.wellposed import EXACTLY, INTERIOR, InteriorPoint, LeastSquares, RandomStarts
 
@@ -26,14 +27,14 @@ RIVALS: Mapping[str, type[Signorini]] = {
     "interior point": InteriorPoint,  # type: ignore[dict-item]
 }
 LINES = (
-    largest("stresses from random active sets", EXACTLY, "random starts"),
-    largest("stresses by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
-    largest("stresses by an interior point method on the whole programme", INTERIOR, "interior point"),
+    largest("random-starts", "stresses from random active sets", EXACTLY, "random starts"),
+    largest("least-squares", "stresses by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
+    largest("interior-point", "stresses by an interior point method on all unknowns", INTERIOR, "interior point"),
 )
 
 
 @dataclass(frozen=True)
-class OneStress:
+class OneStress(ListedNumbers):
     """max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q for stresses that solve Problem 3.2 on its own space in different ways.
 
     Every step minimises a strictly convex energy over the admissible stresses, so that one set of multipliers of
@@ -43,7 +44,7 @@ class OneStress:
     label: str = "Thm 4.3"
     claim: str = "Problem 3.2 has one solution: different starts and solvers give one stress"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         return grid(CASES, ("unstructured",), (4, 8)) if full else grid(CASES[:1], ("shaken",), (4,))
 
     def measure(self, setting: Setting) -> dict[str, float]:

@@ -18,14 +18,16 @@ from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.verdict import Verdict, Window
+from study.ledger.criterion import judge
+from study.ledger.measures import every, finest, largest
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, around, at_most
 from study.solve.cholesky.factorisation import Factor
 from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem, State
 from study.solve.signorini import Signorini
-from study.statements.base import Setting
-from study.statements.instants import Velocity
-from study.statements.prop_5_4.sweep import Setup
-from study.statements.tally import every, finest, grid, judge, largest, with_h
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.instants import Velocity
 
 SEED = 2002
 CASES = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
@@ -41,19 +43,19 @@ def norm(problem: Problem, v: Array) -> float:
 # Existence and uniqueness.
 
 RIVALS_STEPS = 12
-EXACTLY = Window(0.0, 1e-9, f"≤ 1e-9: exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step")
-INTERIOR = Window(0.0, 1e-7, "≤ 1e-7: the root of the duality gap 1e-15 at which the interior point method stops")
+EXACTLY = at_most(1e-9, f"exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step")
+INTERIOR = at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
 
 UNIQUENESS = (
-    largest("from random active sets", EXACTLY, "random starts"),
-    largest("by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
-    largest("by a fixed point with all of G on the right", EXACTLY, "fixed point"),
-    largest("by an interior point method on the whole programme", INTERIOR, "interior point"),
+    largest("random-starts", "from random active sets", EXACTLY, "random starts"),
+    largest("least-squares", "by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
+    largest("fixed-point", "by a fixed point with all of G on the right", EXACTLY, "fixed point"),
+    largest("interior-point", "by an interior point method on the whole programme", INTERIOR, "interior point"),
 )
 
 
 @dataclass(frozen=True)
-class OneTrajectory:
+class OneTrajectory(ListedNumbers):
     """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for trajectories found in different ways.
 
     Every step of backward Euler is: minimise ½ vᵀSv − bᵀv over K^h, S = M/k + G. It is solved by the
@@ -64,7 +66,7 @@ class OneTrajectory:
     label: str = "Thm 4.1, 5.2"
     claim: str = "there is one solution: different starts, solvers and splittings give one trajectory"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if not full:
             return grid(CASES, ("shaken",), (6,))
         planar = grid((*CASES, "heterogeneous", "corner"), ("unstructured",), (6, 12))
@@ -72,7 +74,7 @@ class OneTrajectory:
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Setup.of(solution, family_named(setting.family), setting.level, BackwardEuler(), RIVALS_STEPS)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, BackwardEuler(), RIVALS_STEPS)
         return with_h(setup.space.h, {name: apart(setup, rival) for name, rival in rivals(setup.problem).items()})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -100,7 +102,7 @@ def _whole(problem: Problem) -> Callable[[Array], Array]:
     return elastic
 
 
-def apart(setup: Setup, other: Problem) -> float:
+def apart(setup: Experiment, other: Problem) -> float:
     """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for the setup's problem and another one."""
     pairs = zip(setup.scheme.march(setup.problem, setup.steps), setup.scheme.march(other, setup.steps), strict=True)
     both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
@@ -170,17 +172,17 @@ class InteriorPoint:
 STEPS = {"k": 24, "k/2": 48, "k/4": 96}
 SUPREMUM_AT = 192
 """Intervals of the grid on which sup_t ‖u̇(t)‖_V is looked for; the finest grid for u^h, twice as fine."""
-BOUNDED = Window(0.5, 1.5, "within [0.5, 1.5] at every h and k")
-LIMIT = Window(0.9, 1.1, "1 ± 0.1: u̇^h → u̇ and u̇ is continuous but for isolated times")
+BOUNDED = Window(0.5, 1.5, "at every h and k")
+LIMIT = around(1, 0.1, "u̇^h → u̇ and u̇ is continuous but for isolated times")
 
 VELOCITY = (
-    every("max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", BOUNDED, *STEPS),
-    finest("max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", LIMIT, list(STEPS)[-1]),
+    every("bounded", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", BOUNDED, *STEPS),
+    finest("limit", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", LIMIT, list(STEPS)[-1]),
 )
 
 
 @dataclass(frozen=True)
-class BoundedVelocity:
+class BoundedVelocity(ListedNumbers):
     """max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, δu_n = (u_n − u_{n−1})/k, for halved k and refined h.
 
     For a start outside K^h it would grow like 1/k. That σ ∈ L^∞(0,T;Q) follows by (3.1) and (3.2).
@@ -189,14 +191,14 @@ class BoundedVelocity:
     label: str = "(4.1)"
     claim: str = "u ∈ W^{1,∞}(0,T;V), and u^h is in it uniformly in h and k"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if not full:
             return grid(FEW, ("shaken",), (8, 16))
         return grid((*CASES, "lift-and-land"), ("unstructured",), (8, 16, 32))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Setup.of(solution, family_named(setting.family), setting.level, BackwardEuler(), 1)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, BackwardEuler(), 1)
         velocity = Velocity(solution, setup.space)
         exact = max(velocity.norm(float(t)) for t in np.linspace(0, setup.problem.T, SUPREMUM_AT + 1))
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS.items()})
@@ -217,13 +219,15 @@ def fastest(problem: Problem, steps: int) -> float:
 
 SIZES = (0.1, 1.0, 10.0)
 """Sizes of the perturbations, relative to the data."""
-NEVER = Window(0.0, 1 + 1e-7, f"≤ 1, up to 1e-7 for fixed points stopped at {FIXED_POINT:g}")
-SHARP = Window(0.5, 1 + 1e-7, "0.5 … 1: without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4")
+NEVER = at_most(1 + 1e-7, f"room for fixed points stopped at {FIXED_POINT:g}")
+SHARP = Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4")
 
 DEPENDENCE = (
-    largest("‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", NEVER, "bound"),
-    largest("the same with ω = 0, allowed by monotone G", NEVER, "monotone"),
-    every("the same after one step, ω = L_G/m_A, f − g constant and off the contact", SHARP, "first step"),
+    largest("bound", "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", NEVER, "bound"),
+    largest("monotone", "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G", NEVER, "monotone"),
+    every(
+        "first-step", "the same after one step, ω = L_G/m_A, f − g constant and off the contact", SHARP, "first step"
+    ),
 )
 
 
@@ -241,7 +245,7 @@ class Perturbation:
 
 
 @dataclass(frozen=True)
-class Dependence:
+class Dependence(ListedNumbers):
     """‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V ds) for the solutions of two data sets.
 
     ω makes A + ωI monotone in Theorem 2.2; for A = ∂ψ_K + B the source takes ω = L_G/m_A, (4.5). One
@@ -253,7 +257,7 @@ class Dependence:
     label: str = "Thm 2.2"
     claim: str = "the solution depends continuously on f and u_0, with the rate ω = L_G/m_A"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         if not full:
             return grid(FEW, ("unstructured",), (6,))
         planar = grid((*CASES, "heterogeneous", "corner"), ("unstructured",), (6, 12))
@@ -263,7 +267,7 @@ class Dependence:
         solution = resolve(setting.case).solution
         omega = growth(solution.law)
         steps = max(12, math.ceil(4 * omega * solution.body.T))
-        setup = Setup.of(solution, family_named(setting.family), setting.level, BackwardEuler(), steps)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, BackwardEuler(), steps)
         trajectory = list(setup.scheme.march(setup.problem, steps))
         others = perturbations(setup.problem, setup.space)
         found = np.array([quotients(setup.problem, trajectory, other) for other in others])

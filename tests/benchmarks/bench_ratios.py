@@ -19,7 +19,7 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.solve import signorini
 from study.solve.cholesky.factorisation import Factor
-from study.statements.prop_5_4.sweep import steps_for
+from study.solve.steps import steps_for
 
 LEVELS = [int(n) for n in os.environ.get("BENCH_LEVELS", "256 512").split()]
 PLACES = [Place("advance-recede", family, n) for n in LEVELS for family in ("one-diagonal", "shaken")]

@@ -17,7 +17,7 @@ from study.solve.choice import aim, free_vertices
 from study.solve.evolution import Midpoint
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
-from study.statements.prop_5_4.sweep import Setup
+from study.statements.prop_5_4.experiment import Experiment
 
 Make = Callable[[sps.csc_array, sps.csr_array], Any]
 
@@ -91,13 +91,13 @@ class Place:
     family: str
     n: int
 
-    def setup(self, solver: Solver | Watched = DIRECT, steps: int = STEPS) -> Setup:
+    def setup(self, solver: Solver | Watched = DIRECT, steps: int = STEPS) -> Experiment:
         """Mesh, space, matrices and quadrature for the midpoint rule with a solver."""
-        setup = Setup.of(resolve(self.case).solution, family_named(self.family), self.n, Midpoint(), steps)
+        setup = Experiment.of(resolve(self.case).solution, family_named(self.family), self.n, Midpoint(), steps)
         return replace(setup, problem=replace(setup.problem, solver=solver.on(setup.space)))
 
 
-def errors(setup: Setup) -> list[float]:
+def errors(setup: Experiment) -> list[float]:
     """‖u(t_n) − u_n‖_V at every node: solves all steps."""
     gauge = setup.gauge
     states = setup.scheme.march(setup.problem, setup.steps)

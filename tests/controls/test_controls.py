@@ -30,11 +30,12 @@ from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.solve.evolution import Midpoint
-from study.statements.base import Setting
-from study.statements.independence import Derived, Independence, Sides, StandsAlone, independence
+from study.statements.shared.base import Setting
+from study.statements.thm_4_2.stands_alone import Derived, Independence, Sides, StandsAlone, independence
 from study.statements.prop_5_4.claims import PARALLELOGRAM
-from study.statements.prop_5_4.sweep import Measurement, Setup, measure
-from study.statements.thm_4_2.same_mesh import compare, gaps
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.prop_5_4.measure import Measurement, measure
+from study.statements.thm_4_2.gaps import compare, gaps
 
 HARMLESS = Control("harmless", "a copy in place of the original", Equivalence("no-contact"), copy.copy, ALONE)
 """No defect at all, which nobody can catch."""
@@ -74,7 +75,7 @@ def test_a_flipped_normal_does_more_than_drop_the_constraint_where_a_gap_is_open
 
 
 def measured(solution: ExactSolution, n: int = 8) -> Measurement:
-    return measure(Setup.of(solution, OneDiagonal(), n, Midpoint(), 8))
+    return measure(Experiment.of(solution, OneDiagonal(), n, Midpoint(), 8))
 
 
 @pytest.mark.parametrize(
@@ -196,7 +197,7 @@ def test_what_a_run_computes_with_knows_no_defect() -> None:
     loaded = modules_after(
         "import study.run.plan, study.run.execute, study.run.collect, study.run.judgement, study.present.tables"
     )
-    assert "study.statements.prop_5_4.sweep" in loaded
+    assert "study.statements.prop_5_4.measure" in loaded
     assert "study.controls.defects" not in loaded
 
 

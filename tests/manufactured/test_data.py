@@ -33,7 +33,8 @@ from manufactured.tensors import mandel
 from study.bound.discretisation import BoundError, Setting
 from study.bound.enclosure import Better
 from study.fem.mesh import OneDiagonal, Unstructured
-from study.fem.naming import UsageError, resolve_data
+from study.ledger.errors import UsageError
+from study.fem.naming import resolve_data
 from study.statements.enclosure.measure import check_bound, check_force, steps_for
 
 CASES = {case.name: case for case in catalogue()}

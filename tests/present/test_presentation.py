@@ -48,7 +48,7 @@ SOURCES = [
     *(STUDY / f"{name}.py" for name in ("datafiles", "latex", "summary", "tables")),
     *(STUDY / "figures").glob("*.py"),
 ]
-SOLVERS = ("study.fem", "study.solve", "study.statements.prop_5_4.sweep", "manufactured", "skfem")
+SOLVERS = ("study.fem", "study.solve", "study.statements.prop_5_4.measure", "manufactured", "skfem")
 
 LEVELS = (8, 16, 32, 64)
 FAMILIES = {"one-diagonal": (1.0, 1.9), "criss-cross": (0.72, 1.8), "shaken": (1.08, 1.15), "unstructured": (0.9, 1.1)}

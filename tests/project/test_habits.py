@@ -34,7 +34,8 @@ from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS
 from study.solve.evolution import Midpoint
 from study.statements.prop_5_4.claims import prop_5_4
-from study.statements.prop_5_4.sweep import measure_case, steps_for
+from study.solve.steps import steps_for
+from study.statements.prop_5_4.measure import measure_case
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

@@ -16,7 +16,7 @@ import psutil
 import pytest
 
 from study.cli.main import main
-from study.fem.naming import UsageError
+from study.ledger.errors import UsageError
 from study.run.cluster import connected
 from study.run.execute import execute
 from study.run.job import RateJob

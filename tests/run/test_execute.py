@@ -19,7 +19,7 @@ import pytest
 
 from study.bound.enclosure import Better
 from study.cli.main import main
-from study.fem.naming import UsageError
+from study.ledger.errors import UsageError
 from study.ledger.files import StoreError
 from study.run.collect import collect
 from study.run.execute import JobsError, Pool, admitted, execute, refuse_too_large

@@ -23,7 +23,8 @@ from study.fem.space import Space
 from study.solve import signorini
 from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, Problem
 from study.solve.signorini import Signorini
-from study.statements.prop_5_4.sweep import Setup, steps_for
+from study.statements.prop_5_4.experiment import Experiment
+from study.solve.steps import steps_for
 
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
 CASES = {case.name: case for case in catalogue()}
@@ -375,7 +376,7 @@ def test_a_midpoint_step_of_a_nonlinear_law_takes_at_most_six_solves_on_the_coar
 ) -> None:
     """There steps are longest. Backward Euler and BDF2 take more: the share of G in a step is twice as large."""
     case = CASES[name]
-    setup = Setup.of(case.solution, family, 8, Midpoint(), steps_for(case, 8))
+    setup = Experiment.of(case.solution, family, 8, Midpoint(), steps_for(case, 8))
     solves = [state.iterations for state in setup.scheme.march(setup.problem, setup.steps)][1:]
     assert max(solves) <= 6
 

@@ -54,7 +54,8 @@ from study.run.job import fingerprint
 from study.run.plan import quick
 from study.solve.evolution import Midpoint
 from study.statements.prop_5_4.claims import prop_5_3, prop_5_4
-from study.statements.prop_5_4.sweep import measure_case, steps_for
+from study.solve.steps import steps_for
+from study.statements.prop_5_4.measure import measure_case
 
 CASES = {case.name: case for case in catalogue()}
 

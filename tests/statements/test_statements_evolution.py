@@ -17,11 +17,11 @@ from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint
 from study.solve.signorini import Signorini
 from study.statements.admissibility import Admissibility, largest_violations
-from study.statements.base import Setting, Statement
+from study.statements.shared.base import Setting, Statement
 from study.statements.boundary import NaturalConditions, tractions
 from study.statements.bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted, sides
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
-from study.statements.prop_5_4.sweep import Setup
+from study.statements.prop_5_4.experiment import Experiment
 from study.statements.tally import grid
 from study.statements.wellposed import (
     BoundedVelocity,
@@ -45,8 +45,8 @@ def named(statement: Statement) -> str:
     return type(statement).__name__
 
 
-def setup(name: str, n: int, steps: int, scheme=EULER, family=SHAKEN) -> Setup:
-    return Setup.of(CASES[name].solution, family, n, scheme, steps)
+def setup(name: str, n: int, steps: int, scheme=EULER, family=SHAKEN) -> Experiment:
+    return Experiment.of(CASES[name].solution, family, n, scheme, steps)
 
 
 def table(found: list[tuple[int, dict[str, float]]]) -> pd.DataFrame:
@@ -90,7 +90,7 @@ class TwoSided(Signorini):
         return self.on(np.ones_like(self.active), gap)
 
 
-def defective(found: Setup, solver) -> Setup:
+def defective(found: Experiment, solver) -> Experiment:
     return replace(found, problem=replace(found.problem, solver=solver))
 
 

@@ -21,8 +21,8 @@ from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.statements import constraint, eigen, green, interpolation, korn, law, lipschitz, norms, residual
-from study.statements.base import Setting, Statement
-from study.statements.places import EVERY, families, place, space_of
+from study.statements.shared.base import Setting, Statement
+from study.statements.shared.places import EVERY, families, place, space_of
 
 STATEMENTS: tuple[Statement, ...] = (
     green.Green(),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from manufactured.case import Case
 from study.fem.mesh import FAMILIES
-from study.fem.naming import UsageError
+from study.ledger.errors import UsageError
 from study.ledger.files import write_text
 from study.present.figures.canvas import in_style
 from study.present.figures.pictures import Picture, Shape

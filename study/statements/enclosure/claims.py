@@ -12,7 +12,8 @@ from collections.abc import Collection
 
 import pandas as pd
 
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, Window
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+from study.ledger.window import Window
 
 STATEMENTS = {
     "bound": "‖u(t) − u_h(t)‖_V ≤ y(t), from u_h and an admissible stress alone",

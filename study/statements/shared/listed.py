@@ -7,30 +7,29 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from study.ledger.verdict import REPORTED, Verdict
-from study.statements.base import Setting
+from study.ledger.datafiles import DataFile
+from study.ledger.verdict import REPORTED, Verdict, row
+from study.ledger.window import Window
+from study.statements.shared.base import LISTED, NothingMeasured
 
 
 @dataclass(frozen=True)
-class Listed:
+class Listed(NothingMeasured):
     """Rows of the ledger about which nothing is measured.
 
     Attributes:
-        rows: (place in the source, quantity, what was made of it).
+        rows: (key, place in the source, quantity, what was made of it).
     """
 
     label: str
     claim: str
-    rows: tuple[tuple[str, str, str], ...]
-
-    def settings(self, full: bool) -> list[Setting]:
-        return []
-
-    def measure(self, setting: Setting) -> dict[str, float]:
-        raise NotImplementedError(f"{self.label}: nothing is measured")
+    rows: tuple[tuple[str, str, str, str], ...]
+    file: DataFile = LISTED
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        """The rows, whatever was measured."""
+        nothing = math.nan, (math.nan, math.nan)
         return [
-            Verdict(self.label, self.claim, place, quantity, expected, math.nan, math.nan, math.nan, REPORTED)
-            for place, quantity, expected in self.rows
+            row(self, key, quantity, Window(math.nan, math.nan), *nothing, REPORTED, place, expected=expected)
+            for key, place, quantity, expected in self.rows
         ]

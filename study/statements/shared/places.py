@@ -10,7 +10,7 @@ from manufactured.catalogue import catalogue
 from study.fem.mesh import FAMILIES, MeshError
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.statements.base import Setting
+from study.statements.shared.base import Setting
 
 
 def space_of(setting: Setting) -> Space:

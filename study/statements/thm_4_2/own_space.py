@@ -1,35 +1,26 @@
-"""Theorem 4.2 on a stress space of its own, measured: Problem 3.2 in time on composite stresses.
-
-σ^h_n is found by ``dual.march`` from f_0, f_2 and ε(u_0) alone: no displacement, no V^h. It is compared with the exact
-σ, with the stress of Problem 5.1 that has the same time steps, and its multipliers with the displacements themselves.
-Time steps are those of BDF2 on both sides, k ~ h. ``claims`` has the orders that are
-predicted; steps are as many as the pace of a case asks for.
-"""
+"""Theorem 4.2 on a stress space of its own: where it is measured, and when the two formulations meet."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
 
-import numpy as np
+import pandas as pd
 
-from manufactured.body import Kind
-from manufactured.case import Case
-from manufactured.data import Data
-from manufactured.exact import ExactSolution
-from manufactured.law import Linear
-from manufactured.tensors import Array, Tensors, Vectors
-from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
-from study.fem.mesh import MeshFamily, size
-from study.fem.quadrature import facet_rule
-from study.fem.space import Space
-from study.solve.evolution import BDF2 as PRIMAL
-from study.solve.evolution import Problem
-from study.solve.signorini import Signorini
-from study.stresses.composite import bernstein
-from study.stresses.dual import BACKWARD_EULER, BDF2, DualState, Multistep, march, tensor_at
-from study.stresses.loads import barycentric, cut
-from study.stresses.space import StressSpace
+from manufactured.regularity import Regularity
+from study.fem.naming import family_named, resolve
+from study.ledger.criterion import Criterion, Measured, Observation, Rule
+from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.measures import change, largest, order
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, at_least, at_most
+from study.solve.steps import even_steps
+from study.statements.shared import estimates
+from study.statements.shared.base import Setting
+from study.statements.shared.scope import Scope
+from study.statements.thm_4_2.predicted_orders import predicted
+from study.statements.thm_4_2.stress_errors import StressRow, measure_stresses
 
 CASES = (
     "full-contact",
@@ -64,274 +55,96 @@ QUICK = ("advance-recede", "layered", "corner", "natural-front")
 FINEST = ("re-entrant",)
 """Cases that are measured on the finest level, too."""
 
+STRESSES = CsvFile("stresses.csv", ("case", "family", "level"), tuple(field.name for field in fields(StressRow)))
 
-@dataclass(frozen=True)
-class Place:
-    """A case on a mesh."""
-
-    case: str
-    family: str
-    level: int
-
-
-def places(full: bool) -> tuple[Place, ...]:
-    """Where Problem 3.2 is measured on its own space in the quick or the full study."""
-    if not full:
-        # Two levels of random meshes give orders that one in twenty misses its window.
-        return tuple(Place(case, "one-diagonal", level) for case in QUICK for level in (8, 16))
-    return tuple(
-        Place(case, family, level)
-        for case in CASES
-        for family in FAMILIES_OF.get(case, ("shaken",))
-        for level in (8, 16, 32, *((64,) if case in FINEST else ()))
-    )
-
-
-EDGE_POINTS = 4
-"""Gauss points on an edge for the moments of u."""
+JUDGED = 3
+"""Orders are taken over the last levels, up to so many."""
+PAIR = 2
+"""Fewer levels have no order."""
+GROWTH = at_most(1.25, "bounded")
+STRONGLY = at_most(1e-9)
+TIME = at_most(1.0, "by the order 3/2 in k the error in time is then ≤ 0.55 of the error")
+RATIO = "‖σ − σ^h‖_Q / that of the best polynomials"
+ADMISSIBLE = "σ^hν continuous, P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3, strongly"
+QUANTITIES = {
+    "stress": "‖σ − σ^h‖_Q",
+    "strain": "‖ε(u) − ε^h‖_Q for the strains that belong to σ^h",
+    "pressure": "‖σ_ν − σ^h_ν‖_{L²(Γ3)}",
+    "displacement": "multipliers − u on the edges",
+    "primal_stress": "‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q",
+    "primal_displacement": "multipliers − u^h on the edges",
+}
 
 
 @dataclass(frozen=True)
-class StressRow:
-    """One line of ``stresses.csv``: norms of L²(0,T), root mean squares over the steps 1, 2, …
+class OwnSpace:
+    """Problem 3.2 on composite equilibrated stresses against the exact solution and against Problem 5.1."""
 
-    All are relative to the same norm of the exact quantity, those of stresses and of the pressure to σ.
+    label: str = "Thm 4.2, own space"
+    claim: str = "Problem 3.2 on a conforming stress space of its own and Problem 3.1 meet"
+    file: DataFile = STRESSES
+    of_every_case: bool = False
 
-    Attributes:
-        unknowns: moments of the edges in one contact solve.
-        stress: ‖σ − σ^h‖_Q.
-        stress_sup: its maximum over the steps, relative to that of ‖σ‖_Q.
-        best: ‖σ − τ‖_Q for the best τ that is linear on every third: no stress of this space can do better.
-        strain: ‖ε(u) − ε_n‖_Q, ε_n the strains that the law attaches to the stresses.
-        pressure: ‖σ_ν − σ^h_ν‖_{L²(Γ3)}.
-        displacement: (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |u − m|²)^½ for the P1 functions m on the edges whose moments are
-            the multipliers, u projected onto such functions.
-        primal_stress: ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q, u^h of Problem 5.1 with the same time steps.
-        primal_displacement: as ``displacement`` with u^h for u.
-        admissibility: max_n of what contradicts (2.4), (2.5) and continuity strongly: |σ^hν − P f_2| on Γ2, |σ^h_τ| and
-            (σ^h_ν)_+ on Γ3, jumps of σ^hν, in Bernstein coefficients, relative to the largest |σ^hν|.
-        time_share: ‖σ^h_k − σ^h_{2k}‖_Q at common nodes / ‖σ − σ^h_k‖_Q.
-    """
+    def places(self, full: bool) -> list[Setting]:
+        """Where it is measured in the quick or the full study."""
+        if not full:
+            # Two levels of random meshes give orders that one in twenty misses its window.
+            return [Setting(case, "one-diagonal", level) for case in QUICK for level in (8, 16)]
+        return [
+            Setting(case, family, level)
+            for case in CASES
+            for family in FAMILIES_OF.get(case, ("shaken",))
+            for level in (8, 16, 32, *((64,) if case in FINEST else ()))
+        ]
 
-    case: str
-    family: str
-    level: int
-    h: float
-    steps: int
-    unknowns: int
-    stress: float
-    stress_sup: float
-    best: float
-    strain: float
-    pressure: float
-    displacement: float
-    primal_stress: float
-    primal_displacement: float
-    admissibility: float
-    time_share: float
+    def settings(self, scope: Scope) -> list[Setting]:
+        """The places with a case of the study."""
+        return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
+    def measure(self, setting: Setting) -> dict[str, Any]:
+        """A row of ``stresses.csv``."""
+        case, family = resolve(setting.case), family_named(setting.family)
+        return asdict(measure_stresses(case, family, setting.level, self.steps(setting)))
 
-@dataclass(frozen=True, eq=False)
-class Setup:
-    """Everything one row is measured with. Controls replace single pieces by wrong ones.
+    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+        """The row."""
+        yield self.file, found
 
-    Attributes:
-        solution: the exact solution.
-        data: what Problem 3.2 is told of it.
-        space: the stresses.
-        scheme, steps: BDF2 and the number of its steps.
-        solver: (S, N) ↦ the contact solve.
-    """
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        """One row for each quantity, case and mesh family."""
+        found: list[Verdict] = []
+        for (case, family), series in rows.groupby(["case", "family"], sort=False):
+            levels = series.sort_values("h", ascending=False).assign(ratio=series["stress"] / series["best"])
+            rules = rules_of(resolve(str(case)).regularity, str(family))
+            found += [rule.verdict(self, str(case), {str(family): levels}, str(family)) for rule in rules]
+        return found
 
-    solution: ExactSolution
-    data: Data
-    space: StressSpace
-    scheme: Multistep
-    steps: int
-    solver: type[Signorini] = Signorini
+    def cost(self, setting: Setting) -> float:
+        """By cells and steps."""
+        return 65.0 * setting.level**2 * self.steps(setting)
 
-    @classmethod
-    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, steps: int) -> Setup:
-        """The setup as Problem 3.2 has it."""
-        return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
+    def memory(self, setting: Setting) -> float:
+        """That of the factor of the multipliers' matrix."""
+        return estimates.stress(setting.level)
 
-    def march(self, steps: int) -> Iterator[DualState]:
-        """Problem 3.2 with a number of steps."""
-        return march(self.data, self.space, self.scheme, steps, self.solver)
+    def steps(self, setting: Setting) -> int:
+        """Of the size of h, shorter where more happens in time."""
+        return even_steps(resolve(setting.case), setting.level)
 
 
-class Exact:
-    """An exact solution seen by composite stresses; cells are cut where it is rough, as in ``study.fem.gauge``."""
-
-    def __init__(self, solution: ExactSolution, space: StressSpace) -> None:
-        self.space = space
-        mesh, corners = cut(space)
-        self._blocks = []
-        for rule in rules(solution, mesh, max(DEGREE, 2 * space.degree)):
-            shapes = bernstein(space.degree, barycentric(corners[:, :, rule.cells], rule.points))
-            weighted = np.moveaxis(shapes * rule.weights, 1, 0)
-            best = np.linalg.solve(weighted @ np.moveaxis(shapes, 0, -1), weighted)
-            self._blocks.append((rule.cells, rule.weights, shapes, best, solution.at(rule.points)))
-        self._inside = solution.at(space.points)
-        self._faces = []
-        for face in solution.faces:
-            edges = space.parts[space.body.parts.index(face.part)]
-            on = facet_rule(space.mesh, edges, face.part, face.rough, FACET_POINTS)
-            self._faces.append((edges, bernstein(space.degree, on.shapes), on.weights, solution.on(face, on.s)))
-        x, weights = np.polynomial.legendre.leggauss(EDGE_POINTS)
-        self._along = np.array([1 - x, 1 + x]) / 2
-        self._shapes = bernstein(space.degree, self._along)
-        self._moments = self._shapes * weights / 2
-        self._edges = solution.at(np.einsum("den,eq->dnq", space.mesh.p[:, space.mesh.facets], self._along))
-        self._share = np.bincount(space.edges.ravel(), np.repeat(space.volumes / 3, 3), len(space.lengths))
-
-    def stress(self, time: float, values: Tensors) -> tuple[float, float, float]:
-        """‖σ − σ^h‖, ‖σ − the best polynomials on the thirds‖ and ‖σ‖ in Q."""
-        coefficients = self.space.coefficients(values)
-        squares = np.zeros(3)
-        for cells, weights, shapes, best, fields in self._blocks:
-            exact = fields.stress(time)
-            mine = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
-            nearest = np.einsum("naq,Inq,anp->Inp", best, exact, shapes, optimize=True)
-            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in (exact - mine, exact - nearest, exact)]
-        error, least, size = np.sqrt(squares)
-        return float(error), float(least), float(size)
-
-    def strain(self, time: float, strain: Tensors) -> tuple[float, float]:
-        """‖ε(u) − strain‖ and ‖ε(u)‖ in Q, with the rule of the stresses."""
-        exact = self._inside.strain(time)
-        return self.norm(exact - strain), self.norm(exact)
-
-    def norm(self, values: Tensors) -> float:
-        """‖·‖_Q of values at the points of the stresses."""
-        return float(np.sqrt(np.einsum("Icq,Icq,cq->", values, values, self.space.weights)))
-
-    def pressure(self, time: float, tractions: Array) -> float:
-        """‖σ_ν − σ^h_ν‖ in L²(Γ3)."""
-        square = 0.0
-        for edges, shapes, weights, fields in self._faces:
-            exact = fields.pressure(time)
-            mine = -np.einsum("na,anq->nq", self.space.seen_from(edges, tractions)[..., 0], shapes)
-            square += float(np.vdot((exact - mine) ** 2, weights))
-        return float(np.sqrt(square))
-
-    def moments(self, time: float) -> Array:
-        """∫_e u B_i, in the axes of the edges, (edges, n, 2)."""
-        return self._tested(self._edges.displacement(time))
-
-    def moments_of(self, nodal: Vectors) -> Array:
-        """∫_e v B_i for the nodal values of a P1 displacement, (2, vertices) → (edges, n, 2)."""
-        return self._tested(np.einsum("den,eq->dnq", nodal[:, self.space.mesh.facets], self._along))
-
-    def _tested(self, u: Vectors) -> Array:
-        turned = np.einsum("nij,jnq->inq", self.space.frames, u)
-        return np.einsum("inq,aq,n->nai", turned, self._moments, self.space.lengths, optimize=True)
-
-    def mean_square(self, moments: Array) -> float:
-        """(Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |m|²)^½ for the functions m on the edges with these moments."""
-        means = moments / self.space.lengths[:, None, None]
-        inverse = np.linalg.inv(self._moments @ self._shapes.T)
-        return float(np.sqrt(np.einsum("nad,ab,nbd,n->", means, inverse, means, self._share)))
+def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
+    """What is judged of a solution on a mesh family."""
+    for name, orders in predicted(regularity, family).items():
+        yield order(f"order-{name}", f"order of {QUANTITIES[name]}", orders.window, name, JUDGED, PAIR)
+    by_construction = Criterion("ratio", RATIO, at_least(1), _finest_ratio, ("ratio",))
+    yield Observation(by_construction, "the best polynomials are those of a larger space")
+    yield change("growth", f"growth of {RATIO}, finest over coarsest", GROWTH, "ratio", PAIR)
+    yield largest("admissible", ADMISSIBLE, STRONGLY, "admissibility")
+    yield largest("time-share", "time share of ‖σ − σ^h‖_Q", TIME, "time_share")
+    in_the_maximum = order("order-sup", "order of max_n ‖σ − σ^h‖_Q", Window(), "stress_sup", JUDGED, PAIR)
+    yield Observation(in_the_maximum, "the maximum is where a front lies worst in its cell, by chance on every level")
 
 
-class Primal:
-    """Problem 5.1 on the same mesh with the same time steps."""
-
-    def __init__(self, solution: ExactSolution, space: StressSpace, steps: int) -> None:
-        law = solution.law
-        assert isinstance(law.G, Linear)
-        self.displacements = Space(space.mesh, solution.body)
-        self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
-        gauge = Gauge(solution, self.displacements)
-        problem = Problem.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
-        self.k, self.states = problem.T / steps, PRIMAL().march(problem, steps)
-        self.past = [next(self.states).u]
-
-    def __next__(self) -> tuple[Vectors, Tensors]:
-        """The next displacement at the vertices, and Aε(δu^h) + Gε(u^h) at the points of the stresses."""
-        u = next(self.states).u
-        scheme = BDF2 if len(self.past) == len(BDF2.past) else BACKWARD_EULER
-        known = sum(c * v for c, v in zip(scheme.past, reversed(self.past), strict=True))
-        rate, strain = (self.displacements.strain(v) for v in ((scheme.w * u - known) / self.k, u))
-        self.past = [*self.past, u][-len(BDF2.past) :]
-        stress = np.einsum("cqIJ,Jc->Icq", self.viscous, rate) + np.einsum("cqIJ,Jc->Icq", self.elastic, strain)
-        return self.displacements.nodal(u), stress
-
-
-def measure(setup: Setup) -> dict[str, float]:
-    """The quantities of a row."""
-    exact = Exact(setup.solution, setup.space)
-    primal = Primal(setup.solution, setup.space, setup.steps)
-    coarse = setup.march(setup.steps // 2)
-    found, drift = [], []
-    for n, state in enumerate(setup.march(setup.steps), start=1):
-        stress, time = state.stress, state.time
-        nodal, primal_stress = next(primal)
-        if n % 2 == 0:
-            drift.append(exact.norm(next(coarse).stress.values - stress.values))
-        moments = exact.moments(time)
-        found.append(
-            (
-                *exact.stress(time, stress.values),
-                *exact.strain(time, state.strain),
-                exact.pressure(time, stress.tractions),
-                exact.norm(stress.values - primal_stress),
-                exact.mean_square(stress.moments - moments),
-                exact.mean_square(stress.moments - exact.moments_of(nodal)),
-                exact.mean_square(moments),
-                inadmissible(setup.space, state),
-            )
-        )
-    history = np.array(found).T
-    error, best, size, strain, strained, pressure, gap, moved, beside, displaced, _ = _mean(history)
-    return {
-        "stress": error / size,
-        "stress_sup": history[0].max() / history[2].max(),
-        "best": best / size,
-        "strain": strain / strained,
-        "pressure": pressure / size,
-        "displacement": moved / displaced,
-        "primal_stress": gap / size,
-        "primal_displacement": beside / displaced,
-        "admissibility": history[-1].max(),
-        "time_share": float(_mean(np.array(drift))) / error,
-    }
-
-
-def inadmissible(space: StressSpace, state: DualState) -> float:
-    """What contradicts (2.4), (2.5) and continuity, over the largest traction."""
-    tractions = state.stress.tractions
-    total = np.zeros((len(space.lengths), *tractions.shape[2:]))
-    np.add.at(total, space.edges, tractions)
-    for kind in Kind:
-        for _, edges in space.on(kind):
-            if kind is Kind.CLAMPED:
-                total[edges] = 0.0
-            elif kind is Kind.LOADED:
-                total[edges] -= state.loads.surface[edges]
-            else:
-                total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)
-    return float(abs(total).max() / abs(tractions).max())
-
-
-def _mean(history: Array) -> Array:
-    """Root mean squares over the last axis."""
-    return np.sqrt(np.mean(history**2, axis=-1))
-
-
-def steps_for(case: Case, level: int) -> int:
-    """An even number of steps of the size of h, shorter where more happens in time."""
-    return 2 * round(min(max(1.0, case.pace / 2), 4.0) * case.solution.body.T * level / 2)
-
-
-def row(setup: Setup, case: str, family: str, level: int) -> StressRow:
-    """The line of a setup."""
-    found = {name: float(value) for name, value in measure(setup).items()}
-    space = setup.space
-    unknowns = 2 * (space.degree + 1) * (len(space.lengths) - sum(len(edges) for _, edges in space.on(Kind.CLAMPED)))
-    return StressRow(case, family, level, size(space.mesh), setup.steps, unknowns, **found)
-
-
-def measure_stresses(case: Case, family: MeshFamily, level: int, steps: int) -> StressRow:
-    """The row of one (case, family, level)."""
-    return row(Setup.of(case.solution, family, level, steps), case.name, family.name, level)
+def _finest_ratio(group: pd.DataFrame) -> Measured:
+    ratios = group["ratio"]
+    return float(ratios.iloc[-1]), (float(ratios.min()), float(ratios.max()))

@@ -1,63 +1,26 @@
-"""Theorem 4.2, measured: Problems 3.1 and 3.2 on the same V^h, side by side.
-
-Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t), where u_n is a
-multiplier and u_n ∈ K^h is not imposed. The two share the matrix of strains, the load and the time
-steps of backward Euler, and nothing else.
-
-How far they may be apart is known, without the solution. At step j the interior point stops with a duality gap g_j,
-and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in that of C = A/k + G are at most g_j, σ* and ε* exact for the
-same ε_{j−1} (``study.solve.interior_point``). A step is a contraction in ε_{j−1} for the norm of A, which is that of V, since
-G is monotone, and A ≤ k C: with R_n = Σ_{j≤n} g_j^{1/2},
-
-    ‖u_n(3.2) − u_n(3.1)‖_V ≤ k^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
-
-but for rounding: A/k alone carries ε_{j−1} into σ_n, and |τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The law (3.3) obeys the same,
-its potential being at least as convex. ``paper/article.tex`` has the proof.
-"""
+"""Theorem 4.2 on one mesh: the two problems agree at every step, within what the duality gaps of the solver allow."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import pairwise
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict, dataclass, fields
+from typing import Any
 
 import numpy as np
-import scipy.sparse as sps
-from scipy.optimize import nnls
+import pandas as pd
 
 from manufactured.case import Case
-from manufactured.exact import ExactSolution
-from manufactured.tensors import Array
-from study.fem.gauge import Gauge
-from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
-from study.fem.space import Space
-from study.solve.evolution import BackwardEuler, Problem
-from study.solve.interior_point import StressProblem
-
-
-class Gaps(NamedTuple):
-    """Largest gaps over the steps 1, 2, …, each relative to the largest size of its quantity.
-
-    Attributes:
-        displacement_gap: ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
-        stress_gap: ‖σ_n(3.2) − σ_n(3.1)‖_Q / max_n ‖σ_n(3.1)‖_Q.
-        admissibility: sup of (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with |v| = 1 (nodal values)
-            for σ_n of Problem 3.2, / max_n |F(t_n)|.
-        energy_gap: |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| of Problem 3.2, (4.14), / max_n |(f(t_n), u_n)_V|.
-        membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2,
-            / max_n |u_n|_∞.
-        displacement_bound: what the duality gaps allow for displacement_gap, k^{1/2} R.
-        stress_bound: the same for stress_gap, (L_A/k + L_G)^{1/2} R.
-    """
-
-    displacement_gap: float
-    stress_gap: float
-    admissibility: float
-    energy_gap: float
-    membership: float
-    displacement_bound: float
-    stress_bound: float
+from study.fem.naming import family_named, resolve
+from study.ledger.criterion import Criterion, Measured, by_family
+from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.measures import largest
+from study.ledger.verdict import Verdict
+from study.ledger.window import at_most
+from study.statements.shared import estimates
+from study.statements.shared.base import Setting
+from study.statements.shared.scope import Scope
+from study.statements.thm_4_2.gaps import gaps, problems
 
 
 @dataclass(frozen=True)
@@ -86,56 +49,90 @@ class EquivalenceRow:
 def compare(case: Case, family: MeshFamily, level: int, steps: int) -> EquivalenceRow:
     """Solve both problems for a case."""
     displacements, stresses = problems(case.solution, family, level)
-    return EquivalenceRow(
-        case.name, "strains of V^h", level, stresses.space.h, steps, *gaps(displacements, stresses, steps), family.name
-    )
+    found = gaps(displacements, stresses, steps)
+    return EquivalenceRow(case.name, "strains of V^h", level, stresses.space.h, steps, *found, family.name)
 
 
-def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[Problem, StressProblem]:
-    """Problems 3.1 and 3.2 of an exact solution on one mesh."""
-    space = Space(family(solution.body, level), solution.body)
-    gauge = Gauge(solution, space)
-    u0 = gauge.sample(0.0).interpolant
-    return Problem.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
+EQUIVALENCE = CsvFile(
+    "equivalence.csv", ("case", "family", "level"), tuple(field.name for field in fields(EquivalenceRow))
+)
+
+AGREEMENT = at_most(1e-7, "at every step")
+ALLOWED = at_most(1.0, "proved")
+SHARP = at_most(1e-5, "32 steps, each the root of a gap of 1e-15, and norms 10 apart")
 
 
-def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
-    """March both problems in lockstep, holding no more than one step of either."""
-    space, M = stresses.space, displacements.M
-    cells = on_cells(space, stresses.law)
-    k = displacements.T / steps
-    root = np.sqrt(space.volumes)
-    law, radius = stresses.law, 0.0
-    worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
-    pairs = zip(BackwardEuler().march(displacements, steps), stresses.march(steps), strict=True)
-    for (before, _), (primal, dual) in pairwise(pairs):
-        strain = space.strain(primal.u)
-        stress = cells.stress((strain - space.strain(before.u)) / k, strain)
-        load = displacements.load(primal.time)
-        defect = load - space.functional(dual.stress)
-        difference = dual.u - primal.u
-        radius += np.sqrt(dual.gap)
-        now = [
-            np.sqrt(difference @ (M @ difference)),
-            np.linalg.norm(root * (dual.stress - stress)),
-            beyond(defect, displacements.N),
-            abs(defect @ dual.u),
-            max((displacements.N @ dual.u).max(), 0.0),
+def allowed(key: str, what: str, gap: str, bound: str) -> Criterion:
+    """A gap over what the duality gaps allow for it, on every level."""
+
+    def measure(group: pd.DataFrame) -> Measured:
+        ratios = (group[gap] / group[bound]).to_numpy()
+        return float(ratios.max()), (float(ratios.min()), float(ratios.max()))
+
+    return Criterion(key, f"{what} of Problem 3.2 − 3.1 / what the gap allows", ALLOWED, measure, (gap, bound))
+
+
+def _sharp(group: pd.DataFrame) -> Measured:
+    bounds = np.maximum(group["displacement_bound"], group["stress_bound"]).to_numpy()
+    return float(bounds.max()), (float(bounds.min()), float(bounds.max()))
+
+
+RULES = (
+    allowed("displacement", "displacement", "displacement_gap", "displacement_bound"),
+    allowed("stress", "stress", "stress_gap", "stress_bound"),
+    Criterion(
+        "allowed",
+        "what the gap allows / size of the solution",
+        SHARP,
+        _sharp,
+        ("displacement_bound", "stress_bound"),
+    ),
+    largest("admissibility", "σ^h ∈ Σ^h(t)", AGREEMENT, "admissibility"),
+    largest("energy", "(σ, ε(u))_Q = (f, u)_V, (4.14)", AGREEMENT, "energy_gap"),
+    largest("membership", "u ∈ K^h though never imposed", AGREEMENT, "membership"),
+)
+
+
+@dataclass(frozen=True)
+class SameMesh:
+    """Problem 3.2 on the strains of V^h against Problem 3.1, by backward Euler with k ~ h/2."""
+
+    label: str = "Thm 4.2"
+    claim: str = "Problem 3.2 on the strains of V^h and Problem 3.1 have one solution"
+    file: DataFile = EQUIVALENCE
+    of_every_case: bool = True
+
+    def settings(self, scope: Scope) -> list[Setting]:
+        """Every case on coarse levels, for the interior point method is for small problems."""
+        return [
+            Setting(reference, family.name, n)
+            for reference, case in zip(scope.cases, scope.resolved(), strict=True)
+            for family in scope.families_of(case)[: None if scope.every_family else 1]
+            for n in (scope.equivalence if case.solution.body.dim == 2 else scope.solid_equivalence)
         ]
-        size = [
-            np.sqrt(primal.u @ (M @ primal.u)),
-            np.linalg.norm(root * stress),
-            np.linalg.norm(load),
-            abs(load @ dual.u),
-            abs(dual.u).max(),
-        ]
-        worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
-    bounds = radius * np.sqrt([k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
-    return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))
 
+    def measure(self, setting: Setting) -> dict[str, Any]:
+        """A row of ``equivalence.csv``."""
+        case, family = resolve(setting.case), family_named(setting.family)
+        return asdict(compare(case, family, setting.level, self.steps(setting)))
 
-def beyond(defect: Array, N: sps.csr_array) -> float:
-    """sup {defect·v : Nv ≤ 0, |v| ≤ 1}, which is the distance of the defect from the cone {Nᵀλ : λ ≥ 0}."""
-    touched = np.unique(N.indices)
-    _, distance = nnls(N[:, touched].T.toarray(), defect[touched])
-    return float(np.hypot(distance, np.linalg.norm(np.delete(defect, touched))))
+    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+        """The row."""
+        yield self.file, found
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        groups = {str(case): by_family(mine) for case, mine in rows.groupby("case", sort=False)}
+        return [rule.verdict(self, case, of_case) for case, of_case in groups.items() for rule in RULES]
+
+    def cost(self, setting: Setting) -> float:
+        """By cells and steps."""
+        dim = resolve(setting.case).solution.body.dim
+        return float(setting.level**dim * self.steps(setting)) * (70 if dim == 2 else 1000)
+
+    def memory(self, setting: Setting) -> float:
+        """That of the interior point method."""
+        return estimates.equivalence(resolve(setting.case).solution.body.dim, setting.level, setting.family)
+
+    def steps(self, setting: Setting) -> int:
+        """Two for every cell along a side."""
+        return 2 * setting.level

@@ -29,16 +29,18 @@ from manufactured.exact import ExactSolution
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
-from study.ledger.verdict import Verdict, Window
+from study.ledger.criterion import judge
+from study.ledger.measures import every
+from study.ledger.verdict import Verdict
+from study.ledger.window import around
 from study.solve.evolution import BackwardEuler, Problem
 from study.solve.interior_point import GAP, StressProblem, StressState
-from study.statements.base import Setting
-from study.statements.tally import every, judge, with_h
-from study.statements.thm_4_2.same_mesh import gaps, problems
+from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.thm_4_2.gaps import gaps, problems
 
 CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 
-ALONE = Window(0.999, 1.001, "1 ± 0.001: all of it")
+ALONE = around(1, 0.001, "all of it")
 """The ratio is off by at most the distance of both solutions over the mistake; a flip makes one of 0.1 of the solution,
 so that distances of 1e-4 of it are seen as well."""
 
@@ -120,19 +122,19 @@ def independence(sides: Sides, steps: int) -> Independence:
 
 
 CRITERIA = (
-    every("mistake in 3.1 alone that the displacement gap shows", ALONE, "displacement_shown"),
-    every("mistake in 3.1 alone that the stress gap shows", ALONE, "stress_shown"),
+    every("alone-displacement", "mistake in 3.1 alone that the displacement gap shows", ALONE, "displacement_shown"),
+    every("alone-stress", "mistake in 3.1 alone that the stress gap shows", ALONE, "stress_shown"),
 )
 
 
 @dataclass(frozen=True)
-class StandsAlone:
+class StandsAlone(ListedNumbers):
     """The gaps show all of a mistake in Problem 3.1 alone; without a mistake, 0/0, nothing is shown, and it fails."""
 
     label: str = "Thm 4.2"
     claim: str = "the comparison sees all of a mistake in Problem 3.1 alone"
 
-    def settings(self, full: bool) -> list[Setting]:
+    def places(self, full: bool) -> list[Setting]:
         families, levels = (("one-diagonal", "shaken"), (4, 8)) if full else (("one-diagonal",), (4,))
         return [Setting(case, family, n) for case in CASES for family in families for n in levels]
 

@@ -15,14 +15,13 @@ import numpy as np
 
 from manufactured.body import Kind
 from manufactured.case import Case
-from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import MeshFamily
-from study.fem.space import Space
 from study.solve.choice import contact_solver
-from study.solve.evolution import Midpoint, Problem, Scheme, State
+from study.solve.evolution import Midpoint, Scheme, State
+from study.statements.prop_5_4.experiment import Experiment
 
 RESPONSE = 12
 """Time steps in which the effect of a change of the load is followed at first. What cells leave out changes from step
@@ -33,7 +32,7 @@ NEGLIGIBLE = 0.01
 
 
 @dataclass(frozen=True)
-class Row:
+class RateRow:
     """One line of ``rates.csv`` but for the claim and the order; the columns are explained in the README."""
 
     case: str
@@ -61,51 +60,14 @@ class Row:
     parallelogram: float
 
 
-@dataclass(frozen=True, eq=False)
-class Setup:
-    """Everything one row is measured with. Controls replace single pieces by wrong ones.
-
-    Attributes:
-        solution: the exact solution that gives the data and the reference.
-        space: V^h.
-        gauge: what errors are measured with.
-        problem: Problem 5.1 as it is solved.
-        scheme, steps: time scheme and number of steps of size k.
-    """
-
-    solution: ExactSolution
-    space: Space
-    gauge: Gauge
-    problem: Problem
-    scheme: Scheme
-    steps: int
-
-    @classmethod
-    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Scheme, steps: int) -> Setup:
-        """The setup as the source has it: u_0^h = Π^h u_0, K^h = V^h ∩ K, the load of (3.7)."""
-        space = Space(family(solution.body, level), solution.body)
-        gauge = Gauge(solution, space)
-        u0 = gauge.sample(0.0).interpolant
-        return cls(solution, space, gauge, Problem.of(space, solution.law, gauge.load, u0), scheme, steps)
-
-
-def steps_for(case: Case, level: int) -> int:
-    """Number of steps at a level: pace · T · n^{2/3}, slower than 1/h.
-
-    A scheme of order 3/2 (midpoint with velocity kinks) then has a time error of the order h, one
-    of order 2 an error of order h^{4/3}.
-    """
-    return math.ceil(case.pace * case.solution.body.T * level ** (2 / 3))
-
-
-def measure(setup: Setup) -> Measurement:
+def measure(experiment: Experiment) -> Measurement:
     """Advance both trajectories and collect errors."""
-    gauge, problem, M = setup.gauge, setup.problem, setup.problem.M
-    coarse = setup.scheme.march(problem, setup.steps)
+    gauge, problem, M = experiment.gauge, experiment.problem, experiment.problem.M
+    coarse = experiment.scheme.march(problem, experiment.steps)
     errors: list[tuple[float, ...]] = []
     drift, residual = 0.0, 0.0
     worst: tuple[float, State] | None = None
-    for n, state in enumerate(setup.scheme.march(problem, 2 * setup.steps)):
+    for n, state in enumerate(experiment.scheme.march(problem, 2 * experiment.steps)):
         sample = gauge.sample(state.time)
         interpolant, discrete = sample.interpolant, sample.interpolant - state.u
         error, interpolation, halfway = (
@@ -120,49 +82,49 @@ def measure(setup: Setup) -> Measurement:
             difference = companion.u - state.u
             drift = max(drift, math.sqrt(difference @ (M @ difference)))
     assert worst is not None
-    return Measurement(setup, np.array(errors).T, drift, residual, worst[1])
+    return Measurement(experiment, np.array(errors).T, drift, residual, worst[1])
 
 
 @dataclass(frozen=True, eq=False)
 class Measurement:
-    """What one setup gave.
+    """What one experiment gave.
 
     Attributes:
-        setup: the setup.
+        experiment: the experiment.
         history: (5, nodes): t, ‖u − u^h‖_V, ‖u − Π^h u‖_V, ‖Π^h u − u^h‖_V, ‖u − (u^h + Π^h u)/2‖_V.
         drift: max_n ‖u^h_k − u^h_{k/2}‖_V.
         residual: largest relative residual of a contact solve.
         worst: the state at which the error is largest.
     """
 
-    setup: Setup
+    experiment: Experiment
     history: Array
     drift: float
     residual: float
     worst: State
 
-    def row(self, case: str, family: str, level: int) -> Row:
+    def row(self, case: str, family: str, level: int) -> RateRow:
         """The line of the rate table."""
-        setup = self.setup
+        experiment = self.experiment
         times, error, interpolation, discrete, _ = self.history
         first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
-        return Row(
+        return RateRow(
             case=case,
             family=family,
-            scheme=setup.scheme.name,
-            dim=setup.space.dim,
+            scheme=experiment.scheme.name,
+            dim=experiment.space.dim,
             level=level,
-            h=setup.space.h,
-            dofs=setup.space.dofs,
-            steps=setup.steps,
-            k=setup.problem.T / setup.steps,
+            h=experiment.space.h,
+            dofs=experiment.space.dofs,
+            steps=experiment.steps,
+            k=experiment.problem.T / experiment.steps,
             error=float(error[first]),
             at=float(times[first]),
             interpolation_error=float(interpolation[second]),
             discrete_error=float(discrete[third]),
             time_share=self.drift / float(error[first]),
             interpolation_at=float(times[second]),
-            predicted_interpolation=LeadingTerm(setup.solution, setup.space).largest(),
+            predicted_interpolation=LeadingTerm(experiment.solution, experiment.space).largest(),
             discrete_at=float(times[third]),
             initial_error=float(error[0]),
             discrete_time_share=self.drift / float(discrete[third]),
@@ -174,7 +136,7 @@ class Measurement:
 
     def clamped(self) -> float:
         """max |u^h| on Γ1 over max |u^h|, on the parts of the body: zero for u^h ∈ V."""
-        space = self.setup.space
+        space = self.experiment.space
         size = np.linalg.norm(space.nodal(self.worst.u), axis=0)
         on = [part.contains(space.mesh.p, 1e-9 * space.h) for part in space.body.of(Kind.CLAMPED)]
         return float(size[np.any(on, axis=0)].max() / max(size.max(), np.finfo(float).tiny))
@@ -197,17 +159,17 @@ class Measurement:
         linear problem without contact to the change of the load, followed in RESPONSE steps, or
         where that gives more than NEGLIGIBLE in as many as u^h has.
         """
-        setup, problem, time = self.setup, self.setup.problem, self.worst.time
-        finer = Gauge(setup.solution, setup.space, raised=2, along=())
-        error = setup.gauge.distance(setup.gauge.sample(time), self.worst.u)
+        experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
+        finer = Gauge(experiment.solution, experiment.space, raised=2, along=())
+        error = experiment.gauge.distance(experiment.gauge.sample(time), self.worst.u)
         raised = finer.distance(finer.sample(time), self.worst.u)
         change = replace(
             problem,
-            load=lambda t: finer.load(t) - setup.gauge.load(t),
+            load=lambda t: finer.load(t) - experiment.gauge.load(t),
             u0=np.zeros_like(problem.u0),
             N=problem.N[:0],
             remainder=None,
-            solver=contact_solver(setup.space),
+            solver=contact_solver(experiment.space),
         )
 
         def relative(steps: int) -> float:
@@ -215,9 +177,9 @@ class Measurement:
             return (abs(raised - error) + drift) / error
 
         first = relative(RESPONSE)
-        return first if first <= NEGLIGIBLE else relative(2 * setup.steps)
+        return first if first <= NEGLIGIBLE else relative(2 * experiment.steps)
 
 
-def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, steps: int) -> Row:
+def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, steps: int) -> RateRow:
     """The row of one (case, family, scheme, level) with steps of size T/steps."""
-    return measure(Setup.of(case.solution, family, level, scheme, steps)).row(case.name, family.name, level)
+    return measure(Experiment.of(case.solution, family, level, scheme, steps)).row(case.name, family.name, level)

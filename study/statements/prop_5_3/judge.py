@@ -1,0 +1,73 @@
+"""When Proposition 5.3 holds: errors fall level by level and leave no room for a positive limit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import pandas as pd
+
+from study.ledger.criterion import Criterion, Groups, Measured, by_family
+from study.ledger.measures import ENOUGH, between_levels, exactly
+from study.ledger.orders import limit
+from study.ledger.verdict import Verdict
+from study.ledger.window import around, at_most
+from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
+from study.statements.prop_5_4.rates import Rates
+from study.statements.prop_5_4.regularity_needed import GRADED
+
+LEVELS = ENOUGH + 1
+"""Two refinements twice."""
+FALLING = at_most(0.999, "on every level")
+LIMIT = at_most(0.1, "of the two finest errors", low=-math.inf)
+"""Over two refinements an order s − δ instead of s looks like e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}): for s = 1/4
+the window answers to δ = 0.02, as sharp as the place of a front within its cell lets orders be."""
+ROOM = 0.15
+
+
+@dataclass(frozen=True)
+class Convergence(Rates):
+    """Proposition 5.3 on the exact solutions that miss (5.36)."""
+
+    label: str = "Prop. 5.3"
+    claim: str = "‖u − u^h‖_{L∞(0,T;V)} → 0"
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        found = []
+        for case, mine in rows[rows["claim"] == self.label].groupby("case", sort=False):
+            expected = float(mine["expected_order"].iloc[0])
+            rules = rules_of(by_family(mine), expected)
+            found += [criterion.verdict(self, str(case), groups) for criterion, groups in rules]
+        return found
+
+
+def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Criterion, Groups]]:
+    """What is judged of a case with a predicted order, and on which mesh families."""
+    uniform = {name: group for name, group in groups.items() if name != GRADED}
+    graded = {name: group for name, group in groups.items() if name == GRADED}
+    yield Criterion("falling", "ratio of consecutive errors", FALLING, _ratios, ("error",), LEVELS), groups
+    yield _limit(expected), uniform
+    yield _order("order", "order seen", expected), uniform
+    if graded:
+        yield _order("order-graded", "order seen on graded meshes", 1.0), graded
+    for criterion in (SIZES, *EVIDENCE):
+        yield criterion, groups
+
+
+def _ratios(group: pd.DataFrame) -> Measured:
+    errors = group["error"].to_numpy()
+    found = errors[1:] / errors[:-1]
+    return float(found.max()), (float(found.min()), float(found.max()))
+
+
+def _limit(expected: float) -> Criterion:
+    def measure(group: pd.DataFrame) -> Measured:
+        return exactly(limit(group["h"].to_numpy(), group["error"].to_numpy(), expected))
+
+    return Criterion("limit", "limit e∞ of e = e∞ + C h^s", LIMIT, measure, ("error",), LEVELS)
+
+
+def _order(key: str, quantity: str, expected: float) -> Criterion:
+    window = around(expected, ROOM, "over two refinements (no rate is claimed)")
+    return between_levels(key, quantity, window, "error", 2, LEVELS)

@@ -1,0 +1,47 @@
+"""What every error of a rate table has to show: its size is right, it is that of u^h, nothing else matters to it."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+
+from study.ledger.criterion import Criterion, Measured
+from study.ledger.measures import exactly, largest
+from study.ledger.window import around, at_most
+from study.solve.choice import ROUNDING, SHARE, residual
+
+TIME_SHARE = at_most(0.02, "of the error")
+RESIDUAL = at_most(1.0, f"{ROUNDING:g} of a factorisation, {SHARE:g} h² of multigrid")
+CLAMPED = at_most(1e-10)
+QUADRATURE = at_most(0.02, "of the error")
+SIZE = around(1, 0.1, "Pythagoras")
+PARALLELOGRAM = at_most(1e-3, "exact but for rounding and two quadratures of A's factor")
+
+
+def _size(group: pd.DataFrame) -> Measured:
+    """(‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ on the finest level."""
+    last = group.iloc[-1]
+    return exactly(np.hypot(last["error"], last["discrete_error"]) / last["interpolation_error"])
+
+
+def _residuals(group: pd.DataFrame) -> Measured:
+    """Residuals of the contact solves over what the solver of that size is asked for."""
+    allowed = [residual(dim, dofs) for dim, dofs in zip(group["dim"], group["dofs"], strict=True)]
+    values = group["residual"].to_numpy() / np.array(allowed)
+    return float(values.max()), (float(values.min()), float(values.max()))
+
+
+SIZES = Criterion("size", "size of the error", SIZE, _size, ("error", "discrete_error", "interpolation_error"))
+EVIDENCE = (
+    largest("parallelogram", "parallelogram law of u − u^h and u − Π^h u", PARALLELOGRAM, "parallelogram"),
+    largest("time-share", "time share", TIME_SHARE, "time_share"),
+    Criterion(
+        "residual",
+        "residual of the contact solves / allowed",
+        RESIDUAL,
+        _residuals,
+        ("dim", "dofs", "residual"),
+    ),
+    largest("clamped", "u^h = 0 on Γ1", CLAMPED, "clamped"),
+    largest("quadrature", "change under finer quadrature", QUADRATURE, "quadrature_change"),
+)

@@ -1,0 +1,133 @@
+"""When Proposition 5.4 holds: order 1, two-sided, with everything that keeps the verdict from being vacuous."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from study.ledger.criterion import Criterion, Groups, Measured, by_family
+from study.ledger.measures import ENOUGH, between_levels, consecutive, exactly, fitted, largest, order
+from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
+from study.ledger.window import Window, around, at_least, at_most, between
+from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
+from study.statements.prop_5_4.rates import Rates
+
+SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
+OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
+DISCRETE_SHARE = at_most(0.6, "of the interpolation error: by Pythagoras both errors differ by ≤ 20 %")
+DISCRETE_TIME = at_most(0.3, "of the discrete error")
+SOLID = around(1, 0.1)
+NOT_AT_START = 0.99
+"""A largest error this much above the one at t = 0 comes after it."""
+ENOUGH_AFTER_START = at_least(4)
+"""Cases whose largest error must come after t = 0, where something was solved."""
+
+
+@dataclass(frozen=True)
+class FirstOrder(Rates):
+    """Proposition 5.4 on the exact solutions with (5.36)."""
+
+    label: str = "Prop. 5.4"
+    claim: str = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        mine = rows[rows["claim"] == self.label]
+        found = [
+            verdict
+            for case, of_case in mine.groupby("case", sort=False)
+            for verdict in self.judge_case(str(case), of_case, float(of_case["expected_order"].iloc[0]))
+        ]
+        return [*found, self._after_start(mine)] if mine["case"].nunique() >= ENOUGH_AFTER_START.low else found
+
+    def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
+        """The rows of a case, from its lines of ``rates.csv``."""
+        groups = by_family(rows)
+        solid = SOLIDS if int(rows["dim"].iloc[0]) == 3 else ()
+        orders = [criterion.verdict(self, case, groups) for criterion in (*errors(expected), SIZES)]
+        discrete = [criterion.verdict(self, case, chosen) for criterion, chosen in discrete_errors(groups)]
+        start = start_share(all(verdict.verdict == HOLDS for verdict in discrete)).verdict(self, case, groups)
+        rest = [criterion.verdict(self, case, groups) for criterion in (*EVIDENCE, *solid)]
+        return [*orders, *discrete, start, *rest]
+
+    def _after_start(self, rows: pd.DataFrame) -> Verdict:
+        """Whether enough cases have their largest error after t = 0."""
+        later = (rows["initial_error"] < NOT_AT_START * rows["error"]).groupby(rows["case"]).all()
+        count = float(later.sum())
+        verdict = HOLDS if ENOUGH_AFTER_START.contains(count) else UNDECIDED
+        quantity = f"cases with the supremum after t = 0 (of {len(later)})"
+        return row(self, "after-start", quantity, ENOUGH_AFTER_START, count, (count, count), verdict, "all cases")
+
+
+def errors(expected: float) -> tuple[Criterion, Criterion]:
+    """The order of the error from level to level, and fitted, whose interval must exclude the orders 0 and 2."""
+    by_level = around(expected, 0.15, "every consecutive order")
+    line = around(expected, 0.1, "least squares; interval in (0, 2)")
+    return (
+        consecutive("order", "order of the error, level by level", by_level, "error"),
+        fitted("order-fitted", "order of the error, fitted", line, "error", ENOUGH + 1, Window(0.0, 2.0)),
+    )
+
+
+SOLIDS = tuple(
+    between_levels(key, f"order of {name}, finest pair", SOLID, column, 1, ENOUGH)
+    for key, name, column in (
+        ("order-finest", "the error", "error"),
+        ("interpolation-order-finest", "‖u − Π^h u‖_V", "interpolation_error"),
+    )
+)
+"""In 3D, where few levels can be had, the finest pair alone must be nearer to 1."""
+
+
+def discrete_errors(groups: Groups) -> list[tuple[Criterion, Groups]]:
+    """‖Π^h u − u^h‖_V, what the solver did: its order, its share of the interpolation error, and that of time steps.
+
+    On one-diagonal meshes neighbouring triangles form parallelograms and Π^h u − u^h is superclose,
+    of order 3/2 (traction boundary) to 2; elsewhere it is at least of the order of the error. At
+    most it is of order 2.
+    """
+    superclose = {name: group for name, group in groups.items() if name == "one-diagonal"}
+    others = {name: group for name, group in groups.items() if name != "one-diagonal"}
+    found = [
+        (order(f"discrete-order-{key}", f"order of ‖Π^h u − u^h‖_V, {which}", window, "discrete_error", ENOUGH), chosen)
+        for key, which, window, chosen in (
+            ("superclose", "superclose", SUPERCLOSE, superclose),
+            ("others", "other families", OTHERS, others),
+        )
+        if chosen
+    ]
+    time = largest("discrete-time-share", "time share of ‖Π^h u − u^h‖_V", DISCRETE_TIME, "discrete_time_share")
+    return [*found, (SHARE, groups), (time, groups)]
+
+
+def _share(group: pd.DataFrame) -> Measured:
+    last = group.iloc[-1]
+    return exactly(last["discrete_error"] / last["interpolation_error"])
+
+
+SHARE = Criterion(
+    "discrete-share",
+    "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
+    DISCRETE_SHARE,
+    _share,
+    ("discrete_error", "interpolation_error"),
+)
+
+
+def start_share(carried: bool) -> Criterion:
+    """The largest error must come after t = 0, where it would be that of Π^h u_0 and nothing was solved.
+
+    Where it sits at t = 0 the case says nothing but through its discrete error, whose rows must then hold: ``carried``
+    says whether they do.
+    """
+    window = (
+        at_most(1.0, "may sit at t = 0, as the rows of ‖Π^h u − u^h‖_V hold")
+        if carried
+        else at_most(NOT_AT_START, "after t = 0, as a row of ‖Π^h u − u^h‖_V does not hold")
+    )
+
+    def measure(group: pd.DataFrame) -> Measured:
+        return exactly(np.max((group["initial_error"] / group["error"]).to_numpy()))
+
+    return Criterion("start-share", "error at t = 0 / largest error", window, measure, ("initial_error", "error"))

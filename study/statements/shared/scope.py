@@ -1,0 +1,125 @@
+"""What a study is about: which cases, on which mesh families, at which levels."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+from manufactured.case import Case
+from study.fem.mesh import FAMILIES, MeshFamily
+from study.fem.naming import resolve
+from study.ledger.errors import UsageError
+from study.solve.steps import steps_for
+
+
+@dataclass(frozen=True)
+class Levels:
+    """The levels for one kind of case.
+
+    Attributes:
+        all: levels on every mesh family that is used.
+        first: finer levels on the first family of a case only.
+    """
+
+    all: tuple[int, ...]
+    first: tuple[int, ...] = ()
+
+    def of(self, position: int) -> tuple[int, ...]:
+        """The levels on the family at a position."""
+        return self.all if position else (*self.all, *self.first)
+
+
+@dataclass(frozen=True)
+class Scope:
+    """What a study is about.
+
+    Attributes:
+        name: quick or full.
+        cases: references, catalogue names or FILE.py:NAME.
+        plane: levels for plane cases with (5.36).
+        rough: levels for the others, whose orders need more of them.
+        solid: levels in 3D.
+        equivalence, solid_equivalence: levels of Theorem 4.2 on one mesh, in 2D and 3D.
+        every_family: whether cases are measured on all mesh families that serve them. Otherwise plane cases with (5.36)
+            on one in turn, a twin on that of its twin, and others on the first, and on graded meshes beside it where
+            a body has points to refine to.
+        scheme: name of the time scheme.
+        k: time step at every level; without it each case's own.
+        statements: whether all statements are measured, or only those that are measured on every case.
+        own: pairs (case, levels) of cases that have other levels.
+    """
+
+    name: str
+    cases: tuple[str, ...]
+    plane: Levels
+    rough: Levels
+    solid: Levels
+    equivalence: tuple[int, ...]
+    solid_equivalence: tuple[int, ...]
+    every_family: bool = True
+    scheme: str = "midpoint"
+    k: float | None = None
+    statements: bool = True
+    own: tuple[tuple[str, Levels], ...] = ()
+
+    @property
+    def full(self) -> bool:
+        """Whether it is the full study."""
+        return self.name == "full"
+
+    def resolved(self) -> list[Case]:
+        """The cases."""
+        return [resolve(reference) for reference in self.cases]
+
+    def check(self) -> None:
+        """Refuse levels, steps and names that make no study.
+
+        Raises:
+            UsageError: levels below 2, not increasing, a time step beyond T, two cases of one name, or a body
+                that no mesh family serves.
+        """
+        if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
+            raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
+        for kind in (self.plane, self.rough, self.solid):
+            _refuse_levels(kind.of(0))
+        names = [case.name for case in self.resolved()]
+        if len(set(names)) < len(names):
+            raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
+        for case in self.resolved():
+            if not any(family.serves(case.solution.body) for family in FAMILIES):
+                raise UsageError(
+                    f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped"
+                )
+
+    def steps(self, case: Case, level: int) -> int:
+        """Time steps at a level: of the size asked for, or as many as the case's pace says."""
+        return steps_for(case, level) if self.k is None else round(case.solution.body.T / self.k)
+
+    def families_of(self, case: Case) -> list[MeshFamily]:
+        """The mesh families a case is measured on, graded ones where there are."""
+        serving = [family for family in FAMILIES if family.serves(case.solution.body)]
+        if self.every_family:
+            return serving
+        if case.solution.body.refine:
+            return [serving[0], serving[-1]]
+        # Where fronts may lie anywhere in a cell, as on random meshes, rough cases need finer levels.
+        if case.solution.body.dim == 3 or not case.regularity.satisfies_5_36:
+            return serving[:1]
+        turn = [other.name for other in self.resolved()].index(case.twin or case.name)
+        return [serving[turn % len(serving)]]
+
+    def levels_of(self, case: Case) -> Levels:
+        """The levels of a case."""
+        for name, levels in self.own:
+            if name == case.name:
+                return levels
+        if case.solution.body.dim == 3:
+            return self.solid
+        return self.plane if case.regularity.satisfies_5_36 else self.rough
+
+
+def _refuse_levels(levels: tuple[int, ...]) -> None:
+    if not levels or min(levels) < 2:
+        raise UsageError(f"levels must be 2 or more, got {' '.join(map(str, levels)) or 'none'}")
+    if any(b <= a for a, b in pairwise(levels)):
+        raise UsageError(f"levels must increase, got {' '.join(map(str, levels))}; sort them and drop repetitions")

@@ -1,0 +1,108 @@
+"""How far Problems 3.1 and 3.2 are apart on the same V^h, and how far they may be.
+
+Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t), where u_n is a
+multiplier and u_n ∈ K^h is not imposed. The two share the matrix of strains, the load and the time
+steps of backward Euler, and nothing else.
+
+How far they may be apart is known, without the solution. At step j the interior point stops with a duality gap g_j,
+and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in that of C = A/k + G are at most g_j, σ* and ε* exact for the
+same ε_{j−1} (``study.solve.interior_point``). A step is a contraction in ε_{j−1} for the norm of A, which is that of V,
+since G is monotone, and A ≤ k C: with R_n = Σ_{j≤n} g_j^{1/2},
+
+    ‖u_n(3.2) − u_n(3.1)‖_V ≤ k^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
+
+but for rounding: A/k alone carries ε_{j−1} into σ_n, and |τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The law (3.3) obeys the same,
+its potential being at least as convex. ``paper/article.tex`` has the proof.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sps
+from scipy.optimize import nnls
+
+from manufactured.exact import ExactSolution
+from manufactured.tensors import Array
+from study.fem.gauge import Gauge
+from study.fem.material import on_cells
+from study.fem.mesh import MeshFamily
+from study.fem.space import Space
+from study.solve.evolution import BackwardEuler, Problem
+from study.solve.interior_point import StressProblem
+
+
+class Gaps(NamedTuple):
+    """Largest gaps over the steps 1, 2, …, each relative to the largest size of its quantity.
+
+    Attributes:
+        displacement_gap: ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
+        stress_gap: ‖σ_n(3.2) − σ_n(3.1)‖_Q / max_n ‖σ_n(3.1)‖_Q.
+        admissibility: sup of (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with |v| = 1 (nodal values)
+            for σ_n of Problem 3.2, / max_n |F(t_n)|.
+        energy_gap: |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| of Problem 3.2, (4.14), / max_n |(f(t_n), u_n)_V|.
+        membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2,
+            / max_n |u_n|_∞.
+        displacement_bound: what the duality gaps allow for displacement_gap, k^{1/2} R.
+        stress_bound: the same for stress_gap, (L_A/k + L_G)^{1/2} R.
+    """
+
+    displacement_gap: float
+    stress_gap: float
+    admissibility: float
+    energy_gap: float
+    membership: float
+    displacement_bound: float
+    stress_bound: float
+
+
+def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[Problem, StressProblem]:
+    """Problems 3.1 and 3.2 of an exact solution on one mesh."""
+    space = Space(family(solution.body, level), solution.body)
+    gauge = Gauge(solution, space)
+    u0 = gauge.sample(0.0).interpolant
+    return Problem.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
+
+
+def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
+    """March both problems in lockstep, holding no more than one step of either."""
+    space, M = stresses.space, displacements.M
+    cells = on_cells(space, stresses.law)
+    k = displacements.T / steps
+    root = np.sqrt(space.volumes)
+    law, radius = stresses.law, 0.0
+    worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
+    pairs = zip(BackwardEuler().march(displacements, steps), stresses.march(steps), strict=True)
+    for (before, _), (primal, dual) in pairwise(pairs):
+        strain = space.strain(primal.u)
+        stress = cells.stress((strain - space.strain(before.u)) / k, strain)
+        load = displacements.load(primal.time)
+        defect = load - space.functional(dual.stress)
+        difference = dual.u - primal.u
+        radius += np.sqrt(dual.gap)
+        now = [
+            np.sqrt(difference @ (M @ difference)),
+            np.linalg.norm(root * (dual.stress - stress)),
+            beyond(defect, displacements.N),
+            abs(defect @ dual.u),
+            max((displacements.N @ dual.u).max(), 0.0),
+        ]
+        size = [
+            np.sqrt(primal.u @ (M @ primal.u)),
+            np.linalg.norm(root * stress),
+            np.linalg.norm(load),
+            abs(load @ dual.u),
+            abs(dual.u).max(),
+        ]
+        worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
+    bounds = radius * np.sqrt([k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
+    return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))
+
+
+def beyond(defect: Array, N: sps.csr_array) -> float:
+    """sup {defect·v : Nv ≤ 0, |v| ≤ 1}, which is the distance of the defect from the cone {Nᵀλ : λ ≥ 0}."""
+    touched = np.unique(N.indices)
+    _, distance = nnls(N[:, touched].T.toarray(), defect[touched])
+    return float(np.hypot(distance, np.linalg.norm(np.delete(defect, touched))))
