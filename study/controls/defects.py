@@ -20,9 +20,9 @@ from study.fem.moments import Amplitudes
 from study.fem.space import Space
 from study.solve.evolution import BackwardEuler, Problem, Scheme, State
 from study.solve.signorini import ContactSolver, Signorini
-from study.statements.thm_4_2.stands_alone import Derived, Sides
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.thm_4_2 import own_space as own
+from study.statements.thm_4_2 import stress_errors as own
+from study.statements.thm_4_2.stands_alone import Derived, Sides
 
 # The contact condition.
 
@@ -329,23 +329,23 @@ def stress_from_displacement(sides: Sides) -> Sides:
 # Theorem 4.2 on a stress space of its own.
 
 
-def foundation_pulls_nothing(setup: own.Experiment) -> own.Experiment:
+def foundation_pulls_nothing(setup: own.StressExperiment) -> own.StressExperiment:
     """σ_ν = 0 in place of σ_ν ≤ 0 on Γ3: what is left if the multipliers there are not held at u_ν ≤ 0."""
     return replace(setup, solver=Unconstrained)
 
 
-def law_of_stresses_swapped(setup: own.Experiment) -> own.Experiment:
+def law_of_stresses_swapped(setup: own.StressExperiment) -> own.StressExperiment:
     """A and G in each other's place in Problem 3.2."""
     law = setup.data.law
     assert isinstance(law.G, Linear)
     return replace(setup, data=replace(setup.data, law=replace(law, A=law.G, G=law.A)))
 
 
-def history_forgotten(setup: own.Experiment) -> own.Experiment:
+def history_forgotten(setup: own.StressExperiment) -> own.StressExperiment:
     """ε̇ ≈ w ε_n/k, as if the body had come from rest in every step."""
     return replace(setup, scheme=replace(setup.scheme, past=(0.0, 0.0)))
 
 
-def surface_load_left_out(setup: own.Experiment) -> own.Experiment:
+def surface_load_left_out(setup: own.StressExperiment) -> own.StressExperiment:
     """σν = 0 in place of σν = f_2 on Γ2."""
     return replace(setup, data=replace(setup.data, surface_load=lambda part, x: lambda time: np.zeros_like(x)))

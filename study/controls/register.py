@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Any, Generic
 
 from study.controls import defects
-from study.controls.settings import Equivalence, OwnSpace, S, Setting, Sweep
+from study.controls.baselines import Baseline, Equivalence, S, StressSweep, Sweep
 
 
 @dataclass(frozen=True)
@@ -19,32 +19,25 @@ class Control(Generic[S]):
         what: is wrong, in a line.
         setting: where it is measured.
         defect: turns what would be measured there into what is measured.
-        caught_by: the quantity of the row that must fail.
+        caught_by: the key of the row that must fail.
     """
 
     name: str
     what: str
-    setting: Setting[S]
+    setting: Baseline[S]
     defect: Callable[[S], S]
     caught_by: str
 
 
-ORDER = "order of the error, level by level"
-DISCRETE = "order of ‖Π^h u − u^h‖_V, superclose"
-SHARE = "time share"
-RESIDUAL = "residual of the contact solves / allowed"
-CLAMPED = "u^h = 0 on Γ1"
-LAW = "parallelogram law of u − u^h and u − Π^h u"
-PREDICTED = "‖u − Π^h u‖_V / leading term"
-ALONE = "mistake in 3.1 alone that the stress gap shows"
-STRESS = "order of ‖σ − σ^h‖_Q, one-diagonal meshes"
-STRAIN = "order of ‖ε(u) − ε^h‖_Q for the strains that belong to σ^h, one-diagonal meshes"
-"""Quantities of ``claims.prop_5_4``, ``independence.StandsAlone`` and ``equilibrated.claims``."""
+ORDER, DISCRETE, SHARE, RESIDUAL = "order", "discrete-order-superclose", "time-share", "residual"
+CLAMPED, LAW, PREDICTED, ALONE = "clamped", "parallelogram", "leading-term", "alone-stress"
+STRESS, STRAIN = "order-stress", "order-strain"
+"""Keys of rows of Proposition 5.4, (5.23) and Theorem 4.2."""
 
 FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
 NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
 MOVING, MERGING = Sweep("advance-recede"), Sweep("merging-patches")
-BOTH, OWN = Equivalence("advance-recede"), OwnSpace("natural-front")
+BOTH, OWN = Equivalence("advance-recede"), StressSweep("natural-front")
 """The smallest settings in which every row holds without a defect and the named row fails with it."""
 
 CONTROLS: tuple[Control[Any], ...] = (

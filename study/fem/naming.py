@@ -75,6 +75,11 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     return name, found, None
 
 
+def name_of(reference: str) -> str:
+    """What a reference is called in data files: the name of the case in FILE.py:NAME, other names as they are."""
+    return resolve(reference).name if ":" in reference else reference
+
+
 def absolute(reference: str) -> str:
     """FILE.py:NAME with the full path, which means the same in every directory; other names as they are."""
     file, colon, name = reference.rpartition(":")

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.ledger.datafiles import SEEDS, VERDICTS, DataError, caught, raised, read_claims, read_csv
+from study.ledger.datafiles import SEEDS, DataError, caught, raised, read_claims, read_csv
 from study.ledger.files import write_text
 from study.ledger.rounding import above, below, up
+from study.ledger.verdict import VERDICTS
 from study.present.report.sources import sources
 
 MEASURED = {
@@ -62,10 +63,10 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
     claims = read_claims(directory)
     cases = read_csv(directory, "cases.csv", ["case", "expected_order", "proved_order"]).set_index("case")
 
-    def rows(label: str, quantity: str) -> pd.DataFrame:
-        of = claims[(claims["label"] == label) & claims["quantity"].str.startswith(quantity)]
+    def rows(label: str, key: str) -> pd.DataFrame:
+        of = claims[(claims["label"] == label) & (claims["key"] == key)]
         if of.empty:
-            raise DataError(f"claims.csv has no row {label}, {quantity!r}: make it with `study run --full`")
+            raise DataError(f"claims.csv has no row {label}, {key}: make it with `study run --full`")
         return of
 
     def verdict(label: str, among: set[str] | None = None) -> str:
@@ -74,19 +75,18 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
         counts = {name: int((mine == name).sum()) for name in VERDICTS}
         return ", ".join(f"{name} ({count} rows)" for name, count in counts.items() if count and name != "reported")
 
-    fitted = rows("Prop. 5.4", "order of the error, fitted")
+    fitted = rows("Prop. 5.4", "order-fitted")
     yield [
         f"Proposition 5.4: the error ‖u − u^h‖ in L^∞(0,T;V) is O(h), in {fitted['case'].nunique()} cases",
         "order 1",
         # The ends of a fit are those of its interval, in which its value is judged.
         f"fitted orders {_outwards(fitted['observed'].min(), fitted['observed'].max())}, level by level "
-        + _range(rows("Prop. 5.4", "order of the error, level")),
+        + _range(rows("Prop. 5.4", "order")),
         verdict("Prop. 5.4"),
     ]
-    rough = rows("Prop. 5.3", "order seen")
-    plain = rough[~rough["quantity"].str.contains("graded")]
+    plain = rows("Prop. 5.3", "order")
     expected = cases.loc[plain["case"].unique(), "expected_order"].astype(float)
-    limit = rows("Prop. 5.3", "limit e∞")["high"].max()
+    limit = rows("Prop. 5.3", "limit")["high"].max()
     yield [
         f"Proposition 5.3: convergence, however rough, in {plain['case'].nunique()} cases",
         f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
@@ -101,7 +101,7 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
         f"stresses differ by at most {up(strains['stress_gap'].max(), 2)}",
         verdict("Thm 4.2"),
     ]
-    own = rows("Thm 4.2, own space", "order of ‖σ − σ^h‖_Q")
+    own = rows("Thm 4.2, own space", "order-stress")
     own = own[own["case"].map(cases["proved_order"].astype(float)) == 1]
     yield [
         f"Theorem 4.2, with stresses that know no displacement: they converge to σ, in {own['case'].nunique()} cases",
@@ -109,14 +109,14 @@ def _headlines(directory: Path) -> Iterator[list[str]]:
         f"orders {_range(own)}",
         verdict("Thm 4.2, own space", set(own["case"])),
     ]
-    enclosed = rows("bound", "largest error / upper bound")
+    enclosed = rows("bound", "above")
     yield [
         "beyond the paper: a computable bound of the error, without the exact solution",
         "error / bound ≤ 1",
         f"error / bound at most {above(enclosed['high'].max(), 3)}",
         verdict("bound"),
     ]
-    needed = rows("(5.36)", "order seen")
+    needed = rows("(5.36)", "order")
     proved = cases["proved_order"].astype(float)
     missing = needed[[cases["expected_order"].astype(float)[case] == 1 > proved[case] for case in needed["case"]]]
     yield [

@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.ledger.datafiles import SERIES, VERDICTS, read_claims, read_rates
+from study.ledger.datafiles import SERIES, read_claims, read_rates
+from study.ledger.verdict import VERDICTS
 
 WIDTH = 110
 

@@ -8,10 +8,10 @@ from contextlib import contextmanager
 from importlib.metadata import version
 from typing import Any
 
-from study.ledger.errors import UsageError
 from study.fem.naming import resolve
+from study.ledger.errors import UsageError
 from study.run.execute import Pool
-from study.run.job import METHOD, fingerprint
+from study.run.fingerprint import problem
 from study.run.versions import versions
 
 PATIENCE = 10
@@ -84,13 +84,12 @@ def identity(references: Sequence[str]) -> dict[str, str]:
     return {
         **versions(),
         "study": version("signorini-study"),
-        "method": str(METHOD),
         **{reference: _problem(reference) for reference in references},
     }
 
 
 def _problem(reference: str) -> str:
     try:
-        return fingerprint(resolve(reference).solution)
+        return problem(reference)
     except UsageError as error:
         return str(error)

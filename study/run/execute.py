@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass
 from typing import Any
@@ -78,7 +78,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
     waiting = unfinished(jobs, store)
     refuse_too_large(waiting, pool)
     notify(sum(job.cost for job in jobs) - sum(job.cost for job in waiting))
-    running: dict[Future[dict[str, Any]], Job] = {}
+    running: dict[Future[Mapping[str, Any]], Job] = {}
     suspects: set[str] = set()
     failed = []
     try:
@@ -133,7 +133,7 @@ def _failure(job: Job, error: BaseException) -> str:
     return f"{job.key}: {type(error).__name__}: {error}"
 
 
-def work(job: Job) -> dict[str, Any]:
+def work(job: Job) -> Mapping[str, Any]:
     """Run one job with one thread: the processes share the cores already."""
     with threadpool_limits(1):
         return job.run()

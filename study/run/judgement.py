@@ -2,26 +2,22 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import pandas as pd
 
-from study.fem.naming import resolve
-from study.ledger.datafiles import DataError, read_csv, write_csv
-from study.ledger.verdict import Verdict
-from study.run.collect import BOUND_KEY, BOUNDS, ENCLOSURES, STATEMENT_COLUMNS, STATEMENT_KEY
+from study.ledger.datafiles import CsvFile, DataError, read_csv, write_csv
+from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
+from study.ledger.window import at_most
+from study.run.collect import data_files
 from study.run.provenance import read_provenance
-from study.statements import STATEMENTS, position
-from study.statements.enclosure.claims import judge_bounds
-from study.statements.prop_5_4.claims import complete, judge
-from study.statements.prop_5_4.measure import Row
-from study.statements.thm_4_2.predicted_orders import judge_stresses
-from study.statements.thm_4_2.own_space import StressRow
-from study.statements.thm_4_2.gaps import Gaps
+from study.statements import STATEMENTS
+from study.statements.enclosure.judge import BOUNDS, ENCLOSURES
+from study.statements.shared.base import LISTED, Statement
+from study.statements.shared.listed import Listed
 
-RATE_KEY = ["case", "family", "scheme", "level"]
-EQUIVALENCE_KEY = ["case", "family", "level"]
+PREDICTED = ["case", "expected_order", "proved_order", "twin"]
 
 
 def check(directory: Path) -> list[Verdict]:
@@ -31,45 +27,59 @@ def check(directory: Path) -> list[Verdict]:
         UsageError: no data.
         StoreError, DataError: data of another format, missing or damaged.
     """
-    provenance = read_provenance(directory)
-    rates = read_csv(directory, "rates.csv", [*RATE_KEY, *(field.name for field in fields(Row))])
-    equivalence = read_csv(directory, "equivalence.csv", [*EQUIVALENCE_KEY, *Gaps._fields])
-    stresses = read_csv(directory, "stresses.csv", [field.name for field in fields(StressRow)])
-    statements = read_csv(directory, "statements.csv", STATEMENT_COLUMNS)
-    bounds = read_csv(directory, "bounds.csv", BOUNDS)
-    enclosures = read_csv(directory, "enclosures.csv", ENCLOSURES)
-    cases = read_csv(directory, "cases.csv", ["case", "expected_order", "proved_order", "twin"])
-    unknown = sorted({*rates["case"], *equivalence["case"]} - set(cases["case"]))
-    if unknown:
-        raise DataError(
-            f"{directory}/data/cases.csv lacks {', '.join(unknown)}: make it with `study run --out {directory}`"
-        )
-    if without := keys(bounds, BOUND_KEY) - keys(enclosures, BOUND_KEY):
-        lost = " ".join(min(without))
-        raise DataError(f"{directory}/data/enclosures.csv lacks {lost}: make it with `study run --out {directory}`")
-    found = keys(rates, RATE_KEY) | keys(equivalence, EQUIVALENCE_KEY)
-    found |= keys(bounds, BOUND_KEY)
-    found |= {(*key, "stress") for key in keys(stresses, EQUIVALENCE_KEY)}
-    found |= {(*key, "statement") for key in keys(statements, STATEMENT_KEY)}
-    planned = {tuple(key) for key in provenance["planned"]}
-    verdicts = [complete(planned, found), *judge(rates, equivalence, cases), *judge_bounds(bounds, set(cases["case"]))]
-    verdicts += judge_stresses(stresses, {case: resolve(case).regularity for case in stresses["case"].unique()})
-    verdicts += judge_statements(statements)
-    ordered = sorted(verdicts, key=lambda verdict: position(verdict.label))
-    write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in ordered]))
-    return ordered
-
-
-def judge_statements(rows: pd.DataFrame) -> list[Verdict]:
-    """The verdicts of every numbered statement that was measured, or that needs no measurement."""
-    found: list[Verdict] = []
+    planned = {tuple(key) for key in read_provenance(directory)["planned"]}
+    tables = {file: file.read(directory) for file in data_files() if isinstance(file, CsvFile)}
+    cases = read_csv(directory, "cases.csv", PREDICTED)
+    _refuse_gaps(directory, tables, cases)
+    found = set().union(*(file.keys(table) for file, table in tables.items()))
+    judged = {file: predicted(table, cases) for file, table in tables.items()}
+    verdicts = [Complete().judge(planned, found)]
     for statement in STATEMENTS:
-        mine = rows[rows["label"] == statement.label]
-        if len(mine) or (len(rows) and not statement.settings(True)):
-            found += statement.judge(mine)
-    return found
+        if isinstance(statement.file, CsvFile):
+            verdicts += judge_statement(statement, judged[statement.file])
+    write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in verdicts]))
+    return verdicts
 
 
-def keys(table: pd.DataFrame, columns: list[str]) -> set[tuple[str, ...]]:
-    """What identifies the rows of a table, as text."""
-    return set(table[columns].astype(str).itertuples(index=False, name=None))
+def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
+    """A table with what is predicted of its cases, and whether their exact solution is known."""
+    new = [name for name in PREDICTED if name not in table or name == "case"]
+    return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
+
+
+def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
+    """The verdicts of a statement that was measured, or that needs no measurement beside others."""
+    of_all = statement.file != LISTED or isinstance(statement, Listed)
+    mine = rows if of_all else rows[rows["label"] == statement.label]
+    return statement.judge(mine) if len(mine) else []
+
+
+def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame], cases: pd.DataFrame) -> None:
+    """Refuse measurements without their case, and bounds without their course in time."""
+    again = f"make it with `study run --out {directory}`"
+    measured = {case for file, table in tables.items() if file.name in EVERY_CASE for case in table["case"]}
+    if unknown := sorted(measured - set(cases["case"])):
+        raise DataError(f"{directory}/data/cases.csv lacks {', '.join(unknown)}: {again}")
+    bounds, courses = ({key[1:] for key in file.keys(tables[file])} for file in (BOUNDS, ENCLOSURES))
+    if without := bounds - courses:
+        raise DataError(f"{directory}/data/enclosures.csv lacks {' '.join(min(without))}: {again}")
+
+
+EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
+
+
+@dataclass(frozen=True)
+class Complete:
+    """Whether the data are those of the plan: a missing family or level would make a verdict easier."""
+
+    label: str = "data"
+    claim: str = "every planned measurement is there"
+
+    def judge(self, planned: set[tuple[str, ...]], found: set[tuple[str, ...]]) -> Verdict:
+        """Its only row."""
+        missing = sorted(planned - found)
+        quantity = "rows of the plan that are missing" + (f", first {' '.join(missing[0])}" if missing else "")
+        count = float(len(missing))
+        verdict = UNDECIDED if missing else HOLDS
+        window = at_most(0, f"of {len(planned)}")
+        return row(self, "missing", quantity, window, count, (count, count), verdict, "all cases")

@@ -18,7 +18,7 @@ def provenance(plan: Plan) -> dict[str, Any]:
     return {
         "format": FORMAT,
         "study": version("signorini-study"),
-        "plan": plan.name,
+        "plan": plan.scope.name,
         "planned": plan.keys(),
         "python": platform.python_version(),
         "machine": platform.machine(),

@@ -10,6 +10,8 @@ import psutil
 from study.ledger.errors import UsageError
 
 GIB = 2.0**30
+
+
 def require(what: str, need: float, room: float) -> None:
     """Refuse, before time is spent, what needs more bytes than there are.
 

@@ -11,7 +11,7 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
@@ -24,7 +24,7 @@ from study.ledger.files import StoreError, unwritable, write_text
 if sys.platform != "win32":
     import fcntl
 
-FORMAT = 1
+FORMAT = 2
 """Changes whenever older data files can no longer be read as they were meant."""
 
 
@@ -104,7 +104,7 @@ class Store:
             if owner.isdigit() and not psutil.pid_exists(int(owner)):
                 part.unlink(missing_ok=True)
 
-    def save(self, key: str, fingerprint: str, result: dict[str, Any]) -> None:
+    def save(self, key: str, fingerprint: str, result: Mapping[str, Any]) -> None:
         """Keep the result of a finished job."""
         content = {
             "format": FORMAT,

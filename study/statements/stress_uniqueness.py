@@ -16,7 +16,7 @@ from study.ledger.measures import largest
 from study.ledger.verdict import Verdict
 from study.solve.signorini import Signorini
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.thm_4_2.own_space import Setup
+from study.statements.thm_4_2.stress_errors import StressExperiment
 from study.statements.wellposed import EXACTLY, INTERIOR, InteriorPoint, LeastSquares, RandomStarts
 
 CASES = ("advance-recede", "corner", "anisotropic")
@@ -49,24 +49,24 @@ class OneStress(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution, family = resolve(setting.case).solution, family_named(setting.family)
-        setup = Setup.of(solution, family, setting.level, STEPS)
-        own = stresses(setup)
-        size = max(size_of(setup, values) for values in own)
+        experiment = StressExperiment.of(solution, family, setting.level, STEPS)
+        own = stresses(experiment)
+        size = max(size_of(experiment, values) for values in own)
         found = {}
         for name, solver in RIVALS.items():
-            pairs = zip(own, stresses(replace(setup, solver=solver)), strict=True)
-            found[name] = max(size_of(setup, a - b) for a, b in pairs) / size
-        return with_h(mesh_size(setup.space.mesh), found)
+            pairs = zip(own, stresses(replace(experiment, solver=solver)), strict=True)
+            found[name] = max(size_of(experiment, a - b) for a, b in pairs) / size
+        return with_h(mesh_size(experiment.space.mesh), found)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         return judge(self, rows, LINES)
 
 
-def stresses(setup: Setup) -> list[Tensors]:
+def stresses(experiment: StressExperiment) -> list[Tensors]:
     """σ at the points of the space in every step."""
-    return [state.stress.values for state in setup.march(setup.steps)]
+    return [state.stress.values for state in experiment.march(experiment.steps)]
 
 
-def size_of(setup: Setup, stress: Tensors) -> float:
+def size_of(experiment: StressExperiment, stress: Tensors) -> float:
     """‖σ‖_Q."""
-    return float(np.sqrt(np.einsum("Icq,Icq,cq->", stress, stress, setup.space.weights)))
+    return float(np.sqrt(np.einsum("Icq,Icq,cq->", stress, stress, experiment.space.weights)))

@@ -19,6 +19,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.sparse.linalg import splu
+from study.statements.enclosure.plan import eligible
 from sympy import Expr, Integer, Rational, binomial
 
 from manufactured import (
@@ -55,7 +56,6 @@ from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
 from study.statements.enclosure.measure import measure_bound
-from study.statements.enclosure.plan import eligible
 from study.stresses.composite import SIDES, bernstein, thirds
 
 CASES = {case.name: case for case in catalogue()}

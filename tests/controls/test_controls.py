@@ -12,6 +12,7 @@ from itertools import combinations
 import numpy as np
 import pandas as pd
 import pytest
+from study.statements.prop_5_4.claims import PARALLELOGRAM
 from sympy import Integer, cos, sin
 
 from manufactured import ContactFace, examine, s, t
@@ -21,21 +22,20 @@ from manufactured.exact import ExactSolution
 from manufactured.factor import Factor, x1, x2
 from study.cli.main import main
 from study.controls import defects
-from study.controls.judge import NO_DEFECT, Finding, controls_text, settings, unchanged, work
+from study.controls.baselines import Equivalence, Sweep, turned
 from study.controls.register import ALONE, CONTROLS, FULL, MOVING, ORDER, Control
-from study.controls.settings import Equivalence, Sweep, turned
+from study.controls.run_controls import NO_DEFECT, Finding, controls_text, settings, unchanged, work
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
 from study.solve.evolution import Midpoint
-from study.statements.shared.base import Setting
-from study.statements.thm_4_2.stands_alone import Derived, Independence, Sides, StandsAlone, independence
-from study.statements.prop_5_4.claims import PARALLELOGRAM
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.prop_5_4.measure import Measurement, measure
+from study.statements.shared.base import Setting
 from study.statements.thm_4_2.gaps import compare, gaps
+from study.statements.thm_4_2.stands_alone import Derived, Independence, Sides, StandsAlone, independence
 
 HARMLESS = Control("harmless", "a copy in place of the original", Equivalence("no-contact"), copy.copy, ALONE)
 """No defect at all, which nobody can catch."""

@@ -10,10 +10,10 @@ import pandas as pd
 import pytest
 
 from study.cli.main import main
-from study.controls.seeds import NOT_CLAIMED, SEEDS, SeededPlan, seeded, tally, text
+from study.controls.alarms import NOT_CLAIMED, SEEDS, SeededPlan, seeded, tally, text
 from study.fem.mesh import Shaken
-from study.ledger.errors import UsageError
 from study.fem.naming import family_named, resolve
+from study.ledger.errors import UsageError
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.job import EquivalenceJob, Job, RateJob, StatementJob, StressJob
 from study.run.plan import full

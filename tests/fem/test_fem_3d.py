@@ -28,7 +28,7 @@ from study.fem.mesh import (
 )
 from study.fem.quadrature import cell_rules, facet_rule, simplex_rule
 from study.fem.space import Space
-from study.run.pictures import contact_weights
+from study.statements.pictures import contact_weights
 
 SKEW = np.array([[1.2, 0.3, 0.1], [0.0, 0.9, 0.2], [-0.2, 0.0, 1.1]])
 SOLID = [OneDiagonal(), Shaken()]

@@ -34,8 +34,8 @@ from study.bound.bounded import check_bound, check_force
 from study.bound.discretisation import BoundError, Setting
 from study.bound.enclosure import Better
 from study.fem.mesh import OneDiagonal, Unstructured
-from study.ledger.errors import UsageError
 from study.fem.naming import resolve_data
+from study.ledger.errors import UsageError
 from study.statements.enclosure.measure import steps_for
 
 CASES = {case.name: case for case in catalogue()}

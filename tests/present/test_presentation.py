@@ -34,8 +34,8 @@ from study.present.figures.pictures import read_pictures
 from study.present.figures.zone import caps, strands
 from study.present.latex import encode
 from study.present.tables import DataError, ledger_text, rates_text, write_tables
-from study.run.pictures import record
 from study.solve.motion import Motion
+from study.statements.pictures import record
 
 Array = NDArray[np.float64]
 Present = Callable[[Path], object]

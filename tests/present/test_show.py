@@ -24,8 +24,8 @@ from study.present.show import EVERY, Shown, film, show, ticks
 from study.present.show.animation import write_mp4
 from study.present.show.storyboard import MOMENTS, draw_storyboard
 from study.present.show.vtk import mesh_of
-from study.run import pictures
 from study.solve.motion import Motion, balance, density, von_mises
+from study.statements import pictures
 
 CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
 RNG = np.random.default_rng(2002)

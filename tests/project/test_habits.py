@@ -24,16 +24,16 @@ import pandas as pd
 import pytest
 import yaml
 from case_docstrings import lacks
+from study.statements.prop_5_4.claims import prop_5_4
 
 import manufactured
 from manufactured import Case, prove
 from study.cli.main import main, parser
 from study.controls import defects, register
-from study.controls.judge import work
+from study.controls.run_controls import work
 from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS
 from study.solve.evolution import Midpoint
-from study.statements.prop_5_4.claims import prop_5_4
 from study.solve.steps import steps_for
 from study.statements.prop_5_4.measure import measure_case
 

@@ -16,8 +16,8 @@ from study.ledger.verdict import HOLDS, REPORTED
 from study.run.judgement import check
 from study.solve.evolution import Midpoint
 from study.statements.prop_5_4.measure import measure_case
-from study.statements.thm_4_2.own_space import measure_stresses, places
 from study.statements.thm_4_2.gaps import compare
+from study.statements.thm_4_2.own_space import measure_stresses, places
 
 RESULTS = Path(__file__).parents[2] / "results"
 RATES = pd.read_csv(RESULTS / "data" / "rates.csv")

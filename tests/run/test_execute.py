@@ -16,6 +16,7 @@ from typing import Any
 
 import psutil
 import pytest
+from study.statements.enclosure.jobs import BoundJob
 
 from study.bound.enclosure import Better
 from study.cli.main import main
@@ -28,7 +29,6 @@ from study.run.plan import Levels, Plan, quick
 from study.run.processes import Processes
 from study.run.resources import GIB, available
 from study.run.store import Store
-from study.statements.enclosure.jobs import BoundJob
 from study.statements.thm_4_2.own_space import Place
 
 LEVELS = Levels((2, 4))

@@ -23,8 +23,8 @@ from study.fem.space import Space
 from study.solve import signorini
 from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, Problem
 from study.solve.signorini import Signorini
-from study.statements.prop_5_4.experiment import Experiment
 from study.solve.steps import steps_for
+from study.statements.prop_5_4.experiment import Experiment
 
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
 CASES = {case.name: case for case in catalogue()}

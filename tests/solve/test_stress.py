@@ -13,8 +13,8 @@ from study.solve import interior_point as stress
 from study.solve.evolution import Problem
 from study.solve.interior_point import StressError, StressProblem
 from study.statements.shared.base import Setting
-from study.statements.thm_4_2.stands_alone import StandsAlone
 from study.statements.thm_4_2.gaps import beyond, gaps, problems
+from study.statements.thm_4_2.stands_alone import StandsAlone
 
 CASES = {case.name: case for case in catalogue()}
 

@@ -12,6 +12,7 @@ from dataclasses import asdict, dataclass, fields, replace
 import numpy as np
 import pandas as pd
 import pytest
+from study.statements.prop_5_4.claims import prop_5_3, prop_5_4
 from sympy import Expr, Rational, sympify
 
 from manufactured import (
@@ -53,7 +54,6 @@ from study.ledger.verdict import HOLDS
 from study.run.job import fingerprint
 from study.run.plan import quick
 from study.solve.evolution import Midpoint
-from study.statements.prop_5_4.claims import prop_5_3, prop_5_4
 from study.solve.steps import steps_for
 from study.statements.prop_5_4.measure import measure_case
 

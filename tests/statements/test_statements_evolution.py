@@ -10,6 +10,7 @@ from functools import cache
 import numpy as np
 import pandas as pd
 import pytest
+from study.statements.tally import grid
 
 from manufactured import catalogue
 from study.fem.mesh import Shaken, Unstructured
@@ -17,12 +18,11 @@ from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint
 from study.solve.signorini import Signorini
 from study.statements.admissibility import Admissibility, largest_violations
-from study.statements.shared.base import Setting, Statement
 from study.statements.boundary import NaturalConditions, tractions
 from study.statements.bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted, sides
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.tally import grid
+from study.statements.shared.base import Setting, Statement
 from study.statements.wellposed import (
     BoundedVelocity,
     Dependence,

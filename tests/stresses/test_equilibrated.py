@@ -25,10 +25,10 @@ from manufactured.tensors import Array, basis
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.naming import family_named, resolve
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
-from study.statements.shared.base import Setting
 from study.statements.hypercircle import Hypercircle
-from study.statements.thm_4_2.predicted_orders import ADMISSIBLE, QUANTITIES, RATIO, judge_stresses, predicted
+from study.statements.shared.base import Setting
 from study.statements.thm_4_2.own_space import Exact, places
+from study.statements.thm_4_2.predicted_orders import ADMISSIBLE, QUANTITIES, RATIO, judge_stresses, predicted
 from study.stresses.composite import SIDES, bernstein, composite, indices, thirds
 from study.stresses.dual import BACKWARD_EULER, BDF2, EquilibriumError, Multistep, march, tensor_at
 from study.stresses.hybrid import EquilibratedStress, Equilibrium, Loads

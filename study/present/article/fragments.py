@@ -6,26 +6,20 @@ article is about; nothing is solved here.
 
 from __future__ import annotations
 
-import json
 import math
 import re
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import pandas as pd
 
-from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
+from study.ledger.datafiles import DataError
 from study.ledger.files import write_text
-from study.ledger.margin import bounds, used, worst
+from study.ledger.margin import agreement, used, worst
 from study.ledger.rounding import down, up
 from study.present.article.numbers import DISCRETE, macros
+from study.present.article.source import FullRun
 from study.present.latex import encode, longtable, prose
-
-CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
-BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest", "upper", "lower"]
-CONTROLS = ["defect", "what", "label", "quantity", "caught"]
 
 
 def _nearest(value: float, digits: int) -> str:
@@ -35,69 +29,6 @@ def _nearest(value: float, digits: int) -> str:
 ENDS = {"lowest": down, "error": _nearest, "highest": up, "upper": up, "lower": down}
 """How the columns of an enclosure are rounded: outwards."""
 
-SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
-"""Cases without which a run, of chosen cases, is not the one the article is about."""
-
-
-@dataclass(frozen=True)
-class Data:
-    """The data files of a full run.
-
-    Attributes:
-        rates, claims, cases, bounds, equivalence, controls, seeds: the CSV files of these names.
-        provenance: what the run was made with.
-    """
-
-    rates: pd.DataFrame
-    claims: pd.DataFrame
-    cases: pd.DataFrame
-    bounds: pd.DataFrame
-    equivalence: pd.DataFrame
-    controls: pd.DataFrame
-    seeds: pd.DataFrame
-    provenance: dict[str, Any]
-
-    @classmethod
-    def read(cls, directory: Path) -> Data | None:
-        """The data of a full run of the catalogue with its controls and other seeds, None of any other.
-
-        Raises:
-            DataError: a file is missing or lacks a column.
-        """
-        needed = [directory / "data" / name for name in ("provenance.json", "controls.csv", "seeds.csv")]
-        if not all(path.is_file() for path in needed):
-            return None
-        made = json.loads(needed[0].read_text(encoding="utf-8"))
-        cases = read_csv(directory, "cases.csv", CASES)
-        if made.get("plan") != "full" or not set(cases["case"]) >= SPOKEN:
-            return None
-        return cls(
-            rates=read_rates(directory),
-            claims=read_claims(directory),
-            cases=cases,
-            bounds=read_csv(directory, "bounds.csv", BOUNDS),
-            equivalence=read_csv(directory, "equivalence.csv", ["case", "level"]),
-            controls=read_csv(directory, "controls.csv", CONTROLS).fillna(""),
-            seeds=read_csv(directory, "seeds.csv", SEEDS).fillna(""),
-            provenance=made,
-        )
-
-    def rows(self, label: str, quantity: str, case: str | None = None) -> pd.DataFrame:
-        """The rows of the ledger for a statement, whose quantity is a text or, if none is, starts with it.
-
-        Raises:
-            DataError: there is none.
-        """
-        of = self.claims[self.claims["label"] == label]
-        of = of if case is None else of[of["case"] == case]
-        exact = of[of["quantity"] == quantity]
-        chosen = exact if len(exact) else of[of["quantity"].str.startswith(quantity)]
-        if chosen.empty:
-            raise DataError(
-                f"claims.csv has no row {label}, {quantity!r}, {case or 'any case'}: make it with `study run --full`"
-            )
-        return chosen
-
 
 def write_article(directory: Path) -> list[Path]:
     """Write the macros and tables of the article under ``directory/article``; nothing for a run that is not full.
@@ -105,10 +36,10 @@ def write_article(directory: Path) -> list[Path]:
     Raises:
         DataError: the data lack a row that the article speaks of.
     """
-    data = Data.read(directory)
+    data = FullRun.read(directory)
     if data is None:
         return []
-    parts: dict[str, Callable[[Data], str]] = {
+    parts: dict[str, Callable[[FullRun], str]] = {
         "numbers": macros,
         "ledger": ledger,
         "catalogue": catalogue,
@@ -123,7 +54,7 @@ def write_article(directory: Path) -> list[Path]:
     return [write_text(directory / "article" / f"{name}.tex", text) for name, text in texts.items()]
 
 
-def ledger(data: Data) -> str:
+def ledger(data: FullRun) -> str:
     """One row per statement: how many verdicts of each kind, and the one that uses most of its window."""
     body = [_statement(str(label), rows) for label, rows in data.claims.groupby("label", sort=False)]
     label, statement, quantity = (_folding(width) for width in (0.11, 0.215, 0.265))
@@ -139,26 +70,11 @@ def _statement(label: str, rows: pd.DataFrame) -> list[str]:
     nearest = ["--", "", ""]
     if len(shares):
         row = judged.loc[shares.idxmax()]
-        quantity = _spelt_out(rows, row).removesuffix(", level by level")
-        nearest = [
-            f"{_text(quantity)} ({prose(str(row['case']))})",
-            _number(worst(row)),
-            _window(str(row["expected"])),
-        ]
+        nearest = [f"{_text(str(row['quantity']))} ({prose(str(row['case']))})", _number(worst(row)), _window(row)]
     return [_text(label), _text(str(rows["statement"].iloc[0])), *counts, *nearest]
 
 
-def _spelt_out(rows: pd.DataFrame, row: pd.Series) -> str:
-    """The quantity of a row, where "the same" is what the nearest row above it says before its last comma."""
-    quantity = str(row["quantity"])
-    if not quantity.startswith("the same"):
-        return quantity
-    above = rows.loc[: row.name, "quantity"].astype(str)
-    meant = above[~above.str.startswith("the same")].iloc[-1]
-    return meant.rpartition(", ")[0] + quantity.removeprefix("the same")
-
-
-def catalogue(data: Data) -> str:
+def catalogue(data: FullRun) -> str:
     """The exact solutions: name, what the zone does, law."""
     laws = data.cases["law"].str.removeprefix("linear, ")
     body = [
@@ -168,25 +84,25 @@ def catalogue(data: Data) -> str:
     return tabular(["case", "what it does", "law (linear but for (3.3))"], f"l{_folding(0.5)}{_folding(0.27)}", body)
 
 
-def smooth(data: Data) -> str:
+def smooth(data: FullRun) -> str:
     """Prop. 5.4, one row per case: orders of the error and of the discrete error, finest level, time share."""
-    quantities = {
-        "order of the error, level by level": _range,
-        "order of the error, fitted": _observed,
-        "order of ‖Π^h u − u^h‖_V, superclose": _range,
-        "order of ‖Π^h u − u^h‖_V, other families": _range,
-        "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V": _observed,
-        "time share": _percent,
+    keys = {
+        "order": _range,
+        "order-fitted": _observed,
+        "discrete-order-superclose": _range,
+        "discrete-order-others": _range,
+        "discrete-share": _observed,
+        "time-share": _percent,
     }
     headings = ["case", "regularity", r"\(n\)", "orders", "fitted", "superclose", "other", "share", r"time, \%"]
     body = []
     for case, rows in data.rates[data.rates["claim"] == "Prop. 5.4"].groupby("case", sort=False):
-        found = [_cell(data, "Prop. 5.4", quantity, str(case), form) for quantity, form in quantities.items()]
+        found = [_cell(data, "Prop. 5.4", key, str(case), form) for key, form in keys.items()]
         body.append([prose(str(case)), _regularity(data, str(case)), str(rows["level"].max()), *found])
     return tabular(headings, "llrrrrrrr", body)
 
 
-def rough(data: Data) -> str:
+def rough(data: FullRun) -> str:
     """Prop. 5.3, one row per case: the predicted order, what the proof of 5.4 gives, and what is seen."""
     body = []
     for case in data.rates.loc[data.rates["claim"] == "Prop. 5.3", "case"].drop_duplicates():
@@ -197,38 +113,37 @@ def rough(data: Data) -> str:
                 _regularity(data, case),
                 f"{row['expected_order']:.3g}",
                 f"{row['proved_order']:.3g}",
-                _cell(data, "(5.36)", "order seen, on uniform", case, _range),
-                _cell(data, "Prop. 5.3", "order seen on graded", case, _observed),
-                _cell(data, "Prop. 5.3", "ratio of consecutive", case, _high),
-                _cell(data, "Prop. 5.3", "limit e∞", case, _high),
+                _cell(data, "(5.36)", "order", case, _range),
+                _cell(data, "Prop. 5.3", "order-graded", case, _observed),
+                _cell(data, "Prop. 5.3", "falling", case, _high),
+                _cell(data, "Prop. 5.3", "limit", case, _high),
             ]
         )
     headings = ["case", "regularity", "predicted", "proved", "seen", "graded", "ratio", r"\(e_\infty/e\)"]
     return tabular(headings, "llrrrrrr", body)
 
 
-def stresses(data: Data) -> str:
+def stresses(data: FullRun) -> str:
     """Theorem 4.2 on a stress space of its own, one row per case and mesh family: orders and their windows."""
     label = "Thm 4.2, own space"
     rows = data.claims[data.claims["label"] == label]
-    rows = rows.assign(family=rows["quantity"].str.extract(r", (\S+) meshes$")[0])
     body = []
     for (case, family), part in rows.groupby(["case", "family"], sort=False):
-        found = [_seen(part, quantity) for quantity in ("order of ‖σ − σ^h‖_Q", "order of multipliers − u on")]
-        plain = ("order of ‖σ_ν − σ^h_ν‖", "order of ‖σ^h − (Aε", "growth of ‖σ − σ^h‖_Q")
-        values = [_number(part.loc[part["quantity"].str.startswith(q), "observed"].iloc[0]) for q in plain]
+        by_key = part.set_index("key")
+        found = [_seen(by_key.loc[key]) for key in ("order-stress", "order-displacement")]
+        plain = ("order-pressure", "order-primal_stress", "growth")
+        values = [_number(by_key.loc[key, "observed"]) for key in plain]
         body.append([prose(str(case)), prose(str(family)), *found[0], *found[1], *values])
     headings = ["case", "meshes", r"\(\sigma^h\)", "window", "multipliers", "window", "pressure"]
     headings += [r"\(\sigma(u^h)\)", "growth"]
     return tabular(headings, "llrlrlrrr", body)
 
 
-def _seen(rows: pd.DataFrame, quantity: str) -> list[str]:
-    row = rows[rows["quantity"].str.startswith(quantity)].iloc[0]
-    return [_number(row["observed"]), _window(str(row["expected"]))]
+def _seen(row: pd.Series) -> list[str]:
+    return [_number(row["observed"]), _window(row)]
 
 
-def enclosures(data: Data) -> str:
+def enclosures(data: FullRun) -> str:
     """The enclosures on three levels: of a case with an exact solution, and of problems without one.
 
     Ends are rounded outwards.
@@ -244,14 +159,15 @@ def enclosures(data: Data) -> str:
     return tabular([*headings, "upper/error", "lower/error"], "llrrrrrrr", body)
 
 
-def discrete(data: Data) -> str:
+def discrete(data: FullRun) -> str:
     """The fully discrete error, one row per case and scheme: 95 % intervals of orders, marked where they miss."""
     rows = data.claims[data.claims["label"] == "beyond: fully discrete"]
     body = []
     for case, part in rows.groupby("case", sort=False):
-        for scheme in part["quantity"].str.partition(":")[0].drop_duplicates():
-            of = [part[part["quantity"].str.startswith(f"{scheme}: {quantity}")] for quantity in DISCRETE]
-            body.append([prose(str(case)), prose(scheme), *(_marked(row.iloc[0]) for row in of)])
+        by_key, first = part.set_index("key"), f"-{DISCRETE[0]}"
+        for scheme in (key.removesuffix(first) for key in by_key.index if key.endswith(first)):
+            cells = [_marked(by_key.loc[f"{scheme}-{key}"]) for key in DISCRETE]
+            body.append([prose(str(case)), prose(scheme), *cells])
     headings = ["case", "scheme", r"\(q\) of \(d\)", r"\(s\) of \(d\)", r"\(p\) of \(e\)", r"\(q\) of \(e\)", "misfit"]
     return tabular(headings, "llrrrrr", body)
 
@@ -260,12 +176,13 @@ def _marked(row: pd.Series) -> str:
     """The interval with * for undecided and † for a prediction that was wrong."""
     if pd.isna(row["observed"]):
         return "--"
-    verdict = str(row["expected"]).rpartition(": ")[2]
     interval = rf"\([{row['low']:.2f}, {row['high']:.2f}]\)" if row["low"] < row["high"] else _range(row)
-    return interval + {"agrees": "", "undecided": r"\rlap{\(^{*}\)}", "differs": r"\rlap{\(^{\dagger}\)}"}[verdict]
+    return (
+        interval + {"agrees": "", "undecided": r"\rlap{\(^{*}\)}", "differs": r"\rlap{\(^{\dagger}\)}"}[agreement(row)]
+    )
 
 
-def slips(data: Data) -> str:
+def slips(data: FullRun) -> str:
     """The slips in the text of the source: place, what is printed, how it has to be read."""
     rows = data.claims[data.claims["label"] == "slips"]
     body = [
@@ -287,10 +204,10 @@ def _folding(width: float) -> str:
     return rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}"
 
 
-def _cell(data: Data, label: str, quantity: str, case: str, form: Callable[[pd.Series], str]) -> str:
+def _cell(data: FullRun, label: str, key: str, case: str, form: Callable[[pd.Series], str]) -> str:
     """One cell from the first such row of the ledger; a dash where the case has none."""
     try:
-        return form(data.rows(label, quantity, case).iloc[0])
+        return form(data.rows(label, key, case).iloc[0])
     except DataError:
         return "--"
 
@@ -316,7 +233,7 @@ def _signed(text: str) -> str:
     return rf"\({text}\)" if text.startswith("-") else text
 
 
-def _regularity(data: Data, case: str) -> str:
+def _regularity(data: FullRun, case: str) -> str:
     """The exponents of a case, short enough for a column."""
     text = str(data.cases.set_index("case").loc[case, "regularity"])
     return _text(text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", "))
@@ -327,13 +244,11 @@ def _number(value: float, rounded: Callable[[float, int], str] = _nearest) -> st
     return encode(f"{float(rounded(value, 3)):#.3g}".rstrip("."))
 
 
-def _window(expected: str) -> str:
-    """The ends of a window as mathematics, a dash where it is not one of numbers."""
-    ends = bounds(expected)
-    if ends is None:
-        return "--"
+def _window(row: pd.Series) -> str:
+    """The ends of a window as mathematics; a low end of 0 or −∞ says nothing."""
+    ends = float(row["window_low"]), float(row["window_high"])
     low, high = (encode(f"{end:.4g}").strip(r"\()").removeprefix(r"1\cdot ") for end in ends)
-    if math.isinf(ends[0]):
+    if ends[0] == 0 or math.isinf(ends[0]):
         return rf"\(\leq {high}\)"
     return rf"\(\geq {low}\)" if math.isinf(ends[1]) else rf"\([{low}, {high}]\)"
 

@@ -7,28 +7,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import pandas as pd
 
 from study.ledger.datafiles import caught, raised
+from study.ledger.margin import agreement
 from study.ledger.rounding import above, below
+from study.present.article.source import FullRun
 from study.present.latex import encode, prose
 
-if TYPE_CHECKING:
-    from study.present.article.fragments import Data
-
-DISCRETE = (
-    "order q of ‖u^h − u^{hk}‖ in k",
-    "order s of ‖u^h − u^{hk}‖ in h",
-    "order p of ‖u − u^{hk}‖ in h",
-    "order q of ‖u − u^{hk}‖ in k",
-    "misfit of the root",
-)
-"""What is predicted of the fully discrete error, as the quantities begin; the others are there for comparison."""
+DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
+"""What is predicted of the fully discrete error, as the keys of rows end; the others are there for comparison."""
 
 
-def macros(data: Data) -> str:
+def macros(data: FullRun) -> str:
     """\\newcommand lines, sorted by nothing but their subject."""
     groups = (_ledger, _seeds, _plan, _smooth, _rough, _equivalence, _bounds, _beyond, _made_with)
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
@@ -38,7 +30,7 @@ def macros(data: Data) -> str:
 Named = Iterator[tuple[str, str]]
 
 
-def _ledger(data: Data) -> Named:
+def _ledger(data: FullRun) -> Named:
     """How many rows of the ledger hold, and how many defects were caught."""
     claims = data.claims
     yield "ledgerRows", str(len(claims))
@@ -50,7 +42,7 @@ def _ledger(data: Data) -> Named:
     yield "controlsCaught", str(found)
 
 
-def _seeds(data: Data) -> Named:
+def _seeds(data: FullRun) -> Named:
     """How the verdicts fare on other random meshes, and rows that are not claimed there: the worst of each kind."""
     for name, number in zip(("seedRows", "seeds", "seedVerdicts", "seedAlarms"), raised(data.seeds), strict=True):
         yield name, str(number)
@@ -59,13 +51,13 @@ def _seeds(data: Data) -> Named:
     yield "seedTrace", str(worst[0]["(5.24)"])
     yield "seedNatural", str(worst[1]["natural-front"])
     yield "seedRough", str(worst[1]["rough-trace"])
-    multipliers = unclaimed["quantity"].str.startswith("order of multipliers − u on")
+    multipliers = unclaimed["key"].eq("order-displacement")
     rough = unclaimed[multipliers & unclaimed["case"].eq("rough-trace")]
     yield "seedRoughLow", below(rough["lowest"].min(), 1)
     yield "seedRoughHigh", above(rough["highest"].max(), 1)
 
 
-def _plan(data: Data) -> Named:
+def _plan(data: FullRun) -> Named:
     """The size of the study."""
     plane = data.rates[data.rates["dim"] == 2]
     yield "caseCount", str(len(data.cases))
@@ -79,40 +71,40 @@ def _plan(data: Data) -> Named:
     yield "levelSolid", str(int(data.rates.loc[data.rates["dim"] == 3, "level"].max()))
     yield "dofsMost", f"{int(data.rates['dofs'].max()):,}".replace(",", r"\,")
     yield "familyCount", str(plane.loc[plane["family"] != "graded", "family"].nunique())
-    yield "dataMissing", _count(data.rows("data", "rows of the plan")["observed"].max())
+    yield "dataMissing", _count(data.rows("data", "missing")["observed"].max())
 
 
-def _smooth(data: Data) -> Named:
+def _smooth(data: FullRun) -> Named:
     """Prop. 5.4."""
     label = "Prop. 5.4"
-    yield from _extremes("orderLevel", data.rows(label, "order of the error, level"))
-    fitted = data.rows(label, "order of the error, fitted")["observed"]
+    yield from _extremes("orderLevel", data.rows(label, "order"))
+    fitted = data.rows(label, "order-fitted")["observed"]
     yield "orderFittedMin", below(fitted.min(), 2)
     yield "orderFittedMax", above(fitted.max(), 2)
-    yield from _extremes("orderDiagonal", data.rows(label, "order of ‖Π^h u − u^h‖_V, superclose"))
-    yield from _extremes("orderOther", data.rows(label, "order of ‖Π^h u − u^h‖_V, other"))
-    yield from _extremes("pythagoras", data.rows(label, "size of the error"))
-    yield from _extremes("leadingTerm", data.rows("(5.23)", "‖u − Π^h u‖_V / leading"), 3)
-    yield "shareDiscrete", _percent(data.rows(label, "‖Π^h u − u^h‖_V / ‖u")["high"].max())
-    yield "shareTimeDiscrete", _percent(data.rows(label, "time share of")["high"].max())
-    yield "shareTime", _percent(data.rows(label, "time share")["high"].max())
-    yield "shareQuadrature", _percent(data.rows(label, "change under finer")["high"].max())
+    yield from _extremes("orderDiagonal", data.rows(label, "discrete-order-superclose"))
+    yield from _extremes("orderOther", data.rows(label, "discrete-order-others"))
+    yield from _extremes("pythagoras", data.rows(label, "size"))
+    yield from _extremes("leadingTerm", data.rows("(5.23)", "leading-term"), 3)
+    yield "shareDiscrete", _percent(data.rows(label, "discrete-share")["high"].max())
+    yield "shareTimeDiscrete", _percent(data.rows(label, "discrete-time-share")["high"].max())
+    yield "shareTime", _percent(data.rows(label, "time-share")["high"].max())
+    yield "shareQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
     sweeps = data.rates[data.rates["claim"] == label]
     yielding = sweeps["case"].isin(data.cases.loc[data.cases["law"].str.startswith("(3.3)"), "case"])
     yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
-    later = data.rows(label, "cases with the supremum")
+    later = data.rows(label, "after-start")
     yield "supremumLater", _count(later["observed"].iloc[0])
 
 
-def _rough(data: Data) -> Named:
+def _rough(data: FullRun) -> Named:
     """Prop. 5.3 and what (5.36) has to do with the order."""
     label = "Prop. 5.3"
-    yield "ratioMost", above(data.rows(label, "ratio of consecutive")["high"].max(), 2)
-    yield "limitMost", _percent(data.rows(label, "limit e∞")["high"].max())
-    yield "roughQuadrature", _percent(data.rows(label, "change under finer")["high"].max())
-    yield from _extremes("graded", data.rows(label, "order seen on graded"))
-    seen = data.rows("(5.36)", "order seen").set_index("case")
+    yield "ratioMost", above(data.rows(label, "falling")["high"].max(), 2)
+    yield "limitMost", _percent(data.rows(label, "limit")["high"].max())
+    yield "roughQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
+    yield from _extremes("graded", data.rows(label, "order-graded"))
+    seen = data.rows("(5.36)", "order").set_index("case")
     order = data.cases.set_index("case")["expected_order"]
     missing = [case for case in seen.index if order[case] == 1]
     yield "missing", str(len(missing))
@@ -124,7 +116,7 @@ def _rough(data: Data) -> Named:
         yield f"{name}Proved", f"{proved[case]:g}"
 
 
-def _equivalence(data: Data) -> Named:
+def _equivalence(data: FullRun) -> Named:
     """Theorem 4.2."""
     for name, column in (
         ("agreeDisplacement", "displacement_gap"),
@@ -134,47 +126,48 @@ def _equivalence(data: Data) -> Named:
         ("allowedStress", "stress_bound"),
     ):
         yield name, _power(data.equivalence[column].max())
-    shares = (data.rows("Thm 4.2", f"{what} of Problem 3.2")["high"].max() for what in ("displacement", "stress"))
+    shares = (data.rows("Thm 4.2", what)["high"].max() for what in ("displacement", "stress"))
     yield "allowedShare", above(max(shares), 2)
     yield "agreeCases", str(data.equivalence["case"].nunique())
     yield "agreeProblems", str(len(data.equivalence))
     label = "Thm 4.2, own space"
     yield "ownCases", str(data.claims.loc[data.claims["label"] == label, "case"].nunique())
-    yield "ownAdmissible", _power(data.rows(label, "σ^hν continuous")["high"].max())
-    yield from _extremes("ownBest", data.rows(label, "‖σ − σ^h‖_Q / that of the best"))
-    frozen = data.rows("Prager–Synge", "guaranteed bound of both errors")
+    yield "ownAdmissible", _power(data.rows(label, "admissible")["high"].max())
+    yield from _extremes("ownBest", data.rows(label, "ratio"))
+    frozen = data.rows("Prager–Synge", "guaranteed")
     yield "frozenMost", above(frozen["high"].max(), 3)
 
 
-def _bounds(data: Data) -> Named:
+def _bounds(data: FullRun) -> Named:
     """The guaranteed bound and the enclosures."""
-    yield from _extremes("boundUpper", data.rows("bound", "upper bound / error over"), 1)
-    yield "boundCases", str(data.rows("bound", "largest error / upper bound")["case"].nunique())
-    yield "encloseUpperMax", above(data.rows("enclosure", "upper bound / error over")["high"].max(), 2)
+    yield from _extremes("boundUpper", data.rows("bound", "upper"), 1)
+    yield "boundCases", str(data.rows("bound", "above")["case"].nunique())
+    yield "encloseUpperMax", above(data.rows("enclosure", "upper")["high"].max(), 2)
     computed = data.bounds[data.bounds["trajectory"] == "enclosure"]
     yield "encloseLeast", below(computed["lower"].min(), 2)
     yield "encloseRows", str(computed["error"].count())
     for name, case in (("ramp", "ramp"), ("bracket", "bracket"), ("check", "advance-recede")):
-        yield from _extremes(f"{name}Order", data.rows("enclosure", "order of max_t", case))
+        yield from _extremes(f"{name}Order", data.rows("enclosure", "order", case))
     finest = computed[computed["case"] == "advance-recede"].sort_values("level").iloc[-1]
     yield "checkLevel", str(finest["level"])
     yield "checkUpper", above(finest["upper"], 2)
     yield "checkLower", below(finest["lower"], 2)
 
 
-def _beyond(data: Data) -> Named:
+def _beyond(data: FullRun) -> Named:
     """How many predictions about the fully discrete error came true, of those in the table."""
-    rows = data.rows("beyond: fully discrete", "")
-    expected = rows.loc[rows["quantity"].str.partition(": ")[2].str.startswith(DISCRETE), "expected"]
-    yield "discretePredictions", str(len(expected))
+    claims = data.claims[data.claims["label"] == "beyond: fully discrete"]
+    outcomes = claims[claims["key"].str.endswith(DISCRETE)].apply(agreement, axis=1)
+    yield "discretePredictions", str(len(outcomes))
     for outcome in ("agrees", "undecided", "differs"):
-        yield f"discrete{outcome.capitalize()}", str(int(expected.str.endswith(f": {outcome}").sum()))
-    constant = data.rows("(5.20)–(5.21), (5.42)", "error / (c")
+        yield f"discrete{outcome.capitalize()}", str(int(outcomes.eq(outcome).sum()))
+    label = "(5.20)–(5.21), (5.42)"
+    constant = pd.concat([data.rows(label, key) for key in ("constant-5.21", "constant-5.42")])
     yield "roomLeast", below(1 / constant["high"].max(), 0)
     yield "roomMost", above(1 / constant["low"].min(), 0)
 
 
-def _made_with(data: Data) -> Named:
+def _made_with(data: FullRun) -> Named:
     """The programs behind the committed data."""
     yield "withPython", prose(data.provenance["python"])
     packages = data.provenance["packages"]

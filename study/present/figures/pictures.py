@@ -181,7 +181,7 @@ class Picture:
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> Picture:
-        """From what ``study.run.pictures.picture`` returns."""
+        """From what ``study.statements.pictures.picture`` returns."""
         times, von_mises = np.array(record["times"], dtype=float), Packed.read(record["von_mises"]).values
         cells = np.array(record["cells"], dtype=np.int64)
         plane = len(record["vertices"]) == 2

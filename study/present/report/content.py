@@ -10,7 +10,8 @@ from typing import Any
 
 import pandas as pd
 
-from study.ledger.datafiles import VERDICTS, DataError, read_claims, read_csv, read_rates
+from study.ledger.datafiles import DataError, read_claims, read_csv, read_rates
+from study.ledger.verdict import VERDICTS
 from study.present.report.film import read_film
 from study.present.report.plots import Chart, Strip, convergence, enclosure, finest_orders
 from study.present.report.sources import sources

@@ -16,9 +16,10 @@ from study.present.show.animation import write_gif, write_mp4
 from study.present.show.solid import draw_surface
 from study.present.show.storyboard import draw_storyboard, write_png
 from study.present.show.vtk import write_vtk
-from study.run import pictures
 from study.run import resources as memory
 from study.solve.motion import Motion, von_mises
+from study.statements import pictures
+from study.statements.shared import estimates
 
 EVERY = 2
 """One of so many frames is shown."""
@@ -54,7 +55,7 @@ def show(case: Case, level: int, directory: Path, notify: Callable[[], object] =
     serving = [family for family in (pictures.FAMILY, *FAMILIES) if family.serves(body)]
     if not serving:
         raise UsageError(f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped")
-    memory.require(f"level {level}", memory.displacement(body.dim, level, serving[0].name), memory.available())
+    memory.require(f"level {level}", estimates.displacement(body.dim, level, serving[0].name), memory.available())
     write_text(directory / ".writable", "").unlink()
     motion = Motion.of(case.solution, serving[0], level, STEPS, notify)
     with in_style():

@@ -4,20 +4,19 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.problems import Problem
+from manufactured.problems import Problem, problems
 from study.bound.bounded import check_force, known_error
 from study.bound.discretisation import Setting
-from study.bound.enclosure import Computed, Enclosure, Trajectory, compute, enclose
+from study.bound.enclosure import Enclosure, Trajectory, compute, enclose
 from study.fem.mesh import MeshFamily
+from study.fem.naming import resolve
 from study.solve.evolution import Scheme
-
-PACE = 8.0
-"""Time steps per n^{2/3} and unit of time, as for the rates."""
 
 
 @dataclass(frozen=True)
@@ -57,65 +56,71 @@ class BoundRow:
     bending: float
 
 
-def steps_for(data: Data, level: int, pace: float = PACE) -> int:
-    """pace · T · n^{2/3}."""
-    return math.ceil(pace * data.body.T * level ** (2 / 3))
+@dataclass(frozen=True)
+class Posed:
+    """What a computed displacement approximates: the data of a case, or of a problem whose solution is unknown.
+
+    Attributes:
+        name: of the case or problem.
+        data: Ω, A, G, f_0, f_2, u_0 and T.
+        order: the predicted order, not a number where none is predicted.
+        pace: how fast things happen in time.
+        case: the case, where the solution is known.
+    """
+
+    name: str
+    data: Data
+    order: float
+    pace: float
+    case: Case | None
 
 
-def measure_bound(
-    case: Case, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
+PACE = 8.0
+"""Of problems without a solution."""
+
+
+@lru_cache
+def posed(reference: str) -> Posed:
+    """The problem of the study with a name, or the case behind a reference."""
+    problem = _without_solution().get(reference)
+    if problem is not None:
+        return Posed(problem.name, problem.data, math.nan if problem.order is None else problem.order, PACE, None)
+    case = resolve(reference)
+    return Posed(case.name, Data.of(case.solution), case.order, case.pace, case)
+
+
+@lru_cache
+def _without_solution() -> dict[str, Problem]:
+    """The problems of the study that have no known solution; their formulas take time to compile."""
+    return {problem.name: problem for problem in problems()}
+
+
+def measure(
+    problem: Posed, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
 ) -> tuple[BoundRow, Enclosure]:
-    """The row for a case with an exact solution, and the bounds over time.
+    """The row and the bounds over time; what compares with the error is not a number where it is unknown.
 
     Raises:
         BoundError: f_0 ∉ L²(Ω)².
     """
-    check_force(case)
-    setting = Setting(Data.of(case.solution), family(case.solution.body, level))
-    computed = compute(setting, scheme, steps)
-    found = enclose(setting, computed, trajectory, known_error(case, computed))
-    return _row(case.name, case.order, family, level, scheme, computed, trajectory, found), found
-
-
-def measure_problem(
-    problem: Problem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
-) -> tuple[BoundRow, Enclosure]:
-    """The same for data alone: what compares with the error is not a number."""
+    check_force(problem.case)
     setting = Setting(problem.data, family(problem.data.body, level))
     computed = compute(setting, scheme, steps)
-    found = enclose(setting, computed, trajectory)
-    return _row(
-        problem.name,
-        math.nan if problem.order is None else problem.order,
-        family,
-        level,
-        scheme,
-        computed,
-        trajectory,
-        found,
-    ), found
-
-
-def _row(
-    name: str,
-    order: float,
-    family: MeshFamily,
-    level: int,
-    scheme: Scheme,
-    computed: Computed,
-    trajectory: Trajectory,
-    found: Enclosure,
-) -> BoundRow:
+    found = enclose(setting, computed, trajectory, known_error(problem.case, computed))
     late = found.times >= computed.T / 2
-    return BoundRow(
-        case=name,
+    parts = {
+        part: float(np.sum([getattr(interval, part) for interval in found.intervals]))
+        for part in ("residual", "contact", "oscillation", "bending")
+    }
+    row = BoundRow(
+        case=problem.name,
         family=family.name,
         scheme=scheme.name,
         trajectory=trajectory.name,
         level=level,
         h=found.h,
         steps=computed.steps,
-        expected_order=order,
+        expected_order=problem.order,
         error=float(found.error.max()),
         lowest=found.lowest,
         highest=found.highest,
@@ -123,8 +128,6 @@ def _row(
         below=float((found.lower / found.error).max()),
         upper=float((found.upper / found.error)[late].max()),
         lower=float((found.lower / found.error)[late].min()),
-        **{
-            part: float(np.sum([getattr(interval, part) for interval in found.intervals]))
-            for part in ("residual", "contact", "oscillation", "bending")
-        },
+        **parts,
     )
+    return row, found

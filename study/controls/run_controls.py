@@ -12,8 +12,8 @@ import pandas as pd
 from tabulate import tabulate
 from threadpoolctl import threadpool_limits
 
+from study.controls.baselines import Baseline, S
 from study.controls.register import Control
-from study.controls.settings import S, Setting
 from study.ledger.files import write_text
 from study.ledger.verdict import FAILS, HOLDS, Verdict
 from study.present.terminal import cell
@@ -50,15 +50,15 @@ class Finding:
         """Whether a defect is caught.
 
         Raises:
-            KeyError: the setting has no row of the name that the control gives.
+            KeyError: the setting has no row with the key that the control gives.
         """
-        named = {verdict.quantity: verdict for verdict in verdicts}[control.caught_by]
+        named = {verdict.key: verdict for verdict in verdicts}[control.caught_by]
         failing = [verdict for verdict in verdicts if verdict.verdict == FAILS]
         row = named if named in failing else (failing or [named])[0]
         return cls(control.name, control.what, str(control.setting), row, bool(failing))
 
     @classmethod
-    def of_baseline(cls, setting: Setting[Any], verdicts: list[Verdict]) -> Finding:
+    def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict]) -> Finding:
         """Whether every row holds without a defect."""
         row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
         return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None)
@@ -69,7 +69,7 @@ def unchanged(measured: S) -> S:
     return measured
 
 
-def settings(controls: Sequence[Control[Any]]) -> list[Setting[Any]]:
+def settings(controls: Sequence[Control[Any]]) -> list[Baseline[Any]]:
     """Where the controls are measured: the baselines, each once."""
     return list(dict.fromkeys(control.setting for control in controls))
 
@@ -90,7 +90,7 @@ def run_controls(controls: Sequence[Control[Any]], executor: Executor, notify: C
     ]
 
 
-def work(setting: Setting[S], defect: Callable[[S], S]) -> list[Verdict]:
+def work(setting: Baseline[S], defect: Callable[[S], S]) -> list[Verdict]:
     """The rows of a setting with a defect, with one thread: the processes share the cores already."""
     with threadpool_limits(1):
         return setting.verdicts(defect)

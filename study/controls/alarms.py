@@ -16,15 +16,18 @@ from tabulate import tabulate
 
 from manufactured.case import Case
 from study.fem.mesh import MeshFamily, Shaken
-from study.fem.naming import SEEDED, family_named
+from study.fem.naming import family_named
 from study.ledger.datafiles import write_csv
 from study.ledger.verdict import HOLDS, REPORTED, Verdict
-from study.run.job import Job, StatementJob, StressJob
+from study.run.job import Job
 from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
-from study.statements.shared.base import Setting, Statement
-from study.statements.enclosure.jobs import BoundJob
-from study.statements.thm_4_2.own_space import Place, places
+from study.statements.enclosure.judge import Bounds
+from study.statements.interpolation import InterpolationOnContact
+from study.statements.pictures import Pictures
+from study.statements.shared.base import Setting, Statement, grid
+from study.statements.shared.scope import Scope
+from study.statements.thm_4_2.own_space import OwnSpace
 
 SEEDS = 20
 NOT_CLAIMED = {
@@ -38,7 +41,7 @@ TRACES = ("no-contact", "advance-recede")
 
 
 @dataclass(frozen=True)
-class SeededPlan(Plan):
+class SeededScope(Scope):
     """The quick study on shaken meshes alone.
 
     Attributes:
@@ -50,71 +53,68 @@ class SeededPlan(Plan):
     @property
     def family(self) -> str:
         """The name of the meshes."""
-        return f"shaken-{self.seed}"
+        return f"{Shaken().name}-{self.seed}"
 
     def families_of(self, case: Case) -> list[MeshFamily]:
         """The shaken meshes, where they serve."""
         family = family_named(self.family)
         return [family] if family.serves(case.solution.body) else []
 
-    def picture_jobs(self) -> list[Job]:
-        """None."""
-        return []
 
-    def bound_jobs(self) -> list[BoundJob]:
-        """None: bounds are proved for every mesh, and tested with random ones."""
-        return []
+def seeded(seed: int) -> Plan:
+    """The quick study with a seed, but for rough cases, which need the levels of the full one on random meshes.
 
-    def stress_jobs(self) -> list[Job]:
-        """Every case on its own stress space that shaken meshes serve, also where nothing is claimed there."""
-        shaken = [place for place in places(True) if place.family == Shaken().name]
-        levels = sorted({place.level for place in shaken})
-        cases = [case for label, case in NOT_CLAIMED if case]
-        return [
-            StressJob(replace(place, family=self.family))
-            for place in (*shaken, *(Place(case, self.family, n) for case in cases for n in levels))
-        ]
-
-    def statement_jobs(self) -> list[Job]:
-        """What is judged of every statement on shaken meshes, and the traces of (5.24); no claim is made beyond."""
-        traces = [Setting(case, self.family, n) for case in TRACES for n in (16, 32, 64)]
-        return [
-            *(
-                StatementJob(statement.label, replace(setting, family=self.family))
-                for statement in STATEMENTS
-                for setting in on_shaken(statement)
-            ),
-            *(StatementJob("(5.24)", setting) for setting in traces),
-        ]
-
-
-def on_shaken(statement: Statement) -> list[Setting]:
-    """The settings of the quick study on shaken meshes; where it has none those of the full one, up to its levels."""
-    quickly = statement.settings(False)
-    found = [setting for setting in quickly if setting.family == Shaken().name]
-    finest = max((setting.level for setting in quickly), default=0)
-    return found or [
-        setting for setting in statement.settings(True) if setting.family == Shaken().name and setting.level <= finest
+    No pictures, and no bounds: these are proved for every mesh, and tested with random ones.
+    """
+    base = replace(quick(), rough=full().rough)
+    scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
+    jobs = [
+        Job(statement, setting)
+        for statement in STATEMENTS
+        if not isinstance(statement, Pictures | Bounds)
+        for setting in (statement.settings(scope) if statement.of_every_case else on_shaken(statement, scope))
     ]
+    return Plan(scope, tuple(jobs))
 
 
-def seeded(seed: int) -> SeededPlan:
-    """The quick plan with a seed, but for rough cases, which need the levels of the full one on random meshes."""
-    plan = replace(quick(), rough=full().rough)
-    return SeededPlan(**{field.name: getattr(plan, field.name) for field in fields(plan)}, seed=seed)
+def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
+    """The settings of the quick study on shaken meshes; where it has none those of the full one, up to its levels.
+
+    Where nothing is claimed on shaken meshes it is measured nevertheless: the traces of (5.24), and stresses on their
+    own space at all levels of the full study, of every case that it has on shaken meshes or does not claim there.
+    """
+    if isinstance(statement, InterpolationOnContact):
+        return grid(TRACES, (scope.family,), (16, 32, 64))
+    everywhere = [setting for setting in statement.settings(replace(scope, name="full")) if is_shaken(setting)]
+    if isinstance(statement, OwnSpace):
+        unclaimed = [case for label, case in NOT_CLAIMED if label == statement.label]
+        levels = sorted({setting.level for setting in everywhere})
+        everywhere += grid(unclaimed, (scope.family,), levels)
+    else:
+        quickly = statement.settings(scope)
+        finest = max((setting.level for setting in quickly), default=0)
+        shaken = [setting for setting in quickly if is_shaken(setting)]
+        everywhere = shaken or [setting for setting in everywhere if setting.level <= finest]
+    return [replace(setting, family=scope.family) for setting in everywhere]
+
+
+def is_shaken(setting: Setting) -> bool:
+    """Whether a setting has the shaken meshes of the study."""
+    return setting.family == Shaken().name
 
 
 def tally(found: Mapping[int, Sequence[Verdict]]) -> pd.DataFrame:
     """One line for each row of the ledger that is judged: on how many seeds it was and on how many it did not hold.
 
-    Columns label, case, quantity, expected, seeds, alarms, lowest and highest observed value, claimed.
+    Columns label, key, case, quantity, expected, seeds, alarms, lowest and highest observed value, claimed.
     """
     rows = pd.DataFrame(
         {
             "label": verdict.label,
+            "key": verdict.key,
             "case": verdict.case,
-            # Some quantities name the meshes; one row is wanted for all seeds.
-            "quantity": SEEDED.sub(Shaken().name, verdict.quantity),
+            # One row is wanted for all seeds: their meshes have names of their own.
+            "quantity": verdict.quantity.removesuffix(f", {verdict.family} meshes"),
             "expected": verdict.expected,
             "observed": verdict.observed,
             "alarm": verdict.verdict != HOLDS,
@@ -123,7 +123,7 @@ def tally(found: Mapping[int, Sequence[Verdict]]) -> pd.DataFrame:
         for verdict in verdicts
         if verdict.verdict != REPORTED
     )
-    groups = rows.groupby(["label", "case", "quantity", "expected"], sort=False)
+    groups = rows.groupby(["label", "key", "case", "quantity", "expected"], sort=False)
     table = groups.agg(
         seeds=("alarm", "size"), alarms=("alarm", "sum"), lowest=("observed", "min"), highest=("observed", "max")
     ).reset_index()

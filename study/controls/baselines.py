@@ -13,21 +13,24 @@ from manufactured.body import Kind, polygon
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named, resolve
+from study.ledger.criterion import by_family
 from study.ledger.verdict import REPORTED, Verdict
 from study.solve.evolution import Midpoint
-from study.statements.thm_4_2.stands_alone import Sides, StandsAlone, independence
-from study.statements.prop_5_4.claims import prop_5_4, theorem_4_2
+from study.solve.steps import even_steps, steps_for
+from study.statements.leading_term import RULE, SizeOfInterpolation
 from study.statements.prop_5_4.experiment import Experiment
-from study.solve.steps import steps_for
+from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.measure import measure
-from study.statements.thm_4_2 import own_space as own
-from study.statements.thm_4_2.predicted_orders import judge_stresses
+from study.statements.thm_4_2 import stress_errors as own
 from study.statements.thm_4_2.gaps import gaps
+from study.statements.thm_4_2.own_space import OwnSpace
+from study.statements.thm_4_2.same_mesh import SameMesh
+from study.statements.thm_4_2.stands_alone import Sides, StandsAlone, independence
 
 S = TypeVar("S")
 
 
-class Setting(Protocol[S]):
+class Baseline(Protocol[S]):
     """A place of measurement: what would be measured there is an S, which a defect may change.
 
     Settings are compared by value, so that controls share their baseline.
@@ -68,7 +71,9 @@ class Sweep:
         for level in self.levels:
             setup = defect(Experiment.of(solution, family, level, Midpoint(), steps_for(case, level)))
             rows.append(asdict(measure(setup).row(case.name, family.name, level)))
-        return prop_5_4(case.name, pd.DataFrame(rows), case.order)
+        table = pd.DataFrame(rows)
+        leading = RULE.verdict(SizeOfInterpolation(), case.name, by_family(table))
+        return [*FirstOrder().judge_case(case.name, table, case.order), leading]
 
 
 @dataclass(frozen=True)
@@ -94,16 +99,16 @@ class Equivalence:
         sides = defect(Sides.of(resolve(self.case).solution, family_named(self.family), self.level))
         beside = sides.stresses(sides.displacements)
         agreement = gaps(sides.displacements, beside, self.steps)
-        shown = pd.DataFrame(independence(sides, self.steps)._asdict().items(), columns=["quantity", "value"])
         place = {"case": self.case, "family": self.family, "level": self.level, "h": beside.space.h}
+        shown = pd.DataFrame(independence(sides, self.steps)._asdict().items(), columns=["quantity", "value"])
         return [
-            *theorem_4_2(self.case, pd.DataFrame([agreement._asdict()])),
+            *SameMesh().judge(pd.DataFrame([{**place, **agreement._asdict()}])),
             *StandsAlone().judge(shown.assign(**place)),
         ]
 
 
 @dataclass(frozen=True)
-class OwnSpace:
+class StressSweep:
     """Theorem 4.2 on a stress space of its own for a case of the catalogue on a few levels of one mesh family.
 
     Attributes:
@@ -119,14 +124,13 @@ class OwnSpace:
     def __str__(self) -> str:
         return f"stresses of {self.case}, n = {' '.join(map(str, self.levels))}"
 
-    def verdicts(self, defect: Callable[[own.Experiment], own.Experiment]) -> list[Verdict]:
+    def verdicts(self, defect: Callable[[own.StressExperiment], own.StressExperiment]) -> list[Verdict]:
         case, family = resolve(self.case), family_named(self.family)
         rows = []
         for level in self.levels:
-            setup = defect(own.Experiment.of(case.solution, family, level, own.steps_for(case, level)))
+            setup = defect(own.StressExperiment.of(case.solution, family, level, even_steps(case, level)))
             rows.append(asdict(own.row(setup, case.name, family.name, level)))
-        found = judge_stresses(pd.DataFrame(rows), {case.name: case.regularity})
-        return [verdict for verdict in found if verdict.verdict != REPORTED]
+        return [verdict for verdict in OwnSpace().judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
 
 
 def turned(solution: ExactSolution, angle: float) -> ExactSolution:

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import pandas as pd
 
 from manufactured.body import Body
 from manufactured.case import Case
@@ -14,13 +16,17 @@ from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
 from study.fem.facets import Facets
 from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Unstructured, boundary_parts, facet_measures
+from study.fem.naming import resolve
 from study.fem.skin import Skin
 from study.fem.space import Space
+from study.ledger.datafiles import DataFile, JsonFiles, Row
 from study.ledger.packing import FINE, Packed, short
+from study.ledger.verdict import Verdict
 from study.solve.motion import Motion, balance, von_mises
+from study.statements.shared import estimates
+from study.statements.shared.base import Setting
+from study.statements.shared.scope import Scope
 
-FORM = 3
-"""To be raised whenever a picture holds more or other things: older ones are then made anew."""
 FAMILY = Unstructured()
 LEVEL = 24
 STEPS = 64
@@ -195,3 +201,50 @@ def _intervals(s: Array, level: Array) -> list[list[float]]:
 def _written(dim: int) -> Callable[[Array], Any]:
     """How values at points over time are written: as they are, or packed where they are many."""
     return short if dim == 2 else lambda values: Packed.of(values, FINE).record()
+
+
+PICTURES = JsonFiles("pictures", ("case",))
+
+
+@dataclass(frozen=True)
+class Pictures:
+    """What the figures and the page show of a case; nothing is claimed."""
+
+    label: str = "pictures"
+    claim: str = "what the figures show of a case"
+    file: DataFile = PICTURES
+    of_every_case: bool = True
+
+    def settings(self, scope: Scope) -> list[Setting]:
+        """Every case on one mesh."""
+        return [Setting(reference, *named_mesh(resolve(reference).solution.body)) for reference in scope.cases]
+
+    def measure(self, setting: Setting) -> dict[str, Any]:
+        """The picture."""
+        return picture(resolve(setting.case))
+
+    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+        """A file of its own."""
+        yield self.file, found
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        """Nothing."""
+        return []
+
+    def cost(self, setting: Setting) -> float:
+        """Half a second."""
+        return 500_000.0
+
+    def memory(self, setting: Setting) -> float:
+        """That of fixed sizes."""
+        return estimates.SMALL
+
+    def steps(self, setting: Setting) -> int:
+        """Fixed."""
+        return 0
+
+
+def named_mesh(body: Body) -> tuple[str, int]:
+    """``mesh_for`` with the name of the family."""
+    family, level = mesh_for(body)
+    return family.name, level

@@ -1,0 +1,65 @@
+"""``study bound``: compute, enclose, write, draw."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import pandas as pd
+from tqdm import tqdm
+
+from study.bound.bounded import Bounded, bounded, check_bound, check_force
+from study.bound.enclosure import Better
+from study.bound.report import levels, series, text, write
+from study.cli.common import FAILED, OK, Commands, progress_bar, prove
+from study.fem.naming import choose, family_named, resolve_data
+from study.present.figures import draw_one, enclosure
+from study.run.resources import available, require
+from study.solve.evolution import SCHEMES
+from study.solve.steps import paced_steps
+from study.statements.enclosure.measure import PACE
+from study.statements.shared import estimates
+
+
+def add(commands: Commands) -> None:
+    """The command and its options."""
+    bound = commands.add_parser("bound", help="enclose the error of a computed displacement, exact solution or not")
+    bound.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a case, a problem without a solution, or your own")
+    bound.add_argument("--levels", nargs="+", type=int, default=[8, 16], metavar="N", help="increasing (default 8 16)")
+    bound.add_argument("--family", default="unstructured", help="mesh family (default unstructured)")
+    bound.add_argument("--scheme", default="midpoint", help="time scheme of u_h (default midpoint)")
+    bound.add_argument("--steps", type=int, metavar="N", help="time steps of u_h at every level")
+    bound.add_argument("--refine", type=int, default=1, metavar="R", help="refinements of the mesh of ũ (default 1)")
+    bound.add_argument("--shorter", type=int, default=4, metavar="Q", help="steps of ũ in one of u_h (default 4)")
+    bound.add_argument("--out", type=Path, default=Path("bounds"), metavar="DIR", help="directory (default bounds)")
+    bound.set_defaults(command=do_bound)
+
+
+def do_bound(options: argparse.Namespace) -> int:
+    """``study bound``: compute, enclose, write, draw."""
+    name, data, case = resolve_data(options.problem)
+    scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
+    better = Better(options.refine, options.shorter)
+    check_force(case)
+    if case:
+        prove(case)
+    check_bound(data, family, options.levels, options.steps, better)
+    plan = {level: options.steps or paced_steps(PACE, data.body.T, level) for level in options.levels}
+    finest = max(plan)
+    require(f"level {finest}", estimates.bound(finest, better.refinements, family.name), available())
+    found: dict[int, Bounded] = {}
+    for level, steps in plan.items():
+        with progress_bar(100) as bar:
+            bar.set_description(f"level {level}")
+
+            def progress(time: float, bar: tqdm = bar) -> None:
+                bar.update(round(100 * time / data.body.T) - bar.n)
+
+            found[level] = bounded(data, case, family, level, scheme, steps, better, progress)
+    table, over_time = levels(found), pd.concat([series(level, one) for level, one in found.items()])
+    written = write(options.out / name, table, over_time, found)
+    written += draw_one(options.out / name, enclosure("enclosure", over_time, name))
+    print(f"\n{text(name, table, over_time)}\n")
+    print("written: " + ", ".join(map(str, written)))
+    inside = all(one.enclosure.contains and one.plain.contains for one in found.values())
+    return OK if case is None or inside else FAILED

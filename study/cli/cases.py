@@ -1,0 +1,29 @@
+"""``study cases``: the exact solutions."""
+
+from __future__ import annotations
+
+import argparse
+import json
+
+from manufactured.catalogue import catalogue
+from study.cli.common import OK, Commands
+from study.run.collect import describe
+
+
+def add(commands: Commands) -> None:
+    """The command and its options."""
+    cases = commands.add_parser("cases", help="list the exact solutions")
+    cases.add_argument("--json", action="store_true", help="as JSON")
+    cases.set_defaults(command=list_cases)
+
+
+def list_cases(options: argparse.Namespace) -> int:
+    """``study cases``."""
+    found = [describe(case) for case in catalogue()]
+    if options.json:
+        print(json.dumps(found, indent=2, ensure_ascii=False))
+        return OK
+    for case in found:
+        print(f"{case['case']:<24}{case['dimension']}D  order {case['expected_order']:<5g}{case['statements']}")
+        print(f"    {case['summary']}; {case['regularity']}; law {case['law']}")
+    return OK

@@ -1,0 +1,90 @@
+"""What the commands share: exit codes, options, progress."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TypeAlias
+
+from tqdm import tqdm
+
+from manufactured.admissibility import SelfProofError, examine
+from manufactured.case import Case
+from study.ledger.errors import UsageError
+from study.ledger.verdict import HOLDS, REPORTED, Verdict
+from study.present.figures import Drawing, draw_figures
+from study.run.collect import collect
+from study.run.execute import Pool, execute
+from study.run.judgement import check
+from study.run.plan import Plan
+from study.run.processes import Processes
+from study.run.provenance import protect
+from study.run.store import Store
+
+OK, FAILED, USAGE = 0, 1, 2
+
+Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
+"""What commands are added to."""
+
+
+def jobs_option(command: argparse.ArgumentParser) -> None:
+    """--jobs."""
+    command.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
+
+
+def out_option(command: argparse.ArgumentParser) -> None:
+    """--out, the directory of a run."""
+    command.add_argument("--out", type=Path, default=Path("results"), metavar="DIR", help="directory (default results)")
+
+
+def check_jobs(jobs: int) -> None:
+    """Raise UsageError for fewer than one process."""
+    if jobs < 1:
+        raise UsageError(f"--jobs must be 1 or more, got {jobs}")
+
+
+def prove(case: Case) -> None:
+    """Refuse a case that is not an exact solution; SelfProofError says where."""
+    if failed := [finding for finding in examine(case.solution) if not finding.passes]:
+        raise SelfProofError(f"case {case.name}", failed)
+
+
+def progress_bar(total: int) -> tqdm:
+    """Progress on standard error, with fewer lines where nobody watches."""
+    return tqdm(
+        total=total,
+        unit="",
+        bar_format="{l_bar}{bar}| {elapsed}<{remaining}",
+        mininterval=0.5 if sys.stderr.isatty() else 10,
+    )
+
+
+def measure(plan: Plan, store: Store, pool: Pool) -> list[Verdict]:
+    """Measure what is missing in a directory of one's own; collect and judge all of it."""
+    protect(plan, store.directory)
+    store.check()
+    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
+        bar.set_description(f"{len(plan.jobs)} jobs")
+        execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
+        collect(plan, store)
+    return check(store.directory)
+
+
+def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:
+    """Draw figures, and show how far that is."""
+    with progress_bar(0) as bar:
+
+        def show(done: int, total: int, name: str) -> None:
+            bar.total = total
+            bar.set_description(f"figure {name}", refresh=False)
+            bar.update()
+
+        return draw_figures(directory, chosen, processes.map, show)
+
+
+def exit_code(verdicts: Sequence[Verdict]) -> int:
+    """0 iff every claim holds; undecided is not a pass, and what is only reported claims nothing."""
+    return OK if verdicts and all(verdict.verdict in (HOLDS, REPORTED) for verdict in verdicts) else FAILED

@@ -1,0 +1,55 @@
+"""``study tables``, ``study figures``, ``study report``: presentation from the data on disk."""
+
+from __future__ import annotations
+
+import argparse
+
+from study.cli.common import OK, Commands, check_jobs, draw, jobs_option, out_option
+from study.present.figures import drawings
+from study.present.report import write_report
+from study.present.tables import write_tables
+from study.run.processes import Processes
+from study.run.provenance import read_provenance
+from study.run.store import Store
+
+
+def add(commands: Commands) -> None:
+    """The commands and their options."""
+    page = commands.add_parser("report", help="make one HTML page of the data on disk, to be read without a network")
+    out_option(page)
+    page.set_defaults(command=do_report)
+
+    tables = commands.add_parser("tables", help="make the tables again from the data on disk")
+    out_option(tables)
+    tables.set_defaults(command=do_tables)
+
+    figures = commands.add_parser("figures", help="draw the figures again from the data on disk")
+    jobs_option(figures)
+    out_option(figures)
+    figures.set_defaults(command=do_figures)
+
+
+def do_tables(options: argparse.Namespace) -> int:
+    """``study tables``."""
+    read_provenance(options.out)
+    with Store(options.out).steady():
+        for path in write_tables(options.out):
+            print(path)
+    return OK
+
+
+def do_report(options: argparse.Namespace) -> int:
+    """``study report``."""
+    with Store(options.out).steady():
+        print(write_report(options.out))
+    return OK
+
+
+def do_figures(options: argparse.Namespace) -> int:
+    """``study figures``."""
+    check_jobs(options.jobs)
+    read_provenance(options.out)
+    with Processes(options.jobs) as executor, Store(options.out).steady():
+        for path in draw(options.out, executor, drawings):
+            print(path)
+    return OK

@@ -1,0 +1,85 @@
+"""``study run``: refuse bad input, compute, write data, judge, present."""
+
+from __future__ import annotations
+
+import argparse
+from contextlib import AbstractContextManager, nullcontext
+from dataclasses import replace
+
+from study.cli.common import Commands, check_jobs, draw, exit_code, jobs_option, measure, out_option
+from study.fem.naming import absolute, choose
+from study.present.figures import drawings, overview
+from study.present.tables import write_tables
+from study.present.terminal import ledger_text, rates_text
+from study.run.cluster import connected
+from study.run.execute import Pool, refuse_too_large, unfinished
+from study.run.plan import Plan, full, quick
+from study.run.processes import Processes
+from study.run.store import Store
+from study.solve.evolution import SCHEMES
+from study.statements.shared.scope import Levels, Scope
+
+
+def add(commands: Commands) -> None:
+    """The command and its options."""
+    sweep = commands.add_parser("run", help="measure, judge, write tables and figures; resumes where it was stopped")
+    size = sweep.add_mutually_exclusive_group()
+    size.add_argument("--quick", dest="plan", action="store_const", const=quick, help="about a minute (default)")
+    size.add_argument("--full", dest="plan", action="store_const", const=full, help="all levels")
+    sweep.add_argument("--case", action="extend", nargs="+", metavar="NAME|FILE.py:NAME", help="only these cases")
+    sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a side, increasing")
+    sweep.add_argument("--scheme", default="midpoint", help="time scheme (default midpoint)")
+    sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
+    jobs_option(sweep)
+    sweep.add_argument(
+        "--cluster", metavar="ADDRESS", help="measure on the workers of a Dask scheduler, tcp://HOST:PORT"
+    )
+    out_option(sweep)
+    sweep.set_defaults(command=do_run, plan=quick)
+
+
+def do_run(options: argparse.Namespace) -> int:
+    """``study run``: refuse bad input, compute, write data, judge, present."""
+    choose("scheme", options.scheme, SCHEMES)
+    check_jobs(options.jobs)
+    scope = chosen(options)
+    scope.check()
+    plan, store = Plan.of(scope), Store(options.out)
+    with Processes(options.jobs) as processes, _pool(options.cluster, plan, processes) as pool:
+        refuse_too_large(unfinished(plan.jobs, store), pool)
+        plan.check(processes.map)
+        with store.locked():
+            verdicts = measure(plan, store, pool)
+            written = write_tables(store.directory)
+            # Drawing all takes as long as a third of the quick study.
+            written += draw(store.directory, processes, drawings if options.case else overview)
+    print(f"\n{rates_text(options.out)}")
+    print(ledger_text(options.out))
+    print(f"data: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
+    print("written: " + ", ".join(sorted({f"{path.parent}/*{path.suffix}" for path in written})))
+    return exit_code(verdicts)
+
+
+def chosen(options: argparse.Namespace) -> Scope:
+    """The quick or the full study, or what the options make of it."""
+    scope = replace(options.plan(), scheme=options.scheme, k=options.step)
+    if options.case:
+        scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
+    if options.levels:
+        levels = Levels(tuple(options.levels))
+        # The interior point method is for small problems, whatever the levels of the others.
+        plane, solid = ([n for n in options.levels if n <= most] for most in (16, 6))
+        scope = replace(
+            scope,
+            plane=levels,
+            rough=levels,
+            solid=levels,
+            own=(),
+            equivalence=tuple(plane) or scope.equivalence[:1],
+            solid_equivalence=tuple(solid[:1]) or scope.solid_equivalence,
+        )
+    return scope
+
+
+def _pool(cluster: str | None, plan: Plan, processes: Processes) -> AbstractContextManager[Pool]:
+    return connected(cluster, plan.scope.cases) if cluster else nullcontext(Pool.of(processes))

@@ -1,0 +1,37 @@
+"""``study show``: solve once, draw, write for ParaView."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from study.cli.common import OK, Commands, progress_bar, prove
+from study.fem.naming import resolve
+from study.ledger.errors import UsageError
+from study.present.show import LEVELS, show, ticks
+
+
+def add(commands: Commands) -> None:
+    """The command and its options."""
+    look = commands.add_parser("show", help="storyboard, animation and ParaView files of a case, solved on one mesh")
+    look.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
+    look.add_argument("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)")
+    look.add_argument("--out", type=Path, default=Path("shows"), metavar="DIR", help="directory (default shows)")
+    look.set_defaults(command=do_show)
+
+
+def do_show(options: argparse.Namespace) -> int:
+    """``study show``: solve once, draw, write for ParaView."""
+    case = resolve(options.case)
+    level = LEVELS[case.solution.body.dim] if options.level is None else options.level
+    if level < 2:
+        raise UsageError(f"--level must be 2 or more, got {level}")
+    prove(case)
+    with progress_bar(ticks(case)) as bar:
+        bar.set_description(case.name)
+        shown = show(case, level, options.out / case.name, bar.update)
+    for path in shown.written:
+        print(path)
+    for line in shown.left_out:
+        print(f"left out: {line}")
+    return OK

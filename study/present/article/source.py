@@ -1,0 +1,76 @@
+"""The data files that the article speaks of."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
+
+CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
+BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest", "upper", "lower"]
+CONTROLS = ["defect", "what", "label", "quantity", "caught"]
+SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
+"""Cases without which a run, of chosen cases, is not the one the article is about."""
+
+
+@dataclass(frozen=True)
+class FullRun:
+    """The data files of a full run.
+
+    Attributes:
+        rates, claims, cases, bounds, equivalence, controls, seeds: the CSV files of these names.
+        provenance: what the run was made with.
+    """
+
+    rates: pd.DataFrame
+    claims: pd.DataFrame
+    cases: pd.DataFrame
+    bounds: pd.DataFrame
+    equivalence: pd.DataFrame
+    controls: pd.DataFrame
+    seeds: pd.DataFrame
+    provenance: dict[str, Any]
+
+    @classmethod
+    def read(cls, directory: Path) -> FullRun | None:
+        """The data of a full run of the catalogue with its controls and other seeds, None of any other.
+
+        Raises:
+            DataError: a file is missing or lacks a column.
+        """
+        needed = [directory / "data" / name for name in ("provenance.json", "controls.csv", "seeds.csv")]
+        if not all(path.is_file() for path in needed):
+            return None
+        made = json.loads(needed[0].read_text(encoding="utf-8"))
+        cases = read_csv(directory, "cases.csv", CASES)
+        if made.get("plan") != "full" or not set(cases["case"]) >= SPOKEN:
+            return None
+        return cls(
+            rates=read_rates(directory),
+            claims=read_claims(directory),
+            cases=cases,
+            bounds=read_csv(directory, "bounds.csv", BOUNDS),
+            equivalence=read_csv(directory, "equivalence.csv", ["case", "level"]),
+            controls=read_csv(directory, "controls.csv", CONTROLS).fillna(""),
+            seeds=read_csv(directory, "seeds.csv", SEEDS).fillna(""),
+            provenance=made,
+        )
+
+    def rows(self, label: str, key: str, case: str | None = None) -> pd.DataFrame:
+        """The rows of the ledger for a statement with a key.
+
+        Raises:
+            DataError: there is none.
+        """
+        chosen = self.claims[(self.claims["label"] == label) & (self.claims["key"] == key)]
+        chosen = chosen if case is None else chosen[chosen["case"] == case]
+        if chosen.empty:
+            raise DataError(
+                f"claims.csv has no row {label}, {key}, {case or 'any case'}: make it with `study run --full`"
+            )
+        return chosen
