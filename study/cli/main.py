@@ -14,7 +14,7 @@ from manufactured.data import LoadError
 from manufactured.law import LawError
 from manufactured.symbols import FormulaError
 from study.bound.discretisation import BoundError
-from study.cli import bound, cases, check, controls, present, rates, run, seeds, show
+from study.cli import bound, cases, check, compare, controls, present, rates, run, seeds, show
 from study.cli.common import FAILED, USAGE
 from study.fem.mesh import MeshError
 from study.ledger.datafiles import DataError
@@ -24,7 +24,7 @@ from study.ledger.orders import RatesError
 from study.ledger.published import TableError
 from study.run.execute import JobsError
 
-COMMANDS = (cases, run, check, controls, seeds, rates, bound, show, present)
+COMMANDS = (cases, run, check, compare, controls, seeds, rates, bound, show, present)
 
 REFUSALS = (
     UsageError,
