@@ -17,7 +17,7 @@ from study.present.figures import draw_one, enclosure
 from study.run.resources import available, require
 from study.solve.evolution import SCHEMES
 from study.solve.steps import paced_steps
-from study.statements.enclosure.measure import PACE
+from study.statements.enclosure.bound_rows import PACE
 from study.statements.shared import estimates
 
 

@@ -22,7 +22,7 @@ from study.ledger.verdict import HOLDS, REPORTED, Verdict
 from study.run.job import Job
 from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
-from study.statements.enclosure.judge import Bounds
+from study.statements.enclosure.courses import Bounds
 from study.statements.interpolation import InterpolationOnContact
 from study.statements.pictures import Pictures
 from study.statements.shared.base import Setting, Statement, grid

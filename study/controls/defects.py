@@ -41,10 +41,10 @@ class Unconstrained(Signorini):
 
 def contact_two_sided(setup: Experiment) -> Experiment:
     """{v : v_ν = 0} in place of K^h: the foundation holds the body."""
-    return _solver(setup, TwoSided)
+    return _solver(setup, Bilateral)
 
 
-class TwoSided(Signorini):
+class Bilateral(Signorini):
     """Every vertex of Γ3 is active."""
 
     def complementarity(self, gap: Array) -> Array:
@@ -307,10 +307,10 @@ class FinalOnly(Around):
 
 def baseline_judged(setup: Experiment) -> Experiment:
     """‖u − Π^h u‖_V in place of ‖u − u^h‖_V, whose order is the same whatever u^h is."""
-    return _measured_with(setup, Baseline)
+    return _measured_with(setup, InterpolantGauge)
 
 
-class Baseline(Gauge):
+class InterpolantGauge(Gauge):
     """Measures Π^h u instead of what was computed."""
 
     def distance(self, sample: Sample, v: Array) -> float:

@@ -14,7 +14,7 @@ from study.run.plan import Plan
 from study.run.provenance import provenance
 from study.run.store import Store
 from study.statements import STATEMENTS
-from study.statements.enclosure.judge import ENCLOSURES
+from study.statements.enclosure.courses import ENCLOSURES
 
 
 def collect(plan: Plan, store: Store) -> None:

@@ -13,7 +13,7 @@ import sympy as sp
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named
 from study.run.versions import versions
-from study.statements.enclosure.measure import posed
+from study.statements.enclosure.bound_rows import posed
 from study.statements.shared.base import Setting, Statement
 
 

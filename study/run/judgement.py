@@ -13,7 +13,7 @@ from study.ledger.window import at_most
 from study.run.collect import data_files
 from study.run.provenance import read_provenance
 from study.statements import STATEMENTS
-from study.statements.enclosure.judge import BOUNDS, ENCLOSURES
+from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
 from study.statements.shared.base import LISTED, Statement
 from study.statements.shared.listed import Listed
 

@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from study.statements.admissibility import Admissibility
 from study.statements.boundary import NaturalConditions
-from study.statements.bounds import ErrorBounds
+from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
 from study.statements.constraint import Interpolant, VertexConstraint
-from study.statements.enclosure.judge import TwoSided, UpperBound
+from study.statements.enclosure.inside import BoundedError, EnclosedError
+from study.statements.error_bounds import ErrorBounds
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.hypercircle import Hypercircle
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn
-from study.statements.law import ElasticityOperator, Projection, Viscosity
 from study.statements.leading_term import SizeOfInterpolation
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms import Norms
 from study.statements.pictures import Pictures
-from study.statements.prop_5_3.judge import Convergence
+from study.statements.prop_5_3.convergence import Convergence
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.regularity_needed import RegularityNeeded
 from study.statements.prop_5_4.turned import Turned
@@ -61,8 +61,8 @@ STATEMENTS: tuple[Statement, ...] = (
     Turned(),
     Residual(),
     FullyDiscrete(),
-    UpperBound(),
-    TwoSided(),
+    BoundedError(),
+    EnclosedError(),
     SLIPS,
     UNTESTED,
     Pictures(),

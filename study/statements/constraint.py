@@ -59,7 +59,7 @@ class VertexConstraint(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, rng = space_of(setting), np.random.default_rng(SEED)
-        trace = Trace(space)
+        trace = NormalTrace(space)
         found = {
             "members": max(trace.highest(v) / abs(v).max() for v in members(space, rng)),
             "strangers": min(trace.highest(v) for v in strangers(space, rng)),
@@ -86,7 +86,7 @@ class Interpolant(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
-        trace, rng = Trace(space), np.random.default_rng(SEED)
+        trace, rng = NormalTrace(space), np.random.default_rng(SEED)
         smooth = max(interpolated(trace, field) for field in admissible(space.body, rng))
         return with_h(space.h, {"smooth": smooth, **over_time(trace, solution)})
 
@@ -99,7 +99,7 @@ class Interpolant(ListedNumbers):
         return judge(self, rows, lines)
 
 
-class Trace:
+class NormalTrace:
     """v_ν on Γ3 for v ∈ V^h, at points between the vertices."""
 
     def __init__(self, space: Space) -> None:
@@ -151,12 +151,12 @@ def _some(count: int, rng: np.random.Generator) -> Array:
     return rng.permutation(count)[:SAMPLES]
 
 
-def violation(trace: Trace, v: Array) -> float:
+def violation(trace: NormalTrace, v: Array) -> float:
     """The largest v_ν on Γ3 or (Nv)_i."""
     return max(trace.highest(v), float((trace.space.N @ v).max()))
 
 
-def over_time(trace: Trace, solution: ExactSolution) -> dict[str, float]:
+def over_time(trace: NormalTrace, solution: ExactSolution) -> dict[str, float]:
     """The largest violation of Π^h u(t), and |u(t)| on Γ1, over the times and relative to |u|."""
     space = trace.space
     fields = solution.at(space.mesh.p)
@@ -169,7 +169,7 @@ def over_time(trace: Trace, solution: ExactSolution) -> dict[str, float]:
     }
 
 
-def interpolated(trace: Trace, field: Field) -> float:
+def interpolated(trace: NormalTrace, field: Field) -> float:
     """The violation of Π^h v, relative to |v|."""
     nodal = field(trace.space.mesh.p)
     return violation(trace, trace.space.interpolate(nodal)) / float(abs(nodal).max())

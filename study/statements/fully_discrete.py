@@ -58,7 +58,7 @@ OPEN = "the source leaves it open (no number: not to be seen; undecided: a wide 
 
 
 @dataclass(frozen=True)
-class Fit:
+class ParameterFit:
     """Parameters of a least-squares fit.
 
     Attributes:
@@ -77,21 +77,21 @@ class Fit:
         return value, (value - half, value + half)
 
 
-def fit(residuals: Callable[[Array], Array], start: Array) -> Fit:
+def fit(residuals: Callable[[Array], Array], start: Array) -> ParameterFit:
     """min Σ r_i² from a start; intervals from the Jacobian at the minimum."""
     found = least_squares(residuals, start, method="lm", x_scale="jac")
     freedom = len(found.fun) - len(start)
     variance = 2 * found.cost / freedom
     spread = np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
-    return Fit(found.x, float(student.ppf((1 + CONFIDENCE) / 2, freedom)) * spread, float(np.sqrt(variance)))
+    return ParameterFit(found.x, float(student.ppf((1 + CONFIDENCE) / 2, freedom)) * spread, float(np.sqrt(variance)))
 
 
-def time_fit(h: Array, k: Array, d: Array) -> Fit:
+def time_fit(h: Array, k: Array, d: Array) -> ParameterFit:
     """(log C, q, s) of d = C k^q h^s."""
     return fit(lambda x: x[0] + x[1] * np.log(k) + x[2] * np.log(h) - np.log(d), np.array([0.0, 1.0, 0.0]))
 
 
-def joint_fit(h: Array, k: Array, e: Array, time: Fit, power: float) -> Fit:
+def joint_fit(h: Array, k: Array, e: Array, time: ParameterFit, power: float) -> ParameterFit:
     """(log C_h, p, log C_k, q) of e^r = (C_h h^p)^r + (C_k k^q)^r for a given power r, started from the fit of d."""
 
     def residuals(x: Array) -> Array:
@@ -146,7 +146,7 @@ def columns(scheme: Scheme, which: str, counts: tuple[int, ...]) -> list[str]:
 
 
 @dataclass(frozen=True)
-class Table:
+class ErrorTable:
     """The errors of one scheme on one mesh family.
 
     Attributes:
@@ -172,11 +172,11 @@ class Table:
         shares = self.entries("d", COUNTS)[2] / self.entries("e", COUNTS)[2]
         return int(np.sum(shares[-len(COUNTS) :] >= VISIBLE)) >= 2
 
-    def in_time(self) -> Fit:
+    def in_time(self) -> ParameterFit:
         """The fit of d."""
         return time_fit(*self.entries("d", ASYMPTOTIC))
 
-    def jointly(self, power: float = 2.0) -> Fit:
+    def jointly(self, power: float = 2.0) -> ParameterFit:
         """The fit of e."""
         return joint_fit(*self.entries("e", COUNTS), self.in_time(), power)
 
@@ -189,7 +189,7 @@ class Table:
 def lines(scheme: Scheme) -> Iterator[Rule]:
     """What is reported for a scheme."""
     order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e", COUNTS) + columns(scheme, "d", COUNTS))
-    found: list[tuple[str, str, Window, Callable[[Table], Measured | None]]] = [
+    found: list[tuple[str, str, Window, Callable[[ErrorTable], Measured | None]]] = [
         ("time-in-k", "order q of ‖u^h − u^{hk}‖ in k", order, lambda table: table.in_time().parameter(1)),
         ("time-in-h", "order s of ‖u^h − u^{hk}‖ in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
         ("error-in-h", "order p of ‖u − u^{hk}‖ in h", IN_H, lambda table: table.jointly().parameter(1)),
@@ -199,7 +199,7 @@ def lines(scheme: Scheme) -> Iterator[Rule]:
             order,
             lambda table: table.jointly().parameter(3) if table.visible() else None,
         ),
-        ("misfit", "misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, Table.misfits),
+        ("misfit", "misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, ErrorTable.misfits),
         (
             "sum-in-h",
             "order p of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖",
@@ -220,9 +220,9 @@ def lines(scheme: Scheme) -> Iterator[Rule]:
         )
 
 
-def _on(scheme: Scheme, of: Callable[[Table], Measured | None]) -> Measure:
+def _on(scheme: Scheme, of: Callable[[ErrorTable], Measured | None]) -> Measure:
     def measure(group: pd.DataFrame) -> Measured | None:
-        table = Table(scheme, group)
+        table = ErrorTable(scheme, group)
         return of(table) if table.usable() else None
 
     return measure

@@ -36,7 +36,7 @@ from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
 from study.solve.cholesky.factorisation import Factor
 from study.solve.evolution import Problem
-from study.statements.law import derivative, points, tensors
+from study.statements.constitutive_law import derivative, points, tensors
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import largest, unloaded
 from study.statements.shared.places import EVERY, FIRST, different, material, place, shape, space_of

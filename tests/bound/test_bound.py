@@ -55,7 +55,7 @@ from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
-from study.statements.enclosure.measure import measure_bound
+from study.statements.enclosure.bound_rows import measure_bound
 from study.stresses.composite import SIDES, bernstein, thirds
 
 CASES = {case.name: case for case in catalogue()}

@@ -23,12 +23,12 @@ from study.cli.main import main
 from study.ledger.compare import Comparison, Tolerance, as_json, as_text, compare
 from study.ledger.compare.differences import compare_tables
 from study.ledger.compare.directories import DIFFERS, IDENTICAL, LEFT_OUT, WITHIN, FileDifference
-from study.ledger.compare.matching import TABLES, Kind
-from study.ledger.compare.reading import Table
+from study.ledger.compare.matching import TABLES, TableKind
+from study.ledger.compare.reading import ReadTable
 from study.ledger.datafiles import DataError
 from study.ledger.packing import Packed
 
-RESULTS = Path(__file__).parents[1] / "results"
+RESULTS = Path(__file__).parents[2] / "results"
 PICTURES = ("cube-disc.json", "full-contact.json")
 """One in space, one in the plane."""
 
@@ -524,12 +524,14 @@ def test_json_says_what_the_text_says(old: Path, new: Path, capsys) -> None:
 
 CELLS = st.sampled_from(["1.5", "1.5000000000000002", "1.50000001", "-1.5", "0", "3e-14", "", "nan", "inf", "-inf"])
 ROWS = st.lists(st.tuples(st.sampled_from("ab"), st.sampled_from(["p", "q"]), CELLS, CELLS), max_size=5)
-CLAIM = Kind(("case", "quantity"), repeated=True, numbers=("observed",))
+CLAIM = TableKind(("case", "quantity"), repeated=True, numbers=("observed",))
 
 
-def table(rows: list[tuple[str, ...]]) -> Table:
+def table(rows: list[tuple[str, ...]]) -> ReadTable:
     names = ("case", "quantity", "observed", "low")
-    return Table(Path("t.csv"), {name: [row[i] for row in rows] for i, name in enumerate(names)}, [*range(len(rows))])
+    return ReadTable(
+        Path("t.csv"), {name: [row[i] for row in rows] for i, name in enumerate(names)}, [*range(len(rows))]
+    )
 
 
 @given(ROWS, ROWS, st.sampled_from([Tolerance(), Tolerance(1e-6), Tolerance(0, 1e-12), Tolerance(0, 0)]))

@@ -36,7 +36,7 @@ from study.bound.enclosure import Better
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve_data
 from study.ledger.errors import UsageError
-from study.statements.enclosure.measure import steps_for
+from study.statements.enclosure.bound_rows import steps_for
 
 CASES = {case.name: case for case in catalogue()}
 SQUARE, LAW = unit_square(), not_proportional()

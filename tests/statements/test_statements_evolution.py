@@ -19,7 +19,7 @@ from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint
 from study.solve.signorini import Signorini
 from study.statements.admissibility import Admissibility, largest_violations
 from study.statements.boundary import NaturalConditions, tractions
-from study.statements.bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted, sides
+from study.statements.error_bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted, sides
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import Setting, Statement

@@ -43,7 +43,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Column:
+class ComparedColumn:
     """Cells of a column that differ.
 
     Attributes:
@@ -63,14 +63,14 @@ class Column:
     largest: Cell
 
 
-def words(name: str, cells: int, changed: list[Cell]) -> Column | None:
+def words(name: str, cells: int, changed: list[Cell]) -> ComparedColumn | None:
     """A column of words of which some changed; None if none did."""
-    return Column(name, cells, len(changed), len(changed), 0, changed[0]) if changed else None
+    return ComparedColumn(name, cells, len(changed), len(changed), 0, changed[0]) if changed else None
 
 
 def numbers(
     name: str, a: Numbers, b: Numbers, whole: Booleans, tolerance: Tolerance, cell: Callable[[int, float], Cell]
-) -> Column | None:
+) -> ComparedColumn | None:
     """What differs between two columns of numbers; None if nothing does, where NaN is NaN and −0 is 0.
 
     Whole numbers (levels, steps, counts) have no tolerance. ``cell`` makes the cell of a place, given its relative
@@ -84,7 +84,7 @@ def numbers(
     relative = np.where(same, 0.0, _relative(a, b))
     worst = int(np.argmax(np.where(beyond, relative, -1.0) if beyond.any() else relative))
     differing, far, near = (int(np.count_nonzero(cells)) for cells in (~same, beyond, by_absolute))
-    return Column(name, len(a), differing, far, near, cell(worst, float(relative[worst])))
+    return ComparedColumn(name, len(a), differing, far, near, cell(worst, float(relative[worst])))
 
 
 def _relative(a: Numbers, b: Numbers) -> Numbers:

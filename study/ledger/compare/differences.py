@@ -8,9 +8,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from study.ledger.compare.closeness import Cell, Column, Row, Tolerance, numbers, words
-from study.ledger.compare.matching import PROSE, Kind, Match, match
-from study.ledger.compare.reading import Table
+from study.ledger.compare.closeness import Cell, ComparedColumn, Row, Tolerance, numbers, words
+from study.ledger.compare.matching import PROSE, Match, TableKind, match
+from study.ledger.compare.reading import ReadTable
 from study.ledger.datafiles import TEXT
 
 WORDS = TEXT | PROSE | {"key", "defect", "setting", "caught", "claimed"}
@@ -49,7 +49,7 @@ class TableDifference:
     columns_old: tuple[str, ...] = ()
     columns_new: tuple[str, ...] = ()
     later: tuple[str, ...] = ()
-    columns: tuple[Column, ...] = ()
+    columns: tuple[ComparedColumn, ...] = ()
     verdicts: tuple[Cell, ...] = ()
     words: tuple[Rewording, ...] = ()
     renamed: tuple[tuple[Row, Row], ...] = ()
@@ -61,7 +61,7 @@ class TableDifference:
         return bool(lost) or any(column.beyond for column in self.columns)
 
 
-def compare_tables(kind: Kind, old: Table, new: Table, tolerance: Tolerance) -> TableDifference:
+def compare_tables(kind: TableKind, old: ReadTable, new: ReadTable, tolerance: Tolerance) -> TableDifference:
     """What differs between two tables.
 
     Raises:
@@ -89,9 +89,9 @@ def compare_tables(kind: Kind, old: Table, new: Table, tolerance: Tolerance) -> 
 class _Pair:
     """Two tables, and which rows of them are the same."""
 
-    kind: Kind
-    old: Table
-    new: Table
+    kind: TableKind
+    old: ReadTable
+    new: ReadTable
     match: Match
     tolerance: Tolerance
 
@@ -109,7 +109,7 @@ class _Pair:
         cells = (self.cell(column, n, None) for n in self.changed(column))
         return [Rewording(column, *texts, rows) for texts, rows in Counter((c.old, c.new) for c in cells).items()]
 
-    def column(self, name: str) -> Column | None:
+    def column(self, name: str) -> ComparedColumn | None:
         """What differs in a column of numbers or of words; None if nothing does."""
         if name in WORDS or not (self.old.has_number(name) or self.new.has_number(name)):
             return words(name, len(self.match.both), [self.cell(name, n, None) for n in self.changed(name)])

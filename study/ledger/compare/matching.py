@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from study.ledger.compare.closeness import Row
-from study.ledger.compare.reading import Table, again
+from study.ledger.compare.reading import ReadTable, again
 from study.ledger.datafiles import DataError
 
 PROSE = frozenset({"statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law"})
@@ -15,7 +15,7 @@ PROSE = frozenset({"statement", "quantity", "expected", "summary", "reason", "wh
 
 
 @dataclass(frozen=True)
-class Kind:
+class TableKind:
     """What identifies the rows of a data file.
 
     Attributes:
@@ -30,7 +30,7 @@ class Kind:
     numbers: tuple[str, ...] = ()
     later: tuple[str, ...] = ()
 
-    def row(self, table: Table, i: int) -> Row:
+    def row(self, table: ReadTable, i: int) -> Row:
         """What names a row to a reader: its identity and the quantity that stands there."""
         names = [name for name in dict.fromkeys((*self.key, "quantity")) if name in table.columns]
         # Where the columns do not tell rows apart, the line does.
@@ -40,30 +40,30 @@ class Kind:
 
 LATER = ("key", "family", "window_low", "window_high")
 BOUND = ("trajectory", "case", "family", "scheme", "level")
-BY_LINE = Kind((), repeated=True)
+BY_LINE = TableKind((), repeated=True)
 """Of a file that is not known here."""
-TABLES: dict[str, tuple[Kind, ...]] = {
-    "rates.csv": (Kind(("claim", "case", "family", "scheme", "level")),),
-    "equivalence.csv": (Kind(("case", "form", "level", "family")),),
-    "stresses.csv": (Kind(("case", "family", "level")),),
-    "statements.csv": (Kind(("label", "case", "family", "level", "quantity")),),
-    "bounds.csv": (Kind(BOUND),),
+TABLES: dict[str, tuple[TableKind, ...]] = {
+    "rates.csv": (TableKind(("claim", "case", "family", "scheme", "level")),),
+    "equivalence.csv": (TableKind(("case", "form", "level", "family")),),
+    "stresses.csv": (TableKind(("case", "family", "level")),),
+    "statements.csv": (TableKind(("label", "case", "family", "level", "quantity")),),
+    "bounds.csv": (TableKind(BOUND),),
     # Times are not exact: a row is the same by its place among the times of one computation.
-    "enclosures.csv": (Kind(BOUND, repeated=True),),
+    "enclosures.csv": (TableKind(BOUND, repeated=True),),
     "claims.csv": (
-        Kind(("label", "key", "case", "family"), later=LATER),
-        Kind(("label", "case", "quantity"), repeated=True, numbers=("observed", "low", "high"), later=LATER),
+        TableKind(("label", "key", "case", "family"), later=LATER),
+        TableKind(("label", "case", "quantity"), repeated=True, numbers=("observed", "low", "high"), later=LATER),
     ),
-    "cases.csv": (Kind(("case",)),),
-    "controls.csv": (Kind(("defect", "setting")),),
+    "cases.csv": (TableKind(("case",)),),
+    "controls.csv": (TableKind(("defect", "setting")),),
     "seeds.csv": (
-        Kind(("label", "case", "quantity"), repeated=True, numbers=("seeds", "lowest", "highest"), later=LATER),
+        TableKind(("label", "case", "quantity"), repeated=True, numbers=("seeds", "lowest", "highest"), later=LATER),
     ),
 }
 """File ↦ what identifies its rows; of several, the first whose columns both directories have."""
 
 
-def kind_of(name: str, old: Table, new: Table) -> Kind:
+def kind_of(name: str, old: ReadTable, new: ReadTable) -> TableKind:
     """What identifies the rows of both tables.
 
     Raises:
@@ -88,7 +88,7 @@ class Match:
     only_new: list[int]
 
 
-def match(kind: Kind, old: Table, new: Table) -> Match:
+def match(kind: TableKind, old: ReadTable, new: ReadTable) -> Match:
     """The rows of two tables that are the same.
 
     Raises:
@@ -112,7 +112,7 @@ def _pairs(old: Identities, new: Identities) -> tuple[list[tuple[int, int]], lis
     return both, only[0], only[1]
 
 
-def _identified(kind: Kind, table: Table) -> Identities:
+def _identified(kind: TableKind, table: ReadTable) -> Identities:
     found = _counted((tuple(table.columns[name][i] for name in kind.key), i) for i in range(len(table)))
     for (cells, before), i in found.items():
         if before and not kind.repeated:
@@ -125,7 +125,7 @@ def _identified(kind: Kind, table: Table) -> Identities:
     return found
 
 
-def _measured(kind: Kind, table: Table, rows: list[int]) -> Identities:
+def _measured(kind: TableKind, table: ReadTable, rows: list[int]) -> Identities:
     """Rows by what of their key is no prose, and by their numbers to nine digits."""
     names = [table.columns[name] for name in kind.key if name not in PROSE]
     numbers = [table.numbers(name) for name in kind.numbers]

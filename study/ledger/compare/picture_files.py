@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from study.ledger.compare.closeness import Cell, Column, Row, Tolerance, numbers, words
+from study.ledger.compare.closeness import Cell, ComparedColumn, Row, Tolerance, numbers, words
 from study.ledger.compare.differences import TableDifference
 from study.ledger.compare.reading import again
 from study.ledger.datafiles import DataError
@@ -25,7 +25,7 @@ Place = tuple[str, tuple[int, ...] | None]
 
 
 @dataclass(frozen=True)
-class Picture:
+class PictureNumbers:
     """The numbers at every place, and any other value as JSON."""
 
     arrays: dict[Place, NDArray[Any]]
@@ -37,7 +37,7 @@ class Picture:
         return {**self.arrays, **self.words}
 
 
-def read_picture(path: Path, content: bytes) -> Picture:
+def read_picture(path: Path, content: bytes) -> PictureNumbers:
     """The picture in the content of a JSON file, with its packed numbers unpacked.
 
     Raises:
@@ -48,13 +48,13 @@ def read_picture(path: Path, content: bytes) -> Picture:
     # No JSON or no UTF-8, brackets nested too deeply, packed numbers that are none.
     except (ValueError, RecursionError, KeyError, TypeError) as error:
         raise DataError(f"{path} is not a picture ({error}): {again(path)}") from error
-    return Picture(
+    return PictureNumbers(
         {(place, leaf.shape): leaf for place, leaf in leaves if isinstance(leaf, np.ndarray)},
         {(place, None): leaf for place, leaf in leaves if isinstance(leaf, str)},
     )
 
 
-def compare_pictures(old: Picture, new: Picture, tolerance: Tolerance) -> TableDifference:
+def compare_pictures(old: PictureNumbers, new: PictureNumbers, tolerance: Tolerance) -> TableDifference:
     """What differs between two pictures; a list of another length is in one of them only."""
     arrays = [place for place in old.arrays if place in new.arrays]
     texts = [place for place in old.words if place in new.words]
@@ -72,7 +72,9 @@ def compare_pictures(old: Picture, new: Picture, tolerance: Tolerance) -> TableD
     )
 
 
-def _numbers(old: Picture, new: Picture, places: list[Place], tolerance: Tolerance) -> Column | None:
+def _numbers(
+    old: PictureNumbers, new: PictureNumbers, places: list[Place], tolerance: Tolerance
+) -> ComparedColumn | None:
     """All numbers at places that both have, as one column."""
     first, second = [old.arrays[place] for place in places], [new.arrays[place] for place in places]
     whole = [np.full(a.size, a.dtype.kind == b.dtype.kind == "i") for a, b in zip(first, second, strict=True)]

@@ -17,7 +17,7 @@ COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds"}
 
 
 @dataclass(frozen=True)
-class Table:
+class ReadTable:
     """A data file as it is written.
 
     Attributes:
@@ -61,7 +61,7 @@ def read_bytes(path: Path) -> bytes:
     return content
 
 
-def read_table(path: Path, content: bytes) -> Table:
+def read_table(path: Path, content: bytes) -> ReadTable:
     """The table in the content of a CSV file.
 
     Raises:
@@ -83,7 +83,7 @@ def read_table(path: Path, content: bytes) -> Table:
         if len(row) != len(head):
             raise DataError(f"{path}, line {line}: {len(row)} entries, expected {len(head)}: {again(path)}")
     columns = {name: [row[i] for row in rows[1:]] for i, name in enumerate(head)}
-    return Table(path, columns, lines[1:])
+    return ReadTable(path, columns, lines[1:])
 
 
 def _is_number(cell: str) -> bool:

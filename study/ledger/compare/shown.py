@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from study.ledger.compare.closeness import Cell, Column, Row, Tolerance
+from study.ledger.compare.closeness import Cell, ComparedColumn, Row, Tolerance
 from study.ledger.compare.differences import TableDifference
 from study.ledger.compare.directories import DIFFERS, IDENTICAL, LEFT_OUT, WITHIN, Comparison, FileDifference
 
@@ -104,7 +104,7 @@ def _table(table: TableDifference) -> Iterator[str]:
         yield f"  {_rows(len(table.renamed))} renamed: found by their numbers alone"
 
 
-def _column(column: Column) -> Iterator[str]:
+def _column(column: ComparedColumn) -> Iterator[str]:
     """How many cells differ, and the one that does most."""
     line = f"{column.name}: {column.differing} of {column.cells} differ"
     if column.largest.relative is not None:

@@ -12,7 +12,7 @@ from study.ledger.measures import ENOUGH, between_levels, consecutive, exactly, 
 from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
-from study.statements.prop_5_4.rates import Rates
+from study.statements.prop_5_4.sweep import Rates
 
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")

@@ -11,7 +11,7 @@ from study.ledger.datafiles import DataFile
 from study.ledger.measures import ENOUGH, between_levels
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_least
-from study.statements.prop_5_4.rates import RATES
+from study.statements.prop_5_4.sweep import RATES
 from study.statements.shared.base import NothingMeasured
 
 GRADED = "graded"

@@ -10,7 +10,7 @@ from study.ledger.datafiles import DataFile
 from study.ledger.measures import largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_most
-from study.statements.prop_5_4.rates import RATES
+from study.statements.prop_5_4.sweep import RATES
 from study.statements.shared.base import NothingMeasured
 
 ON_EQUAL_MESHES = ["family", "scheme", "level"]

@@ -14,8 +14,8 @@ from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
 from study.ledger.window import around, at_most
 from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
-from study.statements.prop_5_4.rates import Rates
 from study.statements.prop_5_4.regularity_needed import GRADED
+from study.statements.prop_5_4.sweep import Rates
 
 LEVELS = ENOUGH + 1
 """Two refinements twice."""

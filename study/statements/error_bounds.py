@@ -179,7 +179,10 @@ def sides(setup: Experiment) -> dict[str, float]:
     gauge, problem, T = setup.gauge, setup.problem, setup.problem.T
     error = max(gauge.distance(gauge.sample(state.time), state.u) for state in setup.scheme.march(problem, setup.steps))
     start = gauge.sample(0.0)
-    velocity, contact = Velocity(setup.solution, setup.space), [Trace(setup, face) for face in setup.solution.faces]
+    velocity, contact = (
+        Velocity(setup.solution, setup.space),
+        [ContactTerms(setup, face) for face in setup.solution.faces],
+    )
     rates, works, traces, pressures = [], [], [], []
     for t in midpoints(T, INSTANTS):
         rates.append(velocity.interpolation_error(t))
@@ -199,7 +202,7 @@ def sides(setup: Experiment) -> dict[str, float]:
     }
 
 
-class Trace:
+class ContactTerms:
     """σ_ν and η_ν = u_ν − Π^h u_ν on one piece of Γ3."""
 
     def __init__(self, setup: Experiment, face: Face) -> None:

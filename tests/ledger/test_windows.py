@@ -1,0 +1,102 @@
+"""A window distinguishes wrong from unclear, and writes its own text from its numbers."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from study.ledger.criterion import Criterion, Observation
+from study.ledger.margin import agreement, used
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.ledger.window import Window, around, at_least, at_most, between, shown
+
+
+class Claim:
+    """What a row takes from its statement."""
+
+    label, claim = "(0.0)", "a claim"
+
+
+def judged(window: Window, value: float, low: float, high: float, spread: Window | None = None):
+    criterion = Criterion("key", "a quantity", window, lambda _: (value, (low, high)), (), spread=spread)
+    return criterion.verdict(Claim(), "a", {"shaken": pd.DataFrame({"h": [1.0]})})
+
+
+@pytest.mark.parametrize(
+    ("value", "low", "high", "verdict"),
+    [
+        (1.0, 0.95, 1.05, HOLDS),
+        (1.0, 0.5, 1.5, UNDECIDED),
+        (1.2, 1.15, 1.25, FAILS),
+        (math.nan, 1.0, 1.0, FAILS),
+        (1.0, math.nan, 1.0, UNDECIDED),
+    ],
+)
+def test_a_window_distinguishes_wrong_from_unclear(value: float, low: float, high: float, verdict: str) -> None:
+    assert judged(around(1, 0.1), value, low, high).verdict == verdict
+
+
+def test_a_range_may_have_a_window_of_its_own() -> None:
+    assert judged(around(1, 0.1), 1.0, 0.5, 1.5, Window(0, 2)).verdict == HOLDS
+    assert judged(around(1, 0.1), 1.0, -0.5, 1.5, Window(0, 2)).verdict == UNDECIDED
+
+
+@pytest.mark.parametrize(
+    ("window", "text"),
+    [
+        (around(1, 0.15, "every consecutive order"), "1 ± 0.15: every consecutive order"),
+        (between(1.5, 2, 0.15, 0.2), "1.5 … 2, − 0.15 + 0.2"),
+        (around(0.5444837, 0.15), "0.544 ± 0.15"),
+        (at_most(0.02, "of the error"), "≤ 0.02: of the error"),
+        (at_most(1 + 1e-9, low=-math.inf), "≤ 1 + 1e-9"),
+        (at_most(1e-10), "≤ 1e-10"),
+        (at_least(0.97), "≥ 0.97"),
+        (Window(0.7, 1.4), "0.7 … 1.4"),
+        (around(0, 0.1), "0 ± 0.1"),
+    ],
+)
+def test_a_window_writes_its_own_text(window: Window, text: str) -> None:
+    assert window.text == text
+
+
+@given(st.floats(min_value=1e-12, max_value=1e6))
+def test_the_text_of_a_number_has_three_digits_of_it(number: float) -> None:
+    first, _, rest = shown(number).partition(" ")
+    assert float(first) == pytest.approx(number, rel=5.1e-3)
+    assert not rest or float(first) == pytest.approx(number, rel=1e-4)
+
+
+def test_a_row_is_known_by_label_key_case_and_family_and_carries_its_window() -> None:
+    row = judged(around(1, 0.1), 1.0, 0.95, 1.05)
+    assert row.identity == ("(0.0)", "key", "a", "")
+    assert (row.window_low, row.window_high, row.expected) == (0.9, 1.1, "1 ± 0.1")
+
+
+def test_an_observation_says_whether_its_prediction_agrees_and_claims_nothing() -> None:
+    for value, outcome in ((1.0, "agrees"), (1.2, "differs")):
+        criterion = Criterion("key", "a quantity", around(1, 0.1), lambda _, v=value: (v, (v, v)), ())
+        row = Observation(criterion, "nobody knows").verdict(Claim(), "a", {"shaken": pd.DataFrame({"h": [1.0]})})
+        assert row.verdict == REPORTED
+        assert row.expected == f"predicted 1 ± 0.1; no claim, as nobody knows: {outcome}"
+        assert agreement(pd.Series(vars(row))) == outcome
+
+
+@pytest.mark.parametrize(
+    ("window", "values", "share"),
+    [
+        (around(1, 0.1), (1.0, 0.95, 1.0), 0.5),
+        (at_most(0.02), (0.01, 0.0, 0.01), 0.5),
+        (at_least(0.5), (1.0, 1.0, 2.0), 0.5),
+        (around(1, 0.1), (1.05, 0.2, 1.9), 0.5),
+        (around(1, 0.1), (1.3, 1.3, 1.3), math.nan),
+    ],
+    ids=["two-sided", "upper end", "lower end", "judged by its value", "judged in another way"],
+)
+def test_the_share_of_a_window_that_a_row_which_holds_uses(window: Window, values: tuple, share: float) -> None:
+    ends = {"window_low": window.low, "window_high": window.high, "verdict": HOLDS}
+    row = pd.Series(dict(zip(("observed", "low", "high"), values, strict=True)) | ends)
+    assert used(row) == pytest.approx(share, nan_ok=True)

@@ -1,0 +1,212 @@
+"""A verdict is two-sided and can come out otherwise."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+from study.run.judgement import Complete
+from study.statements.leading_term import SizeOfInterpolation
+from study.statements.prop_5_3.convergence import Convergence
+from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.prop_5_4.regularity_needed import RegularityNeeded
+from study.statements.prop_5_4.turned import Turned
+from study.statements.thm_4_2.same_mesh import SameMesh
+
+
+def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="shaken", **changes) -> pd.DataFrame:
+    h = 1 / np.array(levels, dtype=float)
+    rows = pd.DataFrame(
+        {
+            "claim": claim,
+            "case": case,
+            "family": family,
+            "dim": 2,
+            "level": levels,
+            "h": h,
+            "dofs": 2 * np.array(levels) ** 2,
+            "error": 0.97 * h**order,
+            "interpolation_error": h**order,
+            "predicted_interpolation": h**order,
+            "discrete_error": 0.24 * h**order,
+            "initial_error": 0.0,
+            "time_share": 0.01,
+            "discrete_time_share": 0.1,
+            "residual": 1e-14,
+            "clamped": 0.0,
+            "parallelogram": 1e-12,
+            "quadrature_change": 0.001,
+        }
+    )
+    return rows.assign(**changes)
+
+
+def prop_5_4(rows: pd.DataFrame, order: float = 1.0) -> list[Verdict]:
+    """What is judged of a case, with the size of its interpolation error."""
+    return [*FirstOrder().judge_case("a", rows, order), *SizeOfInterpolation().judge(rows)]
+
+
+def prop_5_3(rows: pd.DataFrame, order: float) -> list[Verdict]:
+    return Convergence().judge(rows.assign(expected_order=order))
+
+
+def verdicts(found) -> dict[str, str]:
+    return {verdict.key: verdict.verdict for verdict in found}
+
+
+def test_the_predicted_behaviour_holds_in_every_row() -> None:
+    assert set(verdicts(prop_5_4(table())).values()) == {HOLDS}
+
+
+@pytest.mark.parametrize("order", [0.0, 0.5, 0.8, 1.2, 1.5, 2.0])
+def test_an_order_too_low_or_too_good_fails(order: float) -> None:
+    assert verdicts(prop_5_4(table(order)))["order"] == FAILS
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "key"),
+    [
+        ("time_share", 0.021, "time-share"),
+        ("discrete_time_share", 0.31, "discrete-time-share"),
+        ("residual", 1e-9, "residual"),
+        ("clamped", 1e-3, "clamped"),
+        ("parallelogram", 0.01, "parallelogram"),
+        ("parallelogram", np.nan, "parallelogram"),
+        ("quadrature_change", 0.04, "quadrature"),
+        ("predicted_interpolation", 1.0, "leading-term"),
+        ("discrete_error", 1.0, "discrete-share"),
+        ("time_share", np.nan, "time-share"),
+    ],
+)
+def test_each_piece_of_evidence_can_fail_alone(column: str, value: float, key: str) -> None:
+    assert verdicts(prop_5_4(table(**{column: value})))[key] == FAILS
+
+
+@pytest.mark.parametrize(
+    ("column", "key"),
+    [
+        ("time_share", "time-share"),
+        ("residual", "residual"),
+        ("clamped", "clamped"),
+        ("parallelogram", "parallelogram"),
+        ("quadrature_change", "quadrature"),
+        ("initial_error", "start-share"),
+    ],
+)
+@pytest.mark.parametrize("level", [0, 1, 2])
+def test_a_number_that_is_missing_on_one_level_fails(column: str, key: str, level: int) -> None:
+    rows = table()
+    rows.loc[rows.index[level], column] = np.nan
+    assert verdicts(prop_5_4(rows))[key] == FAILS
+
+
+@pytest.mark.parametrize("factor", [0.8, 1.2])
+def test_errors_of_the_right_order_but_the_wrong_size_fail(factor: float) -> None:
+    rows = table()
+    assert verdicts(prop_5_4(rows.assign(error=factor * rows["error"])))["size"] == FAILS
+
+
+def test_a_poor_coarse_level_counts_in_the_evidence() -> None:
+    rows = table(levels=(8, 16, 32, 64), time_share=[0.5, 0.01, 0.01, 0.01])
+    assert verdicts(prop_5_4(rows))["time-share"] == FAILS
+
+
+def test_an_error_that_is_largest_at_the_start_must_be_carried_by_the_discrete_error() -> None:
+    rows = table()
+    vacuous = rows.assign(initial_error=rows["error"])
+    assert verdicts(prop_5_4(vacuous))["start-share"] == HOLDS
+    broken = vacuous.assign(discrete_error=0.2)
+    assert verdicts(prop_5_4(broken))["start-share"] == FAILS
+
+
+def test_missing_rows_leave_the_data_undecided() -> None:
+    planned = {("a", "shaken", "midpoint", "8"), ("a", "shaken", "midpoint", "16")}
+    assert Complete().judge(planned, planned).verdict == HOLDS
+    assert Complete().judge(planned, set()).verdict == UNDECIDED
+
+
+def test_two_levels_leave_the_order_undecided() -> None:
+    found = verdicts(prop_5_4(table(levels=(8, 16))))
+    assert found["order"] == UNDECIDED
+    assert found["order-fitted"] == UNDECIDED
+
+
+def test_one_bad_family_is_enough_to_fail() -> None:
+    rows = pd.concat([table(), table(0.7, family="criss-cross")])
+    assert verdicts(prop_5_4(rows))["order-fitted"] == FAILS
+
+
+def test_a_superclose_family_must_be_superclose() -> None:
+    found = verdicts(prop_5_4(table(family="one-diagonal")))
+    assert found["discrete-order-superclose"] == FAILS
+
+
+def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit() -> None:
+    rows = table(0.5, levels=(8, 16, 32, 64), claim="Prop. 5.3")
+    assert set(verdicts(prop_5_3(rows, 0.5)).values()) == {HOLDS}
+    stuck = rows.assign(error=rows["error"] + 0.5)
+    found = verdicts(prop_5_3(stuck, 0.5))
+    assert found["limit"] == FAILS
+    rising = rows.assign(error=rows["error"].to_numpy()[::-1])
+    assert verdicts(prop_5_3(rising, 0.5))["falling"] == FAILS
+
+
+def test_in_3d_the_finest_pair_must_be_within_a_tenth_of_one() -> None:
+    rows = table(0.97).assign(dim=3)
+    assert verdicts(prop_5_4(rows))["order-finest"] == HOLDS
+    assert verdicts(prop_5_4(table(0.88).assign(dim=3)))["order-finest"] == FAILS
+
+
+def test_graded_meshes_must_regain_the_order_that_uniform_ones_lose() -> None:
+    levels = (8, 16, 32, 64)
+    uniform = table(0.5, levels=levels, claim="Prop. 5.3")
+    both = pd.concat([uniform, table(1.0, levels=levels, claim="Prop. 5.3", family="graded")])
+    assert set(verdicts(prop_5_3(both, 0.5)).values()) == {HOLDS}
+    lost = pd.concat([uniform, table(0.5, levels=levels, claim="Prop. 5.3", family="graded")])
+    assert verdicts(prop_5_3(lost, 0.5))["order-graded"] == FAILS
+
+
+def test_the_order_beyond_5_36_is_reported_beside_that_of_the_proof() -> None:
+    rows = table(1.0, levels=(8, 16, 32, 64), claim="Prop. 5.3", proved_order=0.75)
+    (row,) = RegularityNeeded().judge(rows)
+    assert (row.verdict, row.window_low) == (REPORTED, 0.75)
+    assert row.observed == pytest.approx(1.0)
+
+
+def test_a_turned_body_must_have_the_errors_of_its_twin_on_equal_meshes() -> None:
+    twin = table(scheme="midpoint", twin="")
+
+    def turned(**changes) -> list[str]:
+        rows = twin.assign(case="b", twin="a").assign(**changes)
+        return [verdict.verdict for verdict in Turned().judge(pd.concat([twin, rows]))]
+
+    assert turned() == [HOLDS, HOLDS]
+    errors = {"error": twin["error"] * (1 + 1e-9), "discrete_error": twin["discrete_error"] * (1 + 1e-6)}
+    assert turned(**errors) == [FAILS, FAILS]
+    assert turned(family="unstructured") == [UNDECIDED, UNDECIDED]
+
+
+def test_theorem_4_2_fails_above_what_the_duality_gap_allows_and_where_that_says_nothing() -> None:
+    defects = dict.fromkeys(["admissibility", "energy_gap", "membership"], 1e-9)
+    gaps = dict.fromkeys(["displacement_gap", "stress_gap"], 1e-8)
+    bounds = dict.fromkeys(["displacement_bound", "stress_bound"], 1e-7)
+    good = pd.DataFrame([{"case": "a", "family": "shaken", "h": 0.25, **defects, **gaps, **bounds}])
+    assert set(verdicts(SameMesh().judge(good)).values()) == {HOLDS}
+    for column in [*defects, *gaps]:
+        for value in (1e-6, np.nan):
+            found = SameMesh().judge(good.assign(**{column: value}))
+            assert sum(verdict.verdict == FAILS for verdict in found) == 1
+    for column in bounds:
+        assert FAILS in verdicts(SameMesh().judge(good.assign(**{column: 1e-4}))).values()
+        assert FAILS in verdicts(SameMesh().judge(good.assign(**{column: np.nan}))).values()
+
+
+def test_four_cases_must_have_their_supremum_after_the_start() -> None:
+    rows = pd.concat([table(case=name, expected_order=1.0) for name in "abcd"])
+    last = [v for v in FirstOrder().judge(rows) if v.case == "all cases"]
+    assert [verdict.verdict for verdict in last] == [HOLDS]
+    vacuous = rows.assign(initial_error=rows["error"])
+    last = [v for v in FirstOrder().judge(vacuous) if v.case == "all cases"]
+    assert [verdict.verdict for verdict in last] != [HOLDS]
