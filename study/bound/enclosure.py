@@ -22,12 +22,12 @@ from skfem import Mesh
 from manufactured.tensors import Array
 from study.bound.discretisation import BoundError, Setting
 from study.bound.majorant import Interval, Majorant, Piece, spline
+from study.bound.observed_order import order_interval
 from study.fem.line import Line
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve.evolution import Midpoint, Problem, Scheme
 from study.solve.signorini import Signorini
-from study.statements.enclosure.claims import order_interval
 
 INITIAL_DEGREE = 6
 """Degree of the rule for ‖u_0 − ũ(0)‖_V."""

@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 
 from manufactured.tensors import Array
+from study.bound.bounded import Bounded
 from study.bound.enclosure import order
 from study.ledger.rounding import down, interval, up
 from study.run.store import write_text, write_whole
-from study.statements.enclosure.measure import Bounded
 
 LINES = 8
 """Times in the printed table."""

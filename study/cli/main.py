@@ -22,6 +22,7 @@ from manufactured.catalogue import catalogue
 from manufactured.data import LoadError
 from manufactured.law import LawError
 from manufactured.symbols import FormulaError
+from study.bound.bounded import Bounded, bounded, check_bound, check_force
 from study.bound.discretisation import BoundError
 from study.bound.enclosure import Better
 from study.bound.report import levels, series, text, write
@@ -51,7 +52,7 @@ from study.run.processes import Processes
 from study.run.provenance import protect, read_provenance
 from study.run.store import Store, StoreError
 from study.solve.evolution import SCHEMES
-from study.statements.enclosure.measure import Bounded, bounded, check_bound, check_force
+from study.statements.enclosure.measure import steps_for
 
 OK, FAILED, USAGE = 0, 1, 2
 
@@ -314,7 +315,8 @@ def do_bound(options: argparse.Namespace) -> int:
     check_force(case)
     if case:
         _prove(case)
-    plan = check_bound(data, family, options.levels, options.steps, better)
+    check_bound(data, family, options.levels, options.steps, better)
+    plan = {level: options.steps or steps_for(data, level) for level in options.levels}
     finest = max(plan)
     memory.require(f"level {finest}", memory.bound(finest, better.refinements, family.name), memory.available())
     found: dict[int, Bounded] = {}

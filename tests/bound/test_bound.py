@@ -44,6 +44,7 @@ from manufactured import (
 from manufactured.cases.laws import not_proportional
 from manufactured.data import Data
 from manufactured.tensors import Array, Points, Tensors
+from study.bound.bounded import known_error
 from study.bound.discretisation import BoundError, Setting
 from study.bound.enclosure import Better, Computed, Enclosure, Itself, Trajectory, compute, enclose, order
 from study.bound.enclosure import _prolongation as prolongation
@@ -53,7 +54,7 @@ from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
-from study.statements.enclosure.measure import known_error, measure_bound
+from study.statements.enclosure.measure import measure_bound
 from study.statements.enclosure.plan import eligible
 from study.stresses.composite import SIDES, bernstein, thirds
 

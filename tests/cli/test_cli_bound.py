@@ -83,6 +83,7 @@ def test_the_tables_on_disk_enclose_the_error_and_the_order(finished) -> None:
     directory, _ = finished
     levels, series = (pd.read_csv(directory / name) for name in ("levels.csv", "enclosure.csv"))
     assert list(levels["level"]) == [4, 8]
+    assert list(levels["steps"]) == [21, 32]
     assert (levels["lowest"] <= levels["error"]).all()
     assert (levels["error"] <= levels["highest"]).all()
     assert (levels["error"] <= levels["plain"]).all()

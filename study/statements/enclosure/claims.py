@@ -12,6 +12,7 @@ from collections.abc import Collection
 
 import pandas as pd
 
+from study.bound.observed_order import order_interval
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, Window
 
 STATEMENTS = {
@@ -71,13 +72,6 @@ def _range(label: str, case: str, quantity: str, values: pd.Series, window: Wind
     worst = low if window is TIGHT_BELOW else high
     verdict = HOLDS if inside else FAILS
     return Verdict(label, STATEMENTS[label], case, quantity, window.text, worst, low, high, verdict)
-
-
-def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio: float) -> tuple[float, float]:
-    """What log(E/E')/ratio must lie in, for E and E' in intervals and ratio = log(h/h')."""
-    low = math.log(coarse[0] / fine[1]) / ratio if coarse[0] > 0 else -math.inf
-    high = math.log(coarse[1] / fine[0]) / ratio if fine[0] > 0 else math.inf
-    return low, high
 
 
 def _orders(case: str, rows: pd.DataFrame, known: bool) -> list[Verdict]:

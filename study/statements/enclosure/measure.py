@@ -1,22 +1,19 @@
-"""One computed displacement with its bounds, for ledgers, tables and the command ``study bound``."""
+"""The rows of ``bounds.csv``: one computed displacement with its bounds."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.problems import Problem
-from manufactured.tensors import Array
-from study.bound.discretisation import BoundError, Setting, refuse_solids
-from study.bound.enclosure import Better, Computed, Enclosure, Itself, Trajectory, compute, enclose
-from study.fem.gauge import Gauge
-from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
+from study.bound.bounded import check_force, known_error
+from study.bound.discretisation import Setting
+from study.bound.enclosure import Computed, Enclosure, Trajectory, compute, enclose
+from study.fem.mesh import MeshFamily
 from study.solve.evolution import Scheme
 
 PACE = 8.0
@@ -60,92 +57,9 @@ class BoundRow:
     bending: float
 
 
-@dataclass(frozen=True, eq=False)
-class Bounded:
-    """A computed displacement with the plain bound and the enclosure of its error."""
-
-    setting: Setting
-    computed: Computed
-    plain: Enclosure
-    enclosure: Enclosure
-
-
 def steps_for(data: Data, level: int, pace: float = PACE) -> int:
     """pace · T · n^{2/3}."""
     return math.ceil(pace * data.body.T * level ** (2 / 3))
-
-
-def check_bound(
-    data: Data, family: MeshFamily, levels: Sequence[int], steps: int | None, better: Better
-) -> dict[int, int]:
-    """Refuse what cannot be bounded before time is spent; returns the steps of every level.
-
-    Raises:
-        BoundError: levels, steps or refinements that make no sense, a family that does not serve the body, a body in
-            3D or a law without a usable monotonicity constant.
-        LoadError: data that no solution can belong to.
-        MeshError: a mesh does not fit the parts of the body.
-    """
-    if not levels or min(levels) < 2 or any(b <= a for a, b in pairwise(levels)):
-        raise BoundError(f"levels must be 2 or more and increase, got {' '.join(map(str, levels)) or 'none'}")
-    if steps is not None and steps < 1:
-        raise BoundError(f"--steps must be 1 or more, got {steps}")
-    if better.refinements < 0 or better.shorter < 1:
-        raise BoundError(
-            "ũ needs 0 or more refinements and 1 or more steps in one of u_h, "
-            f"got {better.refinements} and {better.shorter}"
-        )
-    refuse_solids(data)
-    data.check()
-    if not family.serves(data.body):
-        served = ", ".join(known.name for known in FAMILIES if known.serves(data.body))
-        raise BoundError(f"the family {family.name} does not mesh this body; take one of {served or 'none'}")
-    for level in levels:
-        boundary_parts(Setting(data, family(data.body, level)).mesh, data.body)
-    return {level: steps or steps_for(data, level) for level in levels}
-
-
-def check_force(case: Case | None) -> None:
-    """Refuse a case with f_0 ∉ L²(Ω)², whose oscillation is infinite and whose load no composite stress balances.
-
-    Raises:
-        BoundError: it is one.
-    """
-    if case is not None and not case.regularity.force_in_L2:
-        raise BoundError(
-            f"case {case.name}: {case.regularity} has f_0 ∉ L²(Ω)², and the bound needs stresses with Div σ = −P f_0; "
-            "take a case with f_0 in L²"
-        )
-
-
-def known_error(case: Case | None, computed: Computed) -> Callable[[float, Array], float] | None:
-    """(t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, where there is an exact solution."""
-    if case is None:
-        return None
-    gauge = Gauge(case.solution, computed.space)
-    return lambda time, u: gauge.distance(gauge.sample(time), u)
-
-
-def bounded(
-    data: Data,
-    case: Case | None,
-    family: MeshFamily,
-    level: int,
-    scheme: Scheme,
-    steps: int,
-    better: Better,
-    progress: Callable[[float], object] = lambda time: None,
-) -> Bounded:
-    """Compute u_h and both bounds."""
-    setting = Setting(data, family(data.body, level))
-    computed = compute(setting, scheme, steps)
-    error = known_error(case, computed)
-    return Bounded(
-        setting,
-        computed,
-        enclose(setting, computed, Itself(), error),
-        enclose(setting, computed, better, error, progress),
-    )
 
 
 def measure_bound(
