@@ -16,11 +16,12 @@ from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors
 from study.fem.quadratic import Quadratic
 from study.solve.evolution import Problem
-from study.stresses.composite import products
-from study.stresses.hybrid import Equilibrium, Loads
-from study.stresses.loads import ProjectedLoads, Snapshot
-from study.stresses.oscillation import LeftOut
-from study.stresses.space import StressSpace
+from study.stresses.bernstein import interval_mass
+from study.stresses.hybrid import Equilibrium
+from study.stresses.loads import Loads, Snapshot
+from study.stresses.oscillation import Oscillation
+from study.stresses.projection import ProjectedLoads
+from study.stresses.stress_space import StressSpace
 
 KEPT = 8
 STEP = 1e-9
@@ -151,7 +152,7 @@ class Setting:
     @cached_property
     def _gram(self) -> Array:
         """∫_0^1 B_i B_j for displacements and stresses, (3, n)."""
-        return products(2, DEGREE)
+        return interval_mass(2, DEGREE)
 
     def functional(self, loads: Loads) -> Array:
         """(P f_0, v)_H + (P f_2, v)_{L²(Γ2)}, (dofs,)."""
@@ -194,7 +195,7 @@ class Setting:
         )
 
     @cached_property
-    def left_out(self) -> LeftOut:
+    def oscillation(self) -> Oscillation:
         """What the projections of the data leave out, cell by cell, in the dual of V."""
         A = self.data.law.A
-        return LeftOut(self.stresses, np.linalg.inv(A.matrix), A.factor.low)
+        return Oscillation(self.stresses, np.linalg.inv(A.matrix), A.factor.low)

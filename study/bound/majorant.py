@@ -44,8 +44,7 @@ import numpy as np
 from manufactured.law import Linear, Yield
 from manufactured.tensors import Array, Tensors
 from study.bound.discretisation import BoundError, Setting
-from study.stresses.hybrid import Loads
-from study.stresses.loads import Snapshot
+from study.stresses.loads import Loads, Snapshot
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """∫_0^1 B_i B_j for the Bernstein polynomials of degree 2."""
@@ -192,7 +191,7 @@ class Majorant:
         control = self.balance(loads, (left.viscous + right.viscous) / 2 + elastic, piece.control)
         every = (left.balance, control, right.balance)
         squares = sum(QUADRATIC[i, j] * self.products(every[i].residual, every[j].residual) for i, j in PAIRS)
-        left_out = [setting.left_out(snapshot) for snapshot in (left.snapshot, middle, right.snapshot)]
+        left_out = [setting.oscillation(snapshot) for snapshot in (left.snapshot, middle, right.snapshot)]
         unbalanced = (left_out[0] ** 2 + 4 * left_out[1] ** 2 + left_out[2] ** 2) / 6
         bending = k * self._bending(piece, left.snapshot.loads, loads, right.snapshot.loads)
         added = k * (float(np.linalg.norm(np.sqrt(squares) + np.sqrt(unbalanced))) + curvature) + bending

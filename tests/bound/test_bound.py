@@ -56,7 +56,8 @@ from study.fem.space import Space
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
 from study.statements.enclosure.measure import measure_bound
 from study.statements.enclosure.plan import eligible
-from study.stresses.composite import SIDES, bernstein, thirds
+from study.stresses.alfeld import SIDES, thirds
+from study.stresses.bernstein import bernstein
 
 CASES = {case.name: case for case in catalogue()}
 BOUNDED = [case for case in catalogue() if eligible(case)]
@@ -684,7 +685,7 @@ def test_a_constant_residual_and_no_contact_give_the_documented_value(monkeypatc
     size = math.sqrt(majorant.products(rho, rho).sum())
     still = Balance(rho, np.zeros((len(setting.equilibrium.contact), 4)))
 
-    monkeypatch.setitem(vars(setting), "left_out", lambda snapshot: np.zeros(setting.stresses.cells))
+    monkeypatch.setitem(vars(setting), "oscillation", lambda snapshot: np.zeros(setting.stresses.cells))
 
     class Constant(Majorant):
         def balance(self, *_) -> Balance:

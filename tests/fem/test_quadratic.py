@@ -20,7 +20,7 @@ from study.fem.material import form
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured, boundary_parts
 from study.fem.quadratic import Quadratic
 from study.fem.space import Space
-from study.stresses.composite import bernstein
+from study.stresses.bernstein import bernstein
 
 CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
 BODIES = {
