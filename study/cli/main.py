@@ -22,10 +22,10 @@ from manufactured.catalogue import catalogue
 from manufactured.data import LoadError
 from manufactured.law import LawError
 from manufactured.symbols import FormulaError
-from study.bound.bounded import Bounded, bounded, check_bound, check_force
-from study.bound.discretisation import BoundError
-from study.bound.enclosure import Better
-from study.bound.report import levels, series, text, write
+from study.bound.bounded import BoundedSolution, bounded_solution, check_bound
+from study.bound.output import levels, series, text, write
+from study.bound.refusal import BoundError, check_force
+from study.bound.trajectory import Refined
 from study.controls import register
 from study.controls.judge import controls_text, run_controls, settings, write_controls
 from study.controls.seeds import SEEDS, seeded, tally, write_seeds
@@ -311,15 +311,15 @@ def do_bound(options: argparse.Namespace) -> int:
     """``study bound``: compute, enclose, write, draw."""
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
-    better = Better(options.refine, options.shorter)
+    refined = Refined(options.refine, options.shorter)
     check_force(case)
     if case:
         _prove(case)
-    check_bound(data, family, options.levels, options.steps, better)
+    check_bound(data, family, options.levels, options.steps, refined)
     plan = {level: options.steps or steps_for(data, level) for level in options.levels}
     finest = max(plan)
-    memory.require(f"level {finest}", memory.bound(finest, better.refinements, family.name), memory.available())
-    found: dict[int, Bounded] = {}
+    memory.require(f"level {finest}", memory.bound(finest, refined.refinements, family.name), memory.available())
+    found: dict[int, BoundedSolution] = {}
     for level, steps in plan.items():
         with _bar(100) as bar:
             bar.set_description(f"level {level}")
@@ -327,7 +327,7 @@ def do_bound(options: argparse.Namespace) -> int:
             def progress(time: float, bar: tqdm = bar) -> None:
                 bar.update(round(100 * time / data.body.T) - bar.n)
 
-            found[level] = bounded(data, case, family, level, scheme, steps, better, progress)
+            found[level] = bounded_solution(data, case, family, level, scheme, steps, refined, progress)
     table, over_time = levels(found), pd.concat([series(level, one) for level, one in found.items()])
     written = write(options.out / name, table, over_time, found)
     written += draw_one(options.out / name, enclosure("enclosure", over_time, name))

@@ -17,7 +17,7 @@ from typing import Any
 import psutil
 import pytest
 
-from study.bound.enclosure import Better
+from study.bound.trajectory import Refined
 from study.cli.main import main
 from study.fem.naming import UsageError
 from study.run.collect import collect
@@ -252,7 +252,7 @@ def stress(n: int) -> Job:
 
 
 def enclosure(n: int) -> Job:
-    return BoundJob("full-contact", "shaken", "midpoint", n, Better(1, 1))
+    return BoundJob("full-contact", "shaken", "midpoint", n, Refined(1, 1))
 
 
 def peak(job: Job) -> float:

@@ -11,7 +11,8 @@ import numpy as np
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.problems import Problem, problems
-from study.bound.enclosure import Better, Enclosure, Trajectory
+from study.bound.trajectory import Refined, Trajectory
+from study.bound.two_sided import Enclosure
 from study.fem.naming import choose, family_named, resolve
 from study.run import resources as memory
 from study.run.job import fingerprint
@@ -28,7 +29,7 @@ class BoundJob:
 
     Attributes:
         problem: name or reference of a case, or name of a problem whose solution is unknown.
-        trajectory: ``Itself()`` or a ``Better``.
+        trajectory: ``SmoothedInTime()`` or a ``Refined``.
     """
 
     problem: str
@@ -44,7 +45,7 @@ class BoundJob:
 
     @property
     def cost(self) -> float:
-        shorter = self.trajectory.shorter if isinstance(self.trajectory, Better) else 1
+        shorter = self.trajectory.shorter if isinstance(self.trajectory, Refined) else 1
         # A knot costs three stress solves of degree 3.
         return 220.0 * self.level**2 * 4**self._finer * self.steps * shorter
 
@@ -54,7 +55,7 @@ class BoundJob:
 
     @property
     def _finer(self) -> int:
-        return self.trajectory.refinements if isinstance(self.trajectory, Better) else 0
+        return self.trajectory.refinements if isinstance(self.trajectory, Refined) else 0
 
     @property
     def steps(self) -> int:

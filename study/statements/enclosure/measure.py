@@ -10,9 +10,13 @@ import numpy as np
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.problems import Problem
-from study.bound.bounded import check_force, known_error
-from study.bound.discretisation import Setting
-from study.bound.enclosure import Computed, Enclosure, Trajectory, compute, enclose
+from study.bound.bounded import known_error
+from study.bound.discrete_solution import DiscreteSolution, compute
+from study.bound.discretisation import Discretisation
+from study.bound.enclosing import enclose
+from study.bound.refusal import check_force
+from study.bound.trajectory import Trajectory
+from study.bound.two_sided import Enclosure
 from study.fem.mesh import MeshFamily
 from study.solve.evolution import Scheme
 
@@ -71,9 +75,9 @@ def measure_bound(
         BoundError: f_0 ∉ L²(Ω)².
     """
     check_force(case)
-    setting = Setting(Data.of(case.solution), family(case.solution.body, level))
-    computed = compute(setting, scheme, steps)
-    found = enclose(setting, computed, trajectory, known_error(case, computed))
+    discretisation = Discretisation(Data.of(case.solution), family(case.solution.body, level))
+    computed = compute(discretisation, scheme, steps)
+    found = enclose(discretisation, computed, trajectory, known_error(case, computed))
     return _row(case.name, case.order, family, level, scheme, computed, trajectory, found), found
 
 
@@ -81,9 +85,9 @@ def measure_problem(
     problem: Problem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
 ) -> tuple[BoundRow, Enclosure]:
     """The same for data alone: what compares with the error is not a number."""
-    setting = Setting(problem.data, family(problem.data.body, level))
-    computed = compute(setting, scheme, steps)
-    found = enclose(setting, computed, trajectory)
+    discretisation = Discretisation(problem.data, family(problem.data.body, level))
+    computed = compute(discretisation, scheme, steps)
+    found = enclose(discretisation, computed, trajectory)
     return _row(
         problem.name,
         math.nan if problem.order is None else problem.order,
@@ -102,7 +106,7 @@ def _row(
     family: MeshFamily,
     level: int,
     scheme: Scheme,
-    computed: Computed,
+    computed: DiscreteSolution,
     trajectory: Trajectory,
     found: Enclosure,
 ) -> BoundRow:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from manufactured.case import Case
-from study.bound.enclosure import Better, Itself
+from study.bound.trajectory import Refined, SmoothedInTime
 from study.fem.mesh import FAMILIES
 from study.solve.evolution import SCHEMES
 from study.statements.enclosure.claims import CHECKED, CHECKED_LEVEL
@@ -27,11 +27,11 @@ def quick_bounds(cases: Sequence[Case]) -> list[BoundJob]:
     for turn, case in enumerate(chosen):
         families = _families(case)
         family = families[turn % len(families)]
-        jobs.append(BoundJob(case.name, family, SCHEMES[turn].name, 8, Itself()))
+        jobs.append(BoundJob(case.name, family, SCHEMES[turn].name, 8, SmoothedInTime()))
     if chosen:
         enclosed = ((chosen[0].name, _families(chosen[0])[0]), ("bracket", "graded"))
         jobs += [
-            BoundJob(name, family, "midpoint", level, Better(0, 2)) for name, family in enclosed for level in (4, 8)
+            BoundJob(name, family, "midpoint", level, Refined(0, 2)) for name, family in enclosed for level in (4, 8)
         ]
     return jobs
 
@@ -42,16 +42,17 @@ def full_bounds(cases: Sequence[Case]) -> list[BoundJob]:
     for turn, case in enumerate(filter(eligible, cases)):
         families = _families(case)
         for place, scheme in enumerate(SCHEMES):
-            jobs.append(BoundJob(case.name, families[(turn + place) % len(families)], scheme.name, 8, Itself()))
-        jobs.append(BoundJob(case.name, families[turn % len(families)], "midpoint", 16, Itself()))
+            jobs.append(BoundJob(case.name, families[(turn + place) % len(families)], scheme.name, 8, SmoothedInTime()))
+        jobs.append(BoundJob(case.name, families[turn % len(families)], "midpoint", 16, SmoothedInTime()))
         if case.name != CHECKED:
             jobs += [
-                BoundJob(case.name, families[turn % len(families)], "midpoint", level, Better(1, 2)) for level in (4, 8)
+                BoundJob(case.name, families[turn % len(families)], "midpoint", level, Refined(1, 2))
+                for level in (4, 8)
             ]
     if any(case.name == CHECKED for case in cases):
-        jobs += [BoundJob(CHECKED, "shaken", "midpoint", level, Better(1, 4)) for level in (8, 16, CHECKED_LEVEL)]
-        jobs += [BoundJob("ramp", "unstructured", "midpoint", level, Better(2, 2)) for level in (4, 8, 16)]
-        jobs += [BoundJob("bracket", "graded", "midpoint", level, Better(1, 2)) for level in (4, 8, 16)]
+        jobs += [BoundJob(CHECKED, "shaken", "midpoint", level, Refined(1, 4)) for level in (8, 16, CHECKED_LEVEL)]
+        jobs += [BoundJob("ramp", "unstructured", "midpoint", level, Refined(2, 2)) for level in (4, 8, 16)]
+        jobs += [BoundJob("bracket", "graded", "midpoint", level, Refined(1, 2)) for level in (4, 8, 16)]
     return jobs
 
 

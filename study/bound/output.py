@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from manufactured.tensors import Array
-from study.bound.bounded import Bounded
-from study.bound.enclosure import order
+from study.bound.bounded import BoundedSolution
+from study.bound.two_sided import order
 from study.ledger.rounding import down, interval, up
 from study.run.store import write_text, write_whole
 
@@ -22,7 +22,7 @@ SHOWN = 4
 """Decimals in files, and significant digits of bounds in the printed table."""
 
 
-def series(level: int, found: Bounded) -> pd.DataFrame:
+def series(level: int, found: BoundedSolution) -> pd.DataFrame:
     """The bounds over time: one row a knot, with the plain bound at the same time."""
     enclosure, plain = found.enclosure, found.plain
     frame = pd.DataFrame(
@@ -44,7 +44,7 @@ def series(level: int, found: Bounded) -> pd.DataFrame:
     return frame.round({name: DIGITS for name in ("time", "error", "distance")})
 
 
-def levels(found: dict[int, Bounded]) -> pd.DataFrame:
+def levels(found: dict[int, BoundedSolution]) -> pd.DataFrame:
     """One row a level: max_t ‖u − u_h‖_V enclosed, and the order since the first level enclosed."""
     rows, first = [], next(iter(found.values())).enclosure
     for level, one in found.items():
@@ -91,7 +91,9 @@ def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame, found: dict[int, Bounded]) -> list[Path]:
+def write(
+    directory: Path, table: pd.DataFrame, over_time: pd.DataFrame, found: dict[int, BoundedSolution]
+) -> list[Path]:
     """levels.csv, enclosure.csv and trajectory-LEVEL.npz: the mesh, the times and the nodal values of u_h.
 
     The arrays of a trajectory are p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices).
