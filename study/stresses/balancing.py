@@ -1,4 +1,4 @@
-"""How little energy balances a load on a triangle: the eigenvalue λ with ‖τ‖²_{A⁻¹} ≤ λ ‖load‖².
+"""The energy of stresses that balance a load on a triangle: the least λ with min ‖τ‖²_{A⁻¹} ≤ λ ‖load‖² for all loads.
 
 The loads are piecewise polynomials on a triangle divided into four similar ones, orthogonal to the polynomials of the
 whole; τ are composite stresses on the division without other tractions on its boundary.
@@ -29,7 +29,7 @@ class BalancingStresses:
         free: a basis of those that balance the load 0, at the points, (points, 3, p).
         lifts: one for each load of a basis, (points, 3, r).
         weights: of the points, (points,).
-        loads: ∫ d_i d'_j of the basis of loads, before the map, (r, r, 2, 2).
+        loads: ∫ d_i d'_j of any two loads of the basis on the reference triangle, (r, r, 2, 2).
     """
 
     free: Array

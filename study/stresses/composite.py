@@ -4,8 +4,8 @@ A triangle is cut from its barycentre into three thirds (Alfeld split). The elem
 symmetric stresses that are polynomials of degree k on every third and whose tractions σν are continuous across the
 three inner edges. Div maps it onto all vector fields that are polynomials of degree k − 1 on every third; the tractions
 on the three sides are any polynomials of degree k in equilibrium with the divergence, so that elements can be joined
-with continuous tractions. k = 1 is the element of Johnson and Mercier with 15 freedoms, k ≥ 2 those of Arnold, Douglas
-and Gupta.
+with continuous tractions. k = 1 is the element of Johnson and Mercier with 15 degrees of freedom, k ≥ 2 those of
+Arnold, Douglas and Gupta.
 
 Everything is written in Bernstein polynomials of the thirds. Restricting to an edge is then choosing coefficients, and
 a polynomial whose coefficients are ≤ 0 is ≤ 0. On another triangle x = F x̂ + b the stresses are those of the reference

@@ -39,7 +39,7 @@ class EquilibratedStress:
 
     Attributes:
         values: at the points of the space, (3, cells, Q).
-        tractions: on the edges seen from the cells, in the axes of the edges, (cells, 3, n, 2).
+        tractions: σν of the cells on their edges in Bernstein form, in the axes of the edges, (cells, 3, n, 2).
         moments: the multipliers m = ∫_e u B_i, (edges, n, 2).
     """
 
