@@ -8,9 +8,10 @@ from pathlib import Path
 import pandas as pd
 from tqdm import tqdm
 
-from study.bound.bounded import Bounded, bounded, check_bound, check_force
-from study.bound.enclosure import Better
-from study.bound.report import levels, series, text, write
+from study.bound.bounded import BoundedSolution, bounded_solution, check_bound
+from study.bound.output import levels, series, text, write
+from study.bound.refusal import check_force
+from study.bound.trajectory import Refined
 from study.cli.common import FAILED, OK, Commands, progress_bar, prove
 from study.fem.naming import choose, family_named, resolve_data
 from study.present.figures import draw_one, enclosure
@@ -39,15 +40,15 @@ def do_bound(options: argparse.Namespace) -> int:
     """``study bound``: compute, enclose, write, draw."""
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
-    better = Better(options.refine, options.shorter)
+    refined = Refined(options.refine, options.shorter)
     check_force(case)
     if case:
         prove(case)
-    check_bound(data, family, options.levels, options.steps, better)
+    check_bound(data, family, options.levels, options.steps, refined)
     plan = {level: options.steps or paced_steps(PACE, data.body.T, level) for level in options.levels}
     finest = max(plan)
-    require(f"level {finest}", estimates.bound(finest, better.refinements, family.name), available())
-    found: dict[int, Bounded] = {}
+    require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
+    found: dict[int, BoundedSolution] = {}
     for level, steps in plan.items():
         with progress_bar(100) as bar:
             bar.set_description(f"level {level}")
@@ -55,7 +56,7 @@ def do_bound(options: argparse.Namespace) -> int:
             def progress(time: float, bar: tqdm = bar) -> None:
                 bar.update(round(100 * time / data.body.T) - bar.n)
 
-            found[level] = bounded(data, case, family, level, scheme, steps, better, progress)
+            found[level] = bounded_solution(data, case, family, level, scheme, steps, refined, progress)
     table, over_time = levels(found), pd.concat([series(level, one) for level, one in found.items()])
     written = write(options.out / name, table, over_time, found)
     written += draw_one(options.out / name, enclosure("enclosure", over_time, name))

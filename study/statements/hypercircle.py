@@ -47,11 +47,11 @@ from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around
 from study.solve.signorini import Signorini
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.stresses.composite import products
+from study.stresses.bernstein import interval_mass
 from study.stresses.hybrid import Equilibrium
-from study.stresses.loads import ProjectedLoads
-from study.stresses.oscillation import LeftOut
-from study.stresses.space import StressSpace
+from study.stresses.oscillation import Oscillation
+from study.stresses.projection import ProjectedLoads
+from study.stresses.stress_space import StressSpace
 
 FROZEN = Rational(1, 3)
 """The time at which gap and pressure are held."""
@@ -150,11 +150,12 @@ class Pair:
         work = 0.0
         for part, edges in space.on(Kind.CONTACT):
             ends = np.einsum("d,dan->na", part.normal, normal[:, space.mesh.facets[:, edges]])
-            pressed = space.seen_from(edges, stress.tractions)[..., 0]
-            work += float(np.einsum("na,nb,ab,n->", ends, pressed, products(1, space.degree), space.lengths[edges]))
+            pressed = space.boundary_tractions(edges, stress.tractions)[..., 0]
+            mass = interval_mass(1, space.degree)
+            work += float(np.einsum("na,nb,ab,n->", ends, pressed, mass, space.lengths[edges]))
         # Degree 1 leaves more out than what is orthogonal to P1. The cells are disjoint: norms of their parts add up.
         bounded = space.degree > 1
-        self.oscillation = float(np.linalg.norm(LeftOut(space, self.compliance)(snapshot))) if bounded else np.nan
+        self.oscillation = float(np.linalg.norm(Oscillation(space, self.compliance)(snapshot))) if bounded else np.nan
         self.bound = self.oscillation + float(np.sqrt(self.oscillation**2 + self.distance**2 + 2 * max(work, 0.0)))
 
     def _norm(self, stress: Tensors) -> float:

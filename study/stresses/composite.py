@@ -1,15 +1,15 @@
-"""The composite equilibrium triangle: symmetric stresses, polynomials on the thirds, with continuous tractions.
+"""The composite equilibrium element: symmetric piecewise polynomial stresses with continuous tractions.
 
-A triangle is cut at its barycentre into three thirds (Alfeld split). The element of degree k consists of the symmetric
-stresses that are polynomials of degree k on every third and whose tractions σν are continuous across the three inner
-edges. Div maps it onto all vector fields that are polynomials of degree k − 1 on every third; the tractions on the
-three sides are any polynomials of degree k in equilibrium with the divergence, so that elements can be joined with
-continuous tractions. k = 1 is the element of Johnson and Mercier with 15 freedoms, k ≥ 2 those of Arnold, Douglas and
-Gupta.
+A triangle is cut from its barycentre into three thirds (Alfeld split). The element of degree k consists of the
+symmetric stresses that are polynomials of degree k on every third and whose tractions σν are continuous across the
+three inner edges. Div maps it onto all vector fields that are polynomials of degree k − 1 on every third; the tractions
+on the three sides are any polynomials of degree k in equilibrium with the divergence, so that elements can be joined
+with continuous tractions. k = 1 is the element of Johnson and Mercier with 15 degrees of freedom, k ≥ 2 those of
+Arnold, Douglas and Gupta.
 
 Everything is written in Bernstein polynomials of the thirds. Restricting to an edge is then choosing coefficients, and
 a polynomial whose coefficients are ≤ 0 is ≤ 0. On another triangle x = F x̂ + b the stresses are those of the reference
-triangle carried over by Piola's map,
+triangle under the Piola transformation
 
     σ = F σ̂ Fᵀ / det F,     Div σ = F Div σ̂ / det F,     |e| σν = |ê| F σ̂ν̂     (outward normals, ê ↦ e),
 
@@ -24,56 +24,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
-from math import factorial, prod
 
 import numpy as np
 from scipy.linalg import null_space
 
 from manufactured.tensors import Array, Points, basis
-
-CORNERS = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
-"""Vertices of the reference triangle, (2, 3)."""
-SIDES = ((1, 2), (2, 0), (0, 1))
-"""The vertices of side i, opposite to vertex i; third i has these two and the barycentre as its vertices."""
-
-
-def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
-    """Multi-indices α ≥ 0 with |α| = degree, in lexicographic order from the last."""
-    if variables == 1:
-        return [(degree,)]
-    return [(first, *rest) for first in range(degree, -1, -1) for rest in indices(degree - first, variables - 1)]
-
-
-def bernstein(degree: int, barycentric: Array) -> Array:
-    """B_α(λ) = |α|!/α! λ^α: (v, ...) → (polynomials, ...), in the order of ``indices``."""
-    return np.array(
-        [
-            factorial(degree)
-            / prod(map(factorial, alpha))
-            * prod(x**a for x, a in zip(barycentric, alpha, strict=True))
-            for alpha in indices(degree, len(barycentric))
-        ]
-    )
-
-
-def products(degree: int, other: int) -> Array:
-    """∫_0^1 B_i B_j for Bernstein polynomials of two degrees on an interval, (degree + 1, other + 1)."""
-    x, w = np.polynomial.legendre.leggauss((degree + other) // 2 + 1)
-    first, second = (bernstein(k, np.array([1 - x, 1 + x]) / 2) for k in (degree, other))
-    return (first * w / 2) @ second.T
-
-
-def thirds(corners: Points) -> Points:
-    """Vertices of the thirds of triangles: (2, 3, ...) → (2, 3 vertices, 3 thirds, ...)."""
-    centre = corners.mean(axis=1)
-    return np.stack([np.stack([corners[:, a], corners[:, b], centre], axis=1) for a, b in SIDES], axis=2)
+from study.stresses.alfeld import CORNERS, SIDES, thirds
+from study.stresses.bernstein import indices
 
 
 @dataclass(frozen=True)
-class Composite:
+class CompositeElement:
     """The element of degree k ≥ 1 on the reference triangle.
 
-    A stress is its vector of Bernstein coefficients, Mandel components last: (3 thirds, polynomials, 3).
+    A stress is the array of its Bernstein coefficients, Mandel components last: (3 thirds, polynomials, 3).
     """
 
     degree: int
@@ -85,7 +49,7 @@ class Composite:
 
     @cached_property
     def divergence(self) -> Array:
-        """Div on all piecewise polynomials: Bernstein coefficients of degree k − 1, (3, lower, 2; 3, polynomials, 3).
+        """Div of piecewise polynomials, in Bernstein form of degree k − 1: (3, lower, 2; 3, polynomials, 3).
 
         ∂_j of Σ c_α B_α has the coefficients k Σ_i c_{β+e_i} ∂_j λ_i.
         """
@@ -99,7 +63,7 @@ class Composite:
                     found[third, row, :, third, place[alpha]] += k * np.einsum("Iij,j->iI", basis(2), gradient)
         return found
 
-    def edge(self, third: int, first: int, second: int) -> list[int]:
+    def on_edge(self, third: int, first: int, second: int) -> list[int]:
         """The Bernstein polynomials of a third that do not vanish on the edge between two of its vertices, in order."""
         place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
         found = []
@@ -120,7 +84,7 @@ class Composite:
             equations = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
             for third, sign in (((vertex + 1) % 3, 1.0), ((vertex + 2) % 3, -1.0)):
                 corner = SIDES[third].index(vertex)
-                for row, polynomial in enumerate(self.edge(third, corner, 2)):
+                for row, polynomial in enumerate(self.on_edge(third, corner, 2)):
                     equations[row, :, third, polynomial] += sign * np.einsum("Iij,j->iI", basis(2), normal)
             rows.append(equations.reshape(-1, 3, self.polynomials, 3))
         return np.concatenate(rows)
@@ -132,25 +96,25 @@ class Composite:
         for side, (a, b) in enumerate(SIDES):
             along = CORNERS[:, b] - CORNERS[:, a]
             normal = np.array([along[1], -along[0]])
-            for row, polynomial in enumerate(self.edge(side, 0, 1)):
+            for row, polynomial in enumerate(self.on_edge(side, 0, 1)):
                 found[side, row, :, side, polynomial] = np.einsum("Iij,j->iI", basis(2), normal)
         return found
 
     @cached_property
     def space(self) -> Array:
-        """An orthonormal basis of the element: (3, polynomials, 3; dimension)."""
+        """A basis of the element with orthonormal coefficients, (3, polynomials, 3; dimension)."""
         equations = self.jumps.reshape(len(self.jumps), -1)
         return null_space(equations).reshape(3, self.polynomials, 3, -1)
 
     @cached_property
-    def free(self) -> Array:
-        """An orthonormal basis of the stresses with Div σ̂ = 0, (3, polynomials, 3; dimension)."""
+    def divergence_free(self) -> Array:
+        """The same for the stresses with Div σ̂ = 0, (3, polynomials, 3; dimension)."""
         equations = np.vstack([self.jumps.reshape(len(self.jumps), -1), self._flat_divergence])
         return null_space(equations).reshape(3, self.polynomials, 3, -1)
 
     @cached_property
     def lift(self) -> Array:
-        """The smallest σ̂ with a given divergence, (3, polynomials, 3; 3 thirds, lower, 2)."""
+        """The σ̂ of least norm of the coefficients with a given divergence, (3, polynomials, 3; 3 thirds, lower, 2)."""
         space = self.space.reshape(-1, self.space.shape[-1])
         inverse = space @ np.linalg.pinv(self._flat_divergence @ space)
         return inverse.reshape(*self.space.shape[:-1], *self.divergence.shape[:3])
@@ -161,7 +125,7 @@ class Composite:
 
 
 @lru_cache
-def composite(degree: int) -> Composite:
+def composite(degree: int) -> CompositeElement:
     """The element of a degree, made once.
 
     Raises:
@@ -169,7 +133,7 @@ def composite(degree: int) -> Composite:
     """
     if degree < 1:
         raise ValueError(f"composite elements start with degree 1, got {degree}")
-    return Composite(degree)
+    return CompositeElement(degree)
 
 
 def _gradients(vertices: Points) -> Array:

@@ -5,8 +5,8 @@ the law (2.1) reads σ_n = C ε_n − (A/k) past, C = (w/k) A + G, and (3.12), (
 
     ½ (C⁻¹τ, τ)_Q + (C⁻¹ (A/k) past, τ)_Q,
 
-after which ε_n = C⁻¹ (σ_n + (A/k) past) is kept at the points of the stresses: a history of strains that are nobody's
-ε(u^h). That they are strains of a displacement in K is what Theorem 4.2 says in the limit.
+after which ε_n = C⁻¹ (σ_n + (A/k) past) is kept at the points of the stresses. These strains are not ε(u^h) of any
+displacement u^h; that they are strains of a displacement in K is what Theorem 4.2 says in the limit.
 """
 
 from __future__ import annotations
@@ -20,9 +20,10 @@ from manufactured.data import Data
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Tensors
 from study.solve.signorini import Signorini
-from study.stresses.hybrid import EquilibratedStress, Equilibrium, Loads
-from study.stresses.loads import ProjectedLoads
-from study.stresses.space import StressSpace
+from study.stresses.hybrid import EquilibratedStress, Equilibrium
+from study.stresses.loads import Loads
+from study.stresses.projection import ProjectedLoads
+from study.stresses.stress_space import StressSpace
 
 
 class EquilibriumError(ValueError):
@@ -75,7 +76,9 @@ BACKWARD_EULER = Multistep("backward-euler", 1.0, (1.0,))
 BDF2 = Multistep("bdf2", 1.5, (2.0, -0.5))
 
 
-class _Step:
+class _DualStep:
+    """The minimisation of one time step with fixed k."""
+
     def __init__(self, data: Data, space: StressSpace, scheme: Multistep, k: float, solver: type[Signorini]) -> None:
         A, G = linear(data.law)
         self.scheme = scheme
@@ -106,10 +109,10 @@ def march(
     k = data.body.T / steps
     loads = ProjectedLoads(data, space)
     history = [data.initial(space.points)]
-    step = _Step(data, space, BACKWARD_EULER, k, solver)
+    step = _DualStep(data, space, BACKWARD_EULER, k, solver)
     for n in range(1, steps + 1):
         if n == len(scheme.past) and scheme.past != step.scheme.past:
-            step = _Step(data, space, scheme, k, solver)
+            step = _DualStep(data, space, scheme, k, solver)
         state = step(n * k, loads, history)
         history = [*history, state.strain][-len(scheme.past) :]
         yield state

@@ -1,17 +1,19 @@
-"""The stress of least energy in Σ^h(t), by hybridisation.
+"""The equilibrated stress of least complementary energy in Σ^h(t), by hybridisation.
 
 Wanted is the minimiser of ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q over the composite stresses with
 
     Div τ + P f_0 = 0 in Ω,     τν = P f_2 on Γ2,     τ_τ = 0 and τ_ν ≤ 0 on Γ3,
 
-which is (3.9) read strongly, with P the L² projections. P f_2 and τ_ν are polynomials of degree k on edges; τ_ν ≤ 0 is
-asked of its Bernstein coefficients (for k = 1 the values at the ends). Tractions are joined by multipliers: the moments
-m_{e,i} = ∫_e u B_i of a displacement of the edges, zero on Γ1. Eliminating the stresses cell by cell leaves
+which is (3.9) read strongly, with the projection P of ``study.stresses.loads``. P f_2 and τ_ν are polynomials of degree
+k on edges; τ_ν ≤ 0 is asked of its Bernstein coefficients (for k = 1 the values at the ends). Tractions are joined by
+multipliers: the moments m_{e,i} = ∫_e u B_i of a displacement of the edges, zero on Γ1. Eliminating the stresses cell
+by cell leaves
 
     minimise ½ mᵀ S m − gᵀ m   with m_ν ≤ 0 on Γ3,      S = Σ_T R (C⁻¹ on Div τ = 0)⁻¹ Rᵀ,
 
-R the tractions of the stresses with Div τ = 0. S is symmetric positive definite if meas Γ1 > 0: a problem of the form
-of Problem 5.1, for the same contact solve, whose multipliers are the coefficients of the pressure −τ_ν.
+R the tractions of the stresses with Div τ = 0. S is symmetric positive definite if meas Γ1 > 0. This has the form of
+one step of Problem 5.1 and is solved by the same contact solver, whose multipliers are the coefficients of the pressure
+−τ_ν.
 
 Source of hybridisation: D. N. Arnold, F. Brezzi, Mixed and nonconforming finite element methods: implementation,
 postprocessing and error estimates, RAIRO Modél. Math. Anal. Numér. 19 (1985) 7–32.
@@ -27,26 +29,8 @@ import scipy.sparse as sps
 from manufactured.body import Kind
 from manufactured.tensors import Array, Tensors
 from study.solve.signorini import Signorini
-from study.stresses.space import StressSpace
-
-
-@dataclass(frozen=True, eq=False)
-class Loads:
-    """What a stress has to balance at one time.
-
-    Attributes:
-        force: Bernstein coefficients of P f_0, (cells, 3 thirds, lower, 2).
-        surface: coefficients of P f_2 on Γ2, zero on other edges, (edges, n, 2).
-    """
-
-    force: Array
-    surface: Array
-
-    def __add__(self, other: Loads) -> Loads:
-        return Loads(self.force + other.force, self.surface + other.surface)
-
-    def __rmul__(self, factor: float) -> Loads:
-        return Loads(factor * self.force, factor * self.surface)
+from study.stresses.loads import Loads
+from study.stresses.stress_space import StressSpace
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +39,8 @@ class EquilibratedStress:
 
     Attributes:
         values: at the points of the space, (3, cells, Q).
-        tractions: on the edges seen from the cells, in the axes of the edges, (cells, 3, n, 2).
-        moments: m = ∫_e u B_i of the displacement that is the multiplier of equilibrium, (edges, n, 2).
+        tractions: σν of the cells on their edges in Bernstein form, in the axes of the edges, (cells, 3, n, 2).
+        moments: the multipliers m = ∫_e u B_i, (edges, n, 2).
     """
 
     values: Tensors
@@ -75,16 +59,16 @@ class Equilibrium:
 
     def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
         self.space, self.compliance = space, compliance
-        cells, freedoms = space.cells, space.basis.shape[-1]
+        cells, p = space.cells, space.basis.shape[-1]
         # (cells, 3 Q, p): matrix products then need no copies.
-        self.basis = space.basis.reshape(cells, -1, freedoms)
+        self.basis = space.basis.reshape(cells, -1, p)
         weighted = (space.weights[..., None, None] * (compliance @ space.basis)).reshape(self.basis.shape)
-        self.flexible = np.linalg.inv(self.basis.swapaxes(1, 2) @ weighted)
+        self.stiffness = np.linalg.inv(self.basis.swapaxes(1, 2) @ weighted)
         # (cells, 3 sides · n · 2, p)
         self.R = space.tractions.reshape(space.cells, -1, space.tractions.shape[-1])
         self.RT = self.R.swapaxes(1, 2)
         self._number()
-        local = self.R @ self.flexible @ self.RT
+        local = self.R @ self.stiffness @ self.RT
         rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
         full = sps.coo_array(
             (local.ravel(), (rows.ravel(), rows.swapaxes(1, 2).ravel())), shape=(self.total, self.total)
@@ -116,50 +100,49 @@ class Equilibrium:
         Args:
             loads: P f_0 and P f_2.
             strain: ε* at the points, (3, cells, Q).
-            normal: adds ∫_{Γ3} τ_ν v to the functional, for the moments ∫_e v B_i ≤ 0 on the edges ``contact``,
-                (edges of Γ3, n).
+            normal: the moments ∫_e v B_i ≤ 0 on the edges ``contact`` of a function v whose ∫_{Γ3} τ_ν v is added to
+                the functional, (edges of Γ3, n).
         """
-        known, part, g = self._condense(loads, strain)
+        lift, known, g = self._condense(loads, strain)
         shift = np.zeros(self.total)
         if normal is not None:
             shift[self.free] = self.N.T @ normal.ravel()
         v, _ = self.solve(g + self.S @ shift[self.free])
         m = np.zeros(self.total)
         m[self.free] = v
-        return self._recover(part, known, m, m - shift)
+        return self._recover(lift, known, m, m - shift)
 
     def balance(self, loads: Loads) -> EquilibratedStress:
         """The stress of least (C⁻¹τ, τ)_Q that balances loads without contact, τν = 0 on Γ3."""
-        nothing = np.zeros((3, *self.space.weights.shape))
-        known, part, g = self._condense(loads, nothing)
+        lift, known, g = self._condense(loads, np.zeros((3, *self.space.weights.shape)))
         m = np.zeros(self.total)
         m[self.free] = self.solve.factor(g)
-        return self._recover(part, known, m, m)
+        return self._recover(lift, known, m, m)
 
-    def _condense(self, loads: Loads, strain: Tensors) -> tuple[Array, EquilibratedStress, Array]:
-        """What the lift and ε* do to the free stresses (cells, p), the lift itself, and g."""
+    def _condense(self, loads: Loads, strain: Tensors) -> tuple[EquilibratedStress, Array, Array]:
+        """Static condensation: the lifting τ_0 of P f_0, (C⁻¹τ_0 + ε*, ·)_Q on the basis, (cells, p), and g."""
         space = self.space
         values, tractions = space.lift(loads.force)
         response = (self.compliance @ np.moveaxis(values, 0, 2)[..., None])[..., 0] + np.moveaxis(strain, 0, 2)
         known = _times((space.weights[..., None] * response).reshape(space.cells, -1), self.basis)
-        of_lift = tractions.reshape(space.cells, -1) - _times(_times(known, self.flexible), self.RT)
+        of_lift = tractions.reshape(space.cells, -1) - _times(_times(known, self.stiffness), self.RT)
         g = loads.surface.ravel() - np.bincount(self.numbers.ravel(), of_lift.ravel(), self.total)
-        return known, EquilibratedStress(values, tractions, np.empty(0)), g[self.free]
+        return EquilibratedStress(values, tractions, np.empty(0)), known, g[self.free]
 
-    def _recover(self, lift: EquilibratedStress, known: Array, m: Array, pulling: Array) -> EquilibratedStress:
-        """The stresses that belong to moments of the edges."""
+    def _recover(self, lift: EquilibratedStress, known: Array, m: Array, shifted: Array) -> EquilibratedStress:
+        """The stress with the multipliers m, from what ``_condense`` found; ``shifted`` is m less the given moments."""
         space = self.space
-        freedoms = _times(_times(pulling[self.numbers], self.R) - known, self.flexible)
-        added = (self.basis @ freedoms[..., None]).reshape(space.cells, -1, 3)
+        c = _times(_times(shifted[self.numbers], self.R) - known, self.stiffness)
+        added = (self.basis @ c[..., None]).reshape(space.cells, -1, 3)
         return EquilibratedStress(
             lift.values + np.moveaxis(added, 2, 0),
-            lift.tractions + _times(freedoms, self.RT).reshape(lift.tractions.shape),
+            lift.tractions + _times(c, self.RT).reshape(lift.tractions.shape),
             m.reshape(-1, space.degree + 1, 2),
         )
 
     def pressure(self, stress: EquilibratedStress) -> Array:
         """Bernstein coefficients of −τ_ν ≥ 0 on the edges ``contact``, (edges of Γ3, n)."""
-        return -self.space.seen_from(self.contact, stress.tractions)[..., 0]
+        return -self.space.boundary_tractions(self.contact, stress.tractions)[..., 0]
 
 
 def _times(vectors: Array, matrices: Array) -> Array:

@@ -46,17 +46,26 @@ from manufactured.cases.laws import not_proportional
 from manufactured.data import Data
 from manufactured.tensors import Array, Points, Tensors
 from study.bound.bounded import known_error
-from study.bound.discretisation import BoundError, Setting
-from study.bound.enclosure import Better, Computed, Enclosure, Itself, Trajectory, compute, enclose, order
-from study.bound.enclosure import _prolongation as prolongation
-from study.bound.majorant import Balance, Interval, Majorant, Piece, spline
+from study.bound.discrete_solution import DiscreteSolution, compute
+from study.bound.discretisation import Discretisation
+from study.bound.embedding import prolongation
+from study.bound.enclosing import enclose
+from study.bound.equilibration import Equilibration, LawResidual
+from study.bound.gronwall import Interval
+from study.bound.majorant import Majorant
+from study.bound.refusal import BoundError
+from study.bound.spline import Parabola, spline
+from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, quadratic_problem
+from study.bound.two_sided import Enclosure, order
 from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
-from study.statements.enclosure.bound_rows import measure_bound
-from study.stresses.composite import SIDES, bernstein, thirds
+from study.statements.enclosure.bound_rows import measure, posed
+from study.statements.enclosure.where import eligible
+from study.stresses.alfeld import SIDES, thirds
+from study.stresses.bernstein import bernstein
 
 CASES = {case.name: case for case in catalogue()}
 BOUNDED = [case for case in catalogue() if eligible(case)]
@@ -71,11 +80,11 @@ ROUNDING = 1e-9
 class Distance:
     """‖u(t) − v‖_V for v of degree 2, by quadrature of its own."""
 
-    setting: Setting
+    discretisation: Discretisation
     solution: ExactSolution
 
     def __call__(self, time: float, v: Array) -> float:
-        V, total = self.setting.displacements, 0.0
+        V, total = self.discretisation.displacements, 0.0
         for rule, exact in self.fields:
             difference = exact.strain(time) - V.strain_at(v, rule.cells, rule.points)
             stress = self.solution.law.A.at(rule.points)(difference)
@@ -84,19 +93,21 @@ class Distance:
 
     @property
     def fields(self):
-        return _fields(self.setting, self.solution)
+        return _fields(self.discretisation, self.solution)
 
 
 @lru_cache(maxsize=1)
-def _fields(setting: Setting, solution: ExactSolution):
-    lines = [Line(*line) for line in setting.data.lines]
-    rules = cell_rules(setting.mesh, 8, lines, setting.data.points)
+def _fields(discretisation: Discretisation, solution: ExactSolution):
+    lines = [Line(*line) for line in discretisation.data.lines]
+    rules = cell_rules(discretisation.mesh, 8, lines, discretisation.data.points)
     return [(rule, solution.at(rule.points)) for rule in rules]
 
 
-def retraced(coarse: Setting, computed: Computed, trajectory: Trajectory) -> tuple[Setting, list[Piece]]:
-    """The setting and the pieces of ũ once more."""
-    fine = trajectory.setting(coarse)
+def retraced(
+    coarse: Discretisation, computed: DiscreteSolution, trajectory: Trajectory
+) -> tuple[Discretisation, list[Parabola]]:
+    """The discretisation and the pieces of ũ once more."""
+    fine = trajectory.discretisation(coarse)
     return fine, list(spline(trajectory.nodes(fine, computed)))
 
 
@@ -105,7 +116,7 @@ def closest(case: Case, mesh, scheme: Scheme, steps: int, trajectory: Trajectory
 
     Returns the largest error/upper, lower/error and ‖u − ũ‖/y.
     """
-    coarse = Setting(Data.of(case.solution), mesh)
+    coarse = Discretisation(Data.of(case.solution), mesh)
     computed = compute(coarse, scheme, steps)
     error = known_error(case, computed)
     assert error is not None
@@ -148,7 +159,7 @@ def turns() -> Iterator[tuple[Case, MeshFamily, Scheme]]:
 
 
 TURNS = list(turns())
-TRAJECTORIES = [Itself(), Better(0, 2)]
+TRAJECTORIES = [SmoothedInTime(), Refined(0, 2)]
 names = [f"{case.name}, {family.name}, {scheme.name}" for case, family, scheme in TURNS]
 
 
@@ -240,7 +251,7 @@ families = st.one_of(
     seeds.map(lambda seed: Shaken(seed=seed)),
     seeds.map(lambda seed: Unstructured(seed=seed)),
 )
-trajectories = st.one_of(st.just(Itself()), st.integers(1, 3).map(lambda shorter: Better(0, shorter)))
+trajectories = st.one_of(st.just(SmoothedInTime()), st.integers(1, 3).map(lambda shorter: Refined(0, shorter)))
 random_examples = given(
     cases(), families, st.integers(3, 6), st.sampled_from(SCHEMES), st.integers(2, 6), trajectories, seeds
 )
@@ -264,7 +275,7 @@ def test_no_error_lies_outside_for_many_random_cases(case, family, n, scheme, st
 def test_a_refined_mesh_encloses_the_error_more_tightly() -> None:
     case = CASES["fixed-front-off-vertex"]
     mesh = Unstructured()(case.solution.body, 4)
-    plain, finer = (closest(case, mesh, Midpoint(), 4, Better(r, 2)) for r in (0, 1))
+    plain, finer = (closest(case, mesh, Midpoint(), 4, Refined(r, 2)) for r in (0, 1))
     assert plain[1] < finer[1] < 1
 
 
@@ -275,11 +286,11 @@ class Anything:
     seed: int
     name: str = "anything"
 
-    def setting(self, coarse: Setting) -> Setting:
+    def discretisation(self, coarse: Discretisation) -> Discretisation:
         return coarse
 
-    def nodes(self, setting: Setting, computed: Computed) -> Iterator[tuple[float, Array]]:
-        rng, V = np.random.default_rng(self.seed), setting.displacements
+    def nodes(self, discretisation: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
+        rng, V = np.random.default_rng(self.seed), discretisation.displacements
         for time in np.linspace(0, computed.T, computed.steps + 1):
             v = rng.normal(size=V.dofs) * 0.1
             normal = V.N @ v
@@ -296,19 +307,21 @@ def test_no_error_lies_outside_even_for_a_trajectory_that_has_nothing_to_do_with
 # ---- defects that have to put an error outside
 
 
-def outside(setting: Setting, case: Case, trajectory: Trajectory, computed: Computed | None = None) -> float:
+def outside(
+    discretisation: Discretisation, case: Case, trajectory: Trajectory, computed: DiscreteSolution | None = None
+) -> float:
     """The largest ‖u − ũ‖/y at the knots, which a correct bound leaves at 1 or below."""
-    computed = computed or compute(setting, Midpoint(), 6)
-    found = enclose(setting, computed, trajectory, known_error(case, computed))
-    fine, pieces = retraced(setting, computed, trajectory)
+    computed = computed or compute(discretisation, Midpoint(), 6)
+    found = enclose(discretisation, computed, trajectory, known_error(case, computed))
+    fine, pieces = retraced(discretisation, computed, trajectory)
     true = Distance(fine, case.solution)
     errors = np.array([true(piece.b, piece.end) for piece in pieces])
     return float((errors / np.maximum(found.bound, 1e-300)).max())
 
 
-def square_setting(case: Case, n: int = 6, **changes) -> Setting:
+def square_discretisation(case: Case, n: int = 6, **changes) -> Discretisation:
     data = replace(Data.of(case.solution), formulas_of=None, **changes)
-    return Setting(data, OneDiagonal()(case.solution.body, n))
+    return Discretisation(data, OneDiagonal()(case.solution.body, n))
 
 
 @pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=lambda trajectory: trajectory.name)
@@ -316,12 +329,12 @@ def square_setting(case: Case, n: int = 6, **changes) -> Setting:
 def test_stresses_that_do_not_balance_f_2_are_caught(name: str, trajectory: Trajectory) -> None:
     """The load is left out of u_h and of the bound alike, so that they agree with each other."""
     case = CASES[name]
-    without = square_setting(case, surface_load=lambda part, x: lambda time: np.zeros_like(x))
-    assert outside(square_setting(case), case, trajectory) <= 1
+    without = square_discretisation(case, surface_load=lambda part, x: lambda time: np.zeros_like(x))
+    assert outside(square_discretisation(case), case, trajectory) <= 1
     assert outside(without, case, trajectory) > 1.2
 
 
-class WithoutResidual(Majorant):
+class WithoutResidual(Equilibration):
     def products(self, stress: Tensors, other: Tensors) -> Array:
         return 0 * super().products(stress, other)
 
@@ -329,20 +342,20 @@ class WithoutResidual(Majorant):
 @pytest.mark.parametrize("name", ["full-contact", "advance-recede", "travelling-patch", "anisotropic"])
 def test_a_bound_without_the_residual_is_caught(name: str, monkeypatch) -> None:
     case = CASES[name]
-    setting = Setting(Data.of(case.solution), Unstructured()(case.solution.body, 4))
-    assert outside(setting, case, Itself()) <= 1
-    monkeypatch.setattr("study.bound.enclosure.Majorant", WithoutResidual)
-    assert outside(setting, case, Itself()) > 1.2
+    discretisation = Discretisation(Data.of(case.solution), Unstructured()(case.solution.body, 4))
+    assert outside(discretisation, case, SmoothedInTime()) <= 1
+    monkeypatch.setattr("study.bound.majorant.Equilibration", WithoutResidual)
+    assert outside(discretisation, case, SmoothedInTime()) > 1.2
 
 
 @pytest.mark.parametrize("name", ["no-contact", "fixed-front-on-vertex", "load-w11"])
 def test_twice_the_constant_of_monotonicity_is_caught(name: str) -> None:
     case = CASES[name]
-    setting = square_setting(case)
-    computed = compute(setting, Midpoint(), 6)
-    assert outside(setting, case, Itself(), computed) <= 1
-    setting.__dict__["monotonicity"] = 2 * setting.monotonicity
-    assert outside(setting, case, Itself(), computed) > 1.01
+    discretisation = square_discretisation(case)
+    computed = compute(discretisation, Midpoint(), 6)
+    assert outside(discretisation, case, SmoothedInTime(), computed) <= 1
+    discretisation.__dict__["monotonicity"] = 2 * discretisation.monotonicity
+    assert outside(discretisation, case, SmoothedInTime(), computed) > 1.01
 
 
 class Glued:
@@ -358,32 +371,29 @@ class Glued:
 
 
 @dataclass(frozen=True)
-class GluedTrajectory(Better):
-    def nodes(self, setting: Setting, computed: Computed) -> Iterator[tuple[float, Array]]:
-        def load(time: float) -> Array:
-            return setting.functional(setting.snapshot(time).loads)
-
-        problem = setting.problem(load, np.zeros(setting.displacements.dofs))
+class GluedTrajectory(Refined):
+    def nodes(self, discretisation: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
+        problem = quadratic_problem(discretisation, np.zeros(discretisation.displacements.dofs))
         for state in Midpoint().march(replace(problem, solver=Glued), self.shorter * computed.steps):
             # Rounding must not leave the cone.
-            yield state.time, state.u - setting.displacements.N.T @ (setting.displacements.N @ state.u)
+            yield state.time, state.u - discretisation.displacements.N.T @ (discretisation.displacements.N @ state.u)
 
 
 def test_stresses_that_pull_at_the_foundation_are_caught() -> None:
     """A glued body is in K and its stress balances the load, but it pulls where the body would have left."""
     case = CASES["no-contact"]
-    setting = square_setting(case)
-    computed = compute(setting, Midpoint(), 6)
-    assert outside(setting, case, GluedTrajectory(0, 1), computed) <= 1
+    discretisation = square_discretisation(case)
+    computed = compute(discretisation, Midpoint(), 6)
+    assert outside(discretisation, case, GluedTrajectory(0, 1), computed) <= 1
     # Moments m_ν = 0 in place of m_ν ≤ 0 are the multipliers of stresses with any σ_ν.
-    pulling = Glued(setting.equilibrium.S, setting.equilibrium.N)
-    pulling.factor = setting.equilibrium.solve.factor
-    setting.equilibrium.solve = pulling
-    assert outside(setting, case, GluedTrajectory(0, 1), computed) > 1.2
+    pulling = Glued(discretisation.equilibrium.S, discretisation.equilibrium.N)
+    pulling.factor = discretisation.equilibrium.solve.factor
+    discretisation.equilibrium.solve = pulling
+    assert outside(discretisation, case, GluedTrajectory(0, 1), computed) > 1.2
 
 
-class WithoutContact(Setting):
-    """A setting in which c is forgotten."""
+class WithoutContact(Discretisation):
+    """A discretisation in which c is forgotten."""
 
     def normal_moments(self, v: Array) -> Array:
         return 0 * super().normal_moments(v)
@@ -394,12 +404,12 @@ def test_a_bound_without_the_contact_term_is_caught() -> None:
     law = KelvinVoigt(isotropic(1, 0), isotropic(1, 0), "without contraction")
     data = Data.formulas(unit_square(), law, f0=(0, 0))
     mesh = Unstructured()(data.body, 3)
-    for kind, holds in ((Setting, True), (WithoutContact, False)):
-        setting = kind(data, mesh)
-        v = coefficients(setting, lambda x: np.array([0 * x[0], 1 - x[1]]), lambda x, y: 1 - (x[1] + y[1]) / 2)
-        pieces = [Piece(a, b, a * v, (a + b) / 2 * v, b * v) for a, b in pairwise(np.linspace(0, 1, 5))]
-        found = [interval.at_b for _, interval in Majorant(setting)(pieces, 0.0)]
-        errors = [setting.norm(piece.end) for piece in pieces]
+    for kind, holds in ((Discretisation, True), (WithoutContact, False)):
+        discretisation = kind(data, mesh)
+        v = coefficients(discretisation, lambda x: np.array([0 * x[0], 1 - x[1]]), lambda x, y: 1 - (x[1] + y[1]) / 2)
+        pieces = [Parabola(a, b, a * v, (a + b) / 2 * v, b * v) for a, b in pairwise(np.linspace(0, 1, 5))]
+        found = [interval.at_b for _, interval in Majorant(discretisation)(pieces, 0.0)]
+        errors = [discretisation.norm(piece.end) for piece in pieces]
         assert all(error <= bound for error, bound in zip(errors, found, strict=True)) == holds
         if not holds:
             assert max(found) < 1e-6 < min(errors)
@@ -408,9 +418,11 @@ def test_a_bound_without_the_contact_term_is_caught() -> None:
 # ---- problems whose solution the spaces contain
 
 
-def coefficients(setting: Setting, value: Callable[[Points], Array], polar: Callable[[Array, Array], Array]) -> Array:
+def coefficients(
+    discretisation: Discretisation, value: Callable[[Points], Array], polar: Callable[[Array, Array], Array]
+) -> Array:
     """(0, w) of degree 2 from its values at vertices and its polar form at the ends of edges."""
-    mesh, V = setting.mesh, setting.displacements
+    mesh, V = discretisation.mesh, discretisation.displacements
     middle = polar(mesh.p[:, mesh.facets[0]], mesh.p[:, mesh.facets[1]])
     at_vertices = value(mesh.p)
     full = np.hstack([at_vertices, np.array([0 * middle, middle])])
@@ -458,14 +470,14 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: 
     g = 1 + t + 3 * t**2 / 2
     data = patch.data(g, law)
     data.check()
-    setting = Setting(data, Unstructured()(data.body, 3))
-    v = coefficients(setting, patch.value, patch.polar)
+    discretisation = Discretisation(data, Unstructured()(data.body, 3))
+    v = coefficients(discretisation, patch.value, patch.polar)
     pieces = [
-        Piece(a, b, (1 + a + 1.5 * a * a) * v, (1 + (a + b) / 2 + 1.5 * a * b) * v, (1 + b + 1.5 * b * b) * v)
+        Parabola(a, b, (1 + a + 1.5 * a * a) * v, (1 + (a + b) / 2 + 1.5 * a * b) * v, (1 + b + 1.5 * b * b) * v)
         for a, b in pairwise([0.0, 0.1, 0.15, 0.5, 1.0])
     ]
-    intervals = [interval for _, interval in Majorant(setting)(pieces, 0.0)]
-    size = setting.norm(pieces[-1].end)
+    intervals = [interval for _, interval in Majorant(discretisation)(pieces, 0.0)]
+    size = discretisation.norm(pieces[-1].end)
     assert size > 1
     # Rounding of the products in c, some 1e-14 of ‖u‖², comes under a square root.
     assert intervals[-1].at_b <= 1e-6 * size
@@ -477,11 +489,11 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: 
 def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows_linearly(patch, family) -> None:
     """From the data alone: Problem 5.1 in degree 2 finds the solution, and nothing is left to bound."""
     data = patch.data(1 + 2 * t, not_proportional())
-    setting = Setting(data, family(data.body, 4))
-    computed = compute(setting, BackwardEuler(), 3)
-    found = enclose(setting, computed, Better(0, 2))
-    v, J = coefficients(setting, patch.value, patch.polar), prolongation(computed.space, setting)
-    errors = [setting.norm((1 + 2 * time) * v - J @ computed.at(time)) for time in found.times]
+    discretisation = Discretisation(data, family(data.body, 4))
+    computed = compute(discretisation, BackwardEuler(), 3)
+    found = enclose(discretisation, computed, Refined(0, 2))
+    v, J = coefficients(discretisation, patch.value, patch.polar), prolongation(computed.space, discretisation)
+    errors = [discretisation.norm((1 + 2 * time) * v - J @ computed.at(time)) for time in found.times]
     # The root of what rounding leaves of c.
     assert (found.upper - found.lower).max() <= 1e-5 * found.upper.max()
     assert found.upper == pytest.approx(errors, rel=1e-5)
@@ -556,8 +568,8 @@ def test_every_point_of_a_spline_is_a_convex_combination_of_nodes(nodes, share) 
 class Fitted:
     """The polynomials of degree 3 that a stress is on the thirds, from its values alone."""
 
-    def __init__(self, setting: Setting, values: Tensors) -> None:
-        space = setting.stresses
+    def __init__(self, discretisation: Discretisation, values: Tensors) -> None:
+        space = discretisation.stresses
         self.mesh, self.centre = space.mesh, thirds(space.mesh.p[:, space.mesh.t])
         x = space.points.reshape(2, space.cells, 3, -1)
         y = values.reshape(3, space.cells, 3, -1)
@@ -592,12 +604,12 @@ class Fitted:
 def test_stresses_at_knots_balance_the_projected_loads_and_press(name: str) -> None:
     """Point by point from values alone: Div σ̃ = −P f_0, σ̃ν = P f_2 on Γ2, continuous σ̃ν, σ̃_τ = 0, σ̃_ν ≤ 0 on Γ3."""
     case = CASES[name]
-    setting = Setting(Data.of(case.solution), Unstructured()(case.solution.body, 3))
-    space, majorant = setting.stresses, Majorant(setting)
-    u, rate = (0.1 * np.random.default_rng(i).normal(size=setting.displacements.dofs) for i in (0, 1))
-    knot = majorant.knot(0.37, u, rate)
-    stress = knot.balance.residual + knot.viscous + knot.elastic
-    fitted, size = Fitted(setting, stress), abs(stress).max()
+    discretisation = Discretisation(Data.of(case.solution), Unstructured()(case.solution.body, 3))
+    space = discretisation.stresses
+    u, rate = (0.1 * np.random.default_rng(i).normal(size=discretisation.displacements.dofs) for i in (0, 1))
+    knot = Equilibration(discretisation).knot(0.37, u, rate)
+    stress = knot.residual.values + knot.viscous + knot.elastic
+    fitted, size = Fitted(discretisation, stress), abs(stress).max()
     force = space.evaluate(knot.snapshot.loads.force).reshape(2, space.cells, 3, -1)
     x = space.points.reshape(2, space.cells, 3, -1)
     scale = size / np.sqrt(space.volumes.min())
@@ -620,7 +632,7 @@ def test_stresses_at_knots_balance_the_projected_loads_and_press(name: str) -> N
         assert len(pair) == 1 or np.allclose(*pair, atol=1e-7 * size)
     shapes = bernstein(space.degree, np.array([1 - places, places]))
     rows = 0
-    for part, edges in zip(setting.data.body.parts, space.parts, strict=True):
+    for part, edges in zip(discretisation.data.body.parts, space.parts, strict=True):
         for edge in edges:
             (traction,) = tractions[int(edge)]
             a, b = (mesh.p[:, mesh.facets[end, edge]] for end in (0, 1))
@@ -632,29 +644,29 @@ def test_stresses_at_knots_balance_the_projected_loads_and_press(name: str) -> N
             if part.kind is Kind.CONTACT:
                 assert part.tangent @ traction == pytest.approx(0, abs=1e-7 * size)
                 assert (part.normal @ traction).max() <= 1e-7 * size
-                assert np.allclose(part.normal @ traction, knot.balance.normal[rows] @ shapes, atol=1e-7 * size)
+                assert np.allclose(part.normal @ traction, knot.residual.normal[rows] @ shapes, atol=1e-7 * size)
                 rows += 1
-    assert rows == len(knot.balance.normal) > 0
-    assert knot.balance.normal.max() <= 1e-9 * size
-    assert knot.balance.normal.min() < -1e-3 * size
+    assert rows == len(knot.residual.normal) > 0
+    assert knot.residual.normal.max() <= 1e-9 * size
+    assert knot.residual.normal.min() < -1e-3 * size
 
 
 # ---- what y is made of
 
 
 @lru_cache
-def intervals_of(name: str) -> tuple[Setting, tuple[Interval, ...]]:
+def intervals_of(name: str) -> tuple[Discretisation, tuple[Interval, ...]]:
     case = CASES[name]
-    setting = Setting(Data.of(case.solution), Shaken()(case.solution.body, 4))
-    computed = compute(setting, Midpoint(), 4)
-    return setting, enclose(setting, computed, Itself()).intervals
+    discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 4))
+    computed = compute(discretisation, Midpoint(), 4)
+    return discretisation, enclose(discretisation, computed, SmoothedInTime()).intervals
 
 
 @pytest.mark.parametrize("name", ["advance-recede", "full-contact", "no-contact", "yield-on-a-part"])
 def test_the_recursion_is_never_below_its_differential_equation_nor_far_above(name: str) -> None:
     """z' = −2 m z + 2 r √z + 2 c with the means of r and c in an interval, and y² ≥ z."""
-    setting, intervals = intervals_of(name)
-    m = setting.monotonicity
+    discretisation, intervals = intervals_of(name)
+    m = discretisation.monotonicity
     for one in intervals:
         k = one.b - one.a
         r, c = one.residual / k, one.contact / k
@@ -678,25 +690,20 @@ def test_the_recursion_is_never_below_its_differential_equation_nor_far_above(na
 
 def test_a_constant_residual_and_no_contact_give_the_documented_value(monkeypatch: pytest.MonkeyPatch) -> None:
     """ρ is the same stress at both knots and in between: y(b) = e^{−mk} y(a) + k ‖ρ‖, at most e^{mk} too large."""
-    setting, _ = intervals_of("no-contact")
-    majorant = Majorant(setting)
-    rho = np.random.default_rng(0).normal(size=(3, *setting.stresses.weights.shape))
-    size = math.sqrt(majorant.products(rho, rho).sum())
-    still = Balance(rho, np.zeros((len(setting.equilibrium.contact), 4)))
+    discretisation, _ = intervals_of("no-contact")
+    rho = np.random.default_rng(0).normal(size=(3, *discretisation.stresses.weights.shape))
+    size = math.sqrt(Equilibration(discretisation).products(rho, rho).sum())
+    still = LawResidual(rho, np.zeros((len(discretisation.equilibrium.contact), 4)))
 
-    monkeypatch.setitem(vars(setting), "left_out", lambda snapshot: np.zeros(setting.stresses.cells))
+    monkeypatch.setitem(vars(discretisation), "oscillation", lambda snapshot: np.zeros(discretisation.stresses.cells))
 
-    class Constant(Majorant):
-        def balance(self, *_) -> Balance:
-            return still
+    monkeypatch.setattr(Equilibration, "residual", lambda *_: still)
+    monkeypatch.setattr(Equilibration, "unbalanced", lambda *_: 0.0)
 
-        def _bending(self, *_) -> float:
-            return 0.0
-
-    zero = np.zeros(setting.displacements.dofs)
-    pieces, m = [Piece(a, b, zero, zero, zero) for a, b in pairwise([0.0, 0.05, 0.3])], setting.monotonicity
+    zero = np.zeros(discretisation.displacements.dofs)
+    pieces, m = [Parabola(a, b, zero, zero, zero) for a, b in pairwise([0.0, 0.05, 0.3])], discretisation.monotonicity
     y = 0.7
-    for _, one in Constant(setting)(pieces, y):
+    for _, one in Majorant(discretisation)(pieces, y):
         k = one.b - one.a
         assert one.at_b == pytest.approx(math.exp(-m * k) * y + k * size, rel=1e-12)
         exact = math.exp(-m * k) * y + (1 - math.exp(-m * k)) / m * size
@@ -738,7 +745,7 @@ def test_nothing_is_known_of_the_order_where_the_lower_bound_is_zero() -> None:
 
 def test_the_observed_order_lies_in_its_interval() -> None:
     case = CASES["full-contact"]
-    found = [measure_bound(case, OneDiagonal(), n, Midpoint(), 2 * n, Better(0, 1))[1] for n in (4, 8)]
+    found = [measure_bound(case, OneDiagonal(), n, Midpoint(), 2 * n, Refined(0, 1))[1] for n in (4, 8)]
     low, high = order(*found)
     observed = math.log(found[0].error.max() / found[1].error.max()) / math.log(found[0].h / found[1].h)
     assert low <= observed <= high
@@ -751,7 +758,7 @@ def test_the_observed_order_lies_in_its_interval() -> None:
 
 def test_a_row_says_how_close_the_ends_came() -> None:
     case = CASES["advance-recede"]
-    row, found = measure_bound(case, Shaken(), 4, Midpoint(), 6, Better(0, 2))
+    row, found = measure_bound(case, Shaken(), 4, Midpoint(), 6, Refined(0, 2))
     assert row.error == found.error.max()
     assert row.above == pytest.approx((found.error / found.upper).max())
     assert row.below == pytest.approx((found.lower / found.error).max())
@@ -768,14 +775,14 @@ def test_a_row_says_how_close_the_ends_came() -> None:
 
 def test_a_case_whose_force_is_not_square_integrable_is_refused() -> None:
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
-        measure_bound(CASES["rough-1.75"], OneDiagonal(), 4, Midpoint(), 4, Itself())
+        measure_bound(CASES["rough-1.75"], OneDiagonal(), 4, Midpoint(), 4, SmoothedInTime())
 
 
 def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes() -> None:
     case = CASES["travelling-patch"]
-    setting = Setting(Data.of(case.solution), Shaken()(case.solution.body, 5))
+    discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 5))
     for scheme in SCHEMES:
-        computed = compute(setting, scheme, 4)
+        computed = compute(discretisation, scheme, 4)
         assert isinstance(computed.space, Space)
         assert (computed.space.N @ computed.nodes.T).max() <= 1e-12
         for j in range(5):
@@ -785,25 +792,25 @@ def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_
 
 def test_a_heterogeneous_body_has_the_least_ratio_of_its_tensors() -> None:
     law = CASES["heterogeneous"].solution.law
-    setting = Setting(Data.of(CASES["heterogeneous"].solution), Shaken()(unit_square(), 3))
-    x = setting.stresses.points
+    discretisation = Discretisation(Data.of(CASES["heterogeneous"].solution), Shaken()(unit_square(), 3))
+    x = discretisation.stresses.points
     strains = np.random.default_rng(0).normal(size=(3, *x.shape[1:]))
     elastic = np.einsum("Icq,Icq->cq", law.G.at(x)(strains), strains)
     viscous = np.einsum("Icq,Icq->cq", law.A.at(x)(strains), strains)
-    assert setting.monotonicity <= (elastic / viscous).min()
-    assert setting.monotonicity > 0
+    assert discretisation.monotonicity <= (elastic / viscous).min()
+    assert discretisation.monotonicity > 0
 
 
 def test_a_material_that_jumps_inside_cells_is_refused_by_its_line() -> None:
     case = next(case for case in catalogue() if case.name == "layered-unmet")
     with pytest.raises(BoundError, match="runs through cells of the mesh; list it as an interface"):
-        Setting(Data.of(case.solution), OneDiagonal()(case.solution.body, 4))
+        Discretisation(Data.of(case.solution), OneDiagonal()(case.solution.body, 4))
 
 
 def test_nodes_at_unequal_distances_are_refused() -> None:
     case = next(case for case in catalogue() if case.name == "no-contact")
-    setting = Setting(Data.of(case.solution), OneDiagonal()(case.solution.body, 2))
-    nodes = [(time, (1 + time) * np.ones(setting.displacements.dofs)) for time in (0.0, 0.25, 0.5)]
+    discretisation = Discretisation(Data.of(case.solution), OneDiagonal()(case.solution.body, 2))
+    nodes = [(time, (1 + time) * np.ones(discretisation.displacements.dofs)) for time in (0.0, 0.25, 0.5)]
     nodes.append((1.0, 3 * nodes[-1][1]))
     with pytest.raises(BoundError, match="equally spaced in time"):
-        list(Majorant(setting)(spline(nodes), 1.0))
+        list(Majorant(discretisation)(spline(nodes), 1.0))

@@ -30,13 +30,14 @@ from manufactured.cases.laws import not_proportional
 from manufactured.data import Data, LoadError
 from manufactured.problems import problems
 from manufactured.tensors import mandel
-from study.bound.bounded import check_bound, check_force
-from study.bound.discretisation import BoundError, Setting
-from study.bound.enclosure import Better
+from study.bound.bounded import check_bound
+from study.bound.discretisation import Discretisation
+from study.bound.refusal import BoundError, check_force
+from study.bound.trajectory import Refined
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve_data
 from study.ledger.errors import UsageError
-from study.statements.enclosure.bound_rows import steps_for
+from study.solve.steps import paced_steps
 
 CASES = {case.name: case for case in catalogue()}
 SQUARE, LAW = unit_square(), not_proportional()
@@ -225,9 +226,9 @@ def test_a_law_without_a_usable_monotonicity_constant_is_refused_before_time_is_
     law = KelvinVoigt(isotropic(1, 1), G(1.0, FrobeniusBall(1.0)), "my law")
     plain = Data.formulas(SQUARE, law, f0=(0, 0))
     with pytest.raises(BoundError, match=r"my law: G has the monotonicity constant .*a finite one, −L_G"):
-        Setting(plain, OneDiagonal()(SQUARE, 2))
+        Discretisation(plain, OneDiagonal()(SQUARE, 2))
     with pytest.raises(BoundError, match="my law"):
-        check_bound(plain, OneDiagonal(), [4], None, Better())
+        check_bound(plain, OneDiagonal(), [4], None, Refined())
 
 
 class Falling(Unknown):
@@ -240,7 +241,7 @@ def test_a_constant_that_is_not_the_least_eigenvalue_is_that_of_the_worse_end() 
     G = not_proportional().G
 
     def constant(G) -> float:
-        return Setting(Data.formulas(SQUARE, KelvinVoigt(A, G, "law"), f0=(0, 0)), mesh).monotonicity
+        return Discretisation(Data.formulas(SQUARE, KelvinVoigt(A, G, "law"), f0=(0, 0)), mesh).monotonicity
 
     assert constant(Falling(1.0, FrobeniusBall(1.0))) == pytest.approx(-2.0 / A.ellipticity)
     assert constant(Yield(1.0, FrobeniusBall(1.0))) == 0
@@ -254,37 +255,37 @@ def test_a_solid_is_refused_whatever_the_meshes() -> None:
     solid = Data.formulas(box(), not_proportional(3), f0=(0, 0, 0))
     for family in (OneDiagonal(), Unstructured()):
         with pytest.raises(BoundError, match="dimension 3; give a plane body"):
-            check_bound(solid, family, [4], None, Better())
+            check_bound(solid, family, [4], None, Refined())
     with pytest.raises(BoundError, match="dimension 3"):
-        Setting(solid, OneDiagonal()(solid.body, 2))
+        Discretisation(solid, OneDiagonal()(solid.body, 2))
 
 
 @pytest.mark.parametrize(
-    ("levels", "steps", "better", "message"),
+    ("levels", "steps", "refined", "message"),
     [
-        ([], None, Better(), "levels must be 2 or more and increase, got none"),
-        ([1, 4], None, Better(), "levels must be 2 or more and increase, got 1 4"),
-        ([8, 4], None, Better(), "got 8 4"),
-        ([4, 4], None, Better(), "got 4 4"),
-        ([4], 0, Better(), "--steps must be 1 or more, got 0"),
-        ([4], None, Better(-1, 2), "got -1 and 2"),
-        ([4], None, Better(1, 0), "got 1 and 0"),
+        ([], None, Refined(), "levels must be 2 or more and increase, got none"),
+        ([1, 4], None, Refined(), "levels must be 2 or more and increase, got 1 4"),
+        ([8, 4], None, Refined(), "got 8 4"),
+        ([4, 4], None, Refined(), "got 4 4"),
+        ([4], 0, Refined(), "--steps must be 1 or more, got 0"),
+        ([4], None, Refined(-1, 2), "got -1 and 2"),
+        ([4], None, Refined(1, 0), "got 1 and 0"),
     ],
 )
-def test_levels_steps_and_refinements_that_make_no_sense_are_refused(levels, steps, better, message) -> None:
+def test_levels_steps_and_refinements_that_make_no_sense_are_refused(levels, steps, refined, message) -> None:
     with pytest.raises(BoundError, match=message):
-        check_bound(data(), OneDiagonal(), levels, steps, better)
+        check_bound(data(), OneDiagonal(), levels, steps, refined)
 
 
 def test_a_family_that_does_not_mesh_the_body_is_refused_with_those_that_do() -> None:
     hexagon = Data.of(CASES["hexagon"].solution)
     with pytest.raises(BoundError, match="one-diagonal does not mesh this body; take one of unstructured"):
-        check_bound(hexagon, OneDiagonal(), [4], None, Better())
+        check_bound(hexagon, OneDiagonal(), [4], None, Refined())
 
 
 def test_levels_get_the_steps_of_their_pace() -> None:
-    check_bound(data(), OneDiagonal(), [4, 8], 5, Better())
-    check_bound(data(), OneDiagonal(), [8, 27], None, Better())
+    check_bound(data(), OneDiagonal(), [4, 8], 5, Refined())
+    check_bound(data(), OneDiagonal(), [8, 27], None, Refined())
     assert [steps_for(data(), level) for level in (8, 27)] == [32, 72]
     assert steps_for(data(), 8, pace=1) == 4
 

@@ -18,7 +18,7 @@ import psutil
 import pytest
 from study.statements.enclosure.jobs import BoundJob
 
-from study.bound.enclosure import Better
+from study.bound.trajectory import Refined
 from study.cli.main import main
 from study.ledger.errors import UsageError
 from study.ledger.files import StoreError
@@ -253,7 +253,7 @@ def stress(n: int) -> Job:
 
 
 def enclosure(n: int) -> Job:
-    return BoundJob("full-contact", "shaken", "midpoint", n, Better(1, 1))
+    return BoundJob("full-contact", "shaken", "midpoint", n, Refined(1, 1))
 
 
 def peak(job: Job) -> float:

@@ -28,12 +28,16 @@ from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.statements.hypercircle import Hypercircle
 from study.statements.shared.base import Setting
 from study.statements.thm_4_2.own_space import Exact, places
-from study.statements.thm_4_2.predicted_orders import ADMISSIBLE, QUANTITIES, RATIO, judge_stresses, predicted
-from study.stresses.composite import SIDES, bernstein, composite, indices, thirds
+from study.statements.thm_4_2.own_space import ADMISSIBLE, QUANTITIES, RATIO, OwnSpace
+from study.statements.thm_4_2.predicted_orders import predicted
+from study.stresses.alfeld import SIDES, alfeld_split, thirds
+from study.stresses.bernstein import bernstein, indices
+from study.stresses.composite import composite
 from study.stresses.dual import BACKWARD_EULER, BDF2, EquilibriumError, Multistep, march, tensor_at
-from study.stresses.hybrid import EquilibratedStress, Equilibrium, Loads
-from study.stresses.loads import ProjectedLoads, cut
-from study.stresses.space import StressSpace
+from study.stresses.hybrid import EquilibratedStress, Equilibrium
+from study.stresses.loads import Loads
+from study.stresses.projection import ProjectedLoads
+from study.stresses.stress_space import StressSpace
 
 BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entrant", "junction")
 """Cases on bodies of different shape: turned, with an interface, with several contact faces, re-entrant, refined."""
@@ -56,7 +60,7 @@ def test_the_element_has_the_dimensions_of_the_literature(degree: int, dimension
     """Johnson and Mercier: 15; without divergence 15 − 6, 36 − 18."""
     element = composite(degree)
     assert element.space.shape[-1] == dimension
-    assert element.free.shape[-1] == free
+    assert element.divergence_free.shape[-1] == free
     assert free == dimension - 3 * len(indices(degree - 1)) * 2
 
 
@@ -203,7 +207,7 @@ def test_a_linear_stress_with_contact_and_memory_is_reproduced(family, scheme: M
         assert state.stress.values == pytest.approx(stress, abs=1e-10)
         assert state.strain == pytest.approx(np.array([zero, now * slope, zero]), abs=1e-11)
         assert state.stress.moments == pytest.approx(now * v, abs=1e-11)
-        pressure = -space.seen_from(edges, state.stress.tractions)[..., 0]
+        pressure = -space.boundary_tractions(edges, state.stress.tractions)[..., 0]
         assert pressure == pytest.approx(2 * MU_A + LAMBDA_A + (2 * MU_G + LAMBDA_G) * now)
 
 
@@ -213,7 +217,7 @@ def unreduced(space: StressSpace, loads: Loads, compliance: Array, strain: Array
     Continuity, equilibrium and the inequality are constraints of a quadratic programme; the unknowns are all
     piecewise polynomials on the thirds. Returns the values at the points, (3, cells, Q).
     """
-    mesh, _ = cut(space)
+    mesh, _ = alfeld_split(space.mesh)
     k, E = space.degree, basis(2)
     places = {alpha: i for i, alpha in enumerate(indices(k))}
     m, thirds_ = len(places), mesh.t.shape[1]

@@ -11,9 +11,13 @@ import numpy as np
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.problems import Problem, problems
-from study.bound.bounded import check_force, known_error
-from study.bound.discretisation import Setting
-from study.bound.enclosure import Enclosure, Trajectory, compute, enclose
+from study.bound.bounded import known_error
+from study.bound.discrete_solution import compute
+from study.bound.discretisation import Discretisation
+from study.bound.enclosing import enclose
+from study.bound.refusal import check_force
+from study.bound.trajectory import Trajectory
+from study.bound.two_sided import Enclosure
 from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve
 from study.solve.evolution import Scheme
@@ -104,9 +108,9 @@ def measure(
         BoundError: f_0 ∉ L²(Ω)².
     """
     check_force(problem.case)
-    setting = Setting(problem.data, family(problem.data.body, level))
-    computed = compute(setting, scheme, steps)
-    found = enclose(setting, computed, trajectory, known_error(problem.case, computed))
+    discretisation = Discretisation(problem.data, family(problem.data.body, level))
+    computed = compute(discretisation, scheme, steps)
+    found = enclose(discretisation, computed, trajectory, known_error(problem.case, computed))
     late = found.times >= computed.T / 2
     parts = {
         part: float(np.sum([getattr(interval, part) for interval in found.intervals]))

@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from study.bound.enclosure import Better, Enclosure
+from study.bound.trajectory import Refined
+from study.bound.two_sided import Enclosure
 from study.fem.naming import choose, family_named
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.solve.evolution import SCHEMES
@@ -52,7 +53,7 @@ class Bounds:
 
     def cost(self, setting: BoundSetting) -> float:
         """By cells of the mesh of ũ and its steps: a knot costs three stress solves of degree 3."""
-        shorter = setting.by.shorter if isinstance(setting.by, Better) else 1
+        shorter = setting.by.shorter if isinstance(setting.by, Refined) else 1
         return 220.0 * setting.level**2 * 4 ** _finer(setting) * self.steps(setting) * shorter
 
     def memory(self, setting: BoundSetting) -> float:
@@ -66,7 +67,7 @@ class Bounds:
 
 
 def _finer(setting: BoundSetting) -> int:
-    return setting.by.refinements if isinstance(setting.by, Better) else 0
+    return setting.by.refinements if isinstance(setting.by, Refined) else 0
 
 
 def over_time(found: Enclosure) -> dict[str, list[float]]:

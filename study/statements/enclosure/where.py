@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from manufactured.case import Case
-from study.bound.enclosure import Better, Itself, Trajectory
+from study.bound.trajectory import Refined, SmoothedInTime, Trajectory
 from study.fem.mesh import FAMILIES
 from study.solve.evolution import SCHEMES
 from study.statements.shared.base import Setting
@@ -47,11 +47,13 @@ def quick_bounds(cases: Sequence[Case]) -> list[BoundSetting]:
     for turn, case in enumerate(chosen):
         families = _families(case)
         family = families[turn % len(families)]
-        found.append(BoundSetting(case.name, family, 8, SCHEMES[turn].name, Itself()))
+        found.append(BoundSetting(case.name, family, 8, SCHEMES[turn].name, SmoothedInTime()))
     if chosen:
         enclosed = ((chosen[0].name, _families(chosen[0])[0]), ("bracket", "graded"))
         found += [
-            BoundSetting(name, family, level, "midpoint", Better(0, 2)) for name, family in enclosed for level in (4, 8)
+            BoundSetting(name, family, level, "midpoint", Refined(0, 2))
+            for name, family in enclosed
+            for level in (4, 8)
         ]
     return found
 
@@ -63,14 +65,16 @@ def full_bounds(cases: Sequence[Case]) -> list[BoundSetting]:
         families = _families(case)
         own = families[turn % len(families)]
         for place, scheme in enumerate(SCHEMES):
-            found.append(BoundSetting(case.name, families[(turn + place) % len(families)], 8, scheme.name, Itself()))
-        found.append(BoundSetting(case.name, own, 16, "midpoint", Itself()))
+            found.append(
+                BoundSetting(case.name, families[(turn + place) % len(families)], 8, scheme.name, SmoothedInTime())
+            )
+        found.append(BoundSetting(case.name, own, 16, "midpoint", SmoothedInTime()))
         if case.name != CHECKED:
-            found += [BoundSetting(case.name, own, level, "midpoint", Better(1, 2)) for level in (4, 8)]
+            found += [BoundSetting(case.name, own, level, "midpoint", Refined(1, 2)) for level in (4, 8)]
     if any(case.name == CHECKED for case in cases):
-        found += [BoundSetting(CHECKED, "shaken", n, "midpoint", Better(1, 4)) for n in (8, 16, CHECKED_LEVEL)]
-        found += [BoundSetting("ramp", "unstructured", n, "midpoint", Better(2, 2)) for n in (4, 8, 16)]
-        found += [BoundSetting("bracket", "graded", n, "midpoint", Better(1, 2)) for n in (4, 8, 16)]
+        found += [BoundSetting(CHECKED, "shaken", n, "midpoint", Refined(1, 4)) for n in (8, 16, CHECKED_LEVEL)]
+        found += [BoundSetting("ramp", "unstructured", n, "midpoint", Refined(2, 2)) for n in (4, 8, 16)]
+        found += [BoundSetting("bracket", "graded", n, "midpoint", Refined(1, 2)) for n in (4, 8, 16)]
     return found
 
 

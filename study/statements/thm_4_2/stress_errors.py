@@ -25,10 +25,10 @@ from study.fem.space import Space
 from study.solve.evolution import BDF2 as PRIMAL
 from study.solve.evolution import Problem
 from study.solve.signorini import Signorini
-from study.stresses.composite import bernstein
+from study.stresses.alfeld import alfeld_split, barycentric
+from study.stresses.bernstein import bernstein
 from study.stresses.dual import BACKWARD_EULER, BDF2, DualState, Multistep, march, tensor_at
-from study.stresses.loads import barycentric, cut
-from study.stresses.space import StressSpace
+from study.stresses.stress_space import StressSpace
 
 EDGE_POINTS = 4
 """Gauss points on an edge for the moments of u."""
@@ -108,7 +108,7 @@ class Exact:
 
     def __init__(self, solution: ExactSolution, space: StressSpace) -> None:
         self.space = space
-        mesh, corners = cut(space)
+        mesh, corners = alfeld_split(space.mesh)
         self._blocks = []
         for rule in rules(solution, mesh, max(DEGREE, 2 * space.degree)):
             shapes = bernstein(space.degree, barycentric(corners[:, :, rule.cells], rule.points))
@@ -154,7 +154,7 @@ class Exact:
         square = 0.0
         for edges, shapes, weights, fields in self._faces:
             exact = fields.pressure(time)
-            mine = -np.einsum("na,anq->nq", self.space.seen_from(edges, tractions)[..., 0], shapes)
+            mine = -np.einsum("na,anq->nq", self.space.boundary_tractions(edges, tractions)[..., 0], shapes)
             square += float(np.vdot((exact - mine) ** 2, weights))
         return float(np.sqrt(square))
 

@@ -1,4 +1,4 @@
-"""What ``study bound`` writes: a table over time, a table of levels, data files and the computed trajectory."""
+"""What ``study bound`` prints and writes: the bounds over time, a table of levels and the computed displacements."""
 
 from __future__ import annotations
 
@@ -10,20 +10,21 @@ import numpy as np
 import pandas as pd
 
 from manufactured.tensors import Array
-from study.bound.bounded import Bounded
-from study.bound.enclosure import order
+from study.bound.bounded import BoundedSolution
+from study.bound.two_sided import order
 from study.ledger.files import write_text, write_whole
 from study.ledger.rounding import down, interval, up
 
 LINES = 8
 """Times in the printed table."""
 DIGITS = 9
+"""Decimals in files."""
 SHOWN = 4
-"""Decimals in files, and significant digits of bounds in the printed table."""
+"""Significant digits of bounds in the printed table."""
 
 
-def series(level: int, found: Bounded) -> pd.DataFrame:
-    """The bounds over time: one row a knot, with the plain bound at the same time."""
+def series(level: int, found: BoundedSolution) -> pd.DataFrame:
+    """``enclosure.csv``: the bounds of one level, one row for each knot of ũ."""
     enclosure, plain = found.enclosure, found.plain
     frame = pd.DataFrame(
         {
@@ -44,8 +45,8 @@ def series(level: int, found: Bounded) -> pd.DataFrame:
     return frame.round({name: DIGITS for name in ("time", "error", "distance")})
 
 
-def levels(found: dict[int, Bounded]) -> pd.DataFrame:
-    """One row a level: max_t ‖u − u_h‖_V enclosed, and the order since the first level enclosed."""
+def levels(found: dict[int, BoundedSolution]) -> pd.DataFrame:
+    """``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of its observed order since the first level."""
     rows, first = [], next(iter(found.values())).enclosure
     for level, one in found.items():
         low, high = order(first, one.enclosure) if one.enclosure is not first else (math.nan, math.nan)
@@ -67,7 +68,7 @@ def levels(found: dict[int, Bounded]) -> pd.DataFrame:
 
 
 def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame) -> str:
-    """What is printed."""
+    """What is printed, from the tables of ``levels`` and ``series``."""
     known = bool(table["error"].notna().all())
     lines = [f"{name}: ‖u(t) − u_h(t)‖_V enclosed, {'exact solution known' if known else 'solution unknown'}", ""]
     finest = over_time[over_time["level"] == over_time["level"].max()]
@@ -91,7 +92,9 @@ def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame) -> str:
     return "\n".join(lines)
 
 
-def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame, found: dict[int, Bounded]) -> list[Path]:
+def write(
+    directory: Path, table: pd.DataFrame, over_time: pd.DataFrame, found: dict[int, BoundedSolution]
+) -> list[Path]:
     """levels.csv, enclosure.csv and trajectory-LEVEL.npz: the mesh, the times and the nodal values of u_h.
 
     The arrays of a trajectory are p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices).

@@ -1,0 +1,81 @@
+"""Equilibrated stresses σ̃ close to Aε(ũ̇) + Gε(ũ), and the residual ρ = σ̃ − Aε(ũ̇) − Gε(ũ) of the law."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from manufactured.tensors import Array, Tensors
+from study.bound.discretisation import Discretisation
+from study.stresses.loads import Loads, Snapshot
+
+
+@dataclass(frozen=True, eq=False)
+class LawResidual:
+    """ρ and the normal tractions of σ̃, at one time or as coefficients of a parabola in time.
+
+    Attributes:
+        values: ρ at the points of the stresses, (3, cells, Q).
+        normal: Bernstein coefficients of σ̃_ν on Γ3, (edges of Γ3, n).
+    """
+
+    values: Tensors
+    normal: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Knot:
+    """What two pieces of ũ share: the data, Aε(ũ̇), Gε(ũ) and the residual at their common knot."""
+
+    snapshot: Snapshot
+    viscous: Tensors
+    elastic: Tensors
+    residual: LawResidual
+
+
+class Equilibration:
+    """Finds σ̃ on one mesh."""
+
+    def __init__(self, discretisation: Discretisation) -> None:
+        self.discretisation = discretisation
+        data, stresses = discretisation.data, discretisation.stresses
+        self._A, self._G = (law.at(stresses.points) for law in (data.law.A, data.law.G))
+        self._compliance = np.linalg.inv(data.law.A.matrix)
+        self._weights = stresses.weights * discretisation.inverse_viscosity
+
+    def viscous(self, rate: Array) -> Tensors:
+        """Aε(v) at the points of the stresses, (dofs,) → (3, cells, Q)."""
+        return self._A(self.discretisation.strain(rate))
+
+    def elastic(self, u: Array) -> Tensors:
+        """Gε(v) at the points of the stresses, (dofs,) → (3, cells, Q)."""
+        return self._G(self.discretisation.strain(u))
+
+    def products(self, stress: Tensors, other: Tensors) -> Array:
+        """∫_T A⁻¹σ·τ on the cells, (cells,)."""
+        return np.einsum("IJ,Jcq,Icq,cq->c", self._compliance, stress, other, self._weights, optimize=True)
+
+    def residual(self, loads: Loads, target: Tensors, u: Array) -> LawResidual:
+        """ρ for the σ̃ with the least ‖σ̃ − target‖²_{A⁻¹} + 2 ∫_{Γ3} σ̃_ν u_ν among those that balance the loads.
+
+        Args:
+            loads: P f_0 and P f_2.
+            target: Aε(ũ̇) + Gε(ũ), (3, cells, Q).
+            u: ũ ∈ K, (dofs,).
+        """
+        discretisation = self.discretisation
+        strain = -discretisation.inverse_viscosity * np.tensordot(self._compliance, target, axes=1)
+        stress = discretisation.equilibrium(loads, strain, discretisation.normal_moments(u))
+        return LawResidual(stress.values - target, -discretisation.equilibrium.pressure(stress))
+
+    def knot(self, time: float, u: Array, rate: Array) -> Knot:
+        """The knot with ũ = u and ũ̇ = rate."""
+        snapshot = self.discretisation.snapshot(time)
+        viscous, elastic = self.viscous(rate), self.elastic(u)
+        return Knot(snapshot, viscous, elastic, self.residual(snapshot.loads, viscous + elastic, u))
+
+    def unbalanced(self, loads: Loads) -> float:
+        """A bound of ‖loads‖ in the dual of V: the least ‖τ‖_{A⁻¹} of stresses that balance them, τν = 0 on Γ3."""
+        stress = self.discretisation.equilibrium.balance(loads).values
+        return float(np.sqrt(self.products(stress, stress).sum()))

@@ -1,0 +1,94 @@
+"""Trajectories ũ(t) ∈ K close to the solution, each given by nodes in time for ``study.bound.spline``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from manufactured.law import Linear
+from manufactured.tensors import Array
+from study.bound.discrete_solution import DiscreteSolution
+from study.bound.discretisation import Discretisation
+from study.bound.embedding import prolongation
+from study.solve.evolution import Midpoint, Problem
+from study.solve.signorini import Signorini
+
+
+class Trajectory(Protocol):
+    """A choice of ũ: the discretisation it lives in and its nodes (t_j, d_j), d_j ∈ K of degree 2.
+
+    ``name`` is what the column ``trajectory`` of ``bounds.csv`` says.
+    """
+
+    @property
+    def name(self) -> str: ...
+    def discretisation(self, coarse: Discretisation) -> Discretisation: ...
+    def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]: ...
+
+
+@dataclass(frozen=True)
+class SmoothedInTime:
+    """ũ is u_h itself, smoothed in time: the bound needs nothing but the computed displacement."""
+
+    name: str = "bound"
+
+    def discretisation(self, coarse: Discretisation) -> Discretisation:
+        return coarse
+
+    def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
+        J = prolongation(computed.space, fine)
+        for j, node in enumerate(computed.nodes):
+            yield computed.T * j / computed.steps, J @ node
+
+
+@dataclass(frozen=True)
+class Refined:
+    """ũ solves Problem 5.1 in degree 2 on a refined mesh by the midpoint scheme with shorter steps.
+
+    Attributes:
+        refinements: uniform refinements of the mesh of u_h.
+        shorter: steps in each step of u_h.
+    """
+
+    refinements: int = 1
+    shorter: int = 4
+    name: str = "enclosure"
+
+    def discretisation(self, coarse: Discretisation) -> Discretisation:
+        return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse
+
+    def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
+        problem = quadratic_problem(fine, _nearest_start(fine))
+        for state in Midpoint().march(problem, self.shorter * computed.steps):
+            yield state.time, state.u
+
+
+def quadratic_problem(discretisation: Discretisation, u0: Array) -> Problem:
+    """Problem 5.1 on displacements of degree 2 with the load (P f, ·)_V."""
+    G, V = discretisation.data.law.G, discretisation.displacements
+    factor = G.factor(V.points)
+    at_points = G.scaled(factor)
+
+    def remainder(v: Array) -> Array:
+        strain = V.strain(v)
+        return V.functional(at_points(strain) - factor * np.tensordot(G.reference, strain, axes=1))
+
+    return Problem(
+        M=discretisation.M,
+        reference=V.form(G.reference, factor),
+        remainder=None if isinstance(G, Linear) else remainder,
+        N=V.N,
+        load=discretisation.load,
+        u0=u0,
+        T=discretisation.data.body.T,
+    )
+
+
+def _nearest_start(discretisation: Discretisation) -> Array:
+    """The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0."""
+    data, V = discretisation.data, discretisation.displacements
+    stress = data.law.A.at(V.points)(data.initial(V.points))
+    return Signorini(discretisation.M, V.N)(V.functional(stress))[0]

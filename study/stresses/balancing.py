@@ -1,0 +1,115 @@
+"""The energy of stresses that balance a load on a triangle: the least λ with min ‖τ‖²_{A⁻¹} ≤ λ ‖load‖² for all loads.
+
+The loads are piecewise polynomials on a triangle divided into four similar ones, orthogonal to the polynomials of the
+whole; τ are composite stresses on the division without other tractions on its boundary.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import null_space
+
+from manufactured.tensors import Array, basis
+from study.stresses.alfeld import thirds
+from study.stresses.bernstein import triangle_mass
+from study.stresses.divided_triangle import CHILDREN, DividedTriangle, restriction
+
+ROUNDING = 1e-9
+"""Relative singular values below which equations on the reference triangle are dependent."""
+
+
+@dataclass(frozen=True, eq=False)
+class BalancingStresses:
+    """Stresses on the divided reference triangle that balance a space of r loads.
+
+    Attributes:
+        free: a basis of those that balance the load 0, at the points, (points, 3, p).
+        lifts: one for each load of a basis, (points, 3, r).
+        weights: of the points, (points,).
+        loads: ∫ d_i d'_j of any two loads of the basis on the reference triangle, (r, r, 2, 2).
+    """
+
+    free: Array
+    lifts: Array
+    weights: Array
+    loads: Array
+
+    @classmethod
+    def of(cls, divided: DividedTriangle, zero: Array, balanced: Array, loads: Array, gram: Array) -> BalancingStresses:
+        """Stresses w with zero·w = 0 and balanced·w in the span of the loads, every one of which can be balanced.
+
+        Args:
+            divided: where the stresses live.
+            zero: (equations, unknowns).
+            balanced: (m, unknowns).
+            loads: (m, r).
+            gram: ∫ d_i d'_j of the loads, (r, r, 2, 2).
+        """
+        admissible = null_space(zero, rcond=ROUNDING)
+        onto = balanced @ admissible
+        free = admissible @ null_space(onto, rcond=ROUNDING)
+        lifts = admissible @ np.linalg.pinv(onto, rcond=ROUNDING) @ loads
+        return cls(divided.values @ free, divided.values @ lifts, divided.weights, gram)
+
+    def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
+        """√λ for triangles x = F x̂ + b, (cells,).
+
+        Args:
+            F: (cells, 2, 2).
+            compliance: A⁻¹ in Mandel form, (3, 3) or (cells, 3, 3).
+            scale: ‖load‖² = scale × ∫ |F d|², (cells,).
+        """
+        J = abs(np.linalg.det(F))
+        E = basis(2)
+        push = np.einsum("Iil,cij,Jjk,clk->cIJ", E, F, E, F, optimize=True) / J[:, None, None]
+        metric = push.swapaxes(1, 2) @ compliance @ push * J[:, None, None]
+        every = np.concatenate([self.free, self.lifts], axis=2)
+        products = np.einsum("qIp,qJr,q->IJpr", every, every, self.weights, optimize=True)
+        energy = np.tensordot(metric, products, axes=2)
+        p = self.free.shape[2]
+        coupling = np.linalg.solve(energy[:, :p, :p], energy[:, :p, p:])
+        least = energy[:, p:, p:] - energy[:, p:, :p] @ coupling
+        size = np.einsum("c,cij,cik,rsjk->crs", scale, F, F, self.loads, optimize=True)
+        inverse = np.linalg.inv(np.linalg.cholesky(size))
+        return np.sqrt(np.linalg.eigvalsh(inverse @ least @ inverse.swapaxes(1, 2))[:, -1])
+
+
+@lru_cache
+def balancing_in_cell(q: int) -> BalancingStresses:
+    """Loads in P_q of the four children, orthogonal to P_q of the triangle; tractions are 0 on the three sides."""
+    divided = DividedTriangle(q + 1)
+    third = np.concatenate([restriction(q, corners) for corners in np.moveaxis(thirds(np.eye(3)), 2, 0).swapaxes(1, 2)])
+    mass = np.kron(np.eye(4), triangle_mass(q) / 8)
+    whole = np.vstack([restriction(q, corners) for corners in CHILDREN])
+    rest = null_space(whole.T @ mass, rcond=ROUNDING)
+    loads = np.kron(np.kron(np.eye(4), third) @ rest, np.eye(2))
+    zero = np.vstack([divided.inner, divided.outer.reshape(-1, divided.inner.shape[1])])
+    return BalancingStresses.of(divided, zero, divided.divergence, loads, _vector_gram(rest.T @ mass @ rest))
+
+
+@lru_cache
+def balancing_on_side(side: int) -> BalancingStresses:
+    """Linear loads on the halves of a side, orthogonal to P1 of it; Div and tractions on the other sides are 0."""
+    divided = DividedTriangle(2)
+    unknowns = divided.inner.shape[1]
+    others = np.delete(divided.outer, side, axis=0).reshape(-1, unknowns)
+    zero = np.vstack([divided.inner, others, divided.divergence])
+    # A linear function with the values c_0, c_1 has the Bernstein coefficients c_0, (c_0 + c_1)/2, c_1.
+    raised = np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]])
+    # Values at the ends of the halves; those of the linear functions of the side, and what is orthogonal to them.
+    mass = np.kron(np.eye(2), (np.ones((2, 2)) + np.eye(2)) / 6 / 2)
+    linear = np.array([[1.0, 0.0], [0.5, 0.5], [0.5, 0.5], [0.0, 1.0]])
+    rest = null_space(linear.T @ mass, rcond=ROUNDING)
+    loads = np.kron(np.kron(np.eye(2), raised) @ rest, np.eye(2))
+    balanced = divided.outer[side].reshape(-1, unknowns)
+    # |ê| t̂ on a half is its traction times its share 1/2 of the side: t on the side is twice that.
+    return BalancingStresses.of(divided, zero, balanced, loads, 4 * _vector_gram(rest.T @ mass @ rest))
+
+
+def _vector_gram(scalar: Array) -> Array:
+    """∫ d_i d'_j of vector loads from the products of their scalar factors, (r, r) → (2r, 2r, 2, 2)."""
+    count = 2 * len(scalar)
+    return np.einsum("vw,ai,bj->vawbij", scalar, np.eye(2), np.eye(2)).reshape(count, count, 2, 2)

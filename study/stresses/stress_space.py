@@ -1,0 +1,121 @@
+"""Σ^h: composite equilibrium stresses on a mesh, joined by their tractions.
+
+On every cell a stress is a lifting of its divergence plus an element of the stresses with Div σ = 0. It is held by its
+values at the points of a quadrature rule on the thirds, at which products of two stresses are integrated exactly, and
+by the Bernstein coefficients of its tractions on the edges, in axes (ν, τ) on Γ3 and Cartesian elsewhere.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from manufactured.tensors import Array, Points, Tensors, Vectors, basis
+from study.fem.quadrature import simplex_rule
+from study.stresses.alfeld import SIDES, thirds
+from study.stresses.bernstein import bernstein
+from study.stresses.composite import CompositeElement, composite
+from study.stresses.triangulated_body import TriangulatedBody
+
+LEAST_DEGREE = 4
+"""Degree of the rule on the thirds, at least: errors of linear stresses are quadratic."""
+
+
+@dataclass(frozen=True, eq=False)
+class StressSpace(TriangulatedBody):
+    """Composite stresses of degree k on a triangulation of a body.
+
+    Shapes: Q points a cell (all thirds together), p basis functions with Div σ = 0 a cell, n = k + 1 Bernstein
+    polynomials an edge.
+    """
+
+    degree: int = 1
+
+    @property
+    def element(self) -> CompositeElement:
+        return composite(self.degree)
+
+    @cached_property
+    def _piola(self) -> Array:
+        """σ̂ ↦ F σ̂ Fᵀ / det F in Mandel form, (cells, 3, 3)."""
+        F = self.map
+        E = basis(2)
+        pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self.determinant[:, None, None, None]
+        return np.einsum("Iil,cJil->cIJ", E, pushed)
+
+    @cached_property
+    def _rule(self) -> tuple[Array, Array]:
+        """Barycentric points (3, q) and weights (q,) of sum 1 on a third."""
+        return simplex_rule(2, max(LEAST_DEGREE, 2 * self.degree))
+
+    @cached_property
+    def _values(self) -> Array:
+        """Coefficients ↦ Mandel values at the points of the reference triangle, (Q, 3 thirds, polynomials)."""
+        at = bernstein(self.degree, self._rule[0]).T
+        found = np.zeros((3, *at.shape[:1], 3, at.shape[1]))
+        for third in range(3):
+            found[third, :, third] = at
+        return found.reshape(-1, 3, at.shape[1])
+
+    @cached_property
+    def points(self) -> Points:
+        """Quadrature points, (2, cells, Q)."""
+        vertices = thirds(self.mesh.p[:, self.mesh.t])
+        return np.einsum("dvtc,vq->dctq", vertices, self._rule[0]).reshape(2, self.cells, -1)
+
+    @cached_property
+    def barycentric(self) -> Array:
+        """The points in the barycentric coordinates of the cell, (3, Q)."""
+        return np.einsum("ivt,vq->itq", thirds(np.eye(3)), self._rule[0]).reshape(3, -1)
+
+    @cached_property
+    def weights(self) -> Array:
+        """Quadrature weights, (cells, Q)."""
+        return np.multiply.outer(self.volumes / 3, np.tile(self._rule[1], 3))
+
+    @cached_property
+    def basis(self) -> Array:
+        """The stresses with Div σ = 0 at the points, (cells, Q, 3, p)."""
+        reference = np.einsum("qta,taJp->qJp", self._values, self.element.divergence_free)
+        return np.einsum("cIJ,qJp->cqIp", self._piola, reference, optimize=True)
+
+    @cached_property
+    def tractions(self) -> Array:
+        """The tractions of ``basis`` on the three sides, (cells, 3, n, 2, p)."""
+        reference = np.tensordot(self.element.tractions, self.element.divergence_free, axes=3)
+        return self._to_edges(np.broadcast_to(reference, (self.cells, *reference.shape)))
+
+    def _to_edges(self, reference: Array) -> Array:
+        """|ê| σ̂ν̂ on the sides of the reference triangle ↦ σν on the edges, (cells, 3, n, 2, ...)."""
+        pushed = np.einsum("cij,csnj...->csni...", self.map, reference, optimize=True)
+        a, b = (self.mesh.t[[side[end] for side in SIDES]].T for end in (0, 1))
+        turned = (self.mesh.facets[0, self.edges] == b) & (self.mesh.facets[1, self.edges] == a)
+        pushed[turned] = pushed[turned][:, ::-1]
+        # The sides of a reflected cell have inward normals.
+        length = self.lengths[self.edges] * np.sign(self.determinant)[:, None]
+        pushed = pushed / length.reshape(*length.shape, *[1] * (pushed.ndim - 2))
+        return np.einsum("csij,csnj...->csni...", self.frames[self.edges], pushed, optimize=True)
+
+    def coefficients(self, values: Tensors) -> Array:
+        """Values at the points of polynomials of degree k → Bernstein coefficients, (3, thirds, polynomials)."""
+        inverse = np.linalg.pinv(bernstein(self.degree, self._rule[0]))
+        return values.reshape(3, 3 * self.cells, -1) @ inverse
+
+    def evaluate(self, coefficients: Array) -> Vectors:
+        """P f_0 at the points: Bernstein coefficients (cells, 3 thirds, lower, 2) → (2, cells, Q)."""
+        at = bernstein(self.degree - 1, self._rule[0])
+        return np.einsum("ctad,aq->dctq", coefficients, at).reshape(2, self.cells, -1)
+
+    def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
+        """A stress with Div σ + P f_0 = 0 in every cell, from the Bernstein coefficients of P f_0.
+
+        (cells, 3 thirds, lower, 2) → values (3, cells, Q) and tractions (cells, 3, n, 2), not continuous across edges.
+        """
+        back = -np.einsum("c,cij,ctaj->ctai", self.determinant, np.linalg.inv(self.map), coefficients)
+        stress = np.tensordot(back, self.element.lift, axes=([1, 2, 3], [3, 4, 5]))
+        reference = np.einsum("qta,ctaJ->cqJ", self._values, stress, optimize=True)
+        values = np.einsum("cIJ,cqJ->Icq", self._piola, reference, optimize=True)
+        tractions = np.tensordot(stress, self.element.tractions, axes=([1, 2, 3], [3, 4, 5]))
+        return values, self._to_edges(tractions)
