@@ -71,7 +71,7 @@ class Gauge:
         space: V^h.
         raised: added to the degree of the cell rules and to the points of the facet rules.
         along: lines from which points of many cells have the same distances, which makes formulas cheap and rules exact
-            to a lower degree (``study.fem.sharing``); by default those of ``shared_lines``, () for the plain rules.
+            to a lower degree (``quadrature.sharing``); by default those of ``shared_lines``, () for the plain rules.
     """
 
     def __init__(
