@@ -21,9 +21,10 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array, Tensors, dyad
 from study.fem.line import Line
-from study.fem.moments import Amplitudes, Points, energy
+from study.fem.moments import Amplitudes, QuadraturePoints
 from study.fem.quadrature import CellRule, cell_rules, facet_rule
 from study.fem.space import Space
+from study.fem.strain_energy import energy
 from study.fem.stress_sums import StressSums
 
 DEGREE = 4
@@ -70,8 +71,8 @@ class Gauge:
         solution: the exact solution.
         space: V^h.
         raised: added to the degree of the cell rules and to the points of the facet rules.
-        along: lines from which points of many cells have the same distances, which makes formulas cheap and rules exact
-            to a lower degree (``quadrature.sharing``); by default those of ``shared_lines``, () for the plain rules.
+        along: lines from which many quadrature points have the same distance (``study.fem.quadrature.sharing``), which
+            makes formulas cheap and rules exact to a lower degree; by default ``shared_lines``, () for the plain rules.
     """
 
     def __init__(
@@ -80,7 +81,7 @@ class Gauge:
         self.solution, self.space, self.A = solution, space, solution.law.A
         self.degree = (DEGREE if space.dim == 2 else SOLID_DEGREE) + raised
         lines = shared_lines(solution) if along is None else along
-        cells = Points.on_cells(rules(solution, space.mesh, self.degree, lines))
+        cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
         faces = [
             self._on(face, (FACET_POINTS if space.dim == 2 else SOLID_FACET_POINTS) + raised) for face in solution.faces
         ]
@@ -97,10 +98,10 @@ class Gauge:
         self._energy = energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
 
-    def _on(self, face: Face, points: int) -> tuple[Points, Array]:
+    def _on(self, face: Face, points: int) -> tuple[QuadraturePoints, Array]:
         """The points on the facets of a contact face, summed for each of their vertices."""
         rule = facet_rule(self.space.mesh, self.space.facets(face.part), face.part, face.rough, points)
-        return Points.on_facets(rule, face.part, self.space.mesh)
+        return QuadraturePoints.on_facets(rule, face.part, self.space.mesh)
 
     def _amplitudes(self, time: float, rate: bool = False) -> Amplitudes:
         return [amplitudes(time, rate) for amplitudes in self._parts]
