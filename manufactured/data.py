@@ -13,12 +13,12 @@ from itertools import product
 import numpy as np
 import sympy as sp
 
-from manufactured.body import Body, Kind, Line, Part
+from manufactured.body import Body, Kind, Part
 from manufactured.exact import ExactSolution
 from manufactured.factor import x1, x2, x3
 from manufactured.law import KelvinVoigt
 from manufactured.symbols import FormulaError, function, t
-from manufactured.tensors import Points, Tensors, Vectors, mandel
+from manufactured.tensors import Hyperplane, Points, Tensors, Vectors, mandel
 
 POINTS, TIMES = 64, 5
 ROUNDING = 1e-12
@@ -56,7 +56,7 @@ class Data:
     surface_load: Callable[[Part, Points], ForceInTime]
     start: Callable[[Points], Vectors]
     initial: Callable[[Points], Tensors]
-    lines: tuple[Line, ...] = ()
+    lines: tuple[Hyperplane, ...] = ()
     points: tuple[tuple[float, ...], ...] = ()
     formulas_of: object = None
 
@@ -88,7 +88,7 @@ class Data:
         f0: Sequence[sp.Expr | float],
         f2: Mapping[int, Sequence[sp.Expr | float]] | None = None,
         u0: Sequence[sp.Expr | float] | None = None,
-        lines: tuple[Line, ...] = (),
+        lines: tuple[Hyperplane, ...] = (),
     ) -> Data:
         """Data as formulas of x1, x2 (x3) and t.
 

@@ -8,12 +8,12 @@ from typing import Protocol
 import numpy as np
 import sympy as sp
 
-from manufactured.body import Body, Kind, Line, Part
+from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.law import KelvinVoigt
 from manufactured.modes import Modes
 from manufactured.symbols import Jet, Values
-from manufactured.tensors import Array, Points, Tensors, Vectors, basis, traction
+from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, basis, traction
 
 
 class ContributionAtPoints(Protocol):
@@ -99,7 +99,7 @@ class ExactSolution:
                 )
 
     @property
-    def rough(self) -> tuple[Line, ...]:
+    def rough(self) -> tuple[Hyperplane, ...]:
         """Where strains are rough for all times: {s = c} for the rough c of every lifting, and jumps of A and G."""
         fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
         return (*fronts, *self.law.steps)

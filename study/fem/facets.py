@@ -19,7 +19,7 @@ class Facets:
         cells: their numbers in the surface, (k,).
         corners: their corners as positions in the list of nodes, (3, k).
         edges: the two ends of each edge, the lower first, in lexicographic order, (2, e).
-        quarters: the triangles into which the midpoints of edges divide them, (3, 4k); midpoints are numbered after nodes.
+        quarters: the triangles into which the midpoints of edges divide them, (3, 4k); midpoints come after the nodes.
     """
 
     cells: Numbers
