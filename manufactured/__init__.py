@@ -7,7 +7,6 @@ the coordinates ``x1``, ``x2``, ``x3`` of a point. ``HERMITE``, ``QUARTIC`` and 
 polynomials that cut a lifting off inside the body, for ``cutoff`` and ``slab``.
 """
 
-from manufactured.admissibility import SelfProofError, examine, prove
 from manufactured.body import Body, BodyError, Kind, Part, box, polygon, unit_square
 from manufactured.case import Case, CaseError
 from manufactured.catalogue import catalogue
@@ -27,6 +26,7 @@ from manufactured.law import (
 from manufactured.memory import Memory, Prescribed
 from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, layered, slab
 from manufactured.regularity import Regularity
+from manufactured.self_proof import SelfProofError, examine, prove
 from manufactured.singular import Monomial, SingularFace, SingularField, kolosov
 from manufactured.symbols import FormulaError, pos, s, s1, s2, t
 

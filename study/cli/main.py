@@ -15,12 +15,12 @@ from pathlib import Path
 import pandas as pd
 from tqdm import tqdm
 
-from manufactured.admissibility import SelfProofError, examine
 from manufactured.body import BodyError
 from manufactured.case import Case, CaseError
 from manufactured.catalogue import catalogue
 from manufactured.data import LoadError
 from manufactured.law import LawError
+from manufactured.self_proof import SelfProofError, examine
 from manufactured.symbols import FormulaError
 from study.bound.discretisation import BoundError
 from study.bound.enclosure import Better

@@ -8,9 +8,9 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any
 
-from manufactured.admissibility import Finding, SelfProofError, examine
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
+from manufactured.self_proof import Finding, SelfProofError, examine
 from study.fem.line import Line
 from study.fem.mesh import FAMILIES, MeshError, MeshFamily, boundary_parts
 from study.fem.naming import UsageError, family_named, resolve
