@@ -13,6 +13,7 @@ from manufactured.catalogue import catalogue
 from manufactured.contact import ContactFace
 from manufactured.data import Data, LoadError
 from manufactured.exact import ExactSolution
+from manufactured.face_strain import Memory, Prescribed
 from manufactured.factor import Factor, x1, x2, x3
 from manufactured.law import (
     DeviatoricBall,
@@ -23,7 +24,6 @@ from manufactured.law import (
     Yield,
     isotropic,
 )
-from manufactured.memory import Memory, Prescribed
 from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, layered, slab
 from manufactured.regularity import Regularity
 from manufactured.self_proof import SelfProofError, examine, prove

@@ -12,7 +12,7 @@ import sympy as sp
 
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
-from manufactured.memory import Memory, Prescribed
+from manufactured.face_strain import Memory, Prescribed
 from manufactured.profile import ZERO
 from manufactured.regularity import Piece, Regularity, read_off
 from manufactured.singular import SingularFace, SingularField, least_exponent

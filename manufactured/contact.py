@@ -2,7 +2,7 @@
 
 Near a flat piece of Γ3 use s along the face, y = distance into the body, n = −ν. Given a gap
 w(s, t) ≥ 0 (= −u_ν) and a pressure p(s, t) ≥ 0 (= −σ_ν) with w p = 0, let (q, r) be the strain on the
-face that p produces (``manufactured.memory``) and
+face that p produces (``manufactured.face_strain``) and
 
     u_s = −y ∇_s w φ(y/ℓ) + y r φ(y/ℓ),     u_n = (w + y q) φ(y/ℓ),
 
@@ -25,8 +25,8 @@ import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
+from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, relaxation_rate
 from manufactured.law import KelvinVoigt, LawError, Linear
-from manufactured.memory import Components, Coupled, FaceStrain, Memory, rate
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
 from manufactured.symbols import FormulaError, Jet, Values, s, s1, s2
@@ -80,10 +80,10 @@ class ContactFace:
         profile: Profile = PLAIN,
         rough: tuple[float, ...] = (),
     ) -> ContactFace:
-        """The face for a linear law, where gap and pressure say everything (``memory.Memory``).
+        """The face for a linear law, where gap and pressure say everything (``face_strain.Memory``).
 
         Raises:
-            LawError: G is not linear (give q with ``memory.Prescribed`` instead), or ``initial`` is
+            LawError: G is not linear (give q with ``face_strain.Prescribed`` instead), or ``initial`` is
                 given for a law that couples nn with sn.
             FormulaError: the pressure is not piecewise polynomial in t.
         """
@@ -97,7 +97,7 @@ class ContactFace:
             return cls(part, gap, Memory(pressure, a, g, T, initial, variables), level, profile, rough)
         if initial is not None:
             raise LawError(f"{law.name} couples nn with sn: it starts in elastic equilibrium, leave ``initial`` out")
-        coupled = Coupled.of(pressure, viscous, rate(stiffness, scale) * elastic, scale, T, variables)
+        coupled = Coupled.of(pressure, viscous, relaxation_rate(stiffness, scale) * elastic, scale, T, variables)
         return cls(part, gap, coupled, level, profile, rough)
 
     @property

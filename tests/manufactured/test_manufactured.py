@@ -40,7 +40,7 @@ from manufactured import (
     t,
     unit_square,
 )
-from manufactured.memory import real_roots
+from manufactured.face_strain.contact_times import real_roots
 from manufactured.self_proof.finding import ROUND_OFF
 from manufactured.tensors import dyad, full, identity, mandel, rotation
 
