@@ -41,7 +41,7 @@ class StrainTerm(NamedTuple):
 def strain_terms(n: int, deep: bool, shear: int) -> tuple[StrainTerm, ...]:
     """The terms of the strain of a lifting, n coordinates along the face.
 
-    ``deep`` is whether the profile has an e, and so the strain second derivatives of q; ``shear`` how many r_i there are.
+    ``deep`` is whether the profile has an e, and so the strain second derivatives of q; ``shear`` the number of r_i.
     """
     zero, first = first_indices(n)
     found = []
