@@ -12,9 +12,10 @@ import sympy as sp
 
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
+from manufactured.face_formula import FaceFormula, read_off
 from manufactured.face_strain import Memory, Prescribed
 from manufactured.profile import ZERO
-from manufactured.regularity import Piece, Regularity, read_off
+from manufactured.regularity import Regularity
 from manufactured.singular import SingularFace, SingularField, least_exponent
 from manufactured.tensors import Array
 
@@ -119,11 +120,11 @@ class Case:
         return self.regularity.proposition
 
 
-def _formulas(face: ContactFace, T: float) -> tuple[Piece, list[Piece]]:
+def _formulas(face: ContactFace, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
     """The formula of the gap, and those that the strain on the face is made of, each with the times of its use."""
 
-    def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> Piece:
-        return Piece(sp.sympify(formula), face.part, face.variables, begin, end)
+    def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> FaceFormula:
+        return FaceFormula(sp.sympify(formula), face.part, face.variables, begin, end)
 
     strain = face.strain
     if isinstance(strain, Prescribed):
