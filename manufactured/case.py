@@ -78,11 +78,11 @@ class Case:
             )
 
     def _compare_with_formulas(self) -> None:
-        """The label must state the exponents in the formulas, neither more nor less."""
+        """Refuse a stated regularity other than that of the formulas."""
         label, lifted = self.regularity, [face for face in self.solution.faces if isinstance(face, ContactFace)]
         formulas = [_formulas(face, self.solution.body.T) for face in lifted]
         if any(piece.formula.has(sp.nan, sp.zoo, sp.oo) for gap, strain in formulas for piece in (gap, *strain)):
-            return  # Nothing can be read off: the self-proof refuses the values.
+            return  # No exponents can be read off; the self-proof refuses the values.
         try:
             found = self._found(*read_off([gap for gap, _ in formulas], [p for _, strain in formulas for p in strain]))
         except ValueError as error:
@@ -95,7 +95,7 @@ class Case:
             )
 
     def _found(self, alpha: float, m: float, moving: bool) -> Regularity:
-        """The label that the formulas deserve, from the exponents of their fronts."""
+        """The regularity of the formulas, from the exponents of their fronts."""
         solution = self.solution
         if any(isinstance(face, ContactFace) and face.profile.e is not ZERO for face in solution.faces):
             # u_s ~ ∇_s q: for a fixed front as regular as ∇_s w for α = m, for a moving one q̇ ~ p gives α = m + 1.

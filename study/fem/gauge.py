@@ -28,12 +28,12 @@ from study.fem.strain_energy import energy
 from study.fem.stress_sums import StressSums
 
 DEGREE = 4
-"""Degree of the standard cell rule in 2D: exact for the square of a linear strain error, also when its points share
-coordinates, and with more points than that needs for kinks that cross a cell. Every row of a rate table records what a
-plain rule raised by two would change."""
+"""Degree of the standard cell rule in 2D: two more than the square of a linear strain error needs, as kinks may cross
+cells and points that share coordinates lower the degree. Every row of a rate table records what a plain rule raised by
+two would change."""
 
 SOLID_DEGREE = 2
-"""The same in 3D, without the two more: evaluation of exact fields is what 3D levels cost."""
+"""The same in 3D, without the two more: there the evaluation of exact fields dominates the cost."""
 
 PARALLEL = 0.1
 """Sine of the angle below which two directions are too close for points to share coordinates along both."""
@@ -47,7 +47,7 @@ SOLID_FACET_POINTS = 4
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """The exact solution at one time, as far as V^h can tell.
+    """What distances from functions of V^h need of the exact solution at one time.
 
     Attributes:
         time: t.
@@ -141,7 +141,7 @@ class Gauge:
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
-    """Cell rules that respect where the strain of a solution is rough for all times."""
+    """Cell rules adapted to where the strain of a solution is rough for all times."""
     return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, shared)
 
 

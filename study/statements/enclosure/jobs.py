@@ -10,7 +10,7 @@ import numpy as np
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.problems import Problem, problems
+from manufactured.problems import OpenProblem, problems
 from study.bound.enclosure import Better, Enclosure, Trajectory
 from study.fem.naming import choose, family_named, resolve
 from study.run import resources as memory
@@ -59,11 +59,11 @@ class BoundJob:
     @property
     def steps(self) -> int:
         found = self._problem()
-        if isinstance(found, Problem):
+        if isinstance(found, OpenProblem):
             return steps_for(found.data, self.level)
         return steps_for(Data.of(found.solution), self.level, found.pace)
 
-    def _problem(self) -> Case | Problem:
+    def _problem(self) -> Case | OpenProblem:
         return _without_solution().get(self.problem) or resolve(self.problem)
 
     def parts(self) -> tuple[Any, Scheme]:
@@ -71,7 +71,7 @@ class BoundJob:
 
     def fingerprint(self) -> str:
         found = self._problem()
-        data = found.data if isinstance(found, Problem) else Data.of(found.solution)
+        data = found.data if isinstance(found, OpenProblem) else Data.of(found.solution)
         return fingerprint(
             data.body, data.law, data.formulas_of, *self.parts(), self.level, self.steps, self.trajectory
         )
@@ -80,13 +80,15 @@ class BoundJob:
         problem, (family, scheme) = self._problem(), self.parts()
         settings = family, self.level, scheme, self.steps, self.trajectory
         row, found = (
-            measure_problem(problem, *settings) if isinstance(problem, Problem) else measure_bound(problem, *settings)
+            measure_problem(problem, *settings)
+            if isinstance(problem, OpenProblem)
+            else measure_bound(problem, *settings)
         )
         return {"row": asdict(row), "times": _times(found)}
 
 
 @lru_cache
-def _without_solution() -> dict[str, Problem]:
+def _without_solution() -> dict[str, OpenProblem]:
     """The problems of the study that have no known solution; their formulas take time to compile."""
     return {problem.name: problem for problem in problems()}
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.problems import Problem
+from manufactured.problems import OpenProblem
 from manufactured.tensors import Array
 from study.bound.discretisation import BoundError, Setting, refuse_solids
 from study.bound.enclosure import Better, Computed, Enclosure, Itself, Trajectory, compute, enclose
@@ -164,7 +164,7 @@ def measure_bound(
 
 
 def measure_problem(
-    problem: Problem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
+    problem: OpenProblem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
 ) -> tuple[BoundRow, Enclosure]:
     """The same for data alone: what compares with the error is not a number."""
     setting = Setting(problem.data, family(problem.data.body, level))
