@@ -7,13 +7,13 @@ the coordinates ``x1``, ``x2``, ``x3`` of a point. ``HERMITE``, ``QUARTIC`` and 
 polynomials that cut a lifting off inside the body, for ``cutoff`` and ``slab``.
 """
 
-from manufactured.admissibility import SelfProofError, examine, prove
 from manufactured.body import Body, BodyError, Kind, Part, box, polygon, unit_square
 from manufactured.case import Case, CaseError
 from manufactured.catalogue import catalogue
 from manufactured.contact import ContactFace
 from manufactured.data import Data, LoadError
 from manufactured.exact import ExactSolution
+from manufactured.face_strain import Memory, Prescribed
 from manufactured.factor import Factor, x1, x2, x3
 from manufactured.law import (
     DeviatoricBall,
@@ -24,9 +24,9 @@ from manufactured.law import (
     Yield,
     isotropic,
 )
-from manufactured.memory import Memory, Prescribed
 from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, layered, slab
 from manufactured.regularity import Regularity
+from manufactured.self_proof import SelfProofError, examine, prove
 from manufactured.singular import Monomial, SingularFace, SingularField, kolosov
 from manufactured.symbols import FormulaError, pos, s, s1, s2, t
 

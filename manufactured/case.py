@@ -12,9 +12,10 @@ import sympy as sp
 
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
-from manufactured.memory import Memory, Prescribed
+from manufactured.face_formula import FaceFormula, read_off
+from manufactured.face_strain import Memory, Prescribed
 from manufactured.profile import ZERO
-from manufactured.regularity import Piece, Regularity, read_off
+from manufactured.regularity import Regularity
 from manufactured.singular import SingularFace, SingularField, least_exponent
 from manufactured.tensors import Array
 
@@ -77,11 +78,11 @@ class Case:
             )
 
     def _compare_with_formulas(self) -> None:
-        """The label must state the exponents in the formulas, neither more nor less."""
+        """Refuse a stated regularity other than that of the formulas."""
         label, lifted = self.regularity, [face for face in self.solution.faces if isinstance(face, ContactFace)]
         formulas = [_formulas(face, self.solution.body.T) for face in lifted]
         if any(piece.formula.has(sp.nan, sp.zoo, sp.oo) for gap, strain in formulas for piece in (gap, *strain)):
-            return  # Nothing can be read off: the self-proof refuses the values.
+            return  # No exponents can be read off; the self-proof refuses the values.
         try:
             found = self._found(*read_off([gap for gap, _ in formulas], [p for _, strain in formulas for p in strain]))
         except ValueError as error:
@@ -94,7 +95,7 @@ class Case:
             )
 
     def _found(self, alpha: float, m: float, moving: bool) -> Regularity:
-        """The label that the formulas deserve, from the exponents of their fronts."""
+        """The regularity of the formulas, from the exponents of their fronts."""
         solution = self.solution
         if any(isinstance(face, ContactFace) and face.profile.e is not ZERO for face in solution.faces):
             # u_s ~ ∇_s q: for a fixed front as regular as ∇_s w for α = m, for a moving one q̇ ~ p gives α = m + 1.
@@ -119,11 +120,11 @@ class Case:
         return self.regularity.proposition
 
 
-def _formulas(face: ContactFace, T: float) -> tuple[Piece, list[Piece]]:
+def _formulas(face: ContactFace, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
     """The formula of the gap, and those that the strain on the face is made of, each with the times of its use."""
 
-    def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> Piece:
-        return Piece(sp.sympify(formula), face.part, face.variables, begin, end)
+    def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> FaceFormula:
+        return FaceFormula(sp.sympify(formula), face.part, face.variables, begin, end)
 
     strain = face.strain
     if isinstance(strain, Prescribed):

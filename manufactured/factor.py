@@ -10,7 +10,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.symbols import FormulaError, function, pos
-from manufactured.tensors import Array, Points, Vectors
+from manufactured.tensors import Array, Hyperplane, Points, Vectors
 
 x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)
 """Cartesian coordinates, for formulas of α."""
@@ -33,7 +33,7 @@ class Factor:
     formula: sp.Expr
     low: float
     high: float
-    steps: tuple[tuple[tuple[float, ...], float], ...] = ()
+    steps: tuple[Hyperplane, ...] = ()
 
     def __post_init__(self) -> None:
         strange = sorted(map(str, self.formula.free_symbols - {x1, x2, x3}))

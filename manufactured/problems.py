@@ -50,8 +50,8 @@ def bracket() -> Data:
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
-    """Data with a prediction.
+class OpenProblem:
+    """The data of a problem whose solution is not known, with what is predicted for it.
 
     Attributes:
         name, summary: for tables.
@@ -67,17 +67,17 @@ class Problem:
     reason: str
 
 
-def problems() -> tuple[Problem, ...]:
+def problems() -> tuple[OpenProblem, ...]:
     """All of them."""
     return (
-        Problem(
+        OpenProblem(
             "ramp",
             "a wedge clamped in a wall and resting on the ground, under a load that travels",
             ramp(),
             1.0,
             "no corner is singular, and the front r^{3/2} lies in H^{5/2−ε} ⊂ H²",
         ),
-        Problem(
+        OpenProblem(
             "bracket",
             "an L-shaped body pressed down on its foot",
             bracket(),

@@ -33,6 +33,9 @@ Points = NDArray[Any]
 Vectors = NDArray[Any]
 Tensors = NDArray[Any]
 
+Hyperplane = tuple[tuple[float, ...], float]
+"""(direction, offset) of {x : direction·x = offset}, a line in 2D, a plane in 3D."""
+
 
 def size(dim: int) -> int:
     """D = d(d+1)/2, the dimension of S^d."""

@@ -21,7 +21,7 @@ from manufactured.case import Case
 from manufactured.cases.laws import not_proportional
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
-from manufactured.memory import Prescribed
+from manufactured.face_strain import Prescribed
 from manufactured.profile import PARABOLA, cutoff
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t

@@ -11,8 +11,8 @@ so that Q, Q̇ and p are continuous, p(t_1) = 0, and Q relaxes to the edge of K 
 from sympy import Expr, Float, Rational, exp
 
 from manufactured.body import Part
+from manufactured.face_strain import Prescribed
 from manufactured.law import KelvinVoigt, Yield
-from manufactured.memory import Prescribed
 from manufactured.symbols import t
 
 RELEASE = Rational(3, 5)

@@ -11,8 +11,8 @@ from typing import TypeAlias
 
 from tqdm import tqdm
 
-from manufactured.admissibility import SelfProofError, examine
 from manufactured.case import Case
+from manufactured.self_proof import SelfProofError, examine
 from study.ledger.errors import UsageError
 from study.ledger.verdict import HOLDS, REPORTED, Verdict
 from study.present.figures import Drawing, draw_figures

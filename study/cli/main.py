@@ -7,11 +7,11 @@ import sys
 from collections.abc import Sequence
 from concurrent.futures import BrokenExecutor
 
-from manufactured.admissibility import SelfProofError
 from manufactured.body import BodyError
 from manufactured.case import CaseError
 from manufactured.data import LoadError
 from manufactured.law import LawError
+from manufactured.self_proof import SelfProofError
 from manufactured.symbols import FormulaError
 from study.bound.refusal import BoundError
 from study.cli import bound, cases, check, compare, controls, present, rates, run, seeds, show

@@ -1,4 +1,4 @@
-"""The triangles between some nodes of a surface, and the points at which a function on them is known finely."""
+"""The triangles of a surface whose corners are all among given nodes, and their division into quarters."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ Numbers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Facets:
-    """Those triangles of a surface all of whose corners are nodes.
+    """Triangles of a surface with all corners among the nodes.
 
     Attributes:
-        cells: which ones of the surface, (k,).
-        corners: counted among the nodes, (3, k).
+        cells: their numbers in the surface, (k,).
+        corners: their corners as positions in the list of nodes, (3, k).
         edges: the two ends of each edge, the lower first, in lexicographic order, (2, e).
-        quarters: the triangles that the midpoints of edges cut them into, (3, 4k); midpoints are counted after nodes.
+        quarters: the triangles into which the midpoints of edges divide them, (3, 4k); midpoints come after the nodes.
     """
 
     cells: Numbers
@@ -29,7 +29,7 @@ class Facets:
 
     @classmethod
     def between(cls, nodes: Numbers, surface: Numbers) -> Facets:
-        """From vertices, (n,), and the triangles of a surface, (3, m)."""
+        """From nodes, (n,), and the triangles of a surface, (3, m), both numbers of vertices."""
         number = np.full(surface.max() + 1, -1)
         number[nodes] = np.arange(len(nodes))
         cells = np.flatnonzero((number[surface] >= 0).all(axis=0))
@@ -40,5 +40,5 @@ class Facets:
         return cls(cells, corners, edges, np.hstack([[a, r, q], [b, p, r], [c, q, p], [p, q, r]]))
 
     def refined(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Linear functions at the nodes, then at the midpoints, (..., n) → (..., n + e)."""
+        """Values of P1 functions at the nodes, then at the midpoints, (..., n) → (..., n + e)."""
         return np.concatenate([values, values[..., self.edges].mean(axis=-2)], axis=-1)

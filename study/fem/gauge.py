@@ -21,18 +21,19 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array, Tensors, dyad
 from study.fem.line import Line
-from study.fem.moments import Amplitudes, Points, energy
+from study.fem.moments import Amplitudes, QuadraturePoints
 from study.fem.quadrature import CellRule, cell_rules, facet_rule
 from study.fem.space import Space
+from study.fem.strain_energy import energy
 from study.fem.stress_sums import StressSums
 
 DEGREE = 4
-"""Degree of the standard cell rule in 2D: exact for the square of a linear strain error, also when its points share
-coordinates, and with more points than that needs for kinks that cross a cell. Every row of a rate table records what a
-plain rule raised by two would change."""
+"""Degree of the standard cell rule in 2D: two more than the square of a linear strain error needs, as kinks may cross
+cells and points that share coordinates lower the degree. Every row of a rate table records what a plain rule raised by
+two would change."""
 
 SOLID_DEGREE = 2
-"""The same in 3D, without the two more: evaluation of exact fields is what 3D levels cost."""
+"""The same in 3D, without the two more: there the evaluation of exact fields dominates the cost."""
 
 PARALLEL = 0.1
 """Sine of the angle below which two directions are too close for points to share coordinates along both."""
@@ -46,7 +47,7 @@ SOLID_FACET_POINTS = 4
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """The exact solution at one time, as far as V^h can tell.
+    """What distances from functions of V^h need of the exact solution at one time.
 
     Attributes:
         time: t.
@@ -70,8 +71,8 @@ class Gauge:
         solution: the exact solution.
         space: V^h.
         raised: added to the degree of the cell rules and to the points of the facet rules.
-        along: lines from which points of many cells have the same distances, which makes formulas cheap and rules exact
-            to a lower degree (``study.fem.sharing``); by default those of ``shared_lines``, () for the plain rules.
+        along: lines from which many quadrature points have the same distance (``study.fem.quadrature.sharing``), which
+            makes formulas cheap and rules exact to a lower degree; by default ``shared_lines``, () for the plain rules.
     """
 
     def __init__(
@@ -80,7 +81,7 @@ class Gauge:
         self.solution, self.space, self.A = solution, space, solution.law.A
         self.degree = (DEGREE if space.dim == 2 else SOLID_DEGREE) + raised
         lines = shared_lines(solution) if along is None else along
-        cells = Points.on_cells(rules(solution, space.mesh, self.degree, lines))
+        cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
         faces = [
             self._on(face, (FACET_POINTS if space.dim == 2 else SOLID_FACET_POINTS) + raised) for face in solution.faces
         ]
@@ -97,10 +98,10 @@ class Gauge:
         self._energy = energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
 
-    def _on(self, face: Face, points: int) -> tuple[Points, Array]:
+    def _on(self, face: Face, points: int) -> tuple[QuadraturePoints, Array]:
         """The points on the facets of a contact face, summed for each of their vertices."""
         rule = facet_rule(self.space.mesh, self.space.facets(face.part), face.part, face.rough, points)
-        return Points.on_facets(rule, face.part, self.space.mesh)
+        return QuadraturePoints.on_facets(rule, face.part, self.space.mesh)
 
     def _amplitudes(self, time: float, rate: bool = False) -> Amplitudes:
         return [amplitudes(time, rate) for amplitudes in self._parts]
@@ -140,7 +141,7 @@ class Gauge:
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
-    """Cell rules that respect where the strain of a solution is rough for all times."""
+    """Cell rules adapted to where the strain of a solution is rough for all times."""
     return cell_rules(mesh, degree, [Line(*line) for line in solution.rough], solution.singular, shared)
 
 

@@ -1,4 +1,4 @@
-"""Independent ways to the load and to the interpolation error: checks of what the gauge measures.
+"""The load and the interpolation error computed in other ways, to check ``study.fem.gauge``.
 
 Nothing here passes through the quadrature of strains or the norm of the measured errors.
 """
@@ -19,8 +19,8 @@ from study.fem.quadrature import CellRule, facet_rule
 from study.fem.space import Space
 
 INSTANTS = 32
-"""Steps of the grid on which the leading term is maximised. Where it falls fastest beside its maximum, in the last T/16
-of a travelling patch, it loses 15 %, as a parabola does 1 % by half a step."""
+"""Steps of the time grid on which the leading term is maximised. Its steepest fall beside a maximum, 15 % over T/16 in
+the case of a travelling patch, is 1 % over half a step if it is that of a parabola."""
 
 
 def load_from_forces(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:

@@ -1,4 +1,4 @@
-"""What V^h sees of a heterogeneous law: the means of its factors on the cells.
+"""Heterogeneous laws on V^h: the means of their factors on the cells.
 
 Strains of V^h are constant on cells, so (α C ε(u), ε(v))_Q is exact with the mean of α.
 """

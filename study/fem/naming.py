@@ -13,7 +13,7 @@ from typing import Any
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.data import Data
-from manufactured.problems import Problem, problems
+from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, MeshFamily, Shaken
 from study.ledger.errors import UsageError
 
@@ -66,7 +66,7 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     """
     name = reference.rpartition(":")[2]
     found = _from_file(reference) if ":" in reference else choose("problem", reference, (*catalogue(), *problems()))
-    if isinstance(found, Problem):
+    if isinstance(found, OpenProblem):
         return found.name, found.data, None
     if isinstance(found, Case):
         return found.name, Data.of(found.solution), found

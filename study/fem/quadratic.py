@@ -1,10 +1,10 @@
-"""V^h of degree 2 in Bernstein form: better admissible displacements than those of P1.
+"""Continuous piecewise quadratic displacements in Bernstein form, and those of them that are admissible.
 
 On a cell v = Σ_α c_α B_α with a coefficient at every vertex and one at every edge. On Γ3 the trace v_ν is a polynomial
-in Bernstein form, and v_ν ≤ 0 follows from ν·c ≤ 0 for its coefficients: the functions with N v ≤ 0 lie in K, where
-values at nodes would not suffice. The converse fails, which costs a little of the cone and nothing of the bound.
+in Bernstein form, and v_ν ≤ 0 follows from ν·c ≤ 0 for its coefficients: the functions with N v ≤ 0 lie in K. (Signs of
+the values at vertices and midpoints would not suffice.) The converse fails: K has more quadratic functions than these.
 
-Strains are linear on a cell. They are held at three points of it, at which products of two are integrated exactly.
+Strains are linear on a cell. They are stored at the three points of a rule that integrates products of two exactly.
 """
 
 from __future__ import annotations
@@ -18,11 +18,9 @@ from skfem import Mesh
 
 from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors, basis, mandel
+from study.fem import bernstein
 from study.fem.mesh import barycentric_gradients, boundary_parts, cell_volumes
 from study.fem.quadrature import simplex_rule
-
-EDGES = ((0, 1), (1, 2), (0, 2))
-"""The vertices of the edges of a cell, in the order of the mesh."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,27 +77,13 @@ class Quadratic:
 
     def shapes(self, barycentric: Array) -> sps.csr_array:
         """v ↦ its values at the same points (3, q) of every cell, (2·cells·q, dofs)."""
-        values = np.array([*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)])
+        values = bernstein.values(barycentric)
         blocks = np.einsum("iq,dj->qdij", values, np.eye(2))
         return self._matrix(np.broadcast_to(blocks, (self.cells, *blocks.shape)))
 
     def strains(self, barycentric: Array) -> sps.csr_array:
         """v ↦ ε(v) in Mandel form at the same points (3, q) of every cell, (3·cells·q, dofs)."""
-        slopes = barycentric_gradients(self.mesh)
-        gradients = np.stack(
-            [
-                *(2 * np.multiply.outer(barycentric[i], slopes[:, i]) for i in range(3)),
-                *(
-                    2
-                    * (
-                        np.multiply.outer(barycentric[a], slopes[:, b])
-                        + np.multiply.outer(barycentric[b], slopes[:, a])
-                    )
-                    for a, b in EDGES
-                ),
-            ],
-            axis=2,
-        )
+        gradients = bernstein.gradients(barycentric, barycentric_gradients(self.mesh))
         return self._matrix(np.einsum("Ijk,qcik->cqIij", basis(2), gradients, optimize=True))
 
     def _matrix(self, blocks: Array) -> sps.csr_array:
@@ -112,7 +96,7 @@ class Quadratic:
 
     @cached_property
     def rule(self) -> tuple[Array, Array]:
-        """Barycentric points (3, 3) and weights (3,) of sum 1 that hold a strain."""
+        """Barycentric points (3, 3), at which strains are stored, and weights (3,) of sum 1."""
         return simplex_rule(2, 2)
 
     @cached_property
@@ -178,7 +162,7 @@ class Quadratic:
         barycentric[0] += 1
         local = self.coefficients(v)[self.numbers[:, cells]]
         gradient = np.einsum("inj,nik,inq->jknq", 2 * local[:3], slopes, barycentric, optimize=True)
-        for edge, (a, b) in enumerate(EDGES, start=3):
+        for edge, (a, b) in enumerate(bernstein.EDGES, start=3):
             for first, second in ((a, b), (b, a)):
                 gradient += np.einsum("nj,nk,nq->jknq", 2 * local[edge], slopes[:, first], barycentric[second])
         return mandel(gradient)

@@ -1,4 +1,4 @@
-"""What is seen of a mesh: its triangles in the plane, its boundary in space."""
+"""The visible surface of a mesh, for pictures: all cells in 2D, the boundary facets in 3D."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from manufactured.tensors import Array
 
 @dataclass(frozen=True, eq=False)
 class Skin:
-    """Triangles to be drawn.
+    """The triangles of the visible surface.
 
     Attributes:
         vertices: the vertices of the mesh that they use, (v,).
-        triangles: their corners, counted among these, (3, k); in space counter-clockwise seen from outside.
+        triangles: their corners as positions in ``vertices``, (3, k); in 3D counter-clockwise seen from outside.
         cells: the cell of the mesh behind each, (k,).
     """
 
@@ -26,7 +26,7 @@ class Skin:
 
     @classmethod
     def of(cls, mesh: Mesh) -> Skin:
-        """All cells in the plane, the boundary facets in space."""
+        """From a mesh of triangles or tetrahedra."""
         if mesh.dim() == 2:
             return cls(np.arange(mesh.p.shape[1]), mesh.t, np.arange(mesh.t.shape[1]))
         facets = mesh.boundary_facets()

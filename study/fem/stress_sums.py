@@ -9,7 +9,7 @@ import numpy as np
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.modes import Modes
 from manufactured.tensors import Array, Tensors
-from study.fem.moments import Amplitudes, Points, StrainSums, strain_at_points
+from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, strain_at_points
 
 
 class StressSums:
@@ -25,7 +25,7 @@ class StressSums:
         strains: Σ w_p α ε.
     """
 
-    def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: Points) -> None:
+    def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
         self.A, G = law.A, law.G
         viscous, elastic = (points.weights * tensor.factor(points.x) for tensor in (self.A, G))
         self.viscous = points.totals(viscous)
@@ -50,7 +50,7 @@ def _linear(G: Linear, sums: StrainSums) -> Callable[[Amplitudes], Tensors]:
 class _Pointwise:
     """Σ w_p G ε for a G that is evaluated at every point; the weights have the factor of G."""
 
-    def __init__(self, G: Elasticity, modes: Sequence[Modes], points: Points, weights: Array) -> None:
+    def __init__(self, G: Elasticity, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
         self.G, self.modes, self.points, self.weights = G, modes, points, weights
 
     def __call__(self, strains: Amplitudes) -> Tensors:

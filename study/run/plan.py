@@ -6,9 +6,9 @@ from collections.abc import Callable, Hashable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
-from manufactured.admissibility import Finding, SelfProofError, examine
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
+from manufactured.self_proof import Finding, SelfProofError, examine
 from study.fem.line import Line
 from study.fem.mesh import MeshError, boundary_parts
 from study.fem.naming import family_named, resolve

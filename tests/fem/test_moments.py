@@ -13,7 +13,7 @@ from study.fem.line import Line
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule, simplex_rule
-from study.fem.sharing import shared
+from study.fem.quadrature.sharing import shared
 from study.fem.space import Space
 
 PLANE = [case for case in catalogue() if case.solution.body.dim == 2]

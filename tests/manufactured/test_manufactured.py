@@ -40,8 +40,8 @@ from manufactured import (
     t,
     unit_square,
 )
-from manufactured.admissibility import ROUND_OFF
-from manufactured.memory import real_roots
+from manufactured.face_strain.contact_times import real_roots
+from manufactured.self_proof.finding import ROUND_OFF
 from manufactured.tensors import dyad, full, identity, mandel, rotation
 
 CASES = {case.name: case for case in catalogue()}

@@ -33,8 +33,8 @@ from manufactured import (
     x2,
 )
 from manufactured.cases.laws import anisotropic, not_proportional
+from manufactured.face_strain import Coupled
 from manufactured.factor import layers
-from manufactured.memory import Coupled
 from manufactured.tensors import traction
 from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, Shaken

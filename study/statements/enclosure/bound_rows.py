@@ -10,7 +10,7 @@ import numpy as np
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.problems import Problem, problems
+from manufactured.problems import OpenProblem, problems
 from study.bound.bounded import known_error
 from study.bound.discrete_solution import compute
 from study.bound.discretisation import Discretisation
@@ -94,7 +94,7 @@ def posed(reference: str) -> Posed:
 
 
 @lru_cache
-def _without_solution() -> dict[str, Problem]:
+def _without_solution() -> dict[str, OpenProblem]:
     """The problems of the study that have no known solution; their formulas take time to compile."""
     return {problem.name: problem for problem in problems()}
 

@@ -1,9 +1,9 @@
 """Quadrature points moved a little so that many of them share a coordinate along a contact face.
 
-What an exact solution costs to evaluate are its formulas of (s, t). On a mesh without structure no two points of the
-cells have the same s; moved to lines s = jδ, with δ a power of two and 16 to 32 times smaller than the cell (half of
-that where two faces share), all cells share the lines. Weights that change as little as possible keep the rule exact
-for polynomials of the highest degree that so many weights can serve, 2 for six points.
+The cost of an exact solution is that of its formulas of (s, t). On a mesh without structure no two quadrature points
+have the same s. Here they are moved to the lines s = jδ, with δ a power of two and 16 to 32 times smaller than the cell
+(half of that where two faces share), so that cells have coordinates in common. Weights that change as little as
+possible keep the rule exact for polynomials of the highest degree that so many weights allow, 2 for six points.
 """
 
 from __future__ import annotations
@@ -20,12 +20,13 @@ from study.fem.line import Line
 SHIFT = 1 / 32
 """Most by which a barycentric coordinate of a point may change."""
 TIE = 1e-9
+"""Added to a binary logarithm before it is rounded down: equal cells get equal spacings in spite of rounding."""
 
 
 def shared(
     corners: Array, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
 ) -> tuple[Array, Array]:
-    """Points and weights of a rule on triangles whose coordinates along the directions lie on few lines.
+    """A rule on triangles whose points have few different distances from the given lines.
 
     Args:
         corners: (2, 3, n).
@@ -42,7 +43,7 @@ def shared(
     new = np.broadcast_to(barycentric[:, None], (3, *points.shape[1:]))
     for line, move in zip(lines, moves, strict=True):
         slopes = gradients @ move
-        # Moving by δ/2 changes λ_i by half of δ ∇λ_i·m. Equal cells get equal spacings in spite of rounding.
+        # Moving by δ/2 changes λ_i by half of δ ∇λ_i·m.
         spacing = np.exp2(np.floor(np.log2(2 * limit / abs(slopes).max(axis=1)) + TIE))[:, None]
         along = np.einsum("d,dnq->nq", line.direction, points) - line.offset
         shift = np.rint(along / spacing) * spacing - along
@@ -52,7 +53,7 @@ def shared(
 
 
 def _correction(barycentric: Array, weights: Array) -> Array:
-    """The least change of weights, relative to them, for the degree that q weights can serve: (3, n, q) → (n, q)."""
+    """The least change of weights, relative to them, that restores exactness at points (3, n, q): (n, q)."""
     degree = (math.isqrt(8 * len(weights) + 1) - 3) // 2
     monomials, integrals = _monomials(degree)
     products = np.ones((barycentric.shape[1], len(monomials), len(weights)))

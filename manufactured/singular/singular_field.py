@@ -1,16 +1,4 @@
-"""Singular fields at a point of the boundary: corners, junctions of conditions, and the natural contact front.
-
-With z = x + iy in axes at the point, a term is y^m Re(c z^β), m ∈ {0, 1}; every eigenfunction of plane
-elasticity at a corner is a sum of such terms. In Kolosov's form, with Φ = a z^λ and Ψ = b z^λ,
-
-    2μ (u_x + i u_y) = κ Φ − z conj(Φ') − conj(Ψ),      z conj(z^{λ−1}) = conj(z^λ) + 2iy conj(z^{λ−1}),
-
-κ = (λ_L + 3μ)/(λ_L + μ) with Lamé's constants λ_L, μ in the plane.
-
-Sources: M. L. Williams, Stress singularities resulting from various boundary conditions in angular
-corners of plates in extension, J. Appl. Mech. 19 (1952) 526–528; N. I. Muskhelishvili, Some Basic
-Problems of the Mathematical Theory of Elasticity, Noordhoff 1953, for the potentials.
-"""
+"""A singular field with its cut-off, and its values at fixed points."""
 
 from __future__ import annotations
 
@@ -22,30 +10,11 @@ from functools import cached_property
 import numpy as np
 import sympy as sp
 
-from manufactured.body import Part
 from manufactured.modes import Modes
 from manufactured.profile import Piecewise
+from manufactured.singular.monomials import Monomial, real_power
 from manufactured.symbols import Jet, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
-
-
-@dataclass(frozen=True)
-class Monomial:
-    """y^m Re(c z^β) with its derivatives; m is 0 or 1."""
-
-    m: int
-    c: complex
-    beta: float
-
-    def terms(self, dx: int, dy: int) -> list[tuple[int, complex, float]]:
-        """(m, c, β) of the terms of ∂_x^dx ∂_y^dy."""
-        found = [(self.m, self.c, self.beta)]
-        for step in [1.0] * dx + [1j] * dy:
-            slopes = [(m, c * beta * step, beta - 1) for m, c, beta in found]
-            # ∂_y (y g) = y ∂_y g + g.
-            drops = [(0, c, beta) for m, c, beta in found if m == 1 and step == 1j]
-            found = slopes + drops
-        return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +121,7 @@ class SingularAtPoints:
         return np.array(
             [
                 sum(
-                    y**m * _real_power(x, y, c, beta)
+                    y**m * real_power(x, y, c, beta)
                     for monomial in component
                     for m, c, beta in monomial.terms(dx, dy)
                     if c != 0
@@ -185,74 +154,6 @@ def _binomial(n: int, k: int) -> int:
     return 1 if k in (0, n) else n
 
 
-def _real_power(x: Array, y: Array, c: complex, beta: float) -> Array:
-    """Re(c (x + iy)^β) by r^β (c_r cos βθ − c_i sin βθ), analytic in x and y for the complex step; 0 at r = 0."""
-    r2 = x * x + y * y
-    there = np.real(r2) > 0
-    r = np.sqrt(np.where(there, r2, 1.0))
-    right = np.real(x) >= 0
-    # θ = 2 arctan(y/(r + x)), or ±π − 2 arctan(y/(r − x)) where x < 0: no cancellation, θ = π on the cut.
-    half = np.arctan(y / np.where(right, r + x, r - x))
-    theta = np.where(right, 2 * half, np.where(np.real(y) >= 0, np.pi, -np.pi) - 2 * half)
-    value = r**beta * (c.real * np.cos(beta * theta) - c.imag * np.sin(beta * theta))
-    return np.where(there, value, 0.0)
-
-
-def kolosov(kappa: float, a: complex, b: complex, exponent: float) -> tuple[tuple[Monomial, ...], tuple[Monomial, ...]]:
-    """The monomials of u_x and u_y of 2μ(u_x + iu_y) = κΦ − z conj(Φ') − conj(Ψ), Φ = a z^λ, Ψ = b z^λ."""
-    # κ a z^λ − conj((λ a + b) z^λ) − 2iyλ conj(a z^{λ−1}), with Im g = Re(−i g) and conj(g) = Re g − i Im g.
-    lam = exponent
-    u_x = (Monomial(0, kappa * a - lam * a - b, lam), Monomial(1, 2j * lam * a, lam - 1))
-    u_y = (Monomial(0, -1j * (kappa * a) - 1j * (lam * a + b), lam), Monomial(1, -2 * lam * a + 0j, lam - 1))
-    return u_x, u_y
-
-
 def least_exponent(fields: Iterable[SingularField]) -> float:
     """The least regular power of the distance in some fields, min(m + β); infinite without any."""
     return min((m.m + m.beta for field in fields for m in (*field.x, *field.y) if m.c != 0), default=math.inf)
-
-
-@dataclass(frozen=True, eq=False)
-class SingularFace:
-    """A piece of Γ3 on which a singular field makes contact: gap, pressure and zone are stated beside the field.
-
-    Attributes:
-        part: the piece Γ3,i.
-        gap: w(s, t).
-        pressure: p(s, t), what the law makes of the field; the self-proof compares.
-        level: ψ(s, t).
-        field: the displacement.
-        rough: coordinates s of the singular points.
-    """
-
-    part: Part
-    gap: sp.Expr
-    pressure: sp.Expr
-    level: sp.Expr
-    field: SingularField
-    rough: tuple[float, ...] = ()
-
-    @cached_property
-    def gap_jet(self) -> Jet:
-        return Jet(sp.sympify(self.gap), (s,))
-
-    @cached_property
-    def pressure_jet(self) -> Jet:
-        return Jet(sp.sympify(self.pressure), (s,))
-
-    @cached_property
-    def level_jet(self) -> Jet:
-        return Jet(sp.sympify(self.level), (s,))
-
-    @property
-    def variables(self) -> tuple[sp.Symbol, ...]:
-        return (s,)
-
-    @property
-    def exponents_in(self) -> sp.Expr:
-        """The formula with the truncated powers of the pressure side."""
-        return self.pressure
-
-    def at(self, x: Points) -> SingularAtPoints:
-        """The field at fixed points of Ω̄, (2, ...)."""
-        return self.field.at(x)

@@ -1,0 +1,71 @@
+"""Polygons, the unit square and boxes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from manufactured.body.domain import Body
+from manufactured.body.part import BodyError, Kind, Part
+from manufactured.tensors import Array
+
+
+def polygon(
+    vertices: Sequence[tuple[float, float]],
+    kinds: Sequence[Kind],
+    T: float = 1.0,
+    refine: Sequence[tuple[float, float]] = (),
+    interfaces: Sequence[tuple[tuple[float, float], tuple[float, float]]] = (),
+) -> Body:
+    """The polygon with the given counter-clockwise vertices; ``kinds[i]`` holds from vertex i to i+1.
+
+    A boundary condition may change within a side: list the point as a vertex. Interfaces are pairs of points.
+    """
+    if len(vertices) != len(kinds):
+        raise BodyError(f"{len(vertices)} vertices need {len(vertices)} kinds, got {len(kinds)}")
+    ends = list(zip(vertices, [*vertices[1:], *vertices[:1]], strict=True))
+    return Body(
+        tuple(Part(kind, _columns(pair)) for kind, pair in zip(kinds, ends, strict=True)),
+        T,
+        tuple(tuple(float(c) for c in point) for point in refine),
+        tuple(Part(Kind.INTERFACE, _columns(pair)) for pair in interfaces),
+    )
+
+
+def unit_square(T: float = 1.0) -> Body:
+    """(0,1)²: clamped on top, loaded on both sides, Γ3 the bottom with s = x."""
+    return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED], T)
+
+
+def box(
+    lengths: tuple[float, float, float] = (1.0, 1.0, 1.0),
+    T: float = 1.0,
+    *,
+    left: Kind = Kind.LOADED,
+    right: Kind = Kind.LOADED,
+    front: Kind = Kind.LOADED,
+    back: Kind = Kind.LOADED,
+    bottom: Kind = Kind.CONTACT,
+    top: Kind = Kind.CLAMPED,
+) -> Body:
+    """(0,X) × (0,Y) × (0,Z) for the lengths (X, Y, Z), by default loaded on its sides, Γ3 the bottom.
+
+    Left and right are x = 0 and X, front and back y = 0 and Y, bottom and top z = 0 and Z, in this order. Local
+    coordinates s: bottom (x, y), left (y, z), front (z, x); opposite faces have the two swapped.
+    """
+    parts = []
+    for face, kind in enumerate((left, right, front, back, bottom, top)):
+        axis, far = divmod(face, 2)
+        first, second = ((axis + 2) % 3, (axis + 1) % 3) if far else ((axis + 1) % 3, (axis + 2) % 3)
+        corners = np.zeros((3, 4))
+        corners[axis] = far * lengths[axis]
+        corners[second, 1:3] = lengths[second]
+        corners[first, 2:4] = lengths[first]
+        parts.append(Part(kind, corners))
+    return Body(tuple(parts), T)
+
+
+def _columns(points: Sequence[tuple[float, float]]) -> Array:
+    """(d, number of points)."""
+    return np.array(points, dtype=float).T

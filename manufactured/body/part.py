@@ -1,0 +1,193 @@
+"""A flat piece of the boundary, or an interface inside the body.
+
+What holds in two and in three dimensions is written once, with the vector |S| ν of a piece S of the boundary,
+
+    |S| ν = Σ over the simplices (c_0, c_i, …, c_{i+d−2}) of its fan of a/(d−1)!,   a·x = det [x, c_i − c_0, …].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from enum import Enum
+from functools import cached_property
+from math import factorial
+
+import numpy as np
+from numpy.typing import NDArray
+
+from manufactured.tensors import Array, Hyperplane, Points
+
+NDBool = NDArray[np.bool_]
+
+ROUNDING = 1e-9
+"""Relative distance below which points of a body are the same and corners lie in one plane."""
+
+
+class BodyError(ValueError):
+    """A body or its boundary parts are not what the problem needs."""
+
+
+class Kind(Enum):
+    """What a part carries: the boundary condition (2.3), (2.4) or (2.5), or a change of the material inside."""
+
+    CLAMPED = "Γ1"
+    LOADED = "Γ2"
+    CONTACT = "Γ3"
+    INTERFACE = "interface"
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A flat piece of ∂Ω with one boundary condition: a segment in 2D, a convex polygon in 3D.
+
+    Its local coordinates are s ∈ R^{d−1} along the part, from its first corner, and y, the distance into the body.
+    The first axis of s points from the first corner to the last, and the axes of (s, y) are right-handed. On the
+    bottom of the unit cube with the corners (0,0), (0,1), (1,1), (1,0) this is s = (x, y).
+
+    Attributes:
+        kind: the condition.
+        corners: (d, c). In 2D c = 2 and Ω lies to the left of start → end; in 3D c ≥ 3 and the corners run
+            counter-clockwise seen from outside.
+
+    Raises:
+        BodyError: the corners are not finite, repeated, not in one plane or not those of a convex polygon.
+    """
+
+    kind: Kind
+    corners: Array
+
+    def __post_init__(self) -> None:
+        dim, count = self.corners.shape
+        if dim not in (2, 3) or count < dim or (dim == 2 and count > 2):
+            raise BodyError(
+                f"corners of the shape {(dim, count)} make no part: give two corners in 2D, shape (2, 2), "
+                "or three and more in 3D, shape (3, c)"
+            )
+        if not np.isfinite(self.corners).all():
+            raise BodyError(f"a vertex of the body is not a finite number: {self._given}")
+        if (np.linalg.norm(np.roll(self.corners, -1, axis=1) - self.corners, axis=0) == 0).any():
+            raise BodyError(f"a boundary part has an edge of length 0, {self._given}; list every vertex once")
+        if self.measure == 0:
+            raise BodyError(f"a boundary part has the area 0: {self._given}")
+        diameter = float(np.ptp(self.corners, axis=1).max())
+        if abs(self.coordinates(self.corners)[1]).max() > ROUNDING * diameter:
+            raise BodyError(f"a boundary part is not flat: {self._given}; cut it into triangles")
+        if not self.contains(self.corners, ROUNDING * diameter).all():
+            raise BodyError(f"a boundary part is not convex: {self._given}; cut it into convex parts")
+
+    @property
+    def _given(self) -> list[list[float]]:
+        return [[float(f"{c:.9g}") for c in corner] for corner in self.corners.T]
+
+    @property
+    def dim(self) -> int:
+        return len(self.corners)
+
+    @property
+    def start(self) -> Array:
+        """The first corner, (d,), the origin of s."""
+        return self.corners[:, 0]
+
+    @property
+    def end(self) -> Array:
+        """The last corner, (d,), on the first axis of s; in 2D the other end."""
+        return self.corners[:, -1]
+
+    def line(self, c: float) -> Hyperplane:
+        """{s = c} across a body in the plane."""
+        return tuple(map(float, self.tangent)), float(self.tangent @ self.start) + c
+
+    @cached_property
+    def vector(self) -> Array:
+        """|S| ν, (d,)."""
+        return np.sum([fan_vector(simplex) for simplex in self.fan], axis=0)
+
+    @cached_property
+    def fan(self) -> tuple[Array, ...]:
+        """The simplices (d, d) from the first corner that make up the part."""
+        dim, count = self.corners.shape
+        return tuple(self.corners[:, [0, *range(i, i + dim - 1)]] for i in range(1, count - dim + 2))
+
+    @cached_property
+    def measure(self) -> float:
+        """Length (2D) or area (3D)."""
+        return float(np.linalg.norm(self.vector))
+
+    @cached_property
+    def tangent(self) -> Array:
+        """Unit vector from the first corner to the last, the first axis of s, (d,)."""
+        along = self.end - self.start
+        return along / np.linalg.norm(along)
+
+    @cached_property
+    def normal(self) -> Array:
+        """ν, the unit **outward** normal, (d,)."""
+        return self.vector / self.measure
+
+    @cached_property
+    def frame(self) -> Array:
+        """Orthonormal, right-handed columns (tangents, inward normal −ν), (d, d): local axes (s, y) of the lifting."""
+        further = [] if self.dim == 2 else [np.cross(self.tangent, self.normal)]
+        return np.column_stack([self.tangent, *further, -self.normal])
+
+    @cached_property
+    def outline(self) -> Array:
+        """The corners in the coordinates s, (d−1, c)."""
+        return self.coordinates(self.corners)[0]
+
+    @cached_property
+    def sides(self) -> tuple[Array, Array]:
+        """Outward unit normals n_k (d−1, k) and offsets b_k (k,): the part is {n_k·s ≤ b_k for all k}."""
+        if self.dim == 2:
+            return np.array([[-1.0, 1.0]]), np.array([0.0, self.measure])
+        # In the axes s the corners run clockwise, so that outside is to the left.
+        edges = np.roll(self.outline, -1, axis=1) - self.outline
+        normals = np.array([-edges[1], edges[0]]) / np.linalg.norm(edges, axis=0)
+        return normals, np.einsum("ik,ik->k", normals, self.outline)
+
+    def coordinates(self, x: Points) -> tuple[Array, Array]:
+        """Local coordinates: s ∈ R^{d−1} along the part from its start, y = distance into the body.
+
+        (d, ...) → (d−1, ...), (...).
+        """
+        local = np.tensordot(self.frame.T, x - self.start.reshape((-1,) + (1,) * (x.ndim - 1)), axes=1)
+        return local[:-1], local[-1]
+
+    def point(self, s: Array) -> Points:
+        """The point of the part with local coordinate s: (d−1, ...) → (d, ...)."""
+        origin = self.start.reshape((-1,) + (1,) * (np.ndim(s) - 1))
+        return origin + np.tensordot(self.frame[:, :-1], s, axes=1)
+
+    def covers(self, s: Array, tolerance: float) -> NDBool:
+        """Whether local coordinates are those of points of the closed part: (d−1, ...) → (...)."""
+        normals, offsets = self.sides
+        beyond = np.moveaxis(np.tensordot(normals.T, s, axes=1), 0, -1) - offsets
+        return np.asarray((beyond <= tolerance).all(axis=-1))
+
+    def contains(self, x: Points, tolerance: float) -> NDBool:
+        """Whether points lie on the closed part: (d, ...) → (...)."""
+        s, y = self.coordinates(x)
+        return (abs(y) <= tolerance) & self.covers(s, tolerance)
+
+    def sample(self, rng: np.random.Generator, count: int) -> Points:
+        """Random points of the part, evenly distributed, (d, count)."""
+        return self.point(scattered(rng, self.outline, lambda s: self.covers(s, 0.0), count))
+
+
+def fan_vector(simplex: Array) -> Array:
+    """|S| ν of a simplex S with the corners (d, d): ν outward if they run as those of a ``Part``."""
+    dim = len(simplex)
+    edges = simplex[:, 1:] - simplex[:, :1]
+    cofactors = [np.linalg.det(np.column_stack([unit, edges])) for unit in np.eye(dim)]
+    return np.array(cofactors) / factorial(dim - 1)
+
+
+def scattered(rng: np.random.Generator, corners: Points, inside: Callable[[Points], NDBool], count: int) -> Points:
+    """Random points of a set, evenly distributed, out of the smallest box around its corners, (k, count)."""
+    low, high = corners.min(axis=1), corners.max(axis=1)
+    points = np.empty((len(corners), 0))
+    while points.shape[1] < count:
+        trial = rng.uniform(low[:, None], high[:, None], (len(corners), 2 * count))
+        points = np.hstack([points, trial[:, inside(trial)]])
+    return points[:, :count]

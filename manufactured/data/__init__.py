@@ -1,0 +1,10 @@
+"""The data of Problem 2.1: body, law, forces f_0 and f_2, initial displacement u_0, and no solution.
+
+What is computed from ``Data`` alone can serve a problem whose solution nobody knows. An exact solution gives its data
+by ``Data.of``; formulas of x1, x2 and t by ``Data.formulas``.
+"""
+
+from manufactured.data.data_checks import LoadError
+from manufactured.data.problem_data import Data, ForceInTime
+
+__all__ = ["Data", "ForceInTime", "LoadError"]

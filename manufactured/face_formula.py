@@ -1,0 +1,143 @@
+"""The exponents of the fronts in the formulas on a contact face, read off the formulas."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import sympy as sp
+
+from manufactured.body import Part
+from manufactured.exponents import SMOOTH, is_natural, must_be_positive, order_at
+from manufactured.symbols import function, pos, s, s1, s2, t
+from manufactured.tensors import Array
+
+FACE = frozenset({s, s1, s2})
+"""The coordinates along contact faces."""
+TINY = 1e-9
+"""A value counts as zero if it is smaller than this part of the largest on the face."""
+POINTS, ZOOMS = 33, 8
+"""Points along every axis of the grid on which an extremum is sought, and grids, each of one cell of the last."""
+
+
+class RoughError(ValueError):
+    """The exponents of a formula cannot be read off, or no ``Regularity`` can state them."""
+
+
+@dataclass(frozen=True)
+class FaceFormula:
+    """A formula of the contact data on a face during [begin, end].
+
+    Attributes:
+        formula: of the variables and t.
+        part: the face.
+        variables: the coordinates along the face.
+        begin, end: the times between which the formula is used.
+    """
+
+    formula: sp.Expr
+    part: Part
+    variables: tuple[sp.Symbol, ...]
+    begin: float
+    end: float
+
+    @cached_property
+    def plain(self) -> sp.Expr:
+        """The formula without the truncated powers that are smooth here, as x keeps its sign or x^a is a polynomial.
+
+        What remains as ``pos(x, a)`` has its front on the face, or is a power that is not natural at an end of it.
+        """
+
+        def resolved(power: pos) -> sp.Expr:
+            x, a = power.args
+            low, high = self.range(x)
+            tiny = TINY * max(abs(low), abs(high))
+            if high <= tiny:
+                return sp.Integer(0)
+            return x**a if low > tiny or (low >= -tiny and is_natural(a)) else power
+
+        return self.formula.replace(lambda e: isinstance(e, pos) and bool(e.free_symbols & FACE), resolved)
+
+    def refuse_unread(self) -> None:
+        """Every part of the formula that is not smooth on the face must be a truncated power.
+
+        Powers that are not natural and logarithms are smooth where their base stays positive, poles where it is not
+        zero; the base is sampled, so that a zero between the points of a grid may be missed.
+
+        Raises:
+            RoughError: another part is not smooth, or not known to be.
+        """
+        # A power that is resolved may hide what its argument is made of, or become a plain power itself.
+        parts = self.formula.atoms(sp.Function, sp.Pow) | self.plain.atoms(sp.Function, sp.Pow)
+        for part in sorted(parts, key=str):
+            base = must_be_positive(part) if part.free_symbols & FACE else None
+            if base is None:
+                continue
+            low, high = self.range(base)
+            if not TINY * high < low < math.inf:
+                raise RoughError(
+                    f"{part} in {self.formula} is not known to be smooth on the whole face during "
+                    f"[{self.begin:g}, {self.end:g}]; write a rough power x^a as pos(x, a) and state its exponent in "
+                    f"the label, keep the base of other powers and logarithms above 0, and of functions use "
+                    f"{', '.join(f.__name__ for f in SMOOTH)}"
+                )
+
+    def fronts(self) -> tuple[float, float]:
+        """The lowest exponents of the fronts that stay and of those that move; infinite without any."""
+        found = {False: math.inf, True: math.inf}
+        for front in {power.args[0] for power in self.plain.atoms(pos) if power.args[0].free_symbols & FACE}:
+            # t (s − c) vanishes where s − c does: that front stays.
+            factors = sp.Mul.make_args(sp.factor(front))
+            moves = any(factor.has(t) and bool(factor.free_symbols & FACE) for factor in factors)
+            found[moves] = min(found[moves], order_at(self.plain, front)[0])
+        return found[False], found[True]
+
+    def range(self, formula: sp.Expr) -> tuple[float, float]:
+        """(least, largest) value of a formula on the closed face × [begin, end], infinite where it has none."""
+        values = function([*self.variables, t], [formula])
+        return self._least(values, 1.0), -self._least(values, -1.0)
+
+    def _least(self, values: Callable[..., list[Array]], sign: float) -> float:
+        """The least value of a function times ±1: on a grid, then on ever smaller ones around the best point."""
+        outline = self.part.outline
+        start, stop = np.array([*outline.min(1), self.begin]), np.array([*outline.max(1), self.end])
+        low, high, least = start, stop, math.inf
+        for _ in range(ZOOMS):
+            axes = [np.linspace(a, b, POINTS) for a, b in zip(low, high, strict=True)]
+            grid = np.array(np.meshgrid(*axes, indexing="ij")).reshape(len(axes), -1)
+            with np.errstate(all="ignore"):
+                found = sign * np.broadcast_to(values(*grid)[0], grid.shape[1:])
+            found = np.where(np.isnan(found), -math.inf, found)
+            found = np.where(self.part.covers(grid[:-1], 1e-12 * self.part.measure), found, math.inf)
+            best = int(found.argmin())
+            least = min(least, float(found[best]))
+            cell = (high - low) / (POINTS - 1)
+            low, high = np.maximum(start, grid[:, best] - cell), np.minimum(stop, grid[:, best] + cell)
+        return least
+
+
+def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> tuple[float, float, bool]:
+    """(α, m, moving) of the formulas of a solution: the lowest exponents over its fronts, infinite without any.
+
+    Raises:
+        RoughError: a formula has parts that cannot be read, or its gap has a front that stays and is rougher
+            than those that move, which one label cannot state: a moving front costs u̇ one power more.
+    """
+    sides = []
+    for side in (gaps, pressures):
+        pieces = list(side)
+        for piece in pieces:
+            piece.refuse_unread()
+        found = [piece.fronts() for piece in pieces]
+        sides.append([min((exponents[k] for exponents in found), default=math.inf) for k in (False, True)])
+    (alpha, moving_alpha), (m, moving_m) = sides
+    moving = min(moving_alpha, moving_m) < math.inf
+    if moving and alpha < moving_alpha:
+        raise RoughError(
+            f"the gap has a front that stays with α = {alpha:g} beside moving ones with α = {moving_alpha:g}, m = "
+            f"{moving_m:g}; one label cannot state both: raise the exponent of the front that stays, or make two cases"
+        )
+    return min(alpha, moving_alpha), min(m, moving_m), moving

@@ -1,0 +1,26 @@
+"""The Kelvin–Voigt law σ = A ε(u̇) + G ε(u), equation (2.1), and its two ingredients.
+
+A is a viscosity tensor with (3.1), G an elasticity operator with (3.2): linear, or the law (3.3)
+G(ε) = β (ε − P_K ε) with a closed convex set K ∋ 0 of S^d. Linear ones may vary in space through a
+scalar factor, C(x) = α(x) C. Tensors are Mandel vectors (D, ...).
+"""
+
+from manufactured.law.kelvin_voigt import KelvinVoigt, PointLaw
+from manufactured.law.linear_operator import Linear, Scaled, isotropic
+from manufactured.law.operators import AtPoints, Elasticity, LawError
+from manufactured.law.projection import ConvexSet, DeviatoricBall, FrobeniusBall, Yield
+
+__all__ = [
+    "AtPoints",
+    "ConvexSet",
+    "DeviatoricBall",
+    "Elasticity",
+    "FrobeniusBall",
+    "KelvinVoigt",
+    "LawError",
+    "Linear",
+    "PointLaw",
+    "Scaled",
+    "Yield",
+    "isotropic",
+]

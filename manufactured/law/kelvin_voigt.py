@@ -1,0 +1,59 @@
+"""The Kelvin–Voigt law (2.1)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from manufactured.law.linear_operator import Linear
+from manufactured.law.operators import AtPoints, Elasticity, LawError
+from manufactured.tensors import Array, Hyperplane, Points, Tensors
+
+
+@dataclass(frozen=True, eq=False)
+class KelvinVoigt:
+    """σ = A ε̇ + G(ε), equation (2.1).
+
+    Raises:
+        LawError: A and G act on tensors of different dimension.
+    """
+
+    A: Linear
+    G: Elasticity
+    name: str
+
+    def __post_init__(self) -> None:
+        if self.A.dim != self.G.dim:
+            raise LawError(f"A acts in dimension {self.A.dim}, G in dimension {self.G.dim}; make them equal")
+
+    @property
+    def dim(self) -> int:
+        return self.A.dim
+
+    def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
+        """σ = A ε̇ + G(ε) of a homogeneous law: (D, ...), (D, ...) → (D, ...)."""
+        return self.A(strain_rate) + self.G(strain)
+
+    @property
+    def steps(self) -> list[Hyperplane]:
+        """The planes (direction, offset) across which A or G jumps, each once, in order."""
+        return sorted({*self.A.factor.steps, *self.G.factor.steps})
+
+    def at(self, x: Points) -> PointLaw:
+        """The law at fixed points, (d, ...)."""
+        return PointLaw(self.A.at(x), self.G.at(x))
+
+    def scaled(self, viscous: Array, elastic: Array) -> PointLaw:
+        """The law for given values of the factors of A and G, (...) each."""
+        return PointLaw(self.A.scaled(viscous), self.G.scaled(elastic))
+
+
+@dataclass(frozen=True)
+class PointLaw:
+    """A Kelvin–Voigt law at fixed points."""
+
+    A: AtPoints
+    G: AtPoints
+
+    def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
+        """σ = A ε̇ + G(ε): (D, ...), (D, ...) → (D, ...)."""
+        return self.A(strain_rate) + self.G(strain)

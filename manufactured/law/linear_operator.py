@@ -1,0 +1,134 @@
+"""Linear operators τ ↦ α(x) C τ: viscosity A, (3.1), and linear elasticity G, (2.7)."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from manufactured.factor import UNIFORM, Factor
+from manufactured.law.operators import AtPoints, LawError
+from manufactured.tensors import Array, Points, Tensors, dyad, identity, size
+
+
+@dataclass(frozen=True, eq=False)
+class Linear:
+    """τ ↦ α(x) C τ with a symmetric positive definite matrix C (D, D) in Mandel form and a factor α > 0.
+
+    Serves as viscosity A, (3.1), and as linear elasticity G, (2.7).
+
+    Raises:
+        LawError: C is not square of size D(2) = 3 or D(3) = 6, not finite, not symmetric or not
+            elliptic.
+    """
+
+    matrix: Array
+    factor: Factor = UNIFORM
+
+    def __post_init__(self) -> None:
+        matrix = np.asarray(self.matrix, dtype=float)
+        if matrix.shape not in ((3, 3), (6, 6)):
+            raise LawError(f"a tensor needs a 3×3 (d=2) or 6×6 (d=3) Mandel matrix, got {matrix.shape}")
+        if not np.isfinite(matrix).all():
+            raise LawError(f"the tensor has entries that are not finite: {matrix.tolist()}")
+        if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0):
+            raise LawError("the tensor is not symmetric, but (3.1) needs Aσ·τ = σ·Aτ; symmetrise it")
+        smallest = float(np.linalg.eigvalsh(matrix)[0])
+        if smallest <= 0:
+            raise LawError(
+                f"the tensor is not elliptic: its smallest eigenvalue is {smallest:.6g}, but (3.1) "
+                "needs m_A > 0; for an isotropic tensor take 2μ > 0 and 2μ + dλ > 0"
+            )
+        object.__setattr__(self, "matrix", matrix)
+
+    @property
+    def dim(self) -> int:
+        return 2 if self.matrix.shape[0] == 3 else 3
+
+    @cached_property
+    def ellipticity(self) -> float:
+        """m_A, the smallest eigenvalue of α C."""
+        return self.factor.low * float(np.linalg.eigvalsh(self.matrix)[0])
+
+    @cached_property
+    def lipschitz(self) -> float:
+        """L_G, the largest eigenvalue of α C."""
+        return self.factor.high * float(np.linalg.eigvalsh(self.matrix)[-1])
+
+    @property
+    def monotonicity(self) -> float:
+        return self.ellipticity
+
+    @property
+    def reference(self) -> Array:
+        return self.matrix
+
+    def normal_modulus(self, normal: Array) -> float:
+        """C_nnnn = (n⊗n)·C(n⊗n), without the factor."""
+        direction = dyad(normal, normal)
+        return float(direction @ self.matrix @ direction)
+
+    def __call__(self, strain: Tensors) -> Tensors:
+        """C ε of a homogeneous tensor.
+
+        Raises:
+            LawError: the tensor is heterogeneous and needs points: use ``at`` or ``scaled``.
+        """
+        if self.factor is not UNIFORM:
+            raise LawError("a heterogeneous tensor acts at points: use at(x) or scaled(factors)")
+        return np.tensordot(self.matrix, strain, axes=1)
+
+    def at(self, x: Points) -> AtPoints:
+        if self.factor is UNIFORM:
+            return Scaled(self.matrix)
+        return Scaled(self.matrix, self.factor(x), self.factor.gradient(x))
+
+    def scaled(self, factor: Array) -> AtPoints:
+        return Scaled(self.matrix, factor)
+
+    def face_block(self, frame: Array) -> Array:
+        """Moduli between the strains a contact face can have, d_a·C d_b, (d, d).
+
+        d_0 = n⊗n and d_i = (n⊗t_i + t_i⊗n)/2 for a frame with the columns (t_1, …, n).
+        """
+        n = frame[:, -1]
+        directions = np.array([dyad(n, n), *(dyad(n, tangent) for tangent in frame[:, :-1].T)])
+        return directions @ self.matrix @ directions.T
+
+
+@dataclass(frozen=True, eq=False)
+class Scaled:
+    """ε ↦ α C ε at fixed points.
+
+    Attributes:
+        matrix: C, (D, D).
+        factor: α, (...).
+        slopes: ∂_j α, (d, ...).
+    """
+
+    matrix: Array
+    factor: Array | float = 1.0
+    slopes: Array | None = None
+
+    def __call__(self, strain: Tensors) -> Tensors:
+        product = np.tensordot(self.matrix, strain, axes=1)
+        return product if isinstance(self.factor, float) else self.factor * product
+
+    def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
+        return self(direction)
+
+    def drift(self, strain: Tensors) -> Array | float:
+        if self.slopes is None:
+            return 0.0
+        return self.slopes * np.tensordot(self.matrix, strain, axes=1)[:, None]
+
+
+def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> Linear:
+    """C τ = α(x) (2μ τ + λ (tr τ) I).
+
+    Raises:
+        LawError: not elliptic, that is 2μ ≤ 0 or 2μ + dλ ≤ 0.
+    """
+    unit = identity(dim)
+    return Linear(2 * mu * np.eye(size(dim)) + lam * np.multiply.outer(unit, unit), factor)

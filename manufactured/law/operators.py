@@ -1,0 +1,63 @@
+"""What an elasticity operator is, (3.2), and what it is at fixed points."""
+
+from __future__ import annotations
+
+from typing import Protocol
+
+from manufactured.factor import Factor
+from manufactured.tensors import Array, Points, Tensors
+
+
+class LawError(ValueError):
+    """A constitutive law violates (3.1) or (3.2)."""
+
+
+class AtPoints(Protocol):
+    """A constitutive operator at fixed points: tensors (D, ...) over these points."""
+
+    def __call__(self, strain: Tensors) -> Tensors:
+        """C(x) ε or G(x, ε): (D, ...) → (D, ...)."""
+        ...
+
+    def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
+        """Its derivative in ε where it exists: (D, ...), (D, ...) → (D, ...)."""
+        ...
+
+    def drift(self, strain: Tensors) -> Array | float:
+        """Its derivatives in x_j at fixed ε, (D, d, ...); 0 for a homogeneous one."""
+        ...
+
+
+class Elasticity(Protocol):
+    """G : S^d → S^d of (3.2).
+
+    ``lipschitz`` is L_G; ``monotonicity`` a constant m with
+    (G(a) − G(b))·(a − b) ≥ m |a − b|²; ``reference`` a constant symmetric matrix (D, D) that a
+    solver may use in place of the derivative of G (for a linear G: G itself).
+    """
+
+    @property
+    def dim(self) -> int: ...
+    @property
+    def lipschitz(self) -> float: ...
+    @property
+    def monotonicity(self) -> float: ...
+    @property
+    def reference(self) -> Array: ...
+
+    @property
+    def factor(self) -> Factor:
+        """The scalar field α of α(x) G(ε)."""
+        ...
+
+    def __call__(self, strain: Tensors) -> Tensors:
+        """G(ε) of a homogeneous operator, (D, ...) → (D, ...)."""
+        ...
+
+    def at(self, x: Points) -> AtPoints:
+        """G at fixed points, (d, ...)."""
+        ...
+
+    def scaled(self, factor: Array) -> AtPoints:
+        """α G for given values of α, (...): what ``at`` is for α = ``factor`` at points, or for its means on cells."""
+        ...

@@ -1,0 +1,122 @@
+"""The elasticity operator (3.3), G(ε) = β (ε − P_K ε), with the projection P_K onto a closed convex set."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from manufactured.factor import UNIFORM, Factor
+from manufactured.law.operators import AtPoints, LawError
+from manufactured.tensors import Array, Points, Tensors, dyad, identity, size
+
+
+class ConvexSet(Protocol):
+    """A closed convex K ⊂ S^d, 0 ∈ K, that is {τ : |Pτ| ≤ r} for an orthogonal projector P."""
+
+    @property
+    def dim(self) -> int: ...
+    @property
+    def radius(self) -> float: ...
+    @property
+    def projector(self) -> Array: ...
+
+
+@dataclass(frozen=True)
+class FrobeniusBall:
+    """K = {τ : |τ| ≤ r}."""
+
+    radius: float
+    dim: int = 2
+
+    @property
+    def projector(self) -> Array:
+        return np.eye(size(self.dim))
+
+
+@dataclass(frozen=True)
+class DeviatoricBall:
+    """K = {τ : |dev τ| ≤ r}, dev τ = τ − (tr τ / d) I: von Mises' cylinder."""
+
+    radius: float
+    dim: int = 2
+
+    @property
+    def projector(self) -> Array:
+        unit = identity(self.dim)
+        return np.eye(size(self.dim)) - np.multiply.outer(unit, unit) / self.dim
+
+
+@dataclass(frozen=True, eq=False)
+class Yield:
+    """The elasticity operator of (3.3), G(ε) = β (ε − P_K ε), L_G = β, monotone with m = 0.
+
+    For K = {|Pτ| ≤ r}: G(ε) = β (1 − r/|Pε|)_+ Pε.
+
+    Raises:
+        LawError: β ≤ 0 or r < 0 (0 ∈ K fails), or one of them is not finite.
+    """
+
+    beta: float
+    convex: ConvexSet
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite(self.beta) and self.beta > 0):
+            raise LawError(f"(3.3) needs β > 0, got β = {self.beta}")
+        if not (np.isfinite(self.convex.radius) and self.convex.radius > 0):
+            raise LawError(f"(3.3) needs a radius r > 0 so that 0 lies in K, got r = {self.convex.radius}")
+
+    @property
+    def dim(self) -> int:
+        return self.convex.dim
+
+    @property
+    def lipschitz(self) -> float:
+        return self.beta
+
+    @property
+    def monotonicity(self) -> float:
+        return 0.0
+
+    @property
+    def reference(self) -> Array:
+        """(β/2) P: G minus this is Lipschitz with β/2 only, the best constant splitting."""
+        return 0.5 * self.beta * self.convex.projector
+
+    def _norm(self, part: Tensors) -> Array:
+        # Not np.linalg.norm: complex-step derivatives need the analytic square root.
+        return np.sqrt(np.sum(part * part, axis=0))
+
+    def __call__(self, strain: Tensors) -> Tensors:
+        part = np.tensordot(self.convex.projector, strain, axes=1)
+        norm = self._norm(part)
+        outside = norm.real > self.convex.radius
+        return self.beta * np.where(outside, 1 - self.convex.radius / np.where(outside, norm, 1.0), 0.0) * part
+
+    def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
+        part = np.tensordot(self.convex.projector, strain, axes=1)
+        change = np.tensordot(self.convex.projector, direction, axes=1)
+        norm = self._norm(part)
+        outside = norm > self.convex.radius
+        norm = np.where(outside, norm, 1.0)
+        radial = self.convex.radius * np.sum(part * change, axis=0) / norm**3
+        return self.beta * np.where(outside, (1 - self.convex.radius / norm) * change + radial * part, 0.0)
+
+    @property
+    def factor(self) -> Factor:
+        return UNIFORM
+
+    def at(self, x: Points) -> AtPoints:
+        return self
+
+    def scaled(self, factor: Array) -> AtPoints:
+        return self
+
+    def drift(self, strain: Tensors) -> float:
+        return 0.0
+
+    def normal_response(self, normal: Array) -> tuple[float, float]:
+        """(b, ρ) such that G(−Q n⊗n)_nn = −b (Q − ρ)_+ for Q ≥ 0: b = β |P(n⊗n)|², ρ = r/|P(n⊗n)|."""
+        length = float(np.linalg.norm(self.convex.projector @ dyad(normal, normal)))
+        return self.beta * length**2, self.convex.radius / length

@@ -1,0 +1,90 @@
+"""Signs and continuity of the data on the contact faces, on grids of the face and of [0, T]."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from manufactured.body import Part
+from manufactured.exact import ExactSolution
+from manufactured.self_proof.finding import ROUND_OFF, Finding, worst
+from manufactured.tensors import Array
+
+JUMP = 0.05
+"""Largest relative defect of changes along a face over integrals of derivatives, which may be singular at a front."""
+GRID, INSTANTS = 211, 101
+"""Points along a face, and times, at which signs and zones are checked."""
+TINY = 1e-150
+"""The scale of a quantity that vanishes."""
+
+
+def signs(solution: ExactSolution) -> list[Finding]:
+    """Signs, complementarity and the stated zone on a dense grid of each face and of [0, T]."""
+    instants = np.linspace(0, solution.body.T, INSTANTS)
+    findings = []
+    for i, face in enumerate(solution.faces, start=1):
+        s = _grid(face.part)
+        fields = solution.on(face, s)
+        gap = np.array([fields.gap(t) for t in instants])
+        pressure = np.array([fields.pressure(t) for t in instants])
+        level = np.array([fields.level(t) for t in instants])
+        contact = level >= 0
+        # A body at rest touches with w = p = 0 and needs no zone.
+        resting = (abs(gap).max(axis=1) == 0) & (abs(pressure).max(axis=1) <= ROUND_OFF * fields.stress_scale())
+        # Each on its own scale; on that of the strains times a small number where there is none.
+        scale_w = np.maximum(abs(gap), TINY)
+        scale_p = np.maximum(abs(pressure), 1e-6 * fields.stress_scale())
+        checks = [
+            ("u_ν ≤ 0, u ∈ K", np.maximum(-gap, 0), scale_w),
+            ("σ_ν ≤ 0", np.maximum(-pressure, 0), scale_p),
+            ("w = 0, so σ_ν u_ν = 0, on the stated zone ψ ≥ 0", np.where(contact, abs(gap), 0), scale_w),
+            ("p = 0, so σ_ν u_ν = 0, off the stated zone", np.where(contact, 0, abs(pressure)), scale_p),
+            (
+                "w > 0 off the stated zone",
+                np.where(~contact & (gap <= 0) & ~resting[:, None], abs(level), 0),
+                abs(level),
+            ),
+        ]
+        x = face.part.point(s)
+        findings += [worst(f"(2.5) {c} on Γ3,{i}", x, instants, d, scale) for c, d, scale in checks]
+    return findings
+
+
+def _grid(part: Part) -> Array:
+    """Some GRID points along a segment, GRID^{3/2} or less on a plane part, none on its edges, (d−1, N)."""
+    # Not the ends of the face, where a formula may be singular; not a round number of cells.
+    low, high = part.outline.min(axis=1), part.outline.max(axis=1)
+    count = round(GRID ** (1 if part.dim == 2 else 0.75))
+    axes = [a + (b - a) * (np.arange(count) + 0.5) / count for a, b in zip(low, high, strict=True)]
+    points = np.array([axis.ravel() for axis in np.meshgrid(*axes, indexing="ij")])
+    return points[:, part.covers(points, 0.0)]
+
+
+def continuity(solution: ExactSolution, rng: np.random.Generator) -> list[Finding]:
+    """w, ∇_s w and (q, r) have no jumps along a face, as u ∈ H¹ needs: each changes by the integral of its derivative.
+
+    Along a line through the face in the direction of each coordinate.
+    """
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    instants = np.linspace(0, solution.body.T, 9)
+    findings = []
+    for i, face in enumerate(solution.faces, start=1):
+        for axis, (low, high) in enumerate(
+            zip(face.part.outline.min(axis=1), face.part.outline.max(axis=1), strict=True)
+        ):
+            start = face.part.coordinates(face.part.sample(rng, 1))[0]
+            ends = np.linspace(low, high, 257)
+            half = np.diff(ends)[:, None] / 2
+            inner = (ends[:-1, None] + half * (1 + nodes)).ravel()
+            places = [np.tile(start, line.size) for line in (ends, inner)]
+            for place, line in zip(places, (ends, inner), strict=True):
+                place[axis] = line
+            at_ends, at_inner = (solution.on(face, place) for place in places)
+            traces = [(at_ends.traces(t, axis), at_inner.traces(t, axis)) for t in instants]
+            for name in traces[0][0]:
+                value = np.array([ends_now[name][0] for ends_now, _ in traces])
+                slope = np.array([inner_now[name][1] for _, inner_now in traces]).reshape(len(instants), -1, len(nodes))
+                defect = abs(np.diff(value, axis=1) - slope @ weights * half[:, 0])
+                scale = np.maximum(np.ptp(value, axis=1, keepdims=True), TINY)
+                x = face.part.point(places[0][:, 1:])
+                findings.append(worst(f"(2.9) {name} without jumps on Γ3,{i}", x, instants, defect, scale, JUMP))
+    return findings

@@ -1,0 +1,72 @@
+"""The largest defect of a condition, and the error that lists those which are too large."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from manufactured.tensors import Array, Points
+
+ROUND_OFF = 1e-9
+"""Largest defect relative to the size of the terms that counts as round-off."""
+
+
+@dataclass(frozen=True)
+class Finding:
+    """The largest defect found in one condition.
+
+    Attributes:
+        condition: its number in the source and its formula.
+        defect: size of the violation relative to the scale of the terms.
+        tolerance: what is allowed.
+        x, time: where it is attained.
+    """
+
+    condition: str
+    defect: float
+    tolerance: float
+    x: tuple[float, ...]
+    time: float
+
+    @property
+    def passes(self) -> bool:
+        # Not (defect > tolerance): a NaN must not pass.
+        return self.defect <= self.tolerance
+
+    def __str__(self) -> str:
+        place = ", ".join(f"{c:.6g}" for c in self.x)
+        word = "holds" if self.passes else "violated"
+        return (
+            f"{self.condition}: {word}, relative defect {self.defect:.3g} (allowed {self.tolerance:g}) "
+            f"at x = ({place}), t = {self.time:.6g}"
+        )
+
+
+class SelfProofError(ValueError):
+    """An exact solution violates a condition of Problem 2.1."""
+
+    def __init__(self, name: str, findings: list[Finding]) -> None:
+        self.findings = findings
+        lines = "\n  ".join(str(finding) for finding in findings)
+        super().__init__(
+            f"{name} does not prove itself an exact solution:\n  {lines}\n"
+            "  change the gap, the pressure, the zone or the law until it does"
+        )
+
+
+def worst(
+    condition: str, x: Points, instants: Array, defect: Array, scale: Array, tolerance: float = ROUND_OFF
+) -> Finding:
+    """The largest entry of defect (times, points) relative to the largest entry of scale."""
+    defect = np.where(np.isfinite(defect), defect, np.inf)
+    when, where = np.unravel_index(np.argmax(defect), defect.shape)
+    size = max(float(np.max(np.where(np.isfinite(scale), scale, 0.0))), np.finfo(float).tiny)
+    largest = float(defect[when, where])
+    relative = largest / size if largest > 0 else 0.0
+    return Finding(condition, relative, tolerance, tuple(map(float, x[:, where])), float(instants[when]))
+
+
+def norms(values: list[Array] | Array) -> Array:
+    """Euclidean norm over the component axis of (times, components, points)."""
+    return np.linalg.norm(np.asarray(values), axis=1)

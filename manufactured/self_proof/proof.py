@@ -1,0 +1,43 @@
+"""All conditions of Problem 2.1 together."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from manufactured.exact import ExactSolution
+from manufactured.self_proof.boundary_conditions import clamped_and_loaded, contact
+from manufactured.self_proof.coefficients import bounds_of_factors, traction_at_jumps
+from manufactured.self_proof.contact_zone import continuity, signs
+from manufactured.self_proof.finding import Finding, SelfProofError
+from manufactured.self_proof.interior import equilibrium, history, kinematics
+
+
+def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
+    """Check every condition; returns the findings, all passing.
+
+    Raises:
+        SelfProofError: lists each violated condition with where and by how much.
+    """
+    findings = examine(solution, seed)
+    failed = [finding for finding in findings if not finding.passes]
+    if failed:
+        raise SelfProofError(name, failed)
+    return findings
+
+
+def examine(solution: ExactSolution, seed: int = 0, points: int = 40, times: int = 8) -> list[Finding]:
+    """The largest defect of every condition at random points and times."""
+    rng = np.random.default_rng(seed)
+    instants = np.sort(rng.uniform(0, solution.body.T, times))
+    inside = solution.body.sample(rng, points)
+    return [
+        *kinematics(solution, inside, instants),
+        history(solution, inside),
+        equilibrium(solution, inside, instants),
+        *clamped_and_loaded(solution, rng, points, instants),
+        *contact(solution, rng, points, instants),
+        *signs(solution),
+        *continuity(solution, rng),
+        *traction_at_jumps(solution, rng, points, instants),
+        *bounds_of_factors(solution, rng, points),
+    ]

@@ -1,0 +1,50 @@
+"""The terms y^m Re(c z^β) of singular fields."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from manufactured.tensors import Array
+
+
+@dataclass(frozen=True)
+class Monomial:
+    """y^m Re(c z^β) with its derivatives; m is 0 or 1."""
+
+    m: int
+    c: complex
+    beta: float
+
+    def terms(self, dx: int, dy: int) -> list[tuple[int, complex, float]]:
+        """(m, c, β) of the terms of ∂_x^dx ∂_y^dy."""
+        found = [(self.m, self.c, self.beta)]
+        for step in [1.0] * dx + [1j] * dy:
+            slopes = [(m, c * beta * step, beta - 1) for m, c, beta in found]
+            # ∂_y (y g) = y ∂_y g + g.
+            drops = [(0, c, beta) for m, c, beta in found if m == 1 and step == 1j]
+            found = slopes + drops
+        return found
+
+
+def kolosov(kappa: float, a: complex, b: complex, exponent: float) -> tuple[tuple[Monomial, ...], tuple[Monomial, ...]]:
+    """The monomials of u_x and u_y of 2μ(u_x + iu_y) = κΦ − z conj(Φ') − conj(Ψ), Φ = a z^λ, Ψ = b z^λ."""
+    # κ a z^λ − conj((λ a + b) z^λ) − 2iyλ conj(a z^{λ−1}), with Im g = Re(−i g) and conj(g) = Re g − i Im g.
+    lam = exponent
+    u_x = (Monomial(0, kappa * a - lam * a - b, lam), Monomial(1, 2j * lam * a, lam - 1))
+    u_y = (Monomial(0, -1j * (kappa * a) - 1j * (lam * a + b), lam), Monomial(1, -2 * lam * a + 0j, lam - 1))
+    return u_x, u_y
+
+
+def real_power(x: Array, y: Array, c: complex, beta: float) -> Array:
+    """Re(c (x + iy)^β) by r^β (c_r cos βθ − c_i sin βθ), analytic in x and y for the complex step; 0 at r = 0."""
+    r2 = x * x + y * y
+    there = np.real(r2) > 0
+    r = np.sqrt(np.where(there, r2, 1.0))
+    right = np.real(x) >= 0
+    # θ = 2 arctan(y/(r + x)), or ±π − 2 arctan(y/(r − x)) where x < 0: no cancellation, θ = π on the cut.
+    half = np.arctan(y / np.where(right, r + x, r - x))
+    theta = np.where(right, 2 * half, np.where(np.real(y) >= 0, np.pi, -np.pi) - 2 * half)
+    value = r**beta * (c.real * np.cos(beta * theta) - c.imag * np.sin(beta * theta))
+    return np.where(there, value, 0.0)

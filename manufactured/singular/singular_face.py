@@ -1,0 +1,59 @@
+"""A piece of Γ3 on which a singular field makes contact."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import sympy as sp
+
+from manufactured.body import Part
+from manufactured.singular.singular_field import SingularAtPoints, SingularField
+from manufactured.symbols import Jet, s
+from manufactured.tensors import Points
+
+
+@dataclass(frozen=True, eq=False)
+class SingularFace:
+    """A piece of Γ3 on which a singular field makes contact: gap, pressure and zone are stated beside the field.
+
+    Attributes:
+        part: the piece Γ3,i.
+        gap: w(s, t).
+        pressure: p(s, t), what the law makes of the field; the self-proof compares.
+        level: ψ(s, t).
+        field: the displacement.
+        rough: coordinates s of the singular points.
+    """
+
+    part: Part
+    gap: sp.Expr
+    pressure: sp.Expr
+    level: sp.Expr
+    field: SingularField
+    rough: tuple[float, ...] = ()
+
+    @cached_property
+    def gap_jet(self) -> Jet:
+        return Jet(sp.sympify(self.gap), (s,))
+
+    @cached_property
+    def pressure_jet(self) -> Jet:
+        return Jet(sp.sympify(self.pressure), (s,))
+
+    @cached_property
+    def level_jet(self) -> Jet:
+        return Jet(sp.sympify(self.level), (s,))
+
+    @property
+    def variables(self) -> tuple[sp.Symbol, ...]:
+        return (s,)
+
+    @property
+    def exponents_in(self) -> sp.Expr:
+        """The formula with the truncated powers of the pressure side."""
+        return self.pressure
+
+    def at(self, x: Points) -> SingularAtPoints:
+        """The field at fixed points of Ω̄, (2, ...)."""
+        return self.field.at(x)

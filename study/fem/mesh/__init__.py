@@ -1,0 +1,33 @@
+"""Families of triangulations of a body of any dimension, and the check that a mesh fits the parts of its boundary.
+
+A family turns a body and a level n into a mesh with about n cells along a side. No family knows where a contact zone
+begins or ends. Every point at which the boundary condition changes must be a vertex (source, before (5.23)), and every
+interface a union of facets; a mesh that violates this is refused.
+"""
+
+from study.fem.mesh.boundary_facets import boundary_parts
+from study.fem.mesh.family import MeshError, MeshFamily
+from study.fem.mesh.geometry import barycentric_gradients, cell_volumes, facet_measures, size
+from study.fem.mesh.graded import Graded
+from study.fem.mesh.shaken import Shaken
+from study.fem.mesh.structured import CrissCross, OneDiagonal
+from study.fem.mesh.unstructured import Unstructured
+
+FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured(), Graded())
+"""The mesh families of the study, each with its default parameters."""
+
+__all__ = [
+    "FAMILIES",
+    "CrissCross",
+    "Graded",
+    "MeshError",
+    "MeshFamily",
+    "OneDiagonal",
+    "Shaken",
+    "Unstructured",
+    "barycentric_gradients",
+    "boundary_parts",
+    "cell_volumes",
+    "facet_measures",
+    "size",
+]

@@ -1,0 +1,54 @@
+"""Volumes, measures and gradients of the simplices of a mesh."""
+
+from __future__ import annotations
+
+from math import factorial
+
+import numpy as np
+from skfem import Mesh, MeshTet, MeshTri
+
+from manufactured.tensors import Array, Points
+
+
+def simplicial_mesh(points: Points, cells: Array) -> Mesh:
+    """The mesh with the vertices (d, n) and the triangles or tetrahedra (d+1, cells)."""
+    kind = MeshTri if len(points) == 2 else MeshTet
+    return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))
+
+
+def size(mesh: Mesh) -> float:
+    """h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
+
+    In a quasi-uniform family it is equivalent to the largest diameter, whose random part on shaken
+    meshes would otherwise bend every observed order.
+    """
+    return float((factorial(mesh.dim()) * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** (1 / mesh.dim()))
+
+
+def cell_volumes(mesh: Mesh) -> Array:
+    """|T| of every cell, (cells,)."""
+    return abs(determinants(mesh.p, mesh.t)) / factorial(mesh.dim())
+
+
+def facet_measures(mesh: Mesh, facets: Array) -> Array:
+    """Lengths or areas of the facets with the given indices, (n,): the root of Gram's determinant over (d−1)!."""
+    edges = _edges(mesh.p, mesh.facets[:, facets])
+    gram = edges @ edges.swapaxes(1, 2)
+    return np.sqrt(np.linalg.det(gram)) / factorial(mesh.dim() - 1)
+
+
+def barycentric_gradients(mesh: Mesh) -> Array:
+    """∇λ_i on every cell, (cells, d+1, d)."""
+    inverse = np.linalg.inv(_edges(mesh.p, mesh.t)).swapaxes(1, 2)
+    return np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
+
+
+def determinants(points: Points, cells: Array) -> Array:
+    """d! times the signed volume of cells, (cells,)."""
+    return np.linalg.det(_edges(points, cells))
+
+
+def _edges(points: Points, simplices: Array) -> Array:
+    """The edges from the first vertex of simplices (k+1, n), (n, k, d)."""
+    corners = points[:, simplices]
+    return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0).swapaxes(1, 2)

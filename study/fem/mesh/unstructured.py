@@ -1,0 +1,102 @@
+"""Delaunay triangulations of polygons."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.spatial import Delaunay
+from skfem import Mesh
+
+from manufactured.body import Body, Part
+from manufactured.tensors import Array
+from study.fem.mesh.family import require_plane
+from study.fem.mesh.geometry import determinants, simplicial_mesh
+
+
+@dataclass(frozen=True)
+class Unstructured:
+    """Delaunay triangulations of points spread evenly at random, for any polygon.
+
+    Points start on a jittered triangular lattice and are moved to the area-weighted mean of the
+    centroids of the cells around them, ``sweeps`` times (Lloyd's iteration in the form of Du,
+    Faber, Gunzburger, SIAM Review 41 (1999) 637–676, with centroids of the star). Points on the
+    boundary and on interfaces are evenly spaced and stay.
+    """
+
+    seed: int = 2002
+    sweeps: int = 8
+    name: str = "unstructured"
+
+    def serves(self, body: Body) -> bool:
+        return body.dim == 2
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        require_plane(self, body)
+        spacing = 1.15 * np.sqrt(body.measure) / n
+        fixed = np.hstack(
+            [_divide(part, spacing, _stops(part, body)) for part in body.parts]
+            # The start of an interface lies on the boundary.
+            + [_divide(interface, spacing, _stops(interface, body))[:, 1:] for interface in body.interfaces]
+        )
+        free = _lattice(body, spacing, np.random.default_rng([self.seed, n]))
+        points = np.hstack([fixed, free])
+        for _ in range(self.sweeps):
+            cells = _delaunay(body, points)
+            points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
+        return simplicial_mesh(points, _delaunay(body, points))
+
+
+def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
+    """Points of a jittered triangular lattice in Ω, away from the boundary and from interfaces, (2, n)."""
+    low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
+    rows = np.arange(low[1], high[1], spacing * np.sqrt(0.75))
+    columns = np.arange(low[0] - spacing, high[0] + spacing, spacing)
+    x, y = np.meshgrid(columns, rows)
+    x[1::2] += spacing / 2
+    points = np.vstack([x.ravel(), y.ravel()])
+    points += rng.uniform(-0.3, 0.3, points.shape) * spacing
+    keep = body.contains(points)
+    for part in (*body.parts, *body.interfaces):
+        s, depth = part.coordinates(points)
+        near = (s[0] > -spacing) & (s[0] < part.measure + spacing) & (abs(depth) < 0.55 * spacing)
+        keep &= ~near
+    return points[:, keep]
+
+
+def _stops(part: Part, body: Body) -> list[float]:
+    """Coordinates inside a part at which an interface ends."""
+    ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
+    tolerance = 1e-9 * part.measure
+    found = sorted(float(part.coordinates(end)[0][0]) for end in ends if part.contains(end, tolerance))
+    inner = [s for s in found if tolerance < s < part.measure - tolerance]
+    return [s for i, s in enumerate(inner) if i == 0 or s - inner[i - 1] > tolerance]
+
+
+def _divide(part: Part, spacing: float, stops: list[float]) -> Array:
+    """Points of a part from its start, without its end, evenly spaced between its ends and stops."""
+    pieces = []
+    for low, high in pairwise([0.0, *stops, part.measure]):
+        count = max(1, round((high - low) / spacing))
+        pieces.append(low + np.arange(count) * (high - low) / count)
+    return part.point(np.concatenate(pieces)[None])
+
+
+def _delaunay(body: Body, points: Array) -> Array:
+    """Cells of the Delaunay triangulation that lie in Ω, (3, cells)."""
+    cells = Delaunay(points.T).simplices.T
+    area = abs(determinants(points, cells)) / 2
+    # Rounding may leave slivers between points of one straight part; they are not cells of Ω.
+    keep = (area > 1e-6 * area.mean()) & body.contains(points[:, cells].mean(axis=1))
+    return cells[:, keep]
+
+
+def _star_centroids(points: Array, cells: Array) -> Array:
+    """Area-weighted mean of the centroids of the cells around each point, (2, points)."""
+    a, b, c = (points[:, v] for v in cells)
+    area = abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
+    weight = np.bincount(cells.ravel(), np.tile(area, 3), points.shape[1])
+    centroid = (a + b + c) / 3
+    moments = [np.bincount(cells.ravel(), np.tile(area * x, 3), points.shape[1]) for x in centroid]
+    return np.array(moments) / np.maximum(weight, np.finfo(float).tiny)

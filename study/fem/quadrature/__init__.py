@@ -1,0 +1,14 @@
+"""Quadrature on the cells and facets of a mesh, adapted to where the solution is not smooth.
+
+Cells crossed by a line along which the exact strain is singular or kinked for all times are cut along it, and the
+rule is graded towards it; cells with a vertex at a singular point carry Duffy's rule, graded towards the point; all
+other cells a standard rule.
+"""
+
+from study.fem.quadrature.cells import cell_rules
+from study.fem.quadrature.facet_rules import facet_rule
+from study.fem.quadrature.reference_rules import simplex_rule
+from study.fem.quadrature.rules import CellRule, FacetRule
+from study.fem.quadrature.singular_cells import rough_cells
+
+__all__ = ["CellRule", "FacetRule", "cell_rules", "facet_rule", "rough_cells", "simplex_rule"]
