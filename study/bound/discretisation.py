@@ -15,7 +15,7 @@ from manufactured.data import Data
 from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors
 from study.fem.quadratic import Quadratic
-from study.solve.evolution import Problem
+from study.solve.evolution import SemiDiscrete
 from study.stresses.composite import products
 from study.stresses.hybrid import Equilibrium, Loads
 from study.stresses.loads import ProjectedLoads, Snapshot
@@ -173,7 +173,7 @@ class Setting:
             found.append((self._gram.T @ normal).T * self.stresses.lengths[edges][:, None])
         return np.concatenate(found)
 
-    def problem(self, load: Callable[[float], Array], u0: Array) -> Problem:
+    def problem(self, load: Callable[[float], Array], u0: Array) -> SemiDiscrete:
         """Problem 5.1 on displacements of degree 2."""
         G, V = self.data.law.G, self.displacements
         factor = G.factor(V.points)
@@ -183,7 +183,7 @@ class Setting:
             strain = V.strain(v)
             return V.functional(at_points(strain) - factor * np.tensordot(G.reference, strain, axes=1))
 
-        return Problem(
+        return SemiDiscrete(
             M=self.M,
             reference=V.form(G.reference, factor),
             remainder=None if isinstance(G, Linear) else remainder,

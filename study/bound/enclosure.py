@@ -25,7 +25,7 @@ from study.bound.majorant import Interval, Majorant, Piece, spline
 from study.fem.line import Line
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
-from study.solve.evolution import Midpoint, Problem, Scheme
+from study.solve.evolution import Midpoint, Scheme, SemiDiscrete
 from study.solve.signorini import Signorini
 from study.statements.enclosure.claims import order_interval
 
@@ -68,7 +68,7 @@ def compute(setting: Setting, scheme: Scheme, steps: int) -> Computed:
     def load(time: float) -> Array:
         return J.T @ setting.functional(setting.snapshot(time).loads)
 
-    problem = Problem.of(space, data.law, load, space.interpolate(data.start(setting.mesh.p)))
+    problem = SemiDiscrete.of(space, data.law, load, space.interpolate(data.start(setting.mesh.p)))
     return Computed(space, np.array([state.u for state in scheme.march(problem, steps)]), data.body.T)
 
 

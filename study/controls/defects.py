@@ -18,7 +18,7 @@ from manufactured.tensors import Array
 from study.fem.gauge import DEGREE, Gauge, Sample
 from study.fem.moments import Amplitudes
 from study.fem.space import Space
-from study.solve.evolution import BackwardEuler, Problem, Scheme, State
+from study.solve.evolution import BackwardEuler, Scheme, SemiDiscrete, State
 from study.solve.signorini import ContactSolver, Signorini
 from study.statements.independence import Derived, Sides
 from study.statements.prop_5_4.sweep import Setup
@@ -130,7 +130,7 @@ def clamp_one_cell_short(setup: Setup) -> Setup:
     """V^h whose functions need not vanish at one end of Γ1."""
     space = ShortClamp(setup.space.mesh, setup.space.body)
     gauge = Gauge(setup.solution, space)
-    problem = Problem.of(space, setup.solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    problem = SemiDiscrete.of(space, setup.solution.law, gauge.load, gauge.sample(0.0).interpolant)
     return replace(setup, space=space, gauge=gauge, problem=problem)
 
 
@@ -188,13 +188,13 @@ class Around:
 class Altered(Around):
     """A scheme that solves another problem than the one that is measured, so that norms stay what they are."""
 
-    alter: Callable[[Problem], Problem]
+    alter: Callable[[SemiDiscrete], SemiDiscrete]
 
-    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
         return self.scheme.march(self.alter(problem), steps)
 
 
-def _altered(setup: Setup, alter: Callable[[Problem], Problem]) -> Setup:
+def _altered(setup: Setup, alter: Callable[[SemiDiscrete], SemiDiscrete]) -> Setup:
     return replace(setup, scheme=Altered(setup.scheme, alter))
 
 
@@ -300,7 +300,7 @@ def final_time_only(setup: Setup) -> Setup:
 class FinalOnly(Around):
     """A scheme that shows its state at T alone."""
 
-    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
         *_, last = self.scheme.march(problem, steps)
         yield last
 
@@ -329,23 +329,23 @@ def stress_from_displacement(sides: Sides) -> Sides:
 # Theorem 4.2 on a stress space of its own.
 
 
-def foundation_pulls_nothing(setup: own.Setup) -> own.Setup:
+def foundation_pulls_nothing(setup: own.StressSetup) -> own.StressSetup:
     """σ_ν = 0 in place of σ_ν ≤ 0 on Γ3: what is left if the multipliers there are not held at u_ν ≤ 0."""
     return replace(setup, solver=Unconstrained)
 
 
-def law_of_stresses_swapped(setup: own.Setup) -> own.Setup:
+def law_of_stresses_swapped(setup: own.StressSetup) -> own.StressSetup:
     """A and G in each other's place in Problem 3.2."""
     law = setup.data.law
     assert isinstance(law.G, Linear)
     return replace(setup, data=replace(setup.data, law=replace(law, A=law.G, G=law.A)))
 
 
-def history_forgotten(setup: own.Setup) -> own.Setup:
+def history_forgotten(setup: own.StressSetup) -> own.StressSetup:
     """ε̇ ≈ w ε_n/k, as if the body had come from rest in every step."""
     return replace(setup, scheme=replace(setup.scheme, past=(0.0, 0.0)))
 
 
-def surface_load_left_out(setup: own.Setup) -> own.Setup:
+def surface_load_left_out(setup: own.StressSetup) -> own.StressSetup:
     """σν = 0 in place of σν = f_2 on Γ2."""
     return replace(setup, data=replace(setup.data, surface_load=lambda part, x: lambda time: np.zeros_like(x)))

@@ -117,11 +117,11 @@ class OwnSpace:
     def __str__(self) -> str:
         return f"stresses of {self.case}, n = {' '.join(map(str, self.levels))}"
 
-    def verdicts(self, defect: Callable[[own.Setup], own.Setup]) -> list[Verdict]:
+    def verdicts(self, defect: Callable[[own.StressSetup], own.StressSetup]) -> list[Verdict]:
         case, family = resolve(self.case), family_named(self.family)
         rows = []
         for level in self.levels:
-            setup = defect(own.Setup.of(case.solution, family, level, own.steps_for(case, level)))
+            setup = defect(own.StressSetup.of(case.solution, family, level, own.steps_for(case, level)))
             rows.append(asdict(own.row(setup, case.name, family.name, level)))
         found = judge_stresses(pd.DataFrame(rows), {case.name: case.regularity})
         return [verdict for verdict in found if verdict.verdict != REPORTED]

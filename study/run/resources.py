@@ -24,7 +24,7 @@ from pathlib import Path
 import psutil
 
 from study.fem.naming import UsageError
-from study.solve.choice import FACTORED
+from study.solve.solver_choice import FACTORED
 
 GIB = 2.0**30
 MIB = 2.0**20

@@ -19,9 +19,9 @@ from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array
 from study.fem.material import form, means
 from study.fem.space import Space
-from study.solve.choice import ROUNDING, contact_solver
 from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.signorini import ContactSolver, Signorini
+from study.solve.solver_choice import ROUNDING, contact_solver
 
 FIXED_POINT = ROUNDING / 10
 """Relative distance in ‖·‖_M to the fixed point of a nonlinear law at which its iteration stops. The residual
@@ -36,7 +36,7 @@ class EvolutionError(RuntimeError):
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class SemiDiscrete:
     """Problem 5.1 on one mesh: M, G, N, F and u_0^h.
 
     Attributes:
@@ -60,7 +60,7 @@ class Problem:
     solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver] = Signorini
 
     @classmethod
-    def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> Problem:
+    def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> SemiDiscrete:
         """The problem for a law, a load and a start on a space."""
         return cls(
             M=form(space, law.A),
@@ -113,13 +113,13 @@ class Scheme(Protocol):
     @property
     def order(self) -> float: ...
 
-    def march(self, problem: Problem, steps: int) -> Iterator[State]: ...
+    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]: ...
 
 
-class _Step:
+class _ContactStep:
     """Solves c/k M u + G(θu + base) + N_{K^h}(u) ∋ rhs for one u, many times."""
 
-    def __init__(self, problem: Problem, mass: float, theta: float) -> None:
+    def __init__(self, problem: SemiDiscrete, mass: float, theta: float) -> None:
         self.problem, self.theta = problem, theta
         self.S = sps.csc_array(mass * problem.M + theta * problem.reference)
         self.solve = problem.solver(self.S, problem.N)
@@ -164,7 +164,7 @@ class _Step:
         return State(time, u, multipliers, residual, iterations)
 
 
-def step_size(problem: Problem, steps: int) -> float:
+def step_size(problem: SemiDiscrete, steps: int) -> float:
     """k = T/steps.
 
     Raises:
@@ -175,7 +175,7 @@ def step_size(problem: Problem, steps: int) -> float:
     return problem.T / steps
 
 
-def _start(problem: Problem) -> State:
+def _start(problem: SemiDiscrete) -> State:
     return State(0.0, problem.u0, np.zeros(problem.N.shape[0]), 0.0, 0)
 
 
@@ -186,7 +186,7 @@ class BackwardEuler:
     name: str = "backward-euler"
     order: float = 1.0
 
-    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
         yield from _theta_method(problem, steps, 1.0)
 
 
@@ -200,13 +200,13 @@ class Midpoint:
     name: str = "midpoint"
     order: float = 2.0
 
-    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
         yield from _theta_method(problem, steps, 0.5)
 
 
-def _theta_method(problem: Problem, steps: int, theta: float) -> Iterator[State]:
+def _theta_method(problem: SemiDiscrete, steps: int, theta: float) -> Iterator[State]:
     k = step_size(problem, steps)
-    step = _Step(problem, 1 / k, theta)
+    step = _ContactStep(problem, 1 / k, theta)
     state = _start(problem)
     yield state
     past = [state.u]
@@ -231,17 +231,17 @@ class BDF2:
     name: str = "bdf2"
     order: float = 2.0
 
-    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
         k = step_size(problem, steps)
         zero = np.zeros_like(problem.u0)
-        first = _Step(problem, 1 / k, 1.0)
+        first = _ContactStep(problem, 1 / k, 1.0)
         older = _start(problem)
         yield older
         state = first(k, problem.load(k) + problem.M @ (older.u / k), zero, [older.u])
         yield state
         if steps == 1:
             return
-        step = _Step(problem, 1.5 / k, 1.0)
+        step = _ContactStep(problem, 1.5 / k, 1.0)
         for n in range(2, steps + 1):
             rhs = problem.load(n * k) + problem.M @ ((2 * state.u - 0.5 * older.u) / k)
             older, state = state, step(n * k, rhs, zero, [older.u, state.u])

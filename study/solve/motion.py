@@ -21,7 +21,7 @@ from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.solve.evolution import BDF2, Problem, State, step_size
+from study.solve.evolution import BDF2, SemiDiscrete, State, step_size
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +91,7 @@ class Motion:
         """
         space = Space(family(solution.body, level), solution.body)
         gauge = Gauge(solution, space)
-        problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+        problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
         found = []
         for frame in frames(space, solution.law, problem, steps):
             found.append(frame)
@@ -99,7 +99,7 @@ class Motion:
         return cls(solution, family.name, level, space, found)
 
 
-def frames(space: Space, law: KelvinVoigt, problem: Problem, steps: int) -> Iterator[Frame]:
+def frames(space: Space, law: KelvinVoigt, problem: SemiDiscrete, steps: int) -> Iterator[Frame]:
     """The frames at t_0, …, t_steps.
 
     At t = 0, where the scheme has solved nothing, δu is the first forward difference and λ is 0.
@@ -123,7 +123,7 @@ def _difference(past: Sequence[State], k: float) -> Array:
 
 
 def _frame(
-    space: Space, law: Elasticity, A: AtPoints, G: AtPoints, problem: Problem, state: State, velocity: Array
+    space: Space, law: Elasticity, A: AtPoints, G: AtPoints, problem: SemiDiscrete, state: State, velocity: Array
 ) -> Frame:
     strain, rate = space.strain(state.u), space.strain(velocity)
     viscous, elastic = A(rate), G(strain)

@@ -25,7 +25,7 @@ from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.optimize import nnls
 
 from manufactured.tensors import Array
-from study.solve.cholesky.factorisation import Factor
+from study.solve.cholesky.factorisation import Cholesky
 
 
 class ContactSolver(Protocol):
@@ -39,7 +39,7 @@ class Signorini:
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
         constrained = np.unique(N.nonzero()[1])
-        self.factor, self.N = Factor(S, constrained), N
+        self.factor, self.N = Cholesky(S, constrained), N
         self.end = slice(S.shape[0] - len(constrained), None)
         columns = sps.csc_array(N)[:, self.factor.order[self.end]].toarray().T
         self.Y = solve_triangular(self.factor.trailing, columns, lower=True)

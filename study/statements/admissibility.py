@@ -19,8 +19,8 @@ from study.fem.material import on_cells
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.verdict import Verdict, Window
-from study.solve.cholesky.factorisation import Factor
-from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem
+from study.solve.cholesky.factorisation import Cholesky
+from study.solve.evolution import FIXED_POINT, BackwardEuler, SemiDiscrete
 from study.statements.base import Setting
 from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import grid, judge, largest, with_h
@@ -109,9 +109,9 @@ class Rivals:
         A: the viscosity on the cells.
     """
 
-    def __init__(self, space: Space, problem: Problem, A: AtPoints, rng: np.random.Generator) -> None:
+    def __init__(self, space: Space, problem: SemiDiscrete, A: AtPoints, rng: np.random.Generator) -> None:
         self.space, self.problem, self.A, self.rng = space, problem, A, rng
-        self.riesz = Factor(problem.M)
+        self.riesz = Cholesky(problem.M)
 
     def displacements(self, u: Array) -> list[Array]:
         """SAMPLES members of K^h at distances up to |u| from u."""

@@ -46,7 +46,7 @@ from study.fem.independent import work_of_body_force, work_on
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.verdict import Verdict, Window
-from study.solve.cholesky.factorisation import Factor
+from study.solve.cholesky.factorisation import Cholesky
 from study.statements.base import Setting
 from study.statements.eigen import unloaded
 from study.statements.places import FIRST, named, place, space_of
@@ -109,7 +109,7 @@ SHRUNK = largest("2^k · defect on cells halved k times / defect on whole cells,
 
 def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0) -> float:
     """The largest distance of the two sides over the times, relative to their smallest term, in the norm of V^h'."""
-    riesz = Factor(unloaded(space, solution.law).M)
+    riesz = Cholesky(unloaded(space, solution.law).M)
     fine, prolong = halved(space, halvings)
     raised = degree - (DEGREE if space.dim == 2 else SOLID_DEGREE)
 

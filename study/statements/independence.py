@@ -30,7 +30,7 @@ from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.ledger.verdict import Verdict, Window
-from study.solve.evolution import BackwardEuler, Problem
+from study.solve.evolution import BackwardEuler, SemiDiscrete
 from study.solve.interior_point import GAP, StressProblem, StressState
 from study.statements.base import Setting
 from study.statements.tally import every, judge, with_h
@@ -53,8 +53,8 @@ class Sides:
             so that a control can follow it.
     """
 
-    displacements: Problem
-    stresses: Callable[[Problem], StressProblem]
+    displacements: SemiDiscrete
+    stresses: Callable[[SemiDiscrete], StressProblem]
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int) -> Sides:
@@ -71,10 +71,10 @@ class Derived(StressProblem):
         displacements: that Problem 3.1.
     """
 
-    displacements: Problem
+    displacements: SemiDiscrete
 
     @classmethod
-    def beside(cls, stresses: StressProblem, displacements: Problem) -> Derived:
+    def beside(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Derived:
         """In the place of ``stresses``."""
         return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
 

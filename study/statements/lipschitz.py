@@ -30,8 +30,8 @@ from manufactured.tensors import Array, mandel, size
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.verdict import Verdict, Window
-from study.solve.cholesky.factorisation import Factor
-from study.solve.evolution import Problem
+from study.solve.cholesky.factorisation import Cholesky
+from study.solve.evolution import SemiDiscrete
 from study.statements.base import Setting
 from study.statements.constants import BOUND, ROUNDING, Constant
 from study.statements.eigen import largest, unloaded
@@ -61,9 +61,9 @@ NOT_VACUOUS = Window(0.97, math.inf, "≥ 0.97 on the finest level")
 class Operator:
     """B^h as the functionals (G ε(v), ε(·))_Q and quotients in ‖·‖_V."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: SemiDiscrete) -> None:
         self.problem = problem
-        self.riesz = Factor(problem.M)
+        self.riesz = Cholesky(problem.M)
 
     def __call__(self, v: Array) -> Array:
         """(G ε(v), ε(·))_Q, (n,)."""

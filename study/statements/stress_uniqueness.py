@@ -15,7 +15,7 @@ from study.ledger.verdict import Verdict
 from study.solve.signorini import Signorini
 from study.statements.base import Setting
 from study.statements.tally import grid, judge, largest, with_h
-from study.statements.thm_4_2.own_space import Setup
+from study.statements.thm_4_2.own_space import StressSetup
 from study.statements.wellposed import EXACTLY, INTERIOR, InteriorPoint, LeastSquares, RandomStarts
 
 CASES = ("advance-recede", "corner", "anisotropic")
@@ -48,7 +48,7 @@ class OneStress:
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution, family = resolve(setting.case).solution, family_named(setting.family)
-        setup = Setup.of(solution, family, setting.level, STEPS)
+        setup = StressSetup.of(solution, family, setting.level, STEPS)
         own = stresses(setup)
         size = max(size_of(setup, values) for values in own)
         found = {}
@@ -61,11 +61,11 @@ class OneStress:
         return judge(self, rows, LINES)
 
 
-def stresses(setup: Setup) -> list[Tensors]:
+def stresses(setup: StressSetup) -> list[Tensors]:
     """σ at the points of the space in every step."""
     return [state.stress.values for state in setup.march(setup.steps)]
 
 
-def size_of(setup: Setup, stress: Tensors) -> float:
+def size_of(setup: StressSetup, stress: Tensors) -> float:
     """‖σ‖_Q."""
     return float(np.sqrt(np.einsum("Icq,Icq,cq->", stress, stress, setup.space.weights)))

@@ -19,8 +19,8 @@ from manufactured.tensors import Array
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.verdict import Verdict, Window
-from study.solve.cholesky.factorisation import Factor
-from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem, State
+from study.solve.cholesky.factorisation import Cholesky
+from study.solve.evolution import FIXED_POINT, BackwardEuler, SemiDiscrete, State
 from study.solve.signorini import Signorini
 from study.statements.base import Setting
 from study.statements.instants import Velocity
@@ -33,7 +33,7 @@ FEW = ("advance-recede", "yield-on-a-part")
 """Linear law and law (3.3), for the quick study."""
 
 
-def norm(problem: Problem, v: Array) -> float:
+def norm(problem: SemiDiscrete, v: Array) -> float:
     """‖v‖_V on V^h."""
     return math.sqrt(max(v @ (problem.M @ v), 0.0))
 
@@ -79,7 +79,7 @@ class OneTrajectory:
         return judge(self, rows, UNIQUENESS)
 
 
-def rivals(problem: Problem) -> dict[str, Problem]:
+def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
     """The same problem, to be solved in other ways."""
     whole = replace(problem, reference=0 * problem.reference, remainder=_whole(problem))
     return {
@@ -90,7 +90,7 @@ def rivals(problem: Problem) -> dict[str, Problem]:
     }
 
 
-def _whole(problem: Problem) -> Callable[[Array], Array]:
+def _whole(problem: SemiDiscrete) -> Callable[[Array], Array]:
     """v ↦ (G ε(v), ε(·))_Q."""
 
     def elastic(v: Array) -> Array:
@@ -100,7 +100,7 @@ def _whole(problem: Problem) -> Callable[[Array], Array]:
     return elastic
 
 
-def apart(setup: Setup, other: Problem) -> float:
+def apart(setup: Setup, other: SemiDiscrete) -> float:
     """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for the setup's problem and another one."""
     pairs = zip(setup.scheme.march(setup.problem, setup.steps), setup.scheme.march(other, setup.steps), strict=True)
     both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
@@ -205,7 +205,7 @@ class BoundedVelocity:
         return judge(self, rows, VELOCITY)
 
 
-def fastest(problem: Problem, steps: int) -> float:
+def fastest(problem: SemiDiscrete, steps: int) -> float:
     """max_n ‖(u_n − u_{n−1})/k‖_V by backward Euler."""
     k = problem.T / steps
     return max(
@@ -279,10 +279,10 @@ def growth(law: KelvinVoigt) -> float:
     return law.G.lipschitz / law.A.ellipticity
 
 
-def quotients(problem: Problem, trajectory: list[State], other: Perturbation) -> Array:
+def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbation) -> Array:
     """‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) at n = 1, 2, …"""
     steps = len(trajectory) - 1
-    riesz = Factor(problem.M)
+    riesz = Cholesky(problem.M)
     changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
     bound = norm(problem, problem.u0 - other.start)
     found = []
@@ -293,10 +293,10 @@ def quotients(problem: Problem, trajectory: list[State], other: Perturbation) ->
     return np.array(found)
 
 
-def perturbations(problem: Problem, space: Space) -> Iterator[Perturbation]:
+def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]:
     """Loads and starts of several sizes; the first is a constant load that by itself moves no vertex of Γ3 along ν."""
     rng = np.random.default_rng(SEED)
-    riesz, onto = Factor(problem.M), Signorini(problem.M, problem.N)
+    riesz, onto = Cholesky(problem.M), Signorini(problem.M, problem.N)
     load = max(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
     for relative in SIZES:
@@ -317,7 +317,7 @@ def smooth(space: Space, rng: np.random.Generator) -> Array:
     return space.interpolate(rng.standard_normal((space.dim, 4)) @ np.cos(waves))
 
 
-def along_the_contact(problem: Problem, v: Array) -> Array:
+def along_the_contact(problem: SemiDiscrete, v: Array) -> Array:
     """v without its normal component at the vertices of Γ3."""
     N = problem.N.toarray()
     return v - np.linalg.pinv(N) @ (N @ v)

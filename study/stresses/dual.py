@@ -75,7 +75,7 @@ BACKWARD_EULER = Multistep("backward-euler", 1.0, (1.0,))
 BDF2 = Multistep("bdf2", 1.5, (2.0, -0.5))
 
 
-class _Step:
+class _StressStep:
     def __init__(self, data: Data, space: StressSpace, scheme: Multistep, k: float, solver: type[Signorini]) -> None:
         A, G = linear(data.law)
         self.scheme = scheme
@@ -106,10 +106,10 @@ def march(
     k = data.body.T / steps
     loads = ProjectedLoads(data, space)
     history = [data.initial(space.points)]
-    step = _Step(data, space, BACKWARD_EULER, k, solver)
+    step = _StressStep(data, space, BACKWARD_EULER, k, solver)
     for n in range(1, steps + 1):
         if n == len(scheme.past) and scheme.past != step.scheme.past:
-            step = _Step(data, space, scheme, k, solver)
+            step = _StressStep(data, space, scheme, k, solver)
         state = step(n * k, loads, history)
         history = [*history, state.strain][-len(scheme.past) :]
         yield state

@@ -13,10 +13,10 @@ import scipy.sparse as sps
 from manufactured.tensors import Array
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.solve.choice import aim, free_vertices
 from study.solve.evolution import Midpoint
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
+from study.solve.solver_choice import aim, free_vertices
 from study.statements.prop_5_4.sweep import Setup
 
 Make = Callable[[sps.csc_array, sps.csr_array], Any]

@@ -212,15 +212,19 @@ data = space, solution.law, gauge.load, gauge.sample(0.0).interpolant
 """
 STRESSES = "from study.solve.interior_point import StressProblem; *_, last = StressProblem.of(*data).march(8)"
 DISPLACEMENTS = """
-from study.solve.evolution import BackwardEuler, Problem
-*_, last = BackwardEuler().march(Problem.of(*data), 8)
+from study.solve.evolution import BackwardEuler, SemiDiscrete
+*_, last = BackwardEuler().march(SemiDiscrete.of(*data), 8)
 """
 
 
 @pytest.mark.parametrize(
     ("march", "solver", "others"),
     [
-        (STRESSES, "clarabel", {"signorini", "multigrid", "choice", "evolution", "fixed_point", "factor", "sweeps"}),
+        (
+            STRESSES,
+            "clarabel",
+            {"signorini", "multigrid", "solver_choice", "evolution", "fixed_point", "factor", "sweeps"},
+        ),
         (DISPLACEMENTS, "study.solve.signorini", {"stress"}),
     ],
     ids=["stresses", "displacements"],

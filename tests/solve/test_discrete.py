@@ -21,7 +21,7 @@ from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshError, OneDiagonal,
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve import signorini
-from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, Problem
+from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, SemiDiscrete
 from study.solve.signorini import Signorini
 from study.statements.prop_5_4.sweep import Setup, steps_for
 
@@ -338,7 +338,7 @@ def trajectory(case, scheme, steps: int, n: int = 8):
     solution = case.solution
     space = Space(Shaken()(solution.body, n), solution.body)
     gauge = Gauge(solution, space)
-    problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
     return problem, np.array([state.u for state in scheme.march(problem, steps)])
 
 
@@ -385,7 +385,7 @@ def test_a_fixed_point_that_does_not_settle_says_so() -> None:
     solution = case.solution
     space = Space(OneDiagonal()(solution.body, 4), solution.body)
     gauge = Gauge(solution, space)
-    problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
     from dataclasses import replace
 
     stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)

@@ -10,7 +10,7 @@ import pytest
 from manufactured import catalogue
 from study.fem.mesh import OneDiagonal, Shaken
 from study.solve import interior_point as stress
-from study.solve.evolution import Problem
+from study.solve.evolution import SemiDiscrete
 from study.solve.interior_point import StressError, StressProblem
 from study.statements.base import Setting
 from study.statements.independence import StandsAlone
@@ -19,7 +19,7 @@ from study.statements.thm_4_2.same_mesh import beyond, gaps, problems
 CASES = {case.name: case for case in catalogue()}
 
 
-def case_on(name: str, family, n: int) -> tuple[Problem, StressProblem]:
+def case_on(name: str, family, n: int) -> tuple[SemiDiscrete, StressProblem]:
     return problems(CASES[name].solution, family, n)
 
 

@@ -22,7 +22,7 @@ import pandas as pd
 from manufactured.tensors import Array
 from study.ledger.orders import fit, limit, orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, Window
-from study.solve.choice import residual
+from study.solve.solver_choice import residual
 
 JUDGED = 3
 """Fewer levels leave an order undecided; fits look at one more of the finest ones."""

@@ -21,8 +21,8 @@ from study.fem.gauge import Gauge
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.solve.choice import contact_solver
-from study.solve.evolution import Midpoint, Problem, Scheme, State
+from study.solve.evolution import Midpoint, Scheme, SemiDiscrete, State
+from study.solve.solver_choice import contact_solver
 
 RESPONSE = 12
 """Time steps in which the effect of a change of the load is followed at first. What cells leave out changes from step
@@ -76,7 +76,7 @@ class Setup:
     solution: ExactSolution
     space: Space
     gauge: Gauge
-    problem: Problem
+    problem: SemiDiscrete
     scheme: Scheme
     steps: int
 
@@ -86,7 +86,7 @@ class Setup:
         space = Space(family(solution.body, level), solution.body)
         gauge = Gauge(solution, space)
         u0 = gauge.sample(0.0).interpolant
-        return cls(solution, space, gauge, Problem.of(space, solution.law, gauge.load, u0), scheme, steps)
+        return cls(solution, space, gauge, SemiDiscrete.of(space, solution.law, gauge.load, u0), scheme, steps)
 
 
 def steps_for(case: Case, level: int) -> int:

@@ -24,7 +24,7 @@ from study.fem.mesh import MeshFamily, size
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.solve.evolution import BDF2 as PRIMAL
-from study.solve.evolution import Problem
+from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
 from study.stresses.composite import bernstein
 from study.stresses.dual import BACKWARD_EULER, BDF2, DualState, Multistep, march, tensor_at
@@ -132,7 +132,7 @@ class StressRow:
 
 
 @dataclass(frozen=True, eq=False)
-class Setup:
+class StressSetup:
     """Everything one row is measured with. Controls replace single pieces by wrong ones.
 
     Attributes:
@@ -151,7 +151,7 @@ class Setup:
     solver: type[Signorini] = Signorini
 
     @classmethod
-    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, steps: int) -> Setup:
+    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, steps: int) -> StressSetup:
         """The setup as Problem 3.2 has it."""
         return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
 
@@ -243,7 +243,7 @@ class Primal:
         self.displacements = Space(space.mesh, solution.body)
         self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
         gauge = Gauge(solution, self.displacements)
-        problem = Problem.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
+        problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
         self.k, self.states = problem.T / steps, PRIMAL().march(problem, steps)
         self.past = [next(self.states).u]
 
@@ -258,7 +258,7 @@ class Primal:
         return self.displacements.nodal(u), stress
 
 
-def measure(setup: Setup) -> dict[str, float]:
+def measure(setup: StressSetup) -> dict[str, float]:
     """The quantities of a row."""
     exact = Exact(setup.solution, setup.space)
     primal = Primal(setup.solution, setup.space, setup.steps)
@@ -324,7 +324,7 @@ def steps_for(case: Case, level: int) -> int:
     return 2 * round(min(max(1.0, case.pace / 2), 4.0) * case.solution.body.T * level / 2)
 
 
-def row(setup: Setup, case: str, family: str, level: int) -> StressRow:
+def row(setup: StressSetup, case: str, family: str, level: int) -> StressRow:
     """The line of a setup."""
     found = {name: float(value) for name, value in measure(setup).items()}
     space = setup.space
@@ -334,4 +334,4 @@ def row(setup: Setup, case: str, family: str, level: int) -> StressRow:
 
 def measure_stresses(case: Case, family: MeshFamily, level: int, steps: int) -> StressRow:
     """The row of one (case, family, level)."""
-    return row(Setup.of(case.solution, family, level, steps), case.name, family.name, level)
+    return row(StressSetup.of(case.solution, family, level, steps), case.name, family.name, level)

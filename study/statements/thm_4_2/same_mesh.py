@@ -4,10 +4,10 @@ Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t
 multiplier and u_n ∈ K^h is not imposed. The two share the matrix of strains, the load and the time
 steps of backward Euler, and nothing else.
 
-How far they may be apart is known, without the solution. At step j the interior point stops with a duality gap g_j,
-and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in that of C = A/k + G are at most g_j, σ* and ε* exact for the
-same ε_{j−1} (``study.solve.interior_point``). A step is a contraction in ε_{j−1} for the norm of A, which is that of V, since
-G is monotone, and A ≤ k C: with R_n = Σ_{j≤n} g_j^{1/2},
+How far they may be apart is known, without the solution. At step j the interior point stops with a duality gap g_j, and
+‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in that of C = A/k + G are at most g_j, σ* and ε* exact for the same
+ε_{j−1} (``study.solve.interior_point``). A step is a contraction in ε_{j−1} for the norm of A, which is that of V,
+since G is monotone, and A ≤ k C: with R_n = Σ_{j≤n} g_j^{1/2},
 
     ‖u_n(3.2) − u_n(3.1)‖_V ≤ k^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
 
@@ -32,7 +32,7 @@ from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.solve.evolution import BackwardEuler, Problem
+from study.solve.evolution import BackwardEuler, SemiDiscrete
 from study.solve.interior_point import StressProblem
 
 
@@ -91,15 +91,15 @@ def compare(case: Case, family: MeshFamily, level: int, steps: int) -> Equivalen
     )
 
 
-def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[Problem, StressProblem]:
+def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[SemiDiscrete, StressProblem]:
     """Problems 3.1 and 3.2 of an exact solution on one mesh."""
     space = Space(family(solution.body, level), solution.body)
     gauge = Gauge(solution, space)
     u0 = gauge.sample(0.0).interpolant
-    return Problem.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
+    return SemiDiscrete.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
 
 
-def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
+def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
     """March both problems in lockstep, holding no more than one step of either."""
     space, M = stresses.space, displacements.M
     cells = on_cells(space, stresses.law)

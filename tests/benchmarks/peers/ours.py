@@ -7,12 +7,12 @@ import numpy as np
 from problem import Answer, main
 from scipy import sparse as sps
 
-from study.solve.evolution import BackwardEuler, Problem
+from study.solve.evolution import BackwardEuler, SemiDiscrete
 
 
 def solve(given):
     steps = len(given.loads)
-    problem = Problem(
+    problem = SemiDiscrete(
         M=sps.csc_array(given.M),
         reference=sps.csc_array(given.G),
         remainder=None,
