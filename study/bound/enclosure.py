@@ -25,8 +25,9 @@ from study.bound.majorant import Interval, Majorant, Piece, spline
 from study.fem.line import Line
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
-from study.solve.evolution import Midpoint, Scheme, SemiDiscrete
+from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.signorini import Signorini
+from study.solve.tableau import MIDPOINT
 from study.statements.enclosure.claims import order_interval
 
 INITIAL_DEGREE = 6
@@ -115,7 +116,7 @@ class Better:
             return setting.functional(setting.snapshot(time).loads)
 
         problem = setting.problem(load, _start(setting))
-        for state in Midpoint().march(problem, self.shorter * computed.steps):
+        for state in MIDPOINT.march(problem, self.shorter * computed.steps):
             yield state.time, state.u
 
 

@@ -50,7 +50,7 @@ from study.run.plan import Levels, Plan, full, quick
 from study.run.processes import Processes
 from study.run.provenance import protect, read_provenance
 from study.run.store import Store, StoreError
-from study.solve.evolution import SCHEMES
+from study.solve.tableau import SCHEMES
 from study.statements.enclosure.measure import Bounded, bounded, check_bound, check_force
 
 OK, FAILED, USAGE = 0, 1, 2

@@ -18,8 +18,10 @@ from manufactured.tensors import Array
 from study.fem.gauge import DEGREE, Gauge, Sample
 from study.fem.moments import Amplitudes
 from study.fem.space import Space
-from study.solve.evolution import BackwardEuler, Scheme, SemiDiscrete, State
+from study.solve.contact_step import State
+from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.signorini import ContactSolver, Signorini
+from study.solve.tableau import BACKWARD_EULER
 from study.statements.independence import Derived, Sides
 from study.statements.prop_5_4.sweep import Setup
 from study.statements.thm_4_2 import own_space as own
@@ -200,7 +202,7 @@ def _altered(setup: Setup, alter: Callable[[SemiDiscrete], SemiDiscrete]) -> Set
 
 def backward_euler_with_k_like_h(setup: Setup) -> Setup:
     """A fully discrete solution, first order in k ~ h, in place of u^h."""
-    return replace(setup, scheme=BackwardEuler(), steps=round(1 / setup.space.h))
+    return replace(setup, scheme=BACKWARD_EULER, steps=round(1 / setup.space.h))
 
 
 # What the error is measured with.

@@ -14,10 +14,11 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named, resolve
 from study.ledger.verdict import REPORTED, Verdict
-from study.solve.evolution import Midpoint
+from study.solve.steps import rate_steps, stress_steps
+from study.solve.tableau import MIDPOINT
 from study.statements.independence import Sides, StandsAlone, independence
 from study.statements.prop_5_4.claims import prop_5_4, theorem_4_2
-from study.statements.prop_5_4.sweep import Setup, measure, steps_for
+from study.statements.prop_5_4.sweep import Setup, measure
 from study.statements.thm_4_2 import own_space as own
 from study.statements.thm_4_2.orders_of_stresses import judge_stresses
 from study.statements.thm_4_2.same_mesh import gaps
@@ -64,7 +65,8 @@ class Sweep:
         solution = turned(case.solution, self.angle) if self.angle else case.solution
         rows = []
         for level in self.levels:
-            setup = defect(Setup.of(solution, family, level, Midpoint(), steps_for(case, level)))
+            steps = rate_steps(solution.body.T, level, case.pace)
+            setup = defect(Setup.of(solution, family, level, MIDPOINT, steps))
             rows.append(asdict(measure(setup).row(case.name, family.name, level)))
         return prop_5_4(case.name, pd.DataFrame(rows), case.order)
 
@@ -121,7 +123,8 @@ class OwnSpace:
         case, family = resolve(self.case), family_named(self.family)
         rows = []
         for level in self.levels:
-            setup = defect(own.StressSetup.of(case.solution, family, level, own.steps_for(case, level)))
+            steps = stress_steps(case.solution.body.T, level, case.pace)
+            setup = defect(own.StressSetup.of(case.solution, family, level, steps))
             rows.append(asdict(own.row(setup, case.name, family.name, level)))
         found = judge_stresses(pd.DataFrame(rows), {case.name: case.regularity})
         return [verdict for verdict in found if verdict.verdict != REPORTED]

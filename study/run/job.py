@@ -20,12 +20,13 @@ from study.fem.naming import choose, family_named, resolve
 from study.run import resources as memory
 from study.run.pictures import FORM, picture
 from study.run.versions import versions
-from study.solve.evolution import SCHEMES, Scheme
+from study.solve.evolution import Scheme
+from study.solve.steps import stress_steps
+from study.solve.tableau import SCHEMES
 from study.statements import STATEMENTS
 from study.statements.base import Setting, Statement
 from study.statements.prop_5_4.sweep import measure_case
 from study.statements.thm_4_2.own_space import Place, measure_stresses
-from study.statements.thm_4_2.own_space import steps_for as stress_steps
 from study.statements.thm_4_2.same_mesh import compare
 
 METHOD = 8
@@ -164,7 +165,8 @@ class StressJob:
 
     @property
     def _steps(self) -> int:
-        return stress_steps(resolve(self.place.case), self.place.level)
+        case = resolve(self.place.case)
+        return stress_steps(case.solution.body.T, self.place.level, case.pace)
 
     def fingerprint(self) -> str:
         case, family = resolve(self.place.case), family_named(self.place.family)

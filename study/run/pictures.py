@@ -17,7 +17,8 @@ from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Unstructured, bou
 from study.fem.skin import Skin
 from study.fem.space import Space
 from study.ledger.packing import FINE, Packed, short
-from study.solve.motion import Motion, balance, von_mises
+from study.solve.motion import Motion
+from study.solve.von_mises import von_mises
 
 FORM = 3
 """To be raised whenever a picture holds more or other things: older ones are then made anew."""
@@ -80,9 +81,8 @@ def _fits(body: Body, level: int) -> bool:
 
 def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
     """The picture of a motion, with one of ``every`` frames."""
-    solution, space, found = motion.solution, motion.space, motion.frames
+    solution, space, shown = motion.solution, motion.space, motion.frames[::every]
     skin, keep = Skin.of(space.mesh), _written(space.dim)
-    shown = found[::every]
     times = np.array([frame.time for frame in shown])
     displacement = np.array([space.nodal(frame.u)[:, skin.vertices] for frame in shown])
     normal = np.array([frame.normal for frame in shown])
@@ -98,7 +98,7 @@ def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
         "shapes": [{"time": times[n], "displacement": keep(displacement[n])} for n in instants],
         "displacement": Packed.of(displacement).record(),
         "von_mises": Packed.of(np.array([von_mises(frame.stress)[skin.cells] for frame in shown])).record(),
-        "energy": {name: short(values) for name, values in balance(found).items()},
+        "energy": {name: short(values) for name, values in motion.balance().items()},
         "faces": _faces(solution, space, skin, times, normal, pressure),
     }
 

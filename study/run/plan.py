@@ -17,10 +17,10 @@ from study.fem.naming import UsageError, family_named, resolve
 from study.fem.quadrature import rough_cells
 from study.run import pictures
 from study.run.job import EquivalenceJob, Job, PictureJob, RateJob, StatementJob, StressJob
+from study.solve.steps import rate_steps
 from study.statements import STATEMENTS
 from study.statements.enclosure.jobs import BoundJob
 from study.statements.enclosure.plan import full_bounds, quick_bounds
-from study.statements.prop_5_4.sweep import steps_for
 from study.statements.thm_4_2.own_space import places
 
 
@@ -155,7 +155,8 @@ class Plan:
 
     def steps(self, case: Case, level: int) -> int:
         """Time steps at a level: of the size asked for, or as many as the case's pace says."""
-        return steps_for(case, level) if self.k is None else round(case.solution.body.T / self.k)
+        T = case.solution.body.T
+        return rate_steps(T, level, case.pace) if self.k is None else round(T / self.k)
 
     def keys(self) -> list[tuple[str, ...]]:
         """What identifies the rows of the data files, sorted."""

@@ -20,7 +20,9 @@ from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.verdict import Verdict, Window
 from study.solve.cholesky.factorisation import Cholesky
-from study.solve.evolution import FIXED_POINT, BackwardEuler, SemiDiscrete
+from study.solve.contact_step import FIXED_POINT
+from study.solve.evolution import SemiDiscrete
+from study.solve.tableau import BACKWARD_EULER
 from study.statements.base import Setting
 from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import grid, judge, largest, with_h
@@ -67,7 +69,7 @@ class Admissibility:
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Setup.of(solution, family_named(setting.family), setting.level, BackwardEuler(), STEPS)
+        setup = Setup.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, STEPS)
         return with_h(setup.space.h, largest_violations(setup))
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:

@@ -32,7 +32,7 @@ from study.fem.material import on_cells
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.ledger.verdict import Verdict, Window
-from study.solve.evolution import Midpoint
+from study.solve.tableau import MIDPOINT
 from study.statements.base import Setting
 from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import Observation, grid, judge, order, with_h
@@ -76,7 +76,7 @@ class NaturalConditions:
         solution = resolve(setting.case).solution
         # An odd number of steps for each instant puts the instants into the middle of steps.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
-        setup = Setup.of(solution, family_named(setting.family), setting.level, Midpoint(), steps)
+        setup = Setup.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
         return with_h(setup.space.h, tractions(setup))
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:

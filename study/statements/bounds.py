@@ -55,10 +55,11 @@ from study.fem.gauge import FACET_POINTS
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.ledger.verdict import Verdict, Window
-from study.solve.evolution import Midpoint
+from study.solve.steps import rate_steps
+from study.solve.tableau import MIDPOINT
 from study.statements.base import Setting
 from study.statements.instants import Velocity, midpoints
-from study.statements.prop_5_4.sweep import Setup, steps_for
+from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import (
     ENOUGH,
     Criterion,
@@ -111,8 +112,8 @@ class ErrorBounds:
 
     def measure(self, setting: Setting) -> dict[str, float]:
         case = resolve(setting.case)
-        steps = steps_for(case, setting.level)
-        setup = Setup.of(case.solution, family_named(setting.family), setting.level, Midpoint(), steps)
+        steps = rate_steps(case.solution.body.T, setting.level, case.pace)
+        setup = Setup.of(case.solution, family_named(setting.family), setting.level, MIDPOINT, steps)
         return with_h(setup.space.h, {**sides(setup), **predicted(case)})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:

@@ -32,7 +32,8 @@ from manufactured.tensors import Array
 from study.fem.naming import family_named, resolve
 from study.ledger.orders import CONFIDENCE
 from study.ledger.verdict import Verdict, Window
-from study.solve.evolution import SCHEMES, Midpoint, Scheme
+from study.solve.evolution import Scheme
+from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.base import Setting
 from study.statements.prop_5_4.sweep import Setup
 from study.statements.tally import ENOUGH, Criterion, Line, Measure, Measured, Observation, grid, judge, with_h
@@ -114,7 +115,7 @@ class FullyDiscrete:
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Setup.of(solution, family_named(setting.family), setting.level, Midpoint(), FINEST)
+        setup = Setup.of(solution, family_named(setting.family), setting.level, MIDPOINT, FINEST)
         return with_h(setup.space.h, dict(errors(setup)))
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -128,7 +129,7 @@ def errors(setup: Setup) -> Iterator[tuple[str, float]]:
     load = lru_cache(maxsize=None)(setup.problem.load)
     problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
     common = min(COUNTS)
-    reference = [state.u for n, state in enumerate(Midpoint().march(problem, FINEST)) if n % (FINEST // common) == 0]
+    reference = [state.u for n, state in enumerate(MIDPOINT.march(problem, FINEST)) if n % (FINEST // common) == 0]
     samples = [gauge.sample(n * problem.T / common) for n in range(common + 1)]
     for scheme in SCHEMES:
         for count in COUNTS:

@@ -30,8 +30,9 @@ from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.ledger.verdict import Verdict, Window
-from study.solve.evolution import BackwardEuler, SemiDiscrete
+from study.solve.evolution import SemiDiscrete
 from study.solve.interior_point import GAP, StressProblem, StressState
+from study.solve.tableau import BACKWARD_EULER
 from study.statements.base import Setting
 from study.statements.tally import every, judge, with_h
 from study.statements.thm_4_2.same_mesh import gaps, problems
@@ -82,7 +83,7 @@ class Derived(StressProblem):
         """Backward Euler in displacements, with gaps as an interior point leaves them."""
         k, law = self.displacements.T / steps, on_cells(self.space, self.law)
         nan = np.full(self.N.shape[0], np.nan)
-        states = BackwardEuler().march(self.displacements, steps)
+        states = BACKWARD_EULER.march(self.displacements, steps)
         old = self.space.strain(self.u0)
         yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, nan, 0.0)
         for _, state in pairwise(states):

@@ -20,8 +20,10 @@ from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.verdict import Verdict, Window
 from study.solve.cholesky.factorisation import Cholesky
-from study.solve.evolution import FIXED_POINT, BackwardEuler, SemiDiscrete, State
+from study.solve.contact_step import FIXED_POINT, State
+from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
+from study.solve.tableau import BACKWARD_EULER
 from study.statements.base import Setting
 from study.statements.instants import Velocity
 from study.statements.prop_5_4.sweep import Setup
@@ -72,7 +74,7 @@ class OneTrajectory:
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Setup.of(solution, family_named(setting.family), setting.level, BackwardEuler(), RIVALS_STEPS)
+        setup = Setup.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, RIVALS_STEPS)
         return with_h(setup.space.h, {name: apart(setup, rival) for name, rival in rivals(setup.problem).items()})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -196,7 +198,7 @@ class BoundedVelocity:
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Setup.of(solution, family_named(setting.family), setting.level, BackwardEuler(), 1)
+        setup = Setup.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, 1)
         velocity = Velocity(solution, setup.space)
         exact = max(velocity.norm(float(t)) for t in np.linspace(0, setup.problem.T, SUPREMUM_AT + 1))
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS.items()})
@@ -209,7 +211,7 @@ def fastest(problem: SemiDiscrete, steps: int) -> float:
     """max_n ‖(u_n − u_{n−1})/k‖_V by backward Euler."""
     k = problem.T / steps
     return max(
-        norm(problem, (after.u - before.u) / k) for before, after in pairwise(BackwardEuler().march(problem, steps))
+        norm(problem, (after.u - before.u) / k) for before, after in pairwise(BACKWARD_EULER.march(problem, steps))
     )
 
 
@@ -263,7 +265,7 @@ class Dependence:
         solution = resolve(setting.case).solution
         omega = growth(solution.law)
         steps = max(12, math.ceil(4 * omega * solution.body.T))
-        setup = Setup.of(solution, family_named(setting.family), setting.level, BackwardEuler(), steps)
+        setup = Setup.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, steps)
         trajectory = list(setup.scheme.march(setup.problem, steps))
         others = perturbations(setup.problem, setup.space)
         found = np.array([quotients(setup.problem, trajectory, other) for other in others])
@@ -286,7 +288,7 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbatio
     changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
     bound = norm(problem, problem.u0 - other.start)
     found = []
-    for u, v in zip(trajectory[1:], islice(BackwardEuler().march(changed, steps), 1, None), strict=True):
+    for u, v in zip(trajectory[1:], islice(BACKWARD_EULER.march(changed, steps), 1, None), strict=True):
         F = other.change(u.time)
         bound += problem.T / steps * math.sqrt(F @ riesz(F))
         found.append(norm(problem, u.u - v.u) / bound)

@@ -19,7 +19,7 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.solve import signorini
 from study.solve.cholesky.factorisation import Cholesky
-from study.statements.prop_5_4.sweep import steps_for
+from study.solve.steps import rate_steps
 
 LEVELS = [int(n) for n in os.environ.get("BENCH_LEVELS", "256 512").split()]
 PLACES = [Place("advance-recede", family, n) for n in LEVELS for family in ("one-diagonal", "shaken")]
@@ -131,7 +131,8 @@ def bench_level(benchmark: Any, place: Place) -> None:
 def bench_nonlinear_law(benchmark: Any, place: Place) -> None:
     """With the step size that the study itself takes at this level."""
     watched = Watched(DIRECT, 0)
-    steps = steps_for(resolve(place.case), place.n)
+    case = resolve(place.case)
+    steps = rate_steps(case.solution.body.T, place.n, case.pace)
     setup = place.setup(watched, steps)
 
     def march() -> None:

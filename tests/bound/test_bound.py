@@ -52,7 +52,8 @@ from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
-from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
+from study.solve.evolution import Scheme
+from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure.measure import known_error, measure_bound
 from study.statements.enclosure.plan import eligible
 from study.stresses.composite import SIDES, bernstein, thirds
@@ -263,7 +264,7 @@ def test_no_error_lies_outside_for_many_random_cases(case, family, n, scheme, st
 def test_a_refined_mesh_encloses_the_error_more_tightly() -> None:
     case = CASES["fixed-front-off-vertex"]
     mesh = Unstructured()(case.solution.body, 4)
-    plain, finer = (closest(case, mesh, Midpoint(), 4, Better(r, 2)) for r in (0, 1))
+    plain, finer = (closest(case, mesh, MIDPOINT, 4, Better(r, 2)) for r in (0, 1))
     assert plain[1] < finer[1] < 1
 
 
@@ -289,7 +290,7 @@ class Anything:
 @settings(max_examples=10)
 def test_no_error_lies_outside_even_for_a_trajectory_that_has_nothing_to_do_with_the_solution(name, seed) -> None:
     case = CASES[name]
-    closest(case, Shaken(seed=seed)(case.solution.body, 3), BackwardEuler(), 3, Anything(seed), seed)
+    closest(case, Shaken(seed=seed)(case.solution.body, 3), BACKWARD_EULER, 3, Anything(seed), seed)
 
 
 # ---- defects that have to put an error outside
@@ -297,7 +298,7 @@ def test_no_error_lies_outside_even_for_a_trajectory_that_has_nothing_to_do_with
 
 def outside(setting: Setting, case: Case, trajectory: Trajectory, computed: Computed | None = None) -> float:
     """The largest ‖u − ũ‖/y at the knots, which a correct bound leaves at 1 or below."""
-    computed = computed or compute(setting, Midpoint(), 6)
+    computed = computed or compute(setting, MIDPOINT, 6)
     found = enclose(setting, computed, trajectory, known_error(case, computed))
     fine, pieces = retraced(setting, computed, trajectory)
     true = Distance(fine, case.solution)
@@ -338,7 +339,7 @@ def test_a_bound_without_the_residual_is_caught(name: str, monkeypatch) -> None:
 def test_twice_the_constant_of_monotonicity_is_caught(name: str) -> None:
     case = CASES[name]
     setting = square_setting(case)
-    computed = compute(setting, Midpoint(), 6)
+    computed = compute(setting, MIDPOINT, 6)
     assert outside(setting, case, Itself(), computed) <= 1
     setting.__dict__["monotonicity"] = 2 * setting.monotonicity
     assert outside(setting, case, Itself(), computed) > 1.01
@@ -363,7 +364,7 @@ class GluedTrajectory(Better):
             return setting.functional(setting.snapshot(time).loads)
 
         problem = setting.problem(load, np.zeros(setting.displacements.dofs))
-        for state in Midpoint().march(replace(problem, solver=Glued), self.shorter * computed.steps):
+        for state in MIDPOINT.march(replace(problem, solver=Glued), self.shorter * computed.steps):
             # Rounding must not leave the cone.
             yield state.time, state.u - setting.displacements.N.T @ (setting.displacements.N @ state.u)
 
@@ -372,7 +373,7 @@ def test_stresses_that_pull_at_the_foundation_are_caught() -> None:
     """A glued body is in K and its stress balances the load, but it pulls where the body would have left."""
     case = CASES["no-contact"]
     setting = square_setting(case)
-    computed = compute(setting, Midpoint(), 6)
+    computed = compute(setting, MIDPOINT, 6)
     assert outside(setting, case, GluedTrajectory(0, 1), computed) <= 1
     # Moments m_ν = 0 in place of m_ν ≤ 0 are the multipliers of stresses with any σ_ν.
     pulling = Glued(setting.equilibrium.S, setting.equilibrium.N)
@@ -477,7 +478,7 @@ def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows
     """From the data alone: Problem 5.1 in degree 2 finds the solution, and nothing is left to bound."""
     data = patch.data(1 + 2 * t, not_proportional())
     setting = Setting(data, family(data.body, 4))
-    computed = compute(setting, BackwardEuler(), 3)
+    computed = compute(setting, BACKWARD_EULER, 3)
     found = enclose(setting, computed, Better(0, 2))
     v, J = coefficients(setting, patch.value, patch.polar), prolongation(computed.space, setting)
     errors = [setting.norm((1 + 2 * time) * v - J @ computed.at(time)) for time in found.times]
@@ -645,7 +646,7 @@ def test_stresses_at_knots_balance_the_projected_loads_and_press(name: str) -> N
 def intervals_of(name: str) -> tuple[Setting, tuple[Interval, ...]]:
     case = CASES[name]
     setting = Setting(Data.of(case.solution), Shaken()(case.solution.body, 4))
-    computed = compute(setting, Midpoint(), 4)
+    computed = compute(setting, MIDPOINT, 4)
     return setting, enclose(setting, computed, Itself()).intervals
 
 
@@ -737,7 +738,7 @@ def test_nothing_is_known_of_the_order_where_the_lower_bound_is_zero() -> None:
 
 def test_the_observed_order_lies_in_its_interval() -> None:
     case = CASES["full-contact"]
-    found = [measure_bound(case, OneDiagonal(), n, Midpoint(), 2 * n, Better(0, 1))[1] for n in (4, 8)]
+    found = [measure_bound(case, OneDiagonal(), n, MIDPOINT, 2 * n, Better(0, 1))[1] for n in (4, 8)]
     low, high = order(*found)
     observed = math.log(found[0].error.max() / found[1].error.max()) / math.log(found[0].h / found[1].h)
     assert low <= observed <= high
@@ -750,7 +751,7 @@ def test_the_observed_order_lies_in_its_interval() -> None:
 
 def test_a_row_says_how_close_the_ends_came() -> None:
     case = CASES["advance-recede"]
-    row, found = measure_bound(case, Shaken(), 4, Midpoint(), 6, Better(0, 2))
+    row, found = measure_bound(case, Shaken(), 4, MIDPOINT, 6, Better(0, 2))
     assert row.error == found.error.max()
     assert row.above == pytest.approx((found.error / found.upper).max())
     assert row.below == pytest.approx((found.lower / found.error).max())
@@ -767,7 +768,7 @@ def test_a_row_says_how_close_the_ends_came() -> None:
 
 def test_a_case_whose_force_is_not_square_integrable_is_refused() -> None:
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
-        measure_bound(CASES["rough-1.75"], OneDiagonal(), 4, Midpoint(), 4, Itself())
+        measure_bound(CASES["rough-1.75"], OneDiagonal(), 4, MIDPOINT, 4, Itself())
 
 
 def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes() -> None:

@@ -29,7 +29,7 @@ from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict
-from study.solve.evolution import Midpoint
+from study.solve.tableau import MIDPOINT
 from study.statements.base import Setting
 from study.statements.independence import Derived, Independence, Sides, StandsAlone, independence
 from study.statements.prop_5_4.claims import PARALLELOGRAM
@@ -74,7 +74,7 @@ def test_a_flipped_normal_does_more_than_drop_the_constraint_where_a_gap_is_open
 
 
 def measured(solution: ExactSolution, n: int = 8) -> Measurement:
-    return measure(Setup.of(solution, OneDiagonal(), n, Midpoint(), 8))
+    return measure(Setup.of(solution, OneDiagonal(), n, MIDPOINT, 8))
 
 
 @pytest.mark.parametrize(
@@ -212,8 +212,9 @@ data = space, solution.law, gauge.load, gauge.sample(0.0).interpolant
 """
 STRESSES = "from study.solve.interior_point import StressProblem; *_, last = StressProblem.of(*data).march(8)"
 DISPLACEMENTS = """
-from study.solve.evolution import BackwardEuler, SemiDiscrete
-*_, last = BackwardEuler().march(SemiDiscrete.of(*data), 8)
+from study.solve.evolution import SemiDiscrete
+from study.solve.tableau import BACKWARD_EULER
+*_, last = BACKWARD_EULER.march(SemiDiscrete.of(*data), 8)
 """
 
 

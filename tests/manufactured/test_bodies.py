@@ -27,7 +27,7 @@ from manufactured import (
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.space import Space
 from study.ledger.orders import orders
-from study.solve.evolution import Midpoint
+from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.sweep import Setup, measure
 
 CASES = {case.name: case for case in catalogue()}
@@ -35,7 +35,7 @@ SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
 def row(solution: ExactSolution, family, n: int, steps: int):
-    return measure(Setup.of(solution, family, n, Midpoint(), steps)).row("", family.name, n)
+    return measure(Setup.of(solution, family, n, MIDPOINT, steps)).row("", family.name, n)
 
 
 def moved(solution: ExactSolution, corners: np.ndarray, T: float = 1.0) -> ExactSolution:

@@ -34,7 +34,8 @@ from study.bound.discretisation import BoundError, Setting
 from study.bound.enclosure import Better
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import UsageError, resolve_data
-from study.statements.enclosure.measure import check_bound, check_force, steps_for
+from study.solve.steps import rate_steps
+from study.statements.enclosure.measure import check_bound, check_force
 
 CASES = {case.name: case for case in catalogue()}
 SQUARE, LAW = unit_square(), not_proportional()
@@ -283,7 +284,7 @@ def test_a_family_that_does_not_mesh_the_body_is_refused_with_those_that_do() ->
 def test_levels_get_the_steps_they_are_asked_for_or_those_of_their_pace() -> None:
     assert check_bound(data(), OneDiagonal(), [4, 8], 5, Better()) == {4: 5, 8: 5}
     assert check_bound(data(), OneDiagonal(), [8, 27], None, Better()) == {8: 32, 27: 72}
-    assert steps_for(data(), 8, pace=1) == 4
+    assert rate_steps(data().body.T, 8, pace=1) == 4
 
 
 def test_forces_that_are_not_square_integrable_are_refused() -> None:

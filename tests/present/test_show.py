@@ -25,7 +25,9 @@ from study.present.show.animation import write_mp4
 from study.present.show.storyboard import MOMENTS, draw_storyboard
 from study.present.show.vtk import mesh_of
 from study.run import pictures
-from study.solve.motion import Motion, balance, density, von_mises
+from study.solve.energy_balance import density
+from study.solve.motion import Motion
+from study.solve.von_mises import von_mises
 
 CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
 RNG = np.random.default_rng(2002)
@@ -52,7 +54,7 @@ def test_the_power_of_the_load_is_stored_dissipated_or_spent_on_contact_at_every
 
 @pytest.mark.parametrize("case", CASES[:3])
 def test_the_defect_of_the_balance_of_energy_falls_with_the_square_of_the_step(case: str) -> None:
-    defects = [abs(balance(moved(case, steps).frames)["defect"]).max() for steps in (32, 64, 128)]
+    defects = [abs(moved(case, steps).balance()["defect"]).max() for steps in (32, 64, 128)]
     assert 3 < defects[0] / defects[1] < 5
     assert 3 < defects[1] / defects[2] < 5
 

@@ -8,7 +8,8 @@ from manufactured import catalogue
 from study.fem.gauge import Gauge
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
-from study.solve.evolution import BackwardEuler, SemiDiscrete
+from study.solve.evolution import SemiDiscrete
+from study.solve.tableau import BACKWARD_EULER
 
 CASE = next(case for case in catalogue() if case.name == "advance-recede")
 
@@ -21,7 +22,7 @@ def test_errors_agree_with_an_independent_prototype_to_four_digits(n: int, error
     gauge = Gauge(CASE.solution, space, raised=2)
     problem = SemiDiscrete.of(space, CASE.solution.law, gauge.load, gauge.sample(0.0).interpolant)
     found, interpolated = [], []
-    for state in BackwardEuler().march(problem, 2 * n):
+    for state in BACKWARD_EULER.march(problem, 2 * n):
         sample = gauge.sample(state.time)
         found.append(gauge.distance(sample, state.u))
         interpolated.append(gauge.distance(sample, sample.interpolant))

@@ -18,7 +18,8 @@ from study.present.show.vtk import write_vtk
 from study.run import pictures
 from study.run import resources as memory
 from study.run.store import write_text
-from study.solve.motion import Motion, von_mises
+from study.solve.motion import Motion
+from study.solve.von_mises import von_mises
 
 EVERY = 2
 """One of so many frames is shown."""

@@ -15,8 +15,10 @@ from study.bound.enclosure import Better, Enclosure, Trajectory
 from study.fem.naming import choose, family_named, resolve
 from study.run import resources as memory
 from study.run.job import fingerprint
-from study.solve.evolution import SCHEMES, Scheme
-from study.statements.enclosure.measure import measure_bound, measure_problem, steps_for
+from study.solve.evolution import Scheme
+from study.solve.steps import rate_steps
+from study.solve.tableau import SCHEMES
+from study.statements.enclosure.measure import measure_bound, measure_problem
 
 TIMES = 96
 """Times that are kept of one computation."""
@@ -60,8 +62,8 @@ class BoundJob:
     def steps(self) -> int:
         found = self._problem()
         if isinstance(found, Problem):
-            return steps_for(found.data, self.level)
-        return steps_for(Data.of(found.solution), self.level, found.pace)
+            return rate_steps(found.data.body.T, self.level)
+        return rate_steps(found.solution.body.T, self.level, found.pace)
 
     def _problem(self) -> Case | Problem:
         return _without_solution().get(self.problem) or resolve(self.problem)

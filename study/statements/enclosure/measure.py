@@ -18,9 +18,7 @@ from study.bound.enclosure import Better, Computed, Enclosure, Itself, Trajector
 from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.solve.evolution import Scheme
-
-PACE = 8.0
-"""Time steps per n^{2/3} and unit of time, as for the rates."""
+from study.solve.steps import rate_steps
 
 
 @dataclass(frozen=True)
@@ -70,11 +68,6 @@ class Bounded:
     enclosure: Enclosure
 
 
-def steps_for(data: Data, level: int, pace: float = PACE) -> int:
-    """pace · T · n^{2/3}."""
-    return math.ceil(pace * data.body.T * level ** (2 / 3))
-
-
 def check_bound(
     data: Data, family: MeshFamily, levels: Sequence[int], steps: int | None, better: Better
 ) -> dict[int, int]:
@@ -102,7 +95,7 @@ def check_bound(
         raise BoundError(f"the family {family.name} does not mesh this body; take one of {served or 'none'}")
     for level in levels:
         boundary_parts(Setting(data, family(data.body, level)).mesh, data.body)
-    return {level: steps or steps_for(data, level) for level in levels}
+    return {level: steps or rate_steps(data.body.T, level) for level in levels}
 
 
 def check_force(case: Case | None) -> None:

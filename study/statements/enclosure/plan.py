@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from manufactured.case import Case
 from study.bound.enclosure import Better, Itself
 from study.fem.mesh import FAMILIES
-from study.solve.evolution import SCHEMES
+from study.solve.tableau import SCHEMES
 from study.statements.enclosure.claims import CHECKED, CHECKED_LEVEL
 from study.statements.enclosure.jobs import BoundJob
 

@@ -21,8 +21,10 @@ from study.fem.gauge import Gauge
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.solve.evolution import Midpoint, Scheme, SemiDiscrete, State
+from study.solve.contact_step import State
+from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.solver_choice import contact_solver
+from study.solve.tableau import MIDPOINT
 
 RESPONSE = 12
 """Time steps in which the effect of a change of the load is followed at first. What cells leave out changes from step
@@ -87,15 +89,6 @@ class Setup:
         gauge = Gauge(solution, space)
         u0 = gauge.sample(0.0).interpolant
         return cls(solution, space, gauge, SemiDiscrete.of(space, solution.law, gauge.load, u0), scheme, steps)
-
-
-def steps_for(case: Case, level: int) -> int:
-    """Number of steps at a level: pace · T · n^{2/3}, slower than 1/h.
-
-    A scheme of order 3/2 (midpoint with velocity kinks) then has a time error of the order h, one
-    of order 2 an error of order h^{4/3}.
-    """
-    return math.ceil(case.pace * case.solution.body.T * level ** (2 / 3))
 
 
 def measure(setup: Setup) -> Measurement:
@@ -211,7 +204,7 @@ class Measurement:
         )
 
         def relative(steps: int) -> float:
-            drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in Midpoint().march(change, steps))
+            drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
             return (abs(raised - error) + drift) / error
 
         first = relative(RESPONSE)

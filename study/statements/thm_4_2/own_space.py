@@ -1,15 +1,16 @@
 """Theorem 4.2 on a stress space of its own, measured: Problem 3.2 in time on composite stresses.
 
-σ^h_n is found by ``dual.march`` from f_0, f_2 and ε(u_0) alone: no displacement, no V^h. It is compared with the exact
-σ, with the stress of Problem 5.1 that has the same time steps, and its multipliers with the displacements themselves.
-Time steps are those of BDF2 on both sides, k ~ h. ``claims`` has the orders that are
-predicted; steps are as many as the pace of a case asks for.
+σ^h_n is found by ``study.stresses.dual`` from f_0, f_2 and ε(u_0) alone: no displacement, no V^h. It is compared with
+the exact σ, with the stress of Problem 5.1 that has the same time steps, and its multipliers with the displacements
+themselves. Time steps are those of BDF2 on both sides, as many as ``stress_steps`` gives, k ~ h. The orders that are
+predicted are in ``orders_of_stresses``.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -23,11 +24,11 @@ from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
 from study.fem.mesh import MeshFamily, size
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.solve.evolution import BDF2 as PRIMAL
 from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
+from study.solve.tableau import BDF2, Tableau
 from study.stresses.composite import bernstein
-from study.stresses.dual import BACKWARD_EULER, BDF2, DualState, Multistep, march, tensor_at
+from study.stresses.dual import DualState, StressEvolution, tensor_at
 from study.stresses.loads import barycentric, cut
 from study.stresses.space import StressSpace
 
@@ -146,7 +147,7 @@ class StressSetup:
     solution: ExactSolution
     data: Data
     space: StressSpace
-    scheme: Multistep
+    scheme: Tableau
     steps: int
     solver: type[Signorini] = Signorini
 
@@ -156,8 +157,8 @@ class StressSetup:
         return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
 
     def march(self, steps: int) -> Iterator[DualState]:
-        """Problem 3.2 with a number of steps."""
-        return march(self.data, self.space, self.scheme, steps, self.solver)
+        """Problem 3.2 with a number of steps: the states at t_1, …, t_steps."""
+        return islice(self.scheme.march(StressEvolution(self.data, self.space, self.solver), steps), 1, None)
 
 
 class Exact:
@@ -244,15 +245,15 @@ class Primal:
         self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
         gauge = Gauge(solution, self.displacements)
         problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
-        self.k, self.states = problem.T / steps, PRIMAL().march(problem, steps)
-        self.past = [next(self.states).u]
+        self.k, self.states = problem.T / steps, enumerate(BDF2.march(problem, steps))
+        self.past = [next(self.states)[1].u]
 
     def __next__(self) -> tuple[Vectors, Tensors]:
         """The next displacement at the vertices, and Aε(δu^h) + Gε(u^h) at the points of the stresses."""
-        u = next(self.states).u
-        scheme = BDF2 if len(self.past) == len(BDF2.past) else BACKWARD_EULER
-        known = sum(c * v for c, v in zip(scheme.past, reversed(self.past), strict=True))
-        rate, strain = (self.displacements.strain(v) for v in ((scheme.w * u - known) / self.k, u))
+        n, state = next(self.states)
+        u = state.u
+        velocity = BDF2.of_step(n).rate(u, self.past, self.k)
+        rate, strain = self.displacements.strain(velocity), self.displacements.strain(u)
         self.past = [*self.past, u][-len(BDF2.past) :]
         stress = np.einsum("cqIJ,Jc->Icq", self.viscous, rate) + np.einsum("cqIJ,Jc->Icq", self.elastic, strain)
         return self.displacements.nodal(u), stress
@@ -317,11 +318,6 @@ def inadmissible(space: StressSpace, state: DualState) -> float:
 def _mean(history: Array) -> Array:
     """Root mean squares over the last axis."""
     return np.sqrt(np.mean(history**2, axis=-1))
-
-
-def steps_for(case: Case, level: int) -> int:
-    """An even number of steps of the size of h, shorter where more happens in time."""
-    return 2 * round(min(max(1.0, case.pace / 2), 4.0) * case.solution.body.T * level / 2)
 
 
 def row(setup: StressSetup, case: str, family: str, level: int) -> StressRow:

@@ -32,8 +32,9 @@ from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.solve.evolution import BackwardEuler, SemiDiscrete
+from study.solve.evolution import SemiDiscrete
 from study.solve.interior_point import StressProblem
+from study.solve.tableau import BACKWARD_EULER
 
 
 class Gaps(NamedTuple):
@@ -107,7 +108,7 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
     root = np.sqrt(space.volumes)
     law, radius = stresses.law, 0.0
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
-    pairs = zip(BackwardEuler().march(displacements, steps), stresses.march(steps), strict=True)
+    pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
         strain = space.strain(primal.u)
         stress = cells.stress((strain - space.strain(before.u)) / k, strain)

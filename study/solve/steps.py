@@ -1,0 +1,43 @@
+"""Time steps: their size, and how many of them a mesh of level n, h ~ 1/n, is given.
+
+Both rules give pace · T · n^e steps, as few as make the error in time negligible beside the one in space.
+"""
+
+from __future__ import annotations
+
+import math
+
+PACE = 8.0
+"""Steps per n^{2/3} and unit of time where a case does not ask for more."""
+
+
+class StepsError(ValueError):
+    """There is no time step."""
+
+
+def step_size(T: float, steps: int) -> float:
+    """k = T/steps.
+
+    Raises:
+        StepsError: fewer than one step.
+    """
+    if steps < 1:
+        raise StepsError(f"{steps} steps cannot reach T = {T:g}; take one step or more")
+    return T / steps
+
+
+def rate_steps(T: float, level: int, pace: float = PACE) -> int:
+    """⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}, for errors of order h.
+
+    A scheme of order 3/2 (midpoint where u̇ jumps) then has a time error of the order h, one of order 2 an error of
+    order h^{4/3}.
+    """
+    return math.ceil(pace * T * level ** (2 / 3))
+
+
+def stress_steps(T: float, level: int, pace: float = PACE) -> int:
+    """About pace/2 · T · n steps, at least T · n and at most 4 T · n, so that k ~ h, for errors of order h².
+
+    Their number is even: half as many steps show what the error in time contributes.
+    """
+    return 2 * round(min(max(1.0, pace / 2), 4.0) * T * level / 2)
