@@ -31,7 +31,8 @@ from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.ledger.verdict import Verdict, Window
 from study.solve.evolution import SemiDiscrete
-from study.solve.interior_point import GAP, StressProblem, StressState
+from study.solve.stress_problem import StressProblem
+from study.solve.stress_programme import AIM, StressState
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.base import Setting
 from study.statements.tally import every, judge, with_h
@@ -89,7 +90,7 @@ class Derived(StressProblem):
         for _, state in pairwise(states):
             strain = self.space.strain(state.u)
             stress = law.stress((strain - old) / k, strain)
-            yield StressState(state.time, stress, strain, state.u, state.multipliers, GAP)
+            yield StressState(state.time, stress, strain, state.u, state.multipliers, AIM.gap)
             old = strain
 
 

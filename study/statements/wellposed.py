@@ -22,6 +22,7 @@ from study.ledger.verdict import Verdict, Window
 from study.solve.cholesky.factorisation import Cholesky
 from study.solve.contact_step import FIXED_POINT, State
 from study.solve.evolution import SemiDiscrete
+from study.solve.interior_point import Tolerance, settings
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.base import Setting
@@ -143,20 +144,13 @@ class InteriorPoint:
     """The contact solve as a quadratic programme in all unknowns, by Clarabel."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
-        settings = clarabel.DefaultSettings()
-        settings.verbose = False
-        settings.presolve_enable = False
-        settings.tol_gap_abs = settings.tol_gap_rel = 1e-15
-        settings.tol_feas = 1e-14
-        # What counts as solved where rounding stops it short; systems inside are refined as far as it helps.
-        settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = settings.reduced_tol_feas = 1e-11
-        settings.iterative_refinement_abstol = settings.iterative_refinement_reltol = 1e-16
         self.m = N.shape[0]
         self.q = np.zeros(N.shape[1])
         cones = [clarabel.NonnegativeConeT(self.m)]
         self.unit = float(abs(S.diagonal()).max())
         P = sps.csc_matrix(sps.triu(S / self.unit))
-        self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(self.m), cones, settings)
+        how = settings(aim=Tolerance(gap=1e-15, feasibility=1e-14), enough=Tolerance(gap=1e-11, feasibility=1e-11))
+        self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(self.m), cones, how)
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
         """u ∈ K^h and λ ≥ 0."""

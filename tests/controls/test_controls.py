@@ -210,7 +210,7 @@ space = Space(OneDiagonal()(solution.body, 4), solution.body)
 gauge = Gauge(solution, space)
 data = space, solution.law, gauge.load, gauge.sample(0.0).interpolant
 """
-STRESSES = "from study.solve.interior_point import StressProblem; *_, last = StressProblem.of(*data).march(8)"
+STRESSES = "from study.solve.stress_problem import StressProblem; *_, last = StressProblem.of(*data).march(8)"
 DISPLACEMENTS = """
 from study.solve.evolution import SemiDiscrete
 from study.solve.tableau import BACKWARD_EULER
@@ -224,9 +224,18 @@ from study.solve.tableau import BACKWARD_EULER
         (
             STRESSES,
             "clarabel",
-            {"signorini", "multigrid", "solver_choice", "evolution", "fixed_point", "factor", "sweeps"},
+            {
+                "signorini",
+                "multigrid",
+                "solver_choice",
+                "evolution",
+                "contact_step",
+                "tableau",
+                "fixed_point",
+                "cholesky",
+            },
         ),
-        (DISPLACEMENTS, "study.solve.signorini", {"stress"}),
+        (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem", "stress_programme"}),
     ],
     ids=["stresses", "displacements"],
 )

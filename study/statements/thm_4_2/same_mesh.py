@@ -6,7 +6,7 @@ steps of backward Euler, and nothing else.
 
 How far they may be apart is known, without the solution. At step j the interior point stops with a duality gap g_j, and
 ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in that of C = A/k + G are at most g_j, σ* and ε* exact for the same
-ε_{j−1} (``study.solve.interior_point``). A step is a contraction in ε_{j−1} for the norm of A, which is that of V,
+ε_{j−1} (``study.solve.stress_programme``). A step is a contraction in ε_{j−1} for the norm of A, which is that of V,
 since G is monotone, and A ≤ k C: with R_n = Σ_{j≤n} g_j^{1/2},
 
     ‖u_n(3.2) − u_n(3.1)‖_V ≤ k^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
@@ -33,7 +33,7 @@ from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
-from study.solve.interior_point import StressProblem
+from study.solve.stress_problem import StressProblem
 from study.solve.tableau import BACKWARD_EULER
 
 
