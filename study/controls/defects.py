@@ -50,7 +50,7 @@ class TwoSided(Signorini):
     """Every vertex of Γ3 is active."""
 
     def complementarity(self, gap: Array) -> Array:
-        return self.on(np.ones_like(self.active), gap)
+        return self.multipliers_on(np.ones_like(self.active), gap)
 
 
 def constraint_relaxed(setup: Setup) -> Setup:
@@ -73,7 +73,7 @@ class OneIteration(Signorini):
     """The first active set is the last."""
 
     def complementarity(self, gap: Array) -> Array:
-        return self.on(gap > 0, gap)
+        return self.multipliers_on(gap > 0, gap)
 
 
 def _solver(setup: Setup, solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver]) -> Setup:

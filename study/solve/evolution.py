@@ -19,6 +19,7 @@ from study.fem.space import Space
 from study.solve.contact_step import ContactStep, State
 from study.solve.signorini import ContactSolver, Signorini
 from study.solve.solver_choice import contact_solver
+from study.solve.steps import step_size
 from study.solve.tableau import Tableau
 
 
@@ -78,6 +79,20 @@ def _remainder(space: Space, G: Elasticity) -> Callable[[Array], Array]:
         return space.functional(on_cells(strain) - factor * (G.reference @ strain))
 
     return remainder
+
+
+def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[tuple[State, Array]]:
+    """The states at t_0, …, t_steps with δu_n; δu_0, of which the scheme knows nothing, is δu_1."""
+    k = step_size(problem.T, steps)
+    states = scheme.march(problem, steps)
+    first = next(states)
+    before = [first.u]
+    for n, state in enumerate(states, start=1):
+        velocity = scheme.of_step(n).rate(state.u, before, k)
+        if n == 1:
+            yield first, velocity
+        yield state, velocity
+        before = [*before, state.u][-scheme.kept :]
 
 
 class Scheme(Protocol):

@@ -1,7 +1,5 @@
-"""How far the interior-point method goes, wherever it is used.
-
-P. Goulart, Y. Chen, Clarabel: an interior-point solver for conic programs with quadratic objectives, arXiv:2405.12762
-(2024).
+"""Settings of the interior-point method of P. Goulart, Y. Chen, Clarabel: an interior-point solver for conic programs
+with quadratic objectives, arXiv:2405.12762 (2024).
 """
 
 from __future__ import annotations

@@ -9,13 +9,13 @@ constant on every cell, and with v = δu_n the power of the load goes into store
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from manufactured.exact import ExactSolution
-from manufactured.law import Elasticity, KelvinVoigt, PointLaw
+from manufactured.law import Elasticity, PointLaw
 from manufactured.tensors import Array, Tensors
 from study.fem.gauge import Gauge
 from study.fem.material import on_cells
@@ -23,8 +23,7 @@ from study.fem.mesh import MeshFamily
 from study.fem.space import Space
 from study.solve.contact_step import State
 from study.solve.energy_balance import Power, balance, density
-from study.solve.evolution import SemiDiscrete
-from study.solve.steps import step_size
+from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.tableau import BDF2
 
 
@@ -38,7 +37,7 @@ class Frame:
         stress: σ_n on the cells, (D, cells).
         normal: N u_n, minus the gap at the contact vertices, (m,).
         multipliers: λ_n, (m,).
-        power: the balance at t_n.
+        power: energy and powers at t_n.
     """
 
     time: float
@@ -52,7 +51,7 @@ class Frame:
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """An exact solution's problem, solved on one mesh: all frames from t_0 to t_steps."""
+    """An exact solution's problem, solved on one mesh: all frames from t_0 to t_steps; λ is 0 at t_0."""
 
     solution: ExactSolution
     family: str
@@ -77,33 +76,16 @@ class Motion:
         space = Space(family(solution.body, level), solution.body)
         gauge = Gauge(solution, space)
         problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+        cells = on_cells(space, solution.law)
         found = []
-        for frame in frames(space, solution.law, problem, steps):
-            found.append(frame)
+        for state, velocity in velocities(problem, BDF2, steps):
+            found.append(_frame(space, solution.law.G, cells, problem, state, velocity))
             notify()
         return cls(solution, family.name, level, space, found)
 
     def balance(self) -> dict[str, Array]:
         """Energies at the times of the frames, as ``study.solve.energy_balance`` has them."""
         return balance(np.array([frame.time for frame in self.frames]), [frame.power for frame in self.frames])
-
-
-def frames(space: Space, law: KelvinVoigt, problem: SemiDiscrete, steps: int) -> Iterator[Frame]:
-    """The frames at t_0, …, t_steps.
-
-    At t = 0, where the scheme has solved nothing, δu is the first forward difference and λ is 0.
-    """
-    k = step_size(problem.T, steps)
-    cells = on_cells(space, law)
-    states = BDF2.march(problem, steps)
-    first = next(states)
-    before = [first.u]
-    for n, state in enumerate(states, start=1):
-        velocity = BDF2.of_step(n).rate(state.u, before, k)
-        if n == 1:
-            yield _frame(space, law.G, cells, problem, first, velocity)
-        yield _frame(space, law.G, cells, problem, state, velocity)
-        before = [*before, state.u][-BDF2.kept :]
 
 
 def _frame(space: Space, G: Elasticity, cells: PointLaw, problem: SemiDiscrete, state: State, velocity: Array) -> Frame:

@@ -1,22 +1,21 @@
-"""The potential Φ that a step of backward Euler minimises over the stresses, Problem 3.2, as a density on the cells.
+"""The potential that the stress of Problem 3.2 minimises in a step of backward Euler.
 
-With backward Euler, (3.12) and (3.15) say that σ_n minimises over Σ^h(t_n) the potential Φ of the map
-ε_n ↦ σ_n = A (ε_n − ε_{n−1})/k + G ε_n turned round, DΦ(σ_n) = ε_n:
+By (3.12) and (3.15), σ_n minimises over Σ^h(t_n) the potential Φ whose derivative inverts the law of the step,
+ε_n ↦ σ_n = A (ε_n − ε_{n−1})/k + G ε_n, so that DΦ(σ_n) = ε_n:
 
 * linear G, with C = A/k + G:
 
       Φ(τ) = ½ (C⁻¹ τ, τ)_Q + (C⁻¹ (A/k) ε_{n−1}, τ)_Q;
 
-* the law (3.3), G ε = β (ε − P_K ε): the strain is the same in A and in G, so the potential is the
-  infimal convolution over splittings τ = s₁ + s₂,
+* the law (3.3), G ε = β (ε − P_K ε): the strain is the same in A and in G, so the potential is the infimal
+  convolution over splittings τ = s₁ + s₂,
 
       Φ(s₁, s₂) = ½ k (A⁻¹ s₁, s₁)_Q + (s₁, ε_{n−1})_Q + |s₂|²_Q/(2β) + ∫_Ω h_K(s₂),
 
-  where h_K, the support function of K = {|Pτ| ≤ r}, is r |s₂| on the range of the projector P and
-  infinite elsewhere.
+  where h_K, the support function of K = {|Pτ| ≤ r}, is r |s₂| on the range of the projector P and infinite elsewhere.
 
-Both are ½ Q y·y + g(ε_{n−1})·y in an unknown y of every cell, in coordinates for which a part of y may have to lie in a
-second-order cone.
+Both are integrals of densities ½ Q y·y + g(ε_{n−1})·y, y an unknown on every cell that determines τ there. For (3.3)
+it has a part (ρ, z) in the second-order cone ρ ≥ |z|.
 """
 
 from __future__ import annotations
@@ -36,12 +35,10 @@ class StressError(RuntimeError):
 class LinearPotential:
     """½ C⁻¹τ·τ + C⁻¹(A/k) ε_{n−1}·τ in the unknown y = τ, C = A/k + G with the means of A and G on the cells.
 
-    Potentials are densities in an unknown y of a cell, ½ Q y·y + g(ε_{n−1})·y.
-
     Attributes:
         quadratic: Q of every cell, (cells, p, p).
         stress: y ↦ τ, (D, p).
-        cone: the last so many entries of y are (ρ, z) with ρ ≥ |z|.
+        cone: number of entries of (ρ, z), the last ones of y.
     """
 
     cone = 0

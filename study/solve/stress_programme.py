@@ -15,11 +15,9 @@ from study.solve.interior_point import SOLVED, Tolerance, settings
 from study.solve.stress_potential import LinearPotential, StressError, YieldPotential
 
 AIM = Tolerance(gap=1e-15, feasibility=1e-11)
-"""Where a vertex touches with next to no force the error is the root of the gap, so both are at the limit of the
-arithmetic."""
+"""At the limit of the arithmetic: where a vertex touches with next to no force the error is the root of the gap."""
 ENOUGH = Tolerance(gap=1e-12, feasibility=1e-9)
-"""What counts as solved where rounding stops the solver short of its aim. The verdict does not rest on these: it
-compares the two problems."""
+"""Where rounding stops the solver short of its aim. The verdict does not rest on it: it compares the two problems."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +85,8 @@ class Programme:
             return clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(aim, ENOUGH))
 
         self.solver = solver(AIM)
-        # Where rounding breaks off the way to an aim out of reach, the last iterate is not the best.
-        self.modest = partial(solver, ENOUGH)
+        # Where rounding stops the iteration short of AIM, its last iterate is not its best: then it aims at ENOUGH.
+        self.retry = partial(solver, ENOUGH)
 
     def __call__(self, time: float, load: Array, old: Tensors) -> StressState:
         """σ_n, λ_n, u_n and ε_n at t_n from F(t_n) and ε_{n−1}.
@@ -104,7 +102,7 @@ class Programme:
         self.solver.update(q=self.q, b=self.b)
         solution = self.solver.solve()
         if solution.status not in SOLVED:
-            solution = self.modest().solve()
+            solution = self.retry().solve()
         if solution.status not in SOLVED:
             raise StressError(
                 f"the stress problem at t = {time:.6g} was not solved: {solution.status} after "

@@ -87,7 +87,7 @@ class TwoSided(Signorini):
     """A foundation that holds the body."""
 
     def complementarity(self, gap):
-        return self.on(np.ones_like(self.active), gap)
+        return self.multipliers_on(np.ones_like(self.active), gap)
 
 
 def defective(found: Setup, solver) -> Setup:

@@ -24,7 +24,7 @@ from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
 from study.fem.mesh import MeshFamily, size
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
 from study.solve.tableau import BDF2, Tableau
 from study.stresses.composite import bernstein
@@ -245,18 +245,14 @@ class Primal:
         self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
         gauge = Gauge(solution, self.displacements)
         problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
-        self.k, self.states = problem.T / steps, enumerate(BDF2.march(problem, steps))
-        self.past = [next(self.states)[1].u]
+        self.states = islice(velocities(problem, BDF2, steps), 1, None)
 
     def __next__(self) -> tuple[Vectors, Tensors]:
         """The next displacement at the vertices, and Aε(δu^h) + Gε(u^h) at the points of the stresses."""
-        n, state = next(self.states)
-        u = state.u
-        velocity = BDF2.of_step(n).rate(u, self.past, self.k)
-        rate, strain = self.displacements.strain(velocity), self.displacements.strain(u)
-        self.past = [*self.past, u][-len(BDF2.past) :]
+        state, velocity = next(self.states)
+        rate, strain = self.displacements.strain(velocity), self.displacements.strain(state.u)
         stress = np.einsum("cqIJ,Jc->Icq", self.viscous, rate) + np.einsum("cqIJ,Jc->Icq", self.elastic, strain)
-        return self.displacements.nodal(u), stress
+        return self.displacements.nodal(state.u), stress
 
 
 def measure(setup: StressSetup) -> dict[str, float]:
