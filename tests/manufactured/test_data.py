@@ -37,7 +37,7 @@ from study.bound.trajectory import Refined
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve_data
 from study.ledger.errors import UsageError
-from study.solve.steps import paced_steps
+from study.solve.steps import rate_steps
 
 CASES = {case.name: case for case in catalogue()}
 SQUARE, LAW = unit_square(), not_proportional()

@@ -24,7 +24,8 @@ from study.present.show import EVERY, Shown, film, show, ticks
 from study.present.show.animation import write_mp4
 from study.present.show.storyboard import MOMENTS, draw_storyboard
 from study.present.show.vtk import mesh_of
-from study.solve.motion import Motion, balance, density, von_mises
+from study.solve.motion import Motion, density
+from study.solve.von_mises import von_mises
 from study.statements import pictures
 
 CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
@@ -52,7 +53,7 @@ def test_the_power_of_the_load_is_stored_dissipated_or_spent_on_contact_at_every
 
 @pytest.mark.parametrize("case", CASES[:3])
 def test_the_defect_of_the_balance_of_energy_falls_with_the_square_of_the_step(case: str) -> None:
-    defects = [abs(balance(moved(case, steps).frames)["defect"]).max() for steps in (32, 64, 128)]
+    defects = [abs(moved(case, steps).balance()["defect"]).max() for steps in (32, 64, 128)]
     assert 3 < defects[0] / defects[1] < 5
     assert 3 < defects[1] / defects[2] < 5
 

@@ -33,8 +33,8 @@ from study.controls import defects, register
 from study.controls.run_controls import work
 from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS
-from study.solve.evolution import Midpoint
-from study.solve.steps import steps_for
+from study.solve.tableau import MIDPOINT
+from study.solve.steps import rate_steps
 from study.statements.prop_5_4.measure import measure_case
 
 ROOT = Path(__file__).parents[2]
@@ -226,7 +226,8 @@ def test_the_case_of_the_recipe_states_its_formulas_and_then_the_order_that_they
 
 
 def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:
-    rows = [asdict(measure_case(case, OneDiagonal(), n, Midpoint(), steps_for(case, n))) for n in (8, 16, 32)]
+    steps = {n: rate_steps(case.solution.body.T, n, case.pace) for n in (8, 16, 32)}
+    rows = [asdict(measure_case(case, OneDiagonal(), n, MIDPOINT, count)) for n, count in steps.items()]
     found = prop_5_4(case.name, pd.DataFrame(rows), case.order)
     assert found
     assert [verdict.quantity for verdict in found if verdict.verdict != HOLDS] == []

@@ -14,7 +14,7 @@ from study.fem.naming import family_named, resolve
 from study.ledger.orders import orders
 from study.ledger.verdict import HOLDS, REPORTED
 from study.run.judgement import check
-from study.solve.evolution import Midpoint
+from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.measure import measure_case
 from study.statements.thm_4_2.gaps import compare
 from study.statements.thm_4_2.own_space import measure_stresses, places
@@ -33,7 +33,7 @@ def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int
     mine = RATES[RATES["case"] == case]
     committed = mine[mine["level"] == sorted(mine["level"].unique())[place]]
     for row in committed.iloc[[0, -1]].drop_duplicates().to_dict("records"):
-        again = asdict(measure_case(resolve(case), family_named(row["family"]), row["level"], Midpoint(), row["steps"]))
+        again = asdict(measure_case(resolve(case), family_named(row["family"]), row["level"], MIDPOINT, row["steps"]))
         assert again["dofs"] == row["dofs"]
         for column in MEASURED:
             assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9), (row["family"], column)

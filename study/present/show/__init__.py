@@ -17,7 +17,8 @@ from study.present.show.solid import draw_surface
 from study.present.show.storyboard import draw_storyboard, write_png
 from study.present.show.vtk import write_vtk
 from study.run import resources as memory
-from study.solve.motion import Motion, von_mises
+from study.solve.motion import Motion
+from study.solve.von_mises import von_mises
 from study.statements import pictures
 from study.statements.shared import estimates
 

@@ -15,7 +15,8 @@ from manufactured.tensors import Array
 from study.present.figures.body import COLOURS, SHADES, SHARE
 from study.present.figures.canvas import PAGE, VERMILLION
 from study.present.show.storyboard import COLUMNS, MOMENTS
-from study.solve.motion import Frame, Motion, von_mises
+from study.solve.motion import Frame, Motion
+from study.solve.von_mises import von_mises
 
 VIEW = {"elev": -25.0, "azim": -60.0}
 """From below: the contact face of a cube is its bottom."""

@@ -13,7 +13,8 @@ import numpy as np
 
 from manufactured.tensors import Array, Tensors, full
 from study.ledger.files import write_text, write_whole
-from study.solve.motion import Frame, Motion, von_mises
+from study.solve.motion import Frame, Motion
+from study.solve.von_mises import von_mises
 from study.statements.pictures import contact_weights
 
 CELLS = {2: "triangle", 3: "tetra"}

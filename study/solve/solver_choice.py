@@ -1,4 +1,4 @@
-"""Which contact solver serves a space, by its size, and how exactly it has to solve."""
+"""Which contact solver is used on a space, by its dimension and size, and to what residual."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ by O(n²) operations: from about the limit on multigrid takes no more time, and 
 ROUNDING = 1e-10
 """Relative residual that a factorisation may leave."""
 SHARE = 0.01
-"""What multigrid may leave of the solution, over the discretisation error, by the estimate in ``residual``."""
+"""Error that multigrid may leave, relative to the discretisation error, by the estimate in ``residual``."""
 
 
 def residual(dim: int, dofs: int) -> float:
