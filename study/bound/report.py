@@ -11,8 +11,8 @@ import pandas as pd
 
 from manufactured.tensors import Array
 from study.bound.enclosure import order
+from study.ledger.files import write_text, write_whole
 from study.ledger.rounding import down, interval, up
-from study.run.store import write_text, write_whole
 from study.statements.enclosure.measure import Bounded
 
 LINES = 8

@@ -32,6 +32,7 @@ from study.controls.seeds import text as seeds_text
 from study.fem.mesh import MeshError
 from study.fem.naming import UsageError, absolute, choose, family_named, resolve, resolve_data
 from study.ledger.datafiles import DataError
+from study.ledger.files import StoreError
 from study.ledger.orders import RatesError
 from study.ledger.published import TableError, as_json, as_text, read_table, report
 from study.ledger.verdict import HOLDS, REPORTED, Verdict
@@ -49,7 +50,7 @@ from study.run.judgement import check
 from study.run.plan import Levels, Plan, full, quick
 from study.run.processes import Processes
 from study.run.provenance import protect, read_provenance
-from study.run.store import Store, StoreError
+from study.run.store import Store
 from study.solve.evolution import SCHEMES
 from study.statements.enclosure.measure import Bounded, bounded, check_bound, check_force
 

@@ -14,9 +14,9 @@ from threadpoolctl import threadpool_limits
 
 from study.controls.register import Control
 from study.controls.settings import S, Setting
+from study.ledger.files import write_text
 from study.ledger.verdict import FAILS, HOLDS, Verdict
 from study.present.terminal import cell
-from study.run.store import write_text
 
 NO_DEFECT = "none"
 

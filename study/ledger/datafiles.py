@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.run.store import write_text
+from study.ledger.files import write_text
 
 VERDICTS = ("holds", "reported", "undecided", "fails")
 """From best to worst."""

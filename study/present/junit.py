@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from xml.etree import ElementTree
 
+from study.ledger.files import write_text
 from study.ledger.verdict import FAILS, HOLDS, Verdict
-from study.run.store import write_text
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:

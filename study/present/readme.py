@@ -9,9 +9,9 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.datafiles import SEEDS, VERDICTS, DataError, caught, raised, read_claims, read_csv
+from study.ledger.files import write_text
 from study.ledger.rounding import above, below, up
 from study.present.report.sources import sources
-from study.run.store import write_text
 
 MEASURED = {
     "data": "provenance.json",

@@ -16,10 +16,10 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.datafiles import DataError, read_claims, read_csv, read_rates, with_order
+from study.ledger.files import write_text, write_whole
 from study.present.article.fragments import write_article
 from study.present.latex import encode, longtable, prose
 from study.present.terminal import cell, ledger_text, rates_text
-from study.run.store import write_text, write_whole
 
 __all__ = ["DataError", "ledger_text", "rates_text", "write_tables"]
 

@@ -11,11 +11,12 @@ import pandas as pd
 from manufactured.case import Case
 from study.fem.naming import resolve
 from study.ledger.datafiles import SERIES, write_csv
+from study.ledger.files import write_text
 from study.ledger.orders import orders
 from study.run.job import EquivalenceJob, PictureJob, RateJob, StatementJob, StressJob
 from study.run.plan import Plan
 from study.run.provenance import provenance
-from study.run.store import Store, write_text
+from study.run.store import Store
 from study.statements.enclosure.jobs import BoundJob
 from study.statements.enclosure.measure import BoundRow
 from study.statements.thm_4_2.own_space import StressRow

@@ -11,54 +11,21 @@ import hashlib
 import json
 import os
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import psutil
 
+from study.ledger.files import StoreError, unwritable, write_text
+
 if sys.platform != "win32":
     import fcntl
 
 FORMAT = 1
 """Changes whenever older data files can no longer be read as they were meant."""
-
-
-class StoreError(ValueError):
-    """A data directory cannot be used."""
-
-
-def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
-    """Let ``write`` fill a temporary file beside ``path`` and move it there once it is complete.
-
-    Readers see the old content or the new, never a part.
-
-    Raises:
-        StoreError: the directory cannot be written.
-    """
-    part = path.with_name(f".{path.name}.{os.getpid()}.part")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        write(part)
-        os.replace(part, path)
-    except OSError as error:
-        raise _unwritable(path, error) from error
-    finally:
-        # The cause of a failure may be that its directory does not exist.
-        with suppress(OSError):
-            part.unlink()
-    return path
-
-
-def _unwritable(path: Path, error: OSError) -> StoreError:
-    return StoreError(f"cannot write {path}: {error.strerror or error}; give a directory you may write with --out")
-
-
-def write_text(path: Path, text: str) -> Path:
-    """``write_whole`` for text, in UTF-8 with Unix line ends on every system."""
-    return write_whole(path, lambda part: part.write_text(text, encoding="utf-8", newline="\n"))
 
 
 @dataclass(frozen=True)
@@ -106,7 +73,7 @@ class Store:
             path.parent.mkdir(parents=True, exist_ok=True)
             file = path.open("a")
         except OSError as error:
-            raise _unwritable(path, error) from error
+            raise unwritable(path, error) from error
         with file:
             if sys.platform != "win32":
                 try:

@@ -12,7 +12,8 @@ import pytest
 
 from study.cli.main import main
 from study.fem.naming import resolve
-from study.run.store import FORMAT, Store, StoreError, write_text
+from study.ledger.files import StoreError, write_text
+from study.run.store import FORMAT, Store
 
 README = Path(__file__).parents[2] / "README.md"
 

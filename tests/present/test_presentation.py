@@ -25,6 +25,7 @@ from numpy.typing import NDArray
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.ledger.datafiles import read_rates
+from study.ledger.files import StoreError, write_text, write_whole
 from study.ledger.packing import FINE, Packed
 from study.present.figures import draw_figures, drawings
 from study.present.figures.body import SHARE, magnify
@@ -34,7 +35,6 @@ from study.present.figures.zone import caps, strands
 from study.present.latex import encode
 from study.present.tables import DataError, ledger_text, rates_text, write_tables
 from study.run.pictures import record
-from study.run.store import StoreError, write_text, write_whole
 from study.solve.motion import Motion
 
 Array = NDArray[np.float64]

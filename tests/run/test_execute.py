@@ -20,13 +20,14 @@ import pytest
 from study.bound.enclosure import Better
 from study.cli.main import main
 from study.fem.naming import UsageError
+from study.ledger.files import StoreError
 from study.run.collect import collect
 from study.run.execute import JobsError, Pool, admitted, execute, refuse_too_large
 from study.run.job import EquivalenceJob, Job, RateJob, StressJob
 from study.run.plan import Levels, Plan, quick
 from study.run.processes import Processes
 from study.run.resources import GIB, available
-from study.run.store import Store, StoreError
+from study.run.store import Store
 from study.statements.enclosure.jobs import BoundJob
 from study.statements.thm_4_2.own_space import Place
 

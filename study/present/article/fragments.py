@@ -17,11 +17,11 @@ from typing import Any
 import pandas as pd
 
 from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
+from study.ledger.files import write_text
 from study.ledger.margin import bounds, used, worst
 from study.ledger.rounding import down, up
 from study.present.article.numbers import DISCRETE, macros
 from study.present.latex import encode, longtable, prose
-from study.run.store import write_text
 
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
 BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest", "upper", "lower"]

@@ -17,7 +17,7 @@ from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
-from study.run.store import write_text, write_whole
+from study.ledger.files import write_text, write_whole
 
 STYLE = Path(__file__).parent / "style.mplstyle"
 _ANONYMOUS: dict[str, dict[str, None]] = {

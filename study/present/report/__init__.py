@@ -9,10 +9,10 @@ from pathlib import Path
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from study.ledger.files import write_text
 from study.present.report.content import read_content
 from study.present.report.typeset import typeset
 from study.present.terminal import significant
-from study.run.store import write_text
 
 
 def write_report(directory: Path) -> Path:

@@ -9,6 +9,7 @@ from pathlib import Path
 from manufactured.case import Case
 from study.fem.mesh import FAMILIES
 from study.fem.naming import UsageError
+from study.ledger.files import write_text
 from study.present.figures.canvas import in_style
 from study.present.figures.pictures import Picture, Shape
 from study.present.show.animation import write_gif, write_mp4
@@ -17,7 +18,6 @@ from study.present.show.storyboard import draw_storyboard, write_png
 from study.present.show.vtk import write_vtk
 from study.run import pictures
 from study.run import resources as memory
-from study.run.store import write_text
 from study.solve.motion import Motion, von_mises
 
 EVERY = 2

@@ -12,11 +12,11 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from PIL import Image
 
+from study.ledger.files import write_whole
 from study.present.figures.body import Scale, colour_bar, draw_moment, handles
 from study.present.figures.canvas import BLACK, PAGE, SKY, VERMILLION, legend
 from study.present.figures.pictures import Picture, Segment, heading, symbol
 from study.present.figures.zone import exact_zone
-from study.run.store import write_whole
 
 DPI = 110
 COLOURS = 256

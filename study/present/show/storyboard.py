@@ -10,10 +10,10 @@ import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from study.ledger.files import write_whole
 from study.present.figures.body import Scale, colour_bar, draw_moment, handles
 from study.present.figures.canvas import PAGE, legend
 from study.present.figures.pictures import Picture, heading
-from study.run.store import write_whole
 
 MOMENTS, COLUMNS = 6, 3
 DPI = 200

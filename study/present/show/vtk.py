@@ -12,8 +12,8 @@ import meshio  # type: ignore[import-untyped]
 import numpy as np
 
 from manufactured.tensors import Array, Tensors, full
+from study.ledger.files import write_text, write_whole
 from study.run.pictures import contact_weights
-from study.run.store import write_text, write_whole
 from study.solve.motion import Frame, Motion, von_mises
 
 CELLS = {2: "triangle", 3: "tetra"}
