@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from contextlib import suppress
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from study.ledger.files import write_text
+from study.ledger.orders import RatesError, orders
 
 VERDICTS = ("holds", "reported", "undecided", "fails")
 """From best to worst."""
@@ -78,8 +80,8 @@ def read_rates(directory: Path) -> pd.DataFrame:
     rates = read_csv(directory, "rates.csv", RATES)
     series = [frame.sort_values("level") for _, frame in rates.groupby(SERIES, sort=False)]
     rates = pd.concat(series, ignore_index=True) if series else rates
-    orders = [_orders(frame["h"].to_numpy(), frame["discrete_error"].to_numpy()) for frame in series]
-    return rates.assign(discrete_order=np.concatenate(orders) if orders else [])
+    found = [_orders(frame["h"].to_numpy(), frame["discrete_error"].to_numpy()) for frame in series]
+    return rates.assign(discrete_order=np.concatenate(found) if found else [])
 
 
 def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
@@ -120,6 +122,9 @@ def read_claims(directory: Path) -> pd.DataFrame:
 
 
 def _orders(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Consecutive orders with NaN for the first level, and where an error is zero and has none."""
-    safe = np.where(error > 0, error, np.nan)
-    return np.concatenate([[np.nan], np.log(safe[:-1] / safe[1:]) / np.log(h[:-1] / h[1:])])
+    """Consecutive orders, NaN for the first level and wherever an error is not positive and so has none."""
+    found = np.full(len(h), np.nan)
+    for i in range(1, len(h)):
+        with suppress(RatesError):
+            (found[i],) = orders(h[i - 1 : i + 1], error[i - 1 : i + 1])
+    return found

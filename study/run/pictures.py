@@ -12,10 +12,10 @@ from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
-from study.fem.facets import Facets
 from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Unstructured, boundary_parts, facet_measures
 from study.fem.skin import Skin
 from study.fem.space import Space
+from study.ledger.facets import Facets
 from study.ledger.packing import FINE, Packed, short
 from study.solve.motion import Motion, balance, von_mises
 
