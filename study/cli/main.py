@@ -39,7 +39,7 @@ from study.ledger.verdict import HOLDS, REPORTED, Verdict
 from study.present.figures import Drawing, draw_figures, draw_one, drawings, enclosure, overview
 from study.present.junit import write_junit
 from study.present.report import write_report
-from study.present.show import LEVELS, show, ticks
+from study.present.show import count_images, draw_show
 from study.present.tables import write_tables
 from study.present.terminal import ledger_text, rates_text
 from study.run import resources as memory
@@ -50,6 +50,7 @@ from study.run.judgement import check
 from study.run.plan import Levels, Plan, full, quick
 from study.run.processes import Processes
 from study.run.provenance import protect, read_provenance
+from study.run.showcase import LEVELS, STEPS, solve_showcase
 from study.run.store import Store
 from study.solve.evolution import SCHEMES
 from study.statements.enclosure.measure import Bounded, bounded, check_bound, check_force
@@ -343,9 +344,13 @@ def do_show(options: argparse.Namespace) -> int:
     if level < 2:
         raise UsageError(f"--level must be 2 or more, got {level}")
     _prove(case)
-    with _bar(ticks(case)) as bar:
+    directory = options.out / case.name
+    with _bar(STEPS + 1) as bar:
         bar.set_description(case.name)
-        shown = show(case, level, options.out / case.name, bar.update)
+        solved = solve_showcase(case, level, directory, bar.update)
+    with _bar(count_images(solved.picture)) as bar:
+        bar.set_description("images")
+        shown = draw_show(solved.picture, solved.series, directory, bar.update)
     for path in shown.written:
         print(path)
     for line in shown.left_out:
@@ -365,7 +370,7 @@ def do_tables(options: argparse.Namespace) -> int:
 def do_report(options: argparse.Namespace) -> int:
     """``study report``."""
     with Store(options.out).steady():
-        print(write_report(options.out))
+        print(write_report(options.out, read_provenance(options.out)))
     return OK
 
 
