@@ -19,15 +19,16 @@ from test_presentation import CASES, write_data
 
 from study.ledger.datafiles import DataError, read_rates
 from study.present.figures import drawings
-from study.present.figures.body import CLIPPED, SHADES, Scale, _shades, caption_body, draw_body
-from study.present.figures.canvas import COLUMN, PAGE, STYLE, Drawing, in_style
-from study.present.figures.defects import mathtext
+from study.present.figures.body_scale import CLIPPED, SHADES, BodyScale
+from study.present.figures.canvas import COLUMN, PAGE, STYLE, in_style
+from study.present.figures.contact_maps import caption_maps, draw_maps
+from study.present.figures.deformed_body import caption_body, draw_body
+from study.present.figures.deformed_mesh import cell_shades
+from study.present.figures.drawing import Drawing
 from study.present.figures.energy import caption_energy
-from study.present.figures.maps import caption_fronts, caption_maps, draw_fronts, draw_maps
-from study.present.figures.maps import misplaced as misplaced_nodes
-from study.present.figures.pictures import Face, Picture, read_pictures
-from study.present.figures.view import View
-from study.present.figures.zone import exact_zone, misplaced
+from study.present.figures.front_maps import caption_fronts, draw_fronts
+from study.present.figures.mathtext import mathtext
+from study.present.picture.picture import Picture, read_pictures
 
 Array = NDArray[np.float64]
 SMALLEST = 7.0
@@ -150,43 +151,9 @@ def test_a_drawing_needs_nothing_but_what_it_carries(measured: Path, tmp_path: P
         assert drawing.caption()
 
 
-def shifted(face: Face, cells: int) -> Face:
-    """A face whose computed pressure lies some cells further along."""
-    return replace(face, pressure=np.roll(face.pressure_exact, cells, axis=1))
-
-
 @pytest.fixture(scope="module")
 def picture(measured: Path) -> Picture:
     return read_pictures(measured)[0]
-
-
-def test_a_computed_zone_that_is_exact_is_off_by_half_a_cell_at_most(picture: Picture) -> None:
-    (face,) = picture.faces
-    assert misplaced(shifted(face, 0), picture.times).max() <= 0.5 + 1e-6
-
-
-def test_a_front_three_cells_too_far_is_off_by_three_cells(picture: Picture) -> None:
-    (face,) = picture.faces
-    wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))
-    off = misplaced(wide, picture.times) - misplaced(shifted(face, 0), picture.times)
-    assert off[:-1].max() <= 3 + 1e-6
-    assert np.median(off) > 1.9
-
-
-def test_a_zone_that_should_not_be_there_counts_with_its_length(picture: Picture) -> None:
-    (face,) = picture.faces
-    empty = replace(face, zone=[[] for _ in face.zone_times])
-    pressure = np.zeros_like(face.pressure)
-    pressure[:, 2:5] = 1.0
-    np.testing.assert_allclose(misplaced(replace(empty, pressure=pressure), picture.times), 3.0)
-    assert not misplaced(replace(empty, pressure=0 * pressure), picture.times).any()
-
-
-def test_the_exact_zone_between_known_times_lies_between(picture: Picture) -> None:
-    (face,) = picture.faces
-    early, late = (face.zone[n][0][1] for n in (10, 11))
-    ((_, front),) = exact_zone(face, float(face.zone_times[10:12].mean()))
-    assert front == pytest.approx((early + late) / 2)
 
 
 @pytest.fixture(scope="module")
@@ -200,38 +167,11 @@ def with_faces(picture: Picture, **change: Array | float) -> Picture:
     return replace(picture, faces=[replace(face, **values) for face in picture.faces])
 
 
-def test_a_solid_is_seen_from_outside_of_its_contact_faces_and_from_above(solid: Picture) -> None:
-    view = View.of(solid)
-    np.testing.assert_allclose(view.axes @ view.axes.T, np.eye(3), atol=1e-12)
-    assert np.linalg.det(view.axes) == pytest.approx(1)
-    right, up, towards = view.axes
-    assert len(solid.faces) == 2
-    assert all(towards @ face.normal > 0.3 for face in solid.faces)
-    # The third axis is upright and the eye above: on the page a horizontal plane rises with the distance.
-    assert right[2] == pytest.approx(0)
-    assert up[2] * towards[2] > 0
-
-
-def test_the_triangles_of_a_cube_that_are_drawn_are_those_of_three_sides_from_far_to_near(solid: Picture) -> None:
-    view, shades = View.of(solid), np.zeros(solid.cells.shape[1], dtype=int)
-    order = view.order(solid.vertices, solid.cells, shades)
-    assert len(set(order)) == len(order) == solid.cells.shape[1] / 2
-    corners = solid.vertices[:, solid.cells[:, order]]
-    depth = view.axes[2] @ corners.mean(axis=1)
-    assert (np.diff(depth) >= 0).all()
-    normals = np.cross((corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T)
-    assert (normals @ view.axes[2] > 0).all()
-
-
-def test_in_the_plane_the_page_is_the_plane(picture: Picture) -> None:
-    np.testing.assert_array_equal(View.of(picture).flat(picture.vertices), picture.vertices)
-
-
 def test_contact_faces_of_a_solid_have_the_colours_of_the_pressure_and_the_others_of_the_stress(solid: Picture) -> None:
     numbers = {}
     for pressure in (0.0, 1.0):
         shown = with_faces(solid, pressure=pressure)
-        numbers[pressure], colours = _shades(shown, shown.shapes[0], Scale.of(shown))
+        numbers[pressure], colours = cell_shades(shown, shown.shapes[0], BodyScale.of(shown))
         assert colours.shape == (2 * SHADES, 4)
     on_faces = np.concatenate([face.facets.cells for face in solid.polygons])
     assert set(numbers[0.0][on_faces]) == {SHADES}
@@ -243,12 +183,10 @@ def test_contact_faces_of_a_solid_have_the_colours_of_the_pressure_and_the_other
 
 def test_nodes_of_a_solid_on_the_wrong_side_are_counted(solid: Picture) -> None:
     exact = replace(solid, faces=[replace(face, pressure=face.inside.astype(float)) for face in solid.polygons])
-    assert [misplaced_nodes(face).max() for face in exact.polygons] == [0, 0]
     assert "none of the 32 nodes is ever on the wrong side" in caption_fronts(exact)
     wrong = [face.pressure.copy() for face in exact.polygons]
     wrong[1][5, :3] = 1 - wrong[1][5, :3]
     off = replace(exact, faces=[replace(face, pressure=p) for face, p in zip(exact.polygons, wrong, strict=True)])
-    assert [misplaced_nodes(face).sum() for face in off.polygons] == [0, 3]
     assert f"3 of 16 at most, on Γ3,2 at t = {off.times[5]:.3g}" in caption_fronts(off)
 
 
@@ -274,11 +212,11 @@ def test_the_caption_of_a_map_states_the_largest_errors(solid: Picture) -> None:
 
 
 def test_the_colours_of_the_stress_end_where_all_but_a_few_cells_lie(picture: Picture) -> None:
-    scale = Scale.of(picture)
+    scale = BodyScale.of(picture)
     stresses = np.array([shape.von_mises for shape in picture.shapes])
     assert (stresses > scale.stress).mean() <= CLIPPED
-    assert scale.colours.cmap.N == SHADES
-    lightness = np.array([0.299, 0.587, 0.114]) @ np.array(scale.colours.cmap(np.arange(SHADES)))[:, :3].T
+    assert scale.stress_colours.cmap.N == SHADES
+    lightness = np.array([0.299, 0.587, 0.114]) @ np.array(scale.stress_colours.cmap(np.arange(SHADES)))[:, :3].T
     assert (np.diff(lightness) < 0).all(), "grey, too, shows which stress is larger"
 
 

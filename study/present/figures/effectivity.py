@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from study.present.figures.canvas import BLACK, BLUE, GREEN, PAGE, VERMILLION, Look, legend
+from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, VERMILLION, Look
+from study.present.figures.canvas import PAGE, legend
 
 SCHEMES = {
     "backward-euler": Look(VERMILLION, "s"),
@@ -97,6 +98,6 @@ def _handles(known: pd.DataFrame) -> list[Line2D]:
         for scheme, look in SCHEMES.items()
         if (known["scheme"] == scheme).any()
     ]
-    kinds = (("upper end", "0.3"), ("lower end", "white"))
-    found += [Line2D([], [], ls="", color="0.3", marker="o", mfc=fill, label=label) for label, fill in kinds]
+    kinds = (("upper end", DARK), ("lower end", "white"))
+    found += [Line2D([], [], ls="", color=DARK, marker="o", mfc=fill, label=label) for label, fill in kinds]
     return [*found, Line2D([], [], ls="", label="larger: finer mesh")]

@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.figure import Figure
 
-from study.present.figures.canvas import BLACK, BLUE, COLUMN, GREEN, GREY, VERMILLION, legend
-from study.present.figures.pictures import Energy, Picture, heading, place
+from study.present.charts.palette import BLACK, BLUE, GREEN, GREY, VERMILLION
+from study.present.figures.canvas import COLUMN, legend
+from study.present.picture.picture import Energy, Picture
+from study.present.picture.wording import heading, place
 
 CURVES = (
     ("work", r"work of the load", BLACK, "-"),

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from string import ascii_uppercase
 
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from study.present.figures.canvas import BLUE, PAGE, VERMILLION, legend
-from study.present.latex import encode
+from study.present.charts.palette import BLUE, VERMILLION
+from study.present.figures.canvas import PAGE, legend
+from study.present.figures.mathtext import mathtext
 
 NONE = "none"
 """Stands for the measurements without a defect."""
@@ -62,15 +62,6 @@ def caption_defects(controls: pd.DataFrame) -> str:
         f"“{counts.index[0]}” catches most, {counts.iloc[0]}; {int((counts == 1).sum())} of {len(counts)} rows are "
         "asked about a single defect. Other rows that fail, too, are not shown."
     )
-
-
-def mathtext(text: str) -> str:
-    """What Matplotlib sets from a line of plain text with Unicode mathematics in it."""
-    pieces = re.split(r"\\\((.*?)\\\)", encode(text))
-    prose = [re.sub(r"\\([&%_#{}])", r"\1", piece.replace(r"\textasciitilde{}", "~")) for piece in pieces[::2]]
-    # Of the commands of LaTeX that are in use, this one is unknown to Matplotlib; the character is known.
-    formulas = [f"${piece}$".replace(r"\surd", "√") for piece in pieces[1::2]]
-    return "".join(piece for pair in zip(prose, [*formulas, ""], strict=True) for piece in pair)
 
 
 def _injected(controls: pd.DataFrame) -> pd.DataFrame:

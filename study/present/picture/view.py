@@ -1,4 +1,4 @@
-"""From a body to the page: as it is in the plane, a fixed parallel projection in space."""
+"""From coordinates of the body to those of a drawing: the identity in the plane, a parallel projection in space."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from study.present.figures.pictures import Array, Picture
+from study.present.picture.face_history import Array
+from study.present.picture.picture import Picture
 
 ASIDE = np.array([0.35, 0.55, 0.25])
-"""How far the eye moves from the normal of a contact face along the axes, so that it sees three sides of a box."""
+"""By how much: so that three sides of a box are seen."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -18,17 +19,17 @@ class View:
     """A parallel projection.
 
     Attributes:
-        axes: orthonormal rows, what is drawn to the right, what upwards and, in space, what points to the eye, (d, d).
+        axes: orthonormal rows, (d, d): the directions drawn to the right and upwards and, in space, that to the eye.
     """
 
     axes: Array
 
     @classmethod
     def of(cls, picture: Picture) -> View:
-        """The plane itself; a solid is seen obliquely from outside of its contact faces, and from above.
+        """The identity in the plane; a solid is seen obliquely from outside of its contact faces, and from above.
 
-        The eye looks along the sum of their normals, moved aside on the same side of each axis, or on the negative one.
-        The third axis is upright: a body on a floor is turned upside down, as what is seen from below looks hollow.
+        The direction to the eye is the sum of their normals with every component increased in absolute value. The third
+        axis is upright. A body on a floor is turned upside down, since a body seen from below looks hollow.
         """
         if len(picture.vertices) == 2:
             return cls(np.eye(2))
@@ -41,13 +42,13 @@ class View:
         return cls(np.array([right, np.cross(towards, right), towards]))
 
     def flat(self, x: Array) -> Array:
-        """Points on the page, (d, n) → (2, n)."""
+        """Points in the drawing, (d, n) → (2, n)."""
         return self.axes[:2] @ x
 
     def order(self, x: Array, cells: NDArray[np.int64], shades: NDArray[np.int64]) -> NDArray[np.int64]:
-        """The triangles with corners among the points x that face the eye, the farthest first: the painter's order.
+        """The triangles that face the eye, the farthest first (painter's algorithm); x are the corners, (d, n).
 
-        In the plane, where none hides another, all of them, those of one shade together.
+        In the plane, where none hides another, all of them, sorted by shade.
         """
         if len(x) == 2:
             return np.argsort(shades, kind="stable")

@@ -1,8 +1,5 @@
 // The deforming body on a canvas: in the plane on its foundation, in space seen through it.
 
-const ARROW = 0.2; // length of the largest pressure, and
-const BAND = 0.05; // thickness of the foundation, in sizes of the body
-
 /** Points, given by their coordinates, as drawn: to the right, upwards and, in space, towards the eye. */
 const project = (film, x) => film.view.map((axis) => x[0].map((_, j) => axis.reduce((sum, a, i) => sum + a * x[i][j], 0)));
 
@@ -22,7 +19,7 @@ function roomOf(film) {
   widen(film.rest);
   film.times.forEach((_, n) => widen(deformed(film, n)));
   for (const face of film.faces.filter(({ zone }) => zone)) {
-    widen(project(film, face.x.map((values, i) => values.map((x) => x + ARROW * film.size * face.normal[i]))));
+    widen(project(film, face.x.map((values, i) => values.map((x) => x + film.arrow * film.size * face.normal[i]))));
   }
   return room.map(([low, high]) => [low - 0.02 * film.size, high + 0.02 * film.size]);
 }
@@ -99,7 +96,7 @@ function on(face, s) {
 
 function drawGround({ pen, at, line }, face, film) {
   const ends = face.range.map((s) => on(face, s));
-  const deep = ends.map((end) => at(...end.map((x, i) => x + BAND * film.size * face.normal[i])));
+  const deep = ends.map((end) => at(...end.map((x, i) => x + film.foundation * film.size * face.normal[i])));
   line(at(...ends[0]), at(...ends[1]), deep[1], deep[0]);
   pen.fillStyle = theme("--ground");
   pen.fill();
@@ -107,7 +104,7 @@ function drawGround({ pen, at, line }, face, film) {
 
 /** The exact zone under the foundation's surface. */
 function drawZone({ pen, at, line }, face, film, n) {
-  const under = (s) => on(face, s).map((x, i) => x + 0.7 * BAND * film.size * face.normal[i]);
+  const under = (s) => on(face, s).map((x, i) => x + 0.7 * film.foundation * film.size * face.normal[i]);
   pen.strokeStyle = theme("--blue");
   pen.lineWidth = 4;
   for (const [a, b] of zoneAt(face, film.times[n])) { line(at(...under(a)), at(...under(b))); pen.stroke(); }
@@ -126,7 +123,7 @@ function drawArrows({ pen, at, line }, face, film, n) {
   face.pressure[n].forEach((pressure, i) => {
     if (pressure <= face.touches) return;
     const tip = [face.x[0][i], face.x[1][i]];
-    const length = (ARROW * film.size * pressure) / film.highest;
+    const length = (film.arrow * film.size * pressure) / film.highest;
     const [tx, ty] = at(...tip);
     const [fx, fy] = at(...tip.map((x, k) => x + length * face.normal[k]));
     line([fx, fy], [tx, ty]);
