@@ -28,8 +28,8 @@ from study.ledger.packing import FINE, Packed
 from study.present.figures import draw_figures, drawings
 from study.present.latex import encode
 from study.present.tables import DataError, ledger_text, rates_text, write_tables
-from study.run.pictures import record
 from study.solve.motion import Motion
+from study.statements.pictures import record
 
 Array = NDArray[np.float64]
 Present = Callable[[Path], object]
@@ -39,7 +39,7 @@ Side = tuple[tuple[float, float], Function, Function]
 
 STUDY = Path(__file__).parents[2] / "study"
 SOURCES = [path for path in sorted((STUDY / "present").rglob("*.py")) if path.name != "sources.py"]
-SOLVERS = ("study.fem", "study.solve", "study.statements.prop_5_4.sweep", "manufactured", "skfem")
+SOLVERS = ("study.fem", "study.solve", "study.statements.prop_5_4.measure", "manufactured", "skfem")
 
 LEVELS = (8, 16, 32, 64)
 FAMILIES = {"one-diagonal": (1.0, 1.9), "criss-cross": (0.72, 1.8), "shaken": (1.08, 1.15), "unstructured": (0.9, 1.1)}

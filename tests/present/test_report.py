@@ -26,8 +26,8 @@ from study.present.tables import DataError, bounds_table, equivalence_table, led
 from study.run import job as jobs
 from study.run.collect import picture_text
 from study.run.job import PictureJob
-from study.run.pictures import picture
 from study.run.provenance import read_provenance
+from study.statements.pictures import picture
 
 RESULTS = Path(__file__).parents[2] / "results"
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
