@@ -14,10 +14,10 @@ from test_presentation import CASES, enclosures, rates
 from study.ledger.orders import orders
 from study.present.charts.axis import LinearAxis, LogAxis
 from study.present.charts.chart import Chart, Curve, Style
-from study.present.charts.convergence import convergence_chart
-from study.present.charts.error_enclosure import enclosure_chart
-from study.present.charts.observed_orders import finest_orders, last_orders
-from study.present.charts.overview import overview_chart
+from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.enclosure_chart import enclosure_chart
+from study.present.charts.finest_orders import finest_orders, last_orders
+from study.present.charts.overview_chart import overview_chart
 from study.present.charts.slope_triangle import slope_triangle
 from study.present.figures.canvas import in_style
 from study.present.figures.draw_chart import draw_chart
@@ -50,7 +50,7 @@ def test_figure_and_page_show_the_same_curves_ticks_and_legend(chart: Chart) -> 
             np.testing.assert_allclose(
                 np.array(re.findall(r"[-\d.]+", path), dtype=float).reshape(-1, 2), expected, atol=0.01
             )
-            assert line.get_color() == curve.style.colour == style.style.colour
+            assert line.get_color() == curve.style.colour == style["colour"]
         ticks = [text for _, text in subplot.y.ticks()]
         assert len(axes.get_yticks()) == len(ticks) == len(drawn.y.ticks)
     (legend,) = figure.legends

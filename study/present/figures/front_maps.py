@@ -12,10 +12,10 @@ from study.present.charts.palette import BLUE, SKY
 from study.present.figures.canvas import COLUMN, legend
 from study.present.figures.face_map import Paint, draw_maps_of, label_maps, refined_triangulation
 from study.present.figures.zone import LINES, zone_handles
-from study.present.picture.contact_zone import misplaced_nodes
 from study.present.picture.picture import Picture
 from study.present.picture.polygon import Polygon
 from study.present.picture.wording import HARMLESS, face_name, face_names, face_symbol, heading, place, times_shown
+from study.present.picture.zone_history import misplaced_nodes
 
 
 def draw_fronts(picture: Picture) -> Figure:

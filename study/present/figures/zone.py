@@ -16,11 +16,11 @@ from matplotlib.ticker import MaxNLocator
 
 from study.present.charts.palette import BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.present.figures.canvas import COLUMN, legend
-from study.present.picture.contact_zone import caps, misplaced_length, strands
 from study.present.picture.face_history import Array
 from study.present.picture.picture import Picture
 from study.present.picture.segment import Segment
 from study.present.picture.wording import HARMLESS, face_name, face_names, face_symbol, heading, place
+from study.present.picture.zone_history import caps, misplaced_length, strands
 
 ROWS = 40
 """At most about so many times are shown as dots: more would run into each other."""

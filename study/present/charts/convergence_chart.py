@@ -9,7 +9,7 @@ import pandas as pd
 
 from study.present.charts.axis import LogAxis
 from study.present.charts.chart import Chart, Curve, LegendEntry, Style, Subplot
-from study.present.charts.observed_orders import by_family, last_orders, spread
+from study.present.charts.finest_orders import by_family, last_orders, spread
 from study.present.charts.palette import DARK, Look, looks
 from study.present.charts.slope_triangle import slope_triangle
 
