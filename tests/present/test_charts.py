@@ -59,10 +59,10 @@ def test_figure_and_page_show_the_same_curves_ticks_and_legend(chart: Chart) -> 
     assert [text for text, _ in page.legend] == entries
 
 
-def test_where_the_error_is_unknown_the_distance_to_a_better_displacement_takes_its_place() -> None:
+def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement_takes_its_place() -> None:
     known, unknown = CHARTS["enclosure"], CHARTS["unknown error"]
     assert "lines are the error itself" in known.caption
-    assert "lines are the distance to a better displacement" in unknown.caption
+    assert "lines are the distance to a more accurate displacement" in unknown.caption
     np.testing.assert_array_equal(unknown.subplots[0].curves[-1].y, enclosures()["distance"])
     assert "bound from u_h alone" in [entry.text for entry in unknown.legend[1]]
 

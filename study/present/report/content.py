@@ -109,7 +109,7 @@ def _controls(directory: Path) -> Rows | None:
     names = [column.name for column in CONTROLS]
     frame = read_csv(directory, "controls.csv", names)
     cells = [[cell(value) for value in row] for row in frame[names].to_numpy()]
-    return Rows("Deliberate defects and the row that noticed", CONTROLS, cells)
+    return Rows("Deliberate defects and the row of the ledger that has to fail", CONTROLS, cells)
 
 
 def _files(directory: Path) -> Rows:
