@@ -43,10 +43,11 @@ bench-peers: $(READY)  ## the same matrices solved by other programs, ten minute
 bench-parallel: $(READY)  ## the quick study with one process and with two, four minutes; PLAN=--full, an hour
 	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.parallel $(PLAN)
 
-lint: $(READY)  ## style and types
+lint: $(READY)  ## style, types, and that imports run down
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+	$(BIN)/lint-imports --no-cache
 
 # Left out: linear algebra within the solvers, and a module with a class that inherits fields from another one. pdoc
 # cannot resolve the types there; a warning anywhere else is an error.

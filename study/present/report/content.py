@@ -10,11 +10,10 @@ from typing import Any
 import pandas as pd
 
 from study.ledger.datafiles import read_claims, read_csv
+from study.ledger.rounding import cell, significant
 from study.present.report.case_page import CasePage, case_pages, count_verdicts
 from study.present.report.rows import Rows
-from study.present.report.sources import sources
 from study.present.tables import Column, bounds_table, ledger_table
-from study.present.terminal import cell, significant
 
 CONTROLS = [
     Column("defect", "defect", "l", names=True),
@@ -82,7 +81,7 @@ def read_content(directory: Path, provenance: dict[str, Any]) -> Content:
     claims = read_claims(directory)
     return Content(
         counts=count_verdicts(claims),
-        groups=_groups(directory),
+        groups=_groups(directory, provenance.get("statements", {})),
         cases=case_pages(directory, claims),
         bounds=Rows.of(bounds_table(directory), "Enclosures of errors, of cases and of problems without a solution"),
         controls=_controls(directory),
@@ -91,13 +90,18 @@ def read_content(directory: Path, provenance: dict[str, Any]) -> Content:
     )
 
 
-def _groups(directory: Path) -> list[LedgerGroup]:
+def _groups(directory: Path, made: dict[str, dict[str, Any]]) -> list[LedgerGroup]:
     """The ledger by statement, in its order; a label that stands for two statements makes two groups."""
-    judges = sources()
     cells: pd.DataFrame = ledger_table(directory).cells
     columns = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
+
+    def code(label: str) -> list[str]:
+        return list(made.get(label, {}).get("code", []))
+
     return [
-        LedgerGroup(label, says, count_verdicts(rows), judges.get(label, []), rows[columns].to_numpy().tolist())
+        LedgerGroup(
+            label, says, count_verdicts(rows), made.get(label, {}).get("code", []), rows[columns].to_numpy().tolist()
+        )
         for (label, says), rows in cells.groupby(["label", "statement"], sort=False)
     ]
 

@@ -8,9 +8,9 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from study.ledger.files import write_text
+from study.ledger.rounding import significant
 from study.present.report.content import read_content
 from study.present.report.typeset import typeset
-from study.present.terminal import significant
 
 
 def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
