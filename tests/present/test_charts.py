@@ -14,10 +14,10 @@ from test_presentation import CASES, enclosures, rates
 from study.ledger.orders import orders
 from study.present.charts.axis import LinearAxis, LogAxis
 from study.present.charts.chart import Chart, Curve, Style
-from study.present.charts.convergence import convergence_chart
-from study.present.charts.error_enclosure import enclosure_chart
-from study.present.charts.observed_orders import finest_orders, last_orders
-from study.present.charts.overview import overview_chart
+from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.enclosure_chart import enclosure_chart
+from study.present.charts.finest_orders import finest_orders, last_orders
+from study.present.charts.overview_chart import overview_chart
 from study.present.charts.slope_triangle import slope_triangle
 from study.present.figures.canvas import in_style
 from study.present.figures.draw_chart import draw_chart
@@ -50,7 +50,7 @@ def test_figure_and_page_show_the_same_curves_ticks_and_legend(chart: Chart) -> 
             np.testing.assert_allclose(
                 np.array(re.findall(r"[-\d.]+", path), dtype=float).reshape(-1, 2), expected, atol=0.01
             )
-            assert line.get_color() == curve.style.colour == style.style.colour
+            assert line.get_color() == curve.style.colour == style["colour"]
         ticks = [text for _, text in subplot.y.ticks()]
         assert len(axes.get_yticks()) == len(ticks) == len(drawn.y.ticks)
     (legend,) = figure.legends
@@ -59,10 +59,10 @@ def test_figure_and_page_show_the_same_curves_ticks_and_legend(chart: Chart) -> 
     assert [text for text, _ in page.legend] == entries
 
 
-def test_where_the_error_is_unknown_the_distance_to_a_better_displacement_takes_its_place() -> None:
+def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement_takes_its_place() -> None:
     known, unknown = CHARTS["enclosure"], CHARTS["unknown error"]
     assert "lines are the error itself" in known.caption
-    assert "lines are the distance to a better displacement" in unknown.caption
+    assert "lines are the distance to a more accurate displacement" in unknown.caption
     np.testing.assert_array_equal(unknown.subplots[0].curves[-1].y, enclosures()["distance"])
     assert "bound from u_h alone" in [entry.text for entry in unknown.legend[1]]
 

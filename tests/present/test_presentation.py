@@ -28,8 +28,8 @@ from study.ledger.packing import FINE, Packed
 from study.present.figures import draw_figures, drawings
 from study.present.latex import encode
 from study.present.tables import DataError, ledger_text, rates_text, write_tables
-from study.run.pictures import record
 from study.solve.motion import Motion
+from study.statements.pictures import record
 
 Array = NDArray[np.float64]
 Present = Callable[[Path], object]
@@ -38,8 +38,8 @@ Side = tuple[tuple[float, float], Function, Function]
 """Inward normal of a side of the unit square, its gap w(s, t) and its pressure p(s, t)."""
 
 STUDY = Path(__file__).parents[2] / "study"
-SOURCES = [path for path in sorted((STUDY / "present").rglob("*.py")) if path.name != "sources.py"]
-SOLVERS = ("study.fem", "study.solve", "study.statements.prop_5_4.sweep", "manufactured", "skfem")
+SOURCES = sorted((STUDY / "present").rglob("*.py"))
+SOLVERS = ("study.fem", "study.solve", "study.statements.prop_5_4.measure", "manufactured", "skfem")
 
 LEVELS = (8, 16, 32, 64)
 FAMILIES = {"one-diagonal": (1.0, 1.9), "criss-cross": (0.72, 1.8), "shaken": (1.08, 1.15), "unstructured": (0.9, 1.1)}
@@ -90,7 +90,8 @@ def claims() -> pd.DataFrame:
         ["(3.1), (3.2)", "m_A ε:ε ≤ Aε:ε & L_G", "", long, "≥ 2", "2.0", None, None, "undecided"],
         ["Thm 4.2", "σ̃ ∈ Σ(t) ⇔ u̇ solves Problem 3.1", "two_faces", "gap", "0", "1.2e-09", -np.inf, 1e-8, "holds"],
     ]
-    return pd.DataFrame(rows, columns=columns)
+    keys = [f"row {number}" for number in range(len(rows))]
+    return pd.DataFrame(rows, columns=columns).assign(key=keys, family="", window_low=-np.inf, window_high=np.inf)
 
 
 def draw_all(directory: Path) -> list[Path]:

@@ -26,9 +26,10 @@ from study.present.show import Shown, count_images, draw_show
 from study.present.show.animation import write_mp4
 from study.present.show.storyboard import MOMENTS, draw_storyboard
 from study.present.show.vtk import mesh_of
-from study.run import pictures
 from study.run.showcase import EVERY, mesh_series, solve_showcase
-from study.solve.motion import Motion, von_mises
+from study.solve.motion import Motion
+from study.solve.von_mises import von_mises
+from study.statements import pictures
 
 
 @lru_cache

@@ -18,11 +18,11 @@ from study.fem.skin import Skin
 from study.ledger.facets import Facets
 from study.ledger.packing import FINE
 from study.present.picture.picture import Picture
-from study.run import pictures
 from study.run.job import PictureJob
-from study.run.pictures import mesh_for, record
 from study.run.plan import full, quick
 from study.solve.motion import Motion
+from study.statements import pictures
+from study.statements.pictures import mesh_for, record
 
 Array = NDArray[np.float64]
 SOLIDS = [case.name for case in catalogue() if case.solution.body.dim == 3]

@@ -12,7 +12,8 @@ from manufactured.tensors import identity, mandel, size
 from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
-from study.solve.motion import Motion, balance, density, von_mises
+from study.solve.motion import Motion, density
+from study.solve.von_mises import von_mises
 
 CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
 RNG = np.random.default_rng(2002)
@@ -39,7 +40,7 @@ def test_the_power_of_the_load_is_stored_dissipated_or_spent_on_contact_at_every
 
 @pytest.mark.parametrize("case", CASES[:3])
 def test_the_defect_of_the_balance_of_energy_falls_with_the_square_of_the_step(case: str) -> None:
-    defects = [abs(balance(moved(case, steps).frames)["defect"]).max() for steps in (32, 64, 128)]
+    defects = [abs(moved(case, steps).balance()["defect"]).max() for steps in (32, 64, 128)]
     assert 3 < defects[0] / defects[1] < 5
     assert 3 < defects[1] / defects[2] < 5
 

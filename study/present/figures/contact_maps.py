@@ -54,9 +54,9 @@ def caption_maps(picture: Picture) -> str:
     return (
         f"Gap and contact pressure on {face_names(picture)} at t = {times_shown(picture)} "
         f"({place(picture)}), seen from inside the body: surfaces are exact, dots computed, in the same colours. What "
-        "to see: there is a gap or a pressure, never both, and where a dot stands out the computed value is off: the "
-        f"pressure, a nodal force divided by the integral of its shape function, by at most {pressure}; the gap by "
-        f"{gap}, which itself is at most {100 * _largest_gap(picture):.2g} % of the largest displacement."
+        "to see: nowhere are gap and pressure both positive, and where a dot stands out there is an error: at most "
+        f"{pressure} for the pressure, a nodal force divided by the integral of its shape function; at most {gap} for "
+        f"the gap, which itself is at most {100 * _largest_gap(picture):.2g} % of the largest displacement."
     )
 
 

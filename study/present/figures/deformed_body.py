@@ -53,12 +53,12 @@ def caption_body(picture: Picture) -> str:
 
 _IN_THE_PLANE = (
     "arrows are the contact pressure",
-    "the body lies on the foundation and is pressed, elsewhere it has come off and is not",
+    "the body lies on the foundation and there is pressure, elsewhere it has come off and there is none",
     ", dev σ the deviator in the plane",
 )
 _IN_SPACE = (
     "the body is turned and seen through its foundation, and Γ3 is coloured by the contact pressure",
-    "Γ3 is flat and pressed, elsewhere it has come off and is not",
+    "Γ3 is flat and there is pressure, elsewhere it has come off and there is none",
     "",
 )
 

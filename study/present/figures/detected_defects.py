@@ -17,7 +17,7 @@ NONE = "none"
 
 
 def draw_defects(controls: pd.DataFrame) -> Figure:
-    """A line per defect, a column per row of the ledger that was asked; a disc where it fails, as it should.
+    """A line per defect, a column per row of the ledger that has to fail under some defect; a disc where it does.
 
     From ``defect``, ``what``, ``label``, ``quantity`` and ``caught``; a cross is a defect that no row caught. Columns
     have letters, which are explained below.
@@ -56,11 +56,11 @@ def caption_defects(controls: pd.DataFrame) -> str:
     caught = int((injected["caught"] == "yes").sum())
     counts = pd.Series([_row(record) for record in _records(injected)]).value_counts()
     return (
-        f"{len(injected)} deliberate defects (lines) against the rows of the ledger that were asked (columns). What to "
-        f"see: a disc for each of the {caught} of {len(injected)} defects that make a row fail, while without a defect "
-        f"{int((baselines['verdict'] == 'holds').sum())} of {len(baselines)} settings hold. The row "
+        f"{len(injected)} deliberate defects (lines) against the rows of the ledger that have to fail under them "
+        f"(columns). What to see: a disc for each of the {caught} of {len(injected)} defects that make a row fail; "
+        f"without a defect {int((baselines['verdict'] == 'holds').sum())} of {len(baselines)} settings hold. The row "
         f"“{counts.index[0]}” catches most, {counts.iloc[0]}; {int((counts == 1).sum())} of {len(counts)} rows are "
-        "asked about a single defect. Other rows that fail, too, are not shown."
+        "there for a single defect. Other rows that fail, too, are not shown."
     )
 
 
@@ -73,5 +73,5 @@ def _records(controls: pd.DataFrame) -> list[dict[str, str]]:
 
 
 def _row(record: dict[str, str]) -> str:
-    """The name of the row of the ledger that was asked."""
+    """The name of the row of the ledger that has to fail."""
     return f"{record['label']}: {record['quantity']}"

@@ -42,7 +42,7 @@ class Drawing:
 
     name: str
     draw: Callable[[], Figure]
-    caption: Callable[[], str]
+    caption: str
 
 
 def draw_figures(
@@ -75,7 +75,7 @@ def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
 
 def _save_caption(drawing: Drawing, directory: Path) -> Path:
     """Write ``directory/name.txt``: the caption in lines of 100 characters."""
-    return write_text(directory / f"{drawing.name}.txt", textwrap.fill(drawing.caption(), 100) + "\n")
+    return write_text(directory / f"{drawing.name}.txt", textwrap.fill(drawing.caption, 100) + "\n")
 
 
 def _save(figure: Figure, directory: Path, name: str) -> list[Path]:

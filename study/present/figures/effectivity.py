@@ -1,4 +1,4 @@
-"""How much larger than the error its guaranteed bounds are, from ``bounds.csv``."""
+"""Effectivity, the quotient of a guaranteed bound and the error, from ``bounds.csv``."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def caption_effectivity(bounds: pd.DataFrame) -> str:
     known = _known(bounds)
     plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
     wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
-    seen = [f"{wrong or 'no'} upper ends left of 1 or lower ends right of it"]
+    seen = [f"{wrong or 'no'} bounds on the wrong side of the error"]
     if len(plain):
         medians = [f"{mine['upper'].median():.3g} with {scheme}" for scheme, mine in plain.groupby("scheme")]
         seen.append(
@@ -68,9 +68,9 @@ def caption_effectivity(bounds: pd.DataFrame) -> str:
         )
     if len(enclosed):
         seen.append(
-            f"an enclosure by a better displacement ends at {enclosed['lower'].min():.3g} … "
-            f"{enclosed['lower'].max():.3g} below and at {enclosed['upper'].min():.3g} … "
-            f"{enclosed['upper'].max():.3g} above"
+            f"an enclosure by a more accurate displacement has its lower end at {enclosed['lower'].min():.3g} … "
+            f"{enclosed['lower'].max():.3g} and its upper end at {enclosed['upper'].min():.3g} … "
+            f"{enclosed['upper'].max():.3g} times the error"
         )
     return (
         f"Effectivity of the guaranteed bounds for {known['case'].nunique()} cases whose error is known, the worst "

@@ -12,10 +12,10 @@ from study.present.charts.palette import BLUE, SKY
 from study.present.figures.canvas import COLUMN, legend
 from study.present.figures.face_map import Paint, draw_maps_of, label_maps, refined_triangulation
 from study.present.figures.zone import LINES, zone_handles
-from study.present.picture.contact_zone import misplaced_nodes
 from study.present.picture.picture import Picture
 from study.present.picture.polygon import Polygon
 from study.present.picture.wording import HARMLESS, face_name, face_names, face_symbol, heading, place, times_shown
+from study.present.picture.zone_history import misplaced_nodes
 
 
 def draw_fronts(picture: Picture) -> Figure:
@@ -42,7 +42,7 @@ def caption_fronts(picture: Picture) -> str:
     face, worst = max(zip(picture.polygons, wrong, strict=True), key=lambda found: int(found[1].max()))
     when = int(np.argmax(worst))
     seen = (
-        f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on the average and {worst[when]} of "
+        f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on average and {worst[when]} of "
         f"{len(face.nodes)} at most, on {face_name(face, picture)} at t = {picture.times[1:][when]:.3g}; {HARMLESS}"
         if worst[when] > 0
         else f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"

@@ -3,18 +3,17 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
-from operator import attrgetter
 from pathlib import Path
 
 import pandas as pd
 
 from study.ledger.datafiles import DataError, read_csv, read_rates
 from study.present.charts.chart import Chart
-from study.present.charts.convergence import convergence_chart
-from study.present.charts.error_enclosure import enclosure_chart, enclosure_charts
-from study.present.charts.overview import overview_chart
+from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.enclosure_chart import enclosure_chart, enclosure_charts
+from study.present.charts.overview_chart import overview_chart
 from study.present.figures.contact_maps import caption_maps, draw_maps
 from study.present.figures.deformed_body import caption_body, draw_body
 from study.present.figures.detected_defects import caption_defects, draw_defects
@@ -41,9 +40,9 @@ def drawings(directory: Path) -> list[Drawing]:
     rates = read_rates(directory)
     return [
         *overview(directory),
-        *_convergence(rates, _expected_orders(directory, rates)),
+        *_by_case(rates, _expected_orders(directory, rates)),
         *_enclosures(directory),
-        *_runs(read_pictures(directory)),
+        *_of_pictures(read_pictures(directory)),
     ]
 
 
@@ -59,7 +58,7 @@ def overview(directory: Path) -> list[Drawing]:
     """
     rates = read_rates(directory)
     return [
-        *_overviews(rates, _expected_orders(directory, rates)),
+        *_by_claim(rates, _expected_orders(directory, rates)),
         *_effectivity(directory),
         *_defects(directory),
         *_growth(directory),
@@ -86,73 +85,62 @@ def _schemes(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
         yield f"-{scheme}" if several else "", mine
 
 
-def _convergence(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
-    """One figure per case."""
+def _by_case(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
+    """Errors, one figure per case."""
     for suffix, of_scheme in _schemes(rates):
         for case, mine in of_scheme.groupby("case", sort=False):
-            chart = convergence_chart(mine, orders[str(case)])
-            yield _of(f"convergence-{case}{suffix}", chart)
+            yield _chart(f"convergence-{case}{suffix}", convergence_chart(mine, orders[str(case)]))
 
 
-def _overviews(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
-    """One figure per claim."""
+def _by_claim(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
+    """Errors of all cases, one figure per claim: convergence for Prop. 5.4, convergence-prop-5-3 for Prop. 5.3."""
     for suffix, of_scheme in _schemes(rates):
         for claim, mine in of_scheme.groupby("claim", sort=False):
+            name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
             chart = overview_chart(mine, orders)
-            yield Drawing(_overview_name(str(claim)) + suffix, partial(draw_grid, chart), _caption_of(chart))
-
-
-def _overview_name(claim: str) -> str:
-    """convergence for Prop. 5.4, which is what the study is about, convergence-prop-5-3 and the like for others."""
-    return (
-        "convergence" if claim == "Prop. 5.4" else "convergence-" + re.sub(r"[^a-z0-9]+", "-", claim.lower()).strip("-")
-    )
+            yield Drawing(f"convergence{name}{suffix}", partial(draw_grid, chart), chart.caption)
 
 
 def _effectivity(directory: Path) -> Iterator[Drawing]:
     bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
     if bounds["upper"].notna().any():
-        yield Drawing("effectivity", partial(draw_effectivity, bounds), partial(caption_effectivity, bounds))
+        yield Drawing("effectivity", partial(draw_effectivity, bounds), caption_effectivity(bounds))
 
 
 def _enclosures(directory: Path) -> Iterator[Drawing]:
     """One figure per case with an enclosure."""
     columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
     for case, chart in enclosure_charts(read_csv(directory, "enclosures.csv", columns)):
-        yield _of(f"enclosure-{case}", chart)
+        yield _chart(f"enclosure-{case}", chart)
 
 
 def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
     """The enclosure of an error over time, ``enclosure_chart``."""
-    return _of(name, enclosure_chart(series, title))
+    return _chart(name, enclosure_chart(series, title))
 
 
-def _of(name: str, chart: Chart) -> Drawing:
-    return Drawing(name, partial(draw_chart, chart), _caption_of(chart))
-
-
-def _caption_of(chart: Chart) -> Callable[[], str]:
-    return partial(attrgetter("caption"), chart)
+def _chart(name: str, chart: Chart) -> Drawing:
+    return Drawing(name, partial(draw_chart, chart), chart.caption)
 
 
 def _defects(directory: Path) -> Iterator[Drawing]:
     """The defects, where `study controls` has measured them."""
     if (directory / "data" / "controls.csv").is_file():
         controls = read_csv(directory, "controls.csv", ("defect", "what", "label", "quantity", "verdict", "caught"))
-        yield Drawing("defects", partial(draw_defects, controls), partial(caption_defects, controls))
+        yield Drawing("defects", partial(draw_defects, controls), caption_defects(controls))
 
 
 def _growth(directory: Path) -> Iterator[Drawing]:
     growth = read_growth(directory)
     if growth is not None:
-        yield Drawing("growth", partial(draw_growth, growth), partial(caption_growth, growth))
+        yield Drawing("growth", partial(draw_growth, growth), caption_growth(growth))
 
 
-def _runs(pictures: list[Picture]) -> Iterator[Drawing]:
+def _of_pictures(pictures: list[Picture]) -> Iterator[Drawing]:
     """The figures of every picture; contact faces are lines in the plane and maps in space."""
     everywhere = {"body": (draw_body, caption_body), "energy": (draw_energy, caption_energy)}
     plane = {"zone": (draw_zone, caption_zone), "profiles": (draw_profiles, caption_profiles)}
     space = {"zone": (draw_fronts, caption_fronts), "profiles": (draw_maps, caption_maps)}
     for picture in pictures:
         for kind, (draw, caption) in (everywhere | (plane if picture.segments else space)).items():
-            yield Drawing(f"{kind}-{picture.case}", partial(draw, picture), partial(caption, picture))
+            yield Drawing(f"{kind}-{picture.case}", partial(draw, picture), caption(picture))

@@ -22,8 +22,7 @@ MARKERS = 24
 def draw_profiles(picture: Picture) -> Figure:
     """For every face a row of ``gap`` and one of ``pressure``; from left to right the times of the shapes.
 
-    Lines are the exact values, markers the computed ones at the nodes (every second or third node if
-    there are many).
+    Lines are the exact values, markers the computed ones at the nodes, not at all of them if there are many.
     """
     instants = picture.instants
     rows = 2 * len(picture.segments)
@@ -51,9 +50,9 @@ def caption_profiles(picture: Picture) -> str:
     gap, pressure = largest_differences(picture)
     return (
         f"Gap and contact pressure along Γ3 at t = {times_shown(picture)} ({place(picture)}): lines are exact, markers "
-        "computed. What to see: there is a gap or a pressure, never both, and markers on the lines: at the nodes the "
-        f"gap is off by at most {gap}; the pressure, a nodal force divided by the integral of its shape function, by "
-        f"{pressure}."
+        "computed. What to see: nowhere are gap and pressure both positive, and markers lie on the lines: the error at "
+        f"the nodes is at most {gap} for the gap and, for the pressure, a nodal force divided by the integral of its "
+        f"shape function, at most {pressure}."
     )
 
 

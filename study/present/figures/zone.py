@@ -16,11 +16,11 @@ from matplotlib.ticker import MaxNLocator
 
 from study.present.charts.palette import BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION
 from study.present.figures.canvas import COLUMN, legend
-from study.present.picture.contact_zone import caps, misplaced_length, strands
 from study.present.picture.face_history import Array
 from study.present.picture.picture import Picture
 from study.present.picture.segment import Segment
 from study.present.picture.wording import HARMLESS, face_name, face_names, face_symbol, heading, place
+from study.present.picture.zone_history import caps, misplaced_length, strands
 
 ROWS = 40
 """At most about so many times are shown as dots: more would run into each other."""
@@ -31,10 +31,10 @@ LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
 
 
 def draw_zone(picture: Picture) -> Figure:
-    """One panel per face, s to the right and t upwards, and beside them how far off the computed zone is.
+    """One panel per face, s to the right and t upwards, and beside them the error of the computed zone.
 
-    The filled region is ``zone_exact``; a dot is a node with positive ``pressure``, at every time node
-    or, if there are many, at evenly chosen ones. The last panel shows ``misplaced_length``.
+    The filled region is the exact zone; a dot is a node in contact, at every time or, if there are many, at evenly
+    chosen ones. The last panel shows ``misplaced_length``.
     """
     count = len(picture.segments)
     figure = Figure(figsize=(COLUMN + 0.8 * (count - 1), 3.2))
@@ -64,7 +64,7 @@ def caption_zone(picture: Picture) -> str:
     face, worst = max(zip(picture.segments, errors, strict=True), key=lambda found: float(found[1].max()))
     when = int(np.argmax(worst))
     seen = (
-        f"computed fronts are off by {np.mean(errors):.2g} cells on the average and by {worst[when]:.2g} at most, on "
+        f"computed fronts are off by {np.mean(errors):.2g} cells on average and by {worst[when]:.2g} at most, on "
         f"{face_name(face, picture)} at t = {picture.times[1:][when]:.3g}, all fronts of a face added up; {HARMLESS}"
         if worst[when] > 0
         else "no node is ever on the wrong side"
@@ -72,8 +72,8 @@ def caption_zone(picture: Picture) -> str:
     return (
         f"Contact zone of {face_names(picture)} in space and time "
         f"({place(picture)}): exact zone filled, dots are nodes with a positive computed pressure; on the right the "
-        "length that one zone has and the other has not, in cells, after t = 0, where nothing has been solved. What "
-        f"to see: how closely the dots fill the exact zone; {seen}."
+        "length of their symmetric difference in cells, after t = 0, where nothing has been solved. What to see: "
+        f"how closely the dots fill the exact zone; {seen}."
     )
 
 
@@ -108,7 +108,7 @@ def _draw_misplaced(axes: Axes, picture: Picture) -> list[Line2D]:
         style: dict[str, Any] = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
         lines += axes.plot(error, picture.times[1:], label=rf"fronts on ${face_symbol(face, picture)}$", **style)
     axes.set_xlim(0, largest)
-    axes.set_xlabel("off by, cells")
+    axes.set_xlabel("error in cells")
     axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
     axes.grid(True)
     return lines

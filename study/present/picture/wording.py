@@ -7,7 +7,7 @@ from study.present.picture.picture import Picture
 
 ROUND_OFF = 1e-9
 """Below this a gap or a pressure counts as zero; where they are not zero they are of order one."""
-HARMLESS = "where gap and pressure vanish to high order at a front, this costs next to nothing in the norm of V"
+HARMLESS = "where gap and pressure vanish to high order at a front, this hardly changes the error in the norm of V"
 """What misplaced fronts mean for the error."""
 
 

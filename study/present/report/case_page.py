@@ -11,9 +11,9 @@ import pandas as pd
 
 from study.ledger.datafiles import DataError, read_csv, read_rates
 from study.ledger.verdict import VERDICTS
-from study.present.charts.convergence import convergence_chart
-from study.present.charts.error_enclosure import enclosure_charts
-from study.present.charts.observed_orders import finest_orders
+from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.enclosure_chart import enclosure_charts
+from study.present.charts.finest_orders import finest_orders
 from study.present.report.film import read_film
 from study.present.report.order_strip import OrderStrip
 from study.present.report.rows import Rows

@@ -94,14 +94,9 @@ def _groups(directory: Path, made: dict[str, dict[str, Any]]) -> list[LedgerGrou
     """The ledger by statement, in its order; a label that stands for two statements makes two groups."""
     cells: pd.DataFrame = ledger_table(directory).cells
     columns = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
-
-    def code(label: str) -> list[str]:
-        return list(made.get(label, {}).get("code", []))
-
+    code = {label: list(statement["code"]) for label, statement in made.items()}
     return [
-        LedgerGroup(
-            label, says, count_verdicts(rows), made.get(label, {}).get("code", []), rows[columns].to_numpy().tolist()
-        )
+        LedgerGroup(label, says, count_verdicts(rows), code.get(label, []), rows[columns].to_numpy().tolist())
         for (label, says), rows in cells.groupby(["label", "statement"], sort=False)
     ]
 
@@ -113,7 +108,7 @@ def _controls(directory: Path) -> Rows | None:
     names = [column.name for column in CONTROLS]
     frame = read_csv(directory, "controls.csv", names)
     cells = [[cell(value) for value in row] for row in frame[names].to_numpy()]
-    return Rows("Deliberate defects and the row that noticed", CONTROLS, cells)
+    return Rows("Deliberate defects and the row of the ledger that has to fail", CONTROLS, cells)
 
 
 def _files(directory: Path) -> Rows:

@@ -30,7 +30,7 @@ Points = list[tuple[float, float]]
 
 @dataclass(frozen=True)
 class SvgAxis:
-    """An axis between two coordinates of the view box."""
+    """An axis between two coordinates."""
 
     axis: Axis
     start: float
@@ -58,32 +58,6 @@ class SvgAxis:
 
 
 @dataclass(frozen=True)
-class SvgStyle:
-    """A style in the words of SVG: what is black or dark on paper has the colour of the text, on dark screens too."""
-
-    style: Style
-
-    @property
-    def colour(self) -> str:
-        return "currentColor" if self.style.colour in (BLACK, DARK) else self.style.colour
-
-    @property
-    def stroke(self) -> str:
-        """The class of the line."""
-        return self.style.stroke
-
-    @property
-    def marker(self) -> str:
-        """A path around the origin, "" for none; markers without a path of their own are round."""
-        return MARKERS.get(self.style.marker, MARKERS["o"]) if self.style.marker else ""
-
-    @property
-    def fill(self) -> str:
-        """Of the marker."""
-        return "var(--paper)" if self.style.hollow else self.colour
-
-
-@dataclass(frozen=True)
 class SvgSubplot:
     """One pair of axes."""
 
@@ -97,11 +71,10 @@ class SvgSubplot:
         return [(self._band(band), band.colour) for band in self.subplot.bands]
 
     @property
-    def curves(self) -> list[tuple[str, Points, SvgStyle]]:
+    def curves(self) -> list[tuple[str, Points, dict[str, str]]]:
         """Path, places of markers and style of each."""
-        return [
-            (path(points := self._points(one.x, one.y)), points, SvgStyle(one.style)) for one in self.subplot.curves
-        ]
+        found = [(self._points(curve.x, curve.y), svg_style(curve.style)) for curve in self.subplot.curves]
+        return [(path(points), points, style) for points, style in found]
 
     @property
     def rules(self) -> list[float]:
@@ -142,9 +115,21 @@ class SvgChart:
         return self.subplots[-1].y.start + BELOW
 
     @property
-    def legend(self) -> list[tuple[str, SvgStyle]]:
+    def legend(self) -> list[tuple[str, dict[str, str]]]:
         """Texts and styles."""
-        return [(entry.text, SvgStyle(entry.style)) for column in self.chart.legend for entry in column]
+        return [(entry.text, svg_style(entry.style)) for column in self.chart.legend for entry in column]
+
+
+def svg_style(style: Style) -> dict[str, str]:
+    """A style in the words of SVG: the colour, the class of the line, the path of the marker around 0 and its fill.
+
+    What is black or dark on paper has the colour of the text, on dark screens, too. Markers without a path of their own
+    are round.
+    """
+    colour = "currentColor" if style.colour in (BLACK, DARK) else style.colour
+    marker = MARKERS.get(style.marker, MARKERS["o"]) if style.marker else ""
+    fill = "var(--paper)" if style.hollow else colour
+    return {"colour": colour, "stroke": style.stroke, "marker": marker, "fill": fill}
 
 
 def path(points: Iterable[tuple[float, float]]) -> str:

@@ -18,10 +18,10 @@ from study.present.figures.body_legend import body_handles, draw_colour_bars
 from study.present.figures.body_scale import BodyScale
 from study.present.figures.canvas import PAGE, legend
 from study.present.figures.deformed_mesh import draw_deformed_mesh
-from study.present.picture.contact_zone import exact_zone
 from study.present.picture.picture import Picture
 from study.present.picture.segment import Segment
 from study.present.picture.wording import face_symbol, heading
+from study.present.picture.zone_history import exact_zone
 
 DPI = 110
 COLOURS = 256

@@ -86,11 +86,11 @@ def _caption(series: pd.DataFrame, title: str) -> str:
         low, high = max(last["distance"] - last["bound"], 0.0), last["distance"] + last["bound"]
         parts.append(f"{interval(low, high, 3)} with n = {level}")
     known = _known(series)
-    line = "the error itself" if known else "the distance to a better displacement"
+    line = "the error itself" if known else "the distance to a more accurate displacement ũ"
     inside = series[(series["error"] - series["distance"]).abs() <= series["bound"]]
     seen = f"the error lies in its band at {len(inside)} of {len(series)} times; " if known else ""
     return (
-        f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands are guaranteed, lines are {line}; below, "
-        f"the ends of the bands in relation to it. What to see: {seen}at the last time the bands are "
-        f"{', '.join(parts)}."
+        f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands are guaranteed to contain the error, "
+        f"lines are {line}; below, the ends of the bands divided by it. What to see: {seen}at the last time the bands "
+        f"are {', '.join(parts)}."
     )

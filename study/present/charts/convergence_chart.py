@@ -9,7 +9,7 @@ import pandas as pd
 
 from study.present.charts.axis import LogAxis
 from study.present.charts.chart import Chart, Curve, LegendEntry, Style, Subplot
-from study.present.charts.observed_orders import by_family, last_orders, spread
+from study.present.charts.finest_orders import by_family, last_orders, spread
 from study.present.charts.palette import DARK, Look, looks
 from study.present.charts.slope_triangle import slope_triangle
 
@@ -49,7 +49,7 @@ def family_legend(look: Mapping[str, Look]) -> list[LegendEntry]:
 
 
 def _part_curves(rates: pd.DataFrame, look: Mapping[str, Look]) -> Sequence[Curve]:
-    """What the solver contributes to the error, and what discretisation in time does."""
+    """The discrete error, and the contribution of discretisation in time."""
     found = []
     for family, rows in by_family(rates):
         h, mine = rows["h"].to_numpy(), look[family]
@@ -77,10 +77,11 @@ def _caption(rates: pd.DataFrame, order: float) -> str:
         seen.append(f"meshes graded towards the singularity reach the order {spread(graded)}")
     if closer:
         seen.append(f"on the finest meshes u^h is {spread(closer)} times closer to Π^h u than to u")
-    seen.append(f"time makes at most {100 * rates['time_share'].max():.2g} % of the error on any mesh")
+    share = 100 * rates["time_share"].max()
+    seen.append(f"discretisation in time contributes at most {share:.2g} % of the error on any mesh")
     return (
         f"Convergence of {rates['case'].iloc[0]} on the mesh families {', '.join(rates['family'].unique())}: the "
         "largest error over time in the norm of V (filled markers), the discrete error ‖Π^h u − u^h‖_V (open) and what "
-        "discretisation in time contributes (dotted) against the mesh size h; the triangle has the expected order. "
+        "discretisation in time contributes (dotted) against the mesh size h; the triangle has the expected slope. "
         f"What to see: {'; '.join(seen)}. What is below {FLOOR:g} of the smallest error is not shown."
     )

@@ -9,8 +9,8 @@ import pandas as pd
 
 from study.present.charts.axis import LogAxis
 from study.present.charts.chart import Chart, Subplot
-from study.present.charts.convergence import error_curves, family_legend
-from study.present.charts.observed_orders import last_orders, spread
+from study.present.charts.convergence_chart import error_curves, family_legend
+from study.present.charts.finest_orders import last_orders, spread
 from study.present.charts.palette import looks
 from study.present.charts.slope_triangle import slope_triangle
 
