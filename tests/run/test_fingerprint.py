@@ -1,4 +1,4 @@
-"""What was measured is known by its code: what numbers depend on measures them anew when it changes, nothing else does."""
+"""What was measured is known by its code: what numbers depend on measures them anew, nothing else does."""
 
 from __future__ import annotations
 
