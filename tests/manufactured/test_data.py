@@ -38,6 +38,7 @@ from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve_data
 from study.ledger.errors import UsageError
 from study.solve.steps import paced_steps
+from study.statements.enclosure.bound_rows import PACE
 
 CASES = {case.name: case for case in catalogue()}
 SQUARE, LAW = unit_square(), not_proportional()
@@ -286,8 +287,9 @@ def test_a_family_that_does_not_mesh_the_body_is_refused_with_those_that_do() ->
 def test_levels_get_the_steps_of_their_pace() -> None:
     check_bound(data(), OneDiagonal(), [4, 8], 5, Refined())
     check_bound(data(), OneDiagonal(), [8, 27], None, Refined())
-    assert [steps_for(data(), level) for level in (8, 27)] == [32, 72]
-    assert steps_for(data(), 8, pace=1) == 4
+    T = data().body.T
+    assert [paced_steps(PACE, T, level) for level in (8, 27)] == [32, 72]
+    assert paced_steps(1, T, 8) == 4
 
 
 def test_forces_that_are_not_square_integrable_are_refused() -> None:
