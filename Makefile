@@ -53,7 +53,8 @@ lint: $(READY)  ## style and types
 docs: $(READY)  ## the API as HTML, build/docs/index.html
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
-		'!study\.solve\.(?!evolution|signorini|stress)' '!study\.statements\.independence' '!study\.seeds'
+		'!study\.solve\.(?!evolution|signorini|interior_point)' '!study\.statements\.thm_4_2\.stands_alone' \
+		'!study\.controls\.alarms'
 
 paper: $(READY)  ## the article from the data of the full study, paper/build/article.pdf; needs latexmk
 	$(BIN)/study tables --out results

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from study.statements.prop_5_4.claims import AXES, AXES_DISCRETE, LATER, LIMIT
 
 from study.cli.main import parser
 from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
 from study.ledger.rounding import above, below
 from study.present.readme import headline, refresh
-from study.statements.prop_5_4.claims import AXES, AXES_DISCRETE, LATER, LIMIT
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
