@@ -48,13 +48,13 @@ lint: $(READY)  ## style and types
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
-# Left out: linear algebra within the solvers, and a module with a class that inherits fields from another one. pdoc
+# Left out: linear algebra within the solvers, and modules with a class that inherits fields from another one. pdoc
 # cannot resolve the types there; a warning anywhere else is an error.
 docs: $(READY)  ## the API as HTML, build/docs/index.html
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
 		'!study\.solve\.(?!evolution|signorini|interior_point)' '!study\.statements\.thm_4_2\.stands_alone' \
-		'!study\.controls\.alarms'
+		'!study\.controls\.alarms' '!study\.stresses\.stress_space'
 
 paper: $(READY)  ## the article from the data of the full study, paper/build/article.pdf; needs latexmk
 	$(BIN)/study tables --out results

@@ -5,9 +5,9 @@ from __future__ import annotations
 import inspect
 from pathlib import Path
 
-from study.statements import STATEMENTS, __file__
+from study.statements import STATEMENTS
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 
 
 def sources() -> dict[str, list[str]]:
