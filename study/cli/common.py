@@ -7,7 +7,7 @@ import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TypeAlias
+from typing import Protocol
 
 from tqdm import tqdm
 
@@ -26,8 +26,11 @@ from study.run.store import Store
 
 OK, FAILED, USAGE = 0, 1, 2
 
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
-"""What commands are added to."""
+
+class Commands(Protocol):
+    """What commands are added to."""
+
+    def add_parser(self, name: str, *, help: str) -> argparse.ArgumentParser: ...
 
 
 def jobs_option(command: argparse.ArgumentParser) -> None:

@@ -82,7 +82,7 @@ def _finding(row: pd.Series) -> list[str]:
     """A verdict that is not a pass, with its quantity, folded to the width."""
     interval = f" in [{cell(row['low'])}, {cell(row['high'])}]" if cell(row["low"]) or cell(row["high"]) else ""
     where = f"{row['label']}, {row['case']}" if row["case"] else str(row["label"])
-    values = f"expected {cell(row['expected'])}, observed {cell(row['observed'])}{interval}"
+    values = f"expected {cell(row['expected'])}, observed {cell(row['observed']) or 'no number'}{interval}"
     text = f"{row['verdict']}: {where}: {row['quantity']}: {values}"
     return textwrap.wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False)
 

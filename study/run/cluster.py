@@ -13,6 +13,7 @@ from study.ledger.errors import UsageError
 from study.run.execute import Pool
 from study.run.fingerprint import problem
 from study.run.versions import versions
+from study.statements.enclosure.bound_rows import posed
 
 PATIENCE = 10
 """Seconds in which a scheduler has to answer and to have a worker."""
@@ -80,7 +81,8 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
 
 def identity(references: Sequence[str]) -> dict[str, str]:
     """What numbers depend on: versions, and the problems behind the cases as this process knows them."""
-    resolve.cache_clear()
+    for remembered in (resolve, posed, problem):
+        remembered.cache_clear()
     return {
         **versions(),
         "study": version("signorini-study"),

@@ -15,6 +15,8 @@ from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
+from study.solve.solver_choice import aim, free_vertices
+from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 
 Make = Callable[[sps.csc_array, sps.csr_array], Any]

@@ -19,7 +19,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.sparse.linalg import splu
-from study.statements.enclosure.plan import eligible
 from sympy import Expr, Integer, Rational, binomial
 
 from manufactured import (
@@ -61,8 +60,8 @@ from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
-from study.solve.tableau import SCHEMES, BACKWARD_EULER, MIDPOINT
 from study.solve.evolution import Scheme
+from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure.bound_rows import measure, posed
 from study.statements.enclosure.where import eligible
 from study.stresses.alfeld import SIDES, thirds
@@ -746,7 +745,7 @@ def test_nothing_is_known_of_the_order_where_the_lower_bound_is_zero() -> None:
 
 def test_the_observed_order_lies_in_its_interval() -> None:
     case = CASES["full-contact"]
-    found = [measure_bound(case, OneDiagonal(), n, MIDPOINT, 2 * n, Refined(0, 1))[1] for n in (4, 8)]
+    found = [measure(posed(case.name), OneDiagonal(), n, MIDPOINT, 2 * n, Refined(0, 1))[1] for n in (4, 8)]
     low, high = order(*found)
     observed = math.log(found[0].error.max() / found[1].error.max()) / math.log(found[0].h / found[1].h)
     assert low <= observed <= high
@@ -759,7 +758,7 @@ def test_the_observed_order_lies_in_its_interval() -> None:
 
 def test_a_row_says_how_close_the_ends_came() -> None:
     case = CASES["advance-recede"]
-    row, found = measure_bound(case, Shaken(), 4, MIDPOINT, 6, Refined(0, 2))
+    row, found = measure(posed(case.name), Shaken(), 4, MIDPOINT, 6, Refined(0, 2))
     assert row.error == found.error.max()
     assert row.above == pytest.approx((found.error / found.upper).max())
     assert row.below == pytest.approx((found.lower / found.error).max())
@@ -776,7 +775,7 @@ def test_a_row_says_how_close_the_ends_came() -> None:
 
 def test_a_case_whose_force_is_not_square_integrable_is_refused() -> None:
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
-        measure_bound(CASES["rough-1.75"], OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
+        measure(posed("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
 
 
 def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes() -> None:

@@ -175,8 +175,14 @@ def test_a_users_case_goes_through_the_same_line_to_a_judged_table(finished: Pat
         "low",
         "high",
         "verdict",
+        "key",
+        "family",
+        "window_low",
+        "window_high",
     ]
     assert set(claims["verdict"]) == {"holds"}
+    assert not claims.duplicated(["label", "key", "case", "family"]).any()
+    assert list(dict.fromkeys(claims["label"])) == ["data", "Thm 4.2", "(5.23)", "Prop. 5.4"]
     equivalence = pd.read_csv(finished / "data" / "equivalence.csv")
     assert list(equivalence.columns)[:9] == [
         "case",
@@ -208,6 +214,10 @@ def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(capsys, finishe
     assert "--out" in found
 
 
+DISCRETE = "Prop. 5.4, pocket: order of ‖Π^h u − u^h‖_V, superclose"
+ORDER = "Prop. 5.4, pocket: order of the error, level by level"
+
+
 def spoil(data: Path, change) -> None:
     table = pd.read_csv(data / "rates.csv")
     change(table).to_csv(data / "rates.csv", index=False)
@@ -219,8 +229,8 @@ def spoil(data: Path, change) -> None:
         (lambda data: (data / "rates.csv").unlink(), 2, "rates.csv is missing"),
         (lambda data: (data / "equivalence.csv").write_text(""), 2, "equivalence.csv is not a table"),
         (lambda data: spoil(data, lambda t: t.drop(columns="time_share")), 2, "lacks the columns time_share"),
-        (lambda data: spoil(data, lambda t: t.assign(discrete_error=0.0)), 2, "must be positive"),
-        (lambda data: spoil(data, lambda t: t.assign(error=float("nan"))), 2, "must be positive"),
+        (lambda data: spoil(data, lambda t: t.assign(discrete_error=0.0)), 1, f"fails: {DISCRETE}"),
+        (lambda data: spoil(data, lambda t: t.assign(error=float("nan"))), 1, f"fails: {ORDER}"),
         (lambda data: spoil(data, lambda t: t.assign(case="other")), 2, "lacks other"),
         (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), 1, "rows of the plan that are missing"),
         (lambda data: spoil(data, lambda t: t.head(0)), 1, "rows of the plan that are missing"),
@@ -263,7 +273,7 @@ def test_check_judges_the_data_on_disk_and_nothing_else(finished: Path, tmp_path
 def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(finished: Path, monkeypatch) -> None:
     data = finished / "data"
     before = {path: path.read_bytes() for path in data.rglob("*") if path.is_file()}
-    jobs = sorted((data / "jobs").glob("rate__*__00008.json"))
+    jobs = sorted((data / "jobs").glob("rates__*__00008.json"))
     jobs[0].unlink()
     jobs[1].write_text(jobs[1].read_text()[:100])
     untouched = {path: path.stat().st_mtime_ns for path in (data / "jobs").iterdir() if path not in jobs[:2]}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
 
@@ -10,26 +11,24 @@ import pandas as pd
 import pytest
 
 from study.cli.main import main
-from study.controls.alarms import NOT_CLAIMED, SEEDS, SeededPlan, seeded, tally, text
+from study.controls.alarms import NOT_CLAIMED, SEEDS, SeededScope, seeded, tally, text
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
 from study.ledger.errors import UsageError
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.run.job import EquivalenceJob, Job, RateJob, StatementJob, StressJob
-from study.run.plan import full
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
+from study.ledger.window import around
+from study.run.job import Job
+from study.run.plan import Plan, full, quick
+from study.statements.enclosure.courses import Bounds
 from study.statements.fully_discrete import FullyDiscrete
+from study.statements.pictures import Pictures
+from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.shared.base import Statement
+from study.statements.shared.scope import Scope
+from study.statements.thm_4_2.own_space import OwnSpace
 
 RESULTS = Path(__file__).parents[2] / "results"
 JOBS = seeded(3).jobs
-
-
-def family_of(job: Job) -> str:
-    if isinstance(job, StatementJob):
-        return job.setting.family
-    if isinstance(job, StressJob):
-        return job.place.family
-    assert isinstance(job, RateJob | EquivalenceJob)
-    return job.family
 
 
 def test_a_seed_in_its_name_gives_other_shaken_meshes() -> None:
@@ -43,38 +42,55 @@ def test_a_seed_in_its_name_gives_other_shaken_meshes() -> None:
 
 
 def test_plans_of_two_seeds_measure_the_same_on_other_meshes() -> None:
-    assert {family_of(job) for job in JOBS} == {"shaken-3"}
+    assert {job.setting.family for job in JOBS} == {"shaken-3"}
     assert [job.key for job in seeded(4).jobs] == [job.key.replace("shaken-3", "shaken-4") for job in JOBS]
     assert {job.fingerprint() for job in seeded(4).jobs}.isdisjoint(job.fingerprint() for job in JOBS)
 
 
 def test_every_case_and_statement_that_the_ledger_judges_on_shaken_meshes_is_among_them() -> None:
-    planned = [job for job in full().jobs if isinstance(job, RateJob | EquivalenceJob | StressJob | StatementJob)]
-    shaken = [job for job in planned if family_of(job) == "shaken"]
+    shaken = [
+        job
+        for job in Plan.of(full()).jobs
+        if job.setting.family == "shaken" and not isinstance(job.statement, Pictures | Bounds)
+    ]
 
-    def kinds(jobs: list[Job]) -> set[tuple[str, str]]:
-        rates = {("rate", job.case) for job in jobs if isinstance(job, RateJob)}
-        both = {("4.2", job.case) for job in jobs if isinstance(job, EquivalenceJob)}
-        own = {("own space", job.place.case) for job in jobs if isinstance(job, StressJob)}
-        return rates | both | own | {("", job.label) for job in jobs if isinstance(job, StatementJob)}
+    def kinds(jobs: Sequence[Job]) -> set[tuple[Statement, str]]:
+        """Statements, and the cases of those that are about cases: on other meshes the others take fewer."""
+        return {(job.statement, job.setting.case if of_cases(job.statement) else "") for job in jobs}
 
-    assert kinds(shaken) - kinds([*JOBS]) == {("", FullyDiscrete().label)}
+    def of_cases(statement: Statement) -> bool:
+        return statement.of_every_case or isinstance(statement, OwnSpace)
 
-
-def test_a_plan_with_a_seed_is_the_quick_plan_but_for_the_seed() -> None:
-    assert {field.name for field in fields(SeededPlan)} == {field.name for field in fields(full())} | {"seed"}
+    assert kinds(shaken) - kinds(JOBS) == {(FullyDiscrete(), "")}
 
 
-VERDICT = Verdict("Prop. 5.4", "claim", "advance-recede", "order, shaken-0 meshes", "1 ± 0.1", 1.0, 1.0, 1.0, HOLDS)
+def test_pictures_and_bounds_are_left_out() -> None:
+    assert not any(isinstance(job.statement, Pictures | Bounds) for job in JOBS)
+
+
+def test_the_study_of_a_seed_is_the_quick_one_but_for_the_seed() -> None:
+    assert {field.name for field in fields(SeededScope)} == {field.name for field in fields(full())} | {"seed"}
+    scope = seeded(3).scope
+    others = {field.name: getattr(scope, field.name) for field in fields(full())}
+    assert Scope(**others) == replace(quick(), rough=full().rough)
+
+
+def judged(key: str, seed: int, state: str, observed: float = 1.0) -> Verdict:
+    """A row about the meshes of a seed."""
+    span, family = (observed, observed), f"shaken-{seed}"
+    return row(FirstOrder(), key, f"the {key}", around(1, 0.1), observed, span, state, "advance-recede", family)
+
+
+VERDICT = judged("order", 0, HOLDS)
 
 
 def test_alarms_are_counted_row_by_row_whatever_the_meshes_are_called() -> None:
-    other = replace(VERDICT, quantity="order, shaken-1 meshes", observed=0.8, verdict=FAILS)
-    third = replace(VERDICT, quantity="order, shaken-2 meshes", observed=0.9, verdict=UNDECIDED)
-    table = tally({0: [VERDICT, replace(VERDICT, quantity="p", verdict=REPORTED)], 1: [other], 2: [third]})
+    other, third = judged("order", 1, FAILS, 0.8), judged("order", 2, UNDECIDED, 0.9)
+    table = tally({0: [VERDICT, judged("p", 0, REPORTED)], 1: [other], 2: [third]})
     (line,) = table.itertuples(index=False)
-    assert (line.quantity, line.seeds, line.alarms, line.lowest, line.highest, line.claimed) == (
-        "order, shaken meshes",
+    assert (line.key, line.quantity, line.seeds, line.alarms, line.lowest, line.highest, line.claimed) == (
+        "order",
+        "the order",
         3,
         2,
         0.8,

@@ -286,8 +286,9 @@ def test_a_family_that_does_not_mesh_the_body_is_refused_with_those_that_do() ->
 def test_levels_get_the_steps_of_their_pace() -> None:
     check_bound(data(), OneDiagonal(), [4, 8], 5, Refined())
     check_bound(data(), OneDiagonal(), [8, 27], None, Refined())
-    assert [steps_for(data(), level) for level in (8, 27)] == [32, 72]
-    assert steps_for(data(), 8, pace=1) == 4
+    T = data().body.T
+    assert [rate_steps(T, level) for level in (8, 27)] == [32, 72]
+    assert rate_steps(T, 8, pace=1) == 4
 
 
 def test_forces_that_are_not_square_integrable_are_refused() -> None:

@@ -13,7 +13,7 @@ import pandas as pd
 import pytest
 
 from study.ledger.datafiles import DataError, read_claims
-from study.ledger.margin import bounds, used, worst
+from study.ledger.margin import used, worst
 from study.present.article.fragments import Data, write_article
 
 ROOT = Path(__file__).parents[2]
@@ -159,28 +159,6 @@ def test_a_defect_of_zero_is_zero(copy: Path) -> None:
     rows.to_csv(path, index=False)
     write_article(copy)
     assert macros(copy)["agreeMembership"] == "0"
-
-
-@pytest.mark.parametrize(
-    ("expected", "ends"),
-    [
-        ("1 ± 0.15, every consecutive order", (0.85, 1.15)),
-        ("2, − 0.3 + 0.2", (1.7, 2.2)),
-        ("1.5 … 2, − 0.15 + 0.2", (1.35, 2.2)),
-        ("3/2 … 2 on one-diagonal meshes (superclose), ± 0.2", (1.3, 2.2)),
-        ("0.7 … 1.4 over two refinements: orders", (0.7, 1.4)),
-        ("≤ 2 % of the error", (-np.inf, 0.02)),
-        ("≤ 0 up to 1e-12", (-np.inf, 1e-12)),
-        ("≥ 1/2 of that at the vertex", (0.5, np.inf)),
-    ],
-)
-def test_the_ends_of_a_window_are_read_from_its_text(expected: str, ends: tuple[float, float]) -> None:
-    assert bounds(expected) == pytest.approx(ends)
-
-
-@pytest.mark.parametrize("expected", ["0 of 1885", "contains 1, at most 0.2 wide", "< 0.99, or carried by e"])
-def test_a_window_that_is_not_one_of_numbers_has_no_ends(expected: str) -> None:
-    assert bounds(expected) is None
 
 
 def test_a_row_holds_if_and_only_if_it_stays_within_its_window() -> None:

@@ -24,7 +24,6 @@ import pandas as pd
 import pytest
 import yaml
 from case_docstrings import lacks
-from study.statements.prop_5_4.claims import prop_5_4
 
 import manufactured
 from manufactured import Case, prove
@@ -33,8 +32,10 @@ from study.controls import defects, register
 from study.controls.run_controls import work
 from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS
-from study.solve.tableau import MIDPOINT
 from study.solve.steps import rate_steps
+from study.solve.tableau import MIDPOINT
+from study.statements.leading_term import SizeOfInterpolation
+from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.measure import measure_case
 
 ROOT = Path(__file__).parents[2]
@@ -226,11 +227,14 @@ def test_the_case_of_the_recipe_states_its_formulas_and_then_the_order_that_they
 
 
 def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:
-    steps = {n: rate_steps(case.solution.body.T, n, case.pace) for n in (8, 16, 32)}
-    rows = [asdict(measure_case(case, OneDiagonal(), n, MIDPOINT, count)) for n, count in steps.items()]
-    found = prop_5_4(case.name, pd.DataFrame(rows), case.order)
-    assert found
-    assert [verdict.quantity for verdict in found if verdict.verdict != HOLDS] == []
+    rows = [
+        asdict(measure_case(case, OneDiagonal(), n, MIDPOINT, rate_steps(case.solution.body.T, n, case.pace)))
+        for n in (8, 16, 32)
+    ]
+    table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
+    by_statement = [statement.judge(table) for statement in (FirstOrder(), SizeOfInterpolation())]
+    assert all(by_statement)
+    assert [verdict.key for found in by_statement for verdict in found if verdict.verdict != HOLDS] == []
 
 
 def test_the_statement_of_the_recipe_holds_and_its_own_test_breaks_it(monkeypatch) -> None:
@@ -247,11 +251,10 @@ def test_the_control_of_the_recipe_is_caught_by_the_row_it_names(monkeypatch) ->
     monkeypatch.setattr(defects, name, defect, raising=False)
     control = eval(RECIPES["study/controls/register.py"], vars(register))
     assert control.name not in {known.name for known in register.CONTROLS}
-    failing = [verdict.quantity for verdict in work(control.setting, control.defect) if verdict.verdict == FAILS]
+    failing = [verdict.key for verdict in work(control.setting, control.defect) if verdict.verdict == FAILS]
     assert control.caught_by in failing
 
 
-TRACE = "from study.statements.trace import Trace\n"
 ENTRIES = {
     "manufactured/catalogue.py": [
         ("    anisotropic,\n", "    anisotropic,\n    breathing_patch,\n"),
@@ -306,11 +309,11 @@ def test_plans_find_what_the_recipes_enter(house: Path) -> None:
     code = """
         from study.controls.register import CONTROLS
         from study.statements import STATEMENTS
-        from study.run.plan import full, quick
-        for plan in (quick(), full()):
+        from study.run.plan import Plan, full, quick
+        for plan in map(Plan.of, (quick(), full())):
             keys = [job.key for job in plan.jobs]
-            print(sum("breathing-patch" in key for key in keys) > 0, sum("statement__trace" in key for key in keys))
-        print(CONTROLS[-1].name, STATEMENTS[-3].label)
+            print(sum("breathing-patch" in key for key in keys) > 0, sum("statements__trace" in key for key in keys))
+        print(CONTROLS[-1].name, STATEMENTS[-4].label)
     """
     assert python(house, "-c", textwrap.dedent(code)).split("\n")[:3] == ["True 6", "True 8", "contact with gaps trace"]
 

@@ -17,7 +17,9 @@ from study.cli.main import parser
 from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
 from study.ledger.rounding import above, below
 from study.present.readme import headline, refresh
-from study.statements.prop_5_4.claims import AXES, AXES_DISCRETE, LATER, LIMIT
+from study.statements.prop_5_3.convergence import LIMIT
+from study.statements.prop_5_4.judge import NOT_AT_START
+from study.statements.prop_5_4.turned import RULES
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -30,10 +32,10 @@ PROSE = re.sub(r"```.*?```|^\|.*?$", "", TEXT, flags=re.DOTALL | re.MULTILINE)
 INLINE = re.findall(r"`((?:make|study|\.venv/bin/\w+|python|pip|dask|sudo)\s[^`]+)`", PROSE)
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 ELSEWHERE = {
-    "make docs": "test_habits.py::test_the_pages_of_the_api_are_made_without_a_warning",
-    "dask scheduler": "test_cluster.py::scheduler",
-    "dask worker": "test_cluster.py::cluster",
-    "study run --cluster": "test_cluster.py::"
+    "make docs": "project/test_habits.py::test_the_pages_of_the_api_are_made_without_a_warning",
+    "dask scheduler": "run/test_cluster.py::scheduler",
+    "dask worker": "run/test_cluster.py::cluster",
+    "study run --cluster": "run/test_cluster.py::"
     "test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte",
 }
 """How a command begins ↦ the test or fixture that runs it."""
@@ -100,8 +102,8 @@ def test_the_orders_at_its_head_are_those_of_the_errors_measured() -> None:
 def test_what_its_head_says_is_at_most_so_large_is_not_larger_and_hardly_smaller() -> None:
     strains = read_csv(ROOT / "results", "equivalence.csv", ["stress_gap", "stress_bound"])
     claims = read_claims(ROOT / "results")
-    shares = claims.loc[(claims["label"] == "bound") & (claims["quantity"] == "largest error / upper bound"), "high"]
-    limits = claims.loc[claims["quantity"].str.startswith("limit e∞"), "high"]
+    shares = claims.loc[(claims["label"] == "bound") & (claims["key"] == "above"), "high"]
+    limits = claims.loc[(claims["label"] == "Prop. 5.3") & (claims["key"] == "limit"), "high"]
     bound, gap = strains["stress_bound"].max(), strains["stress_gap"].max()
     for text, largest, digit in (
         (r"at most (\S+) by its duality gap", bound, bound / 10),
@@ -125,17 +127,17 @@ def test_the_row_on_smoothness_shows_whatever_orders_were_seen_and_gives_no_verd
 def test_the_cases_it_names_for_an_error_largest_at_the_start_are_those_of_the_data() -> None:
     rates = read_csv(ROOT / "results", "rates.csv", ["claim", "case", "error", "initial_error"])
     rates = rates[rates["claim"] == "Prop. 5.4"]
-    found = set(rates.loc[rates["initial_error"] >= LATER * rates["error"], "case"])
+    found = set(rates.loc[rates["initial_error"] >= NOT_AT_START * rates["error"], "case"])
     (named,) = re.findall(r"In two cases, \*(\S+)\* and \*(\S+)\*, the largest error is that at t = 0", TEXT)
     assert found == set(named)
 
 
 def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:
-    told = " ".join(TEXT.split())
+    told, axes = " ".join(TEXT.split()), {rule.key: rule.window for rule in RULES}
     for window, words, value in (
         (LIMIT, "at most 10 % of the two finest errors", 0.1),
-        (AXES, "must equal those of the former to 10⁻¹⁰ of their size", 1e-10),
-        (AXES_DISCRETE, "rounding counts about h⁻² times, to 10⁻⁷", 1e-7),
+        (axes["errors"], "must equal those of the former to 10⁻¹⁰ of their size", 1e-10),
+        (axes["discrete-error"], "rounding counts about h⁻² times, to 10⁻⁷", 1e-7),
     ):
         assert words in told
         assert window.high == value
@@ -196,11 +198,11 @@ def test_the_intervals_in_the_text_are_those_of_the_same_problem_in_the_data() -
 
 def test_so_is_the_interval_for_the_order() -> None:
     claims = read_claims(ROOT / "results")
-    rows = claims[(claims["case"] == "ramp") & claims["quantity"].str.startswith("order of max_t")]
+    rows = claims[(claims["label"] == "enclosure") & (claims["case"] == "ramp") & (claims["key"] == "order")]
     (row,) = rows.itertuples()
     levels = re.search(r"`--levels ([\d ]+)`, a minute more", TEXT)
     first, *_, last = levels[1].split()
-    assert f"n = {first} to {last} on" in row.quantity
+    assert f"n = {first} to {last}, {row.family} meshes" in row.quantity
     typed = re.search(r"from the first to the last in \[(.*?)\]", " ".join(TEXT.split()))
     assert tuple(map(float, typed[1].split(", "))) == outwards((row.low, row.high))
 

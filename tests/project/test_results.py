@@ -13,11 +13,14 @@ from manufactured import catalogue
 from study.fem.naming import family_named, resolve
 from study.ledger.orders import orders
 from study.ledger.verdict import HOLDS, REPORTED
-from study.run.judgement import check
+from study.run.judgement import Complete, check
 from study.solve.tableau import MIDPOINT
+from study.statements import STATEMENTS
+from study.statements.pictures import Pictures
 from study.statements.prop_5_4.measure import measure_case
-from study.statements.thm_4_2.gaps import compare
-from study.statements.thm_4_2.own_space import measure_stresses, places
+from study.statements.thm_4_2.own_space import OwnSpace
+from study.statements.thm_4_2.same_mesh import compare
+from study.statements.thm_4_2.stress_errors import measure_stresses
 
 RESULTS = Path(__file__).parents[2] / "results"
 RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
@@ -52,7 +55,7 @@ def test_both_formulations_agree_again(case: str) -> None:
 def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
     """Level 8, on some of the cases."""
     committed = pd.read_csv(RESULTS / "data" / "stresses.csv").query("level == 8")
-    assert set(committed["case"]) == {place.case for place in places(full=True)}
+    assert set(committed["case"]) == {place.case for place in OwnSpace().places(full=True)}
     for row in committed.iloc[::4].to_dict("records"):
         case, family = resolve(row["case"]), family_named(row["family"])
         again = asdict(measure_stresses(case, family, row["level"], row["steps"]))
@@ -82,7 +85,27 @@ def test_every_row_without_a_claim_says_why_there_is_none() -> None:
     assert not claims["expected"].isin(["", "reported"]).any()
     predicted = claims[(claims["verdict"] == REPORTED) & claims["expected"].str.startswith("predicted ")]
     assert len(predicted) > 0
-    assert predicted["expected"].str.contains(r", no claim as .+: (?:agrees|differs|undecided)$").all()
+    assert predicted["expected"].str.contains(r"; no claim, as .+: (?:agrees|differs|undecided)$").all()
+
+
+def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ() -> None:
+    """Pictures claim nothing."""
+    claims = pd.read_csv(RESULTS / "data" / "claims.csv", keep_default_na=False)
+    listed = [statement for statement in STATEMENTS if not isinstance(statement, Pictures)]
+    said = {(statement.label, statement.claim) for statement in (Complete(), *listed)}
+    assert set(zip(claims["label"], claims["statement"], strict=True)) == said
+    labels = ["data", *dict.fromkeys(statement.label for statement in listed)]
+    assert sorted(claims["label"].unique(), key=labels.index) == list(claims["label"].unique())
+    assert not claims.duplicated(["label", "key", "case", "family"]).any()
+
+
+def test_a_row_that_holds_lies_in_its_window() -> None:
+    """With its range, or where that has a window of its own with its value; orders are contained in their range."""
+    claims = pd.read_csv(RESULTS / "data" / "claims.csv", keep_default_na=False)
+    held = claims[claims["verdict"] == HOLDS]
+    inside = held["observed"].between(held["window_low"], held["window_high"])
+    enclosed = (held["low"] <= held["window_low"]) & (held["window_high"] <= held["high"])
+    assert (inside | enclosed).all()
 
 
 def test_orders_in_3d_lie_within_a_tenth_of_one_on_the_finest_pair() -> None:

@@ -17,10 +17,13 @@ import pytest
 
 from study.cli.main import main
 from study.ledger.errors import UsageError
-from study.run.cluster import connected
+from study.run.cluster import connected, identity
 from study.run.execute import execute
-from study.run.job import RateJob
+from study.run.job import Job
 from study.run.store import Store
+from study.run.versions import versions
+from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.prop_5_4.sweep import RateSetting
 
 MINE = """
 from dataclasses import replace
@@ -109,7 +112,7 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
     (tmp_path / "mine.py").write_text(MINE)
     monkeypatch.chdir(tmp_path)
     # Figures are drawn here from the data in any case.
-    monkeypatch.setattr("study.cli.main.draw_figures", lambda *arguments, **options: [])
+    monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments, **options: [])
     run = ["run", "--case", "mine.py:mine", "--levels", "2", "4", "--jobs", "2"]
     codes = {main([*run, "--out", "processes"]), main([*run, "--out", "cluster", "--cluster", cluster])}
     assert len(codes) == 1
@@ -117,21 +120,35 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
         {str(path.relative_to(out)): path.read_bytes() for path in out.rglob("*") if path.is_file()}
         for out in (tmp_path / "processes", tmp_path / "cluster")
     )
-    assert "data/jobs/rate__mine__criss-cross__midpoint__00004.json" in by_processes
+    assert "data/jobs/rates__mine__criss-cross__midpoint__00004.json" in by_processes
     assert by_cluster == by_processes
 
 
 def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch) -> None:
-    monkeypatch.setattr("study.run.cluster.METHOD", -1)
+    monkeypatch.setattr("study.run.cluster.versions", lambda: {**versions(), "numpy": "another"})
     with (
-        pytest.raises(UsageError, match=r"the worker tcp://127.* would not compute the same: method \d+, here -1"),
+        pytest.raises(
+            UsageError, match=r"the worker tcp://127.* would not compute the same: numpy [\d.]+, here another"
+        ),
         connected(cluster, ["full-contact"]),
     ):
         pass
 
 
+def test_a_case_is_known_by_what_its_file_says_now(tmp_path) -> None:
+    """A worker serves many runs, and the file may change between two of them."""
+    file = tmp_path / "mine.py"
+    file.write_text(MINE)
+    before = identity([f"{file}:mine"])
+    assert identity([f"{file}:mine"]) == before
+    file.write_text(MINE.replace("advance-recede", "travelling-patch"))
+    after = identity([f"{file}:mine"])
+    assert {key for key in before if before[key] != after[key]} == {f"{file}:mine"}
+
+
 def test_a_killed_worker_of_a_cluster_costs_no_job(cluster, tmp_path) -> None:
-    jobs = [RateJob("full-contact", "one-diagonal", "midpoint", 16 + i, 16) for i in range(8)]
+    settings = [RateSetting("full-contact", "one-diagonal", 16 + i, "midpoint", 16) for i in range(8)]
+    jobs = [Job(FirstOrder(), setting) for setting in settings]
     store = Store(tmp_path)
     with connected(cluster, ["full-contact"]) as pool:
         victim = psutil.Process(pool.executor.submit(os.getpid).result())

@@ -16,7 +16,6 @@ from typing import Any
 
 import psutil
 import pytest
-from study.statements.enclosure.jobs import BoundJob
 
 from study.bound.trajectory import Refined
 from study.cli.main import main
@@ -24,12 +23,19 @@ from study.ledger.errors import UsageError
 from study.ledger.files import StoreError
 from study.run.collect import collect
 from study.run.execute import JobsError, Pool, admitted, execute, refuse_too_large
-from study.run.job import EquivalenceJob, Job, RateJob, StressJob
-from study.run.plan import Levels, Plan, quick
+from study.run.job import Job
+from study.run.plan import Plan, quick
 from study.run.processes import Processes
 from study.run.resources import GIB, available
 from study.run.store import Store
-from study.statements.thm_4_2.own_space import Place
+from study.statements.enclosure.inside import EnclosedError
+from study.statements.enclosure.where import BoundSetting
+from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.prop_5_4.sweep import RateSetting
+from study.statements.shared.base import Setting
+from study.statements.shared.scope import Levels, Scope
+from study.statements.thm_4_2.own_space import OwnSpace
+from study.statements.thm_4_2.same_mesh import SameMesh
 
 LEVELS = Levels((2, 4))
 SMALL = replace(
@@ -56,9 +62,9 @@ def data(directory: Path) -> dict[str, bytes]:
     return {str(path.relative_to(directory)): path.read_bytes() for path in directory.rglob("*") if path.is_file()}
 
 
-def computed(plan: Plan, directory: Path, executor: Executor) -> dict[str, bytes]:
-    """The data files of a plan."""
-    store = Store(directory)
+def computed(scope: Scope, directory: Path, executor: Executor) -> dict[str, bytes]:
+    """The data files of a study."""
+    plan, store = Plan.of(scope), Store(directory)
     execute(plan.jobs, store, pool(executor), ignore)
     collect(plan, store)
     return data(directory)
@@ -92,7 +98,7 @@ class AtOnce(Executor):
 def test_every_executor_gives_the_same_files_byte_for_byte(tmp_path, by_processes, executor) -> None:
     with executor() as chosen:
         assert computed(SMALL, tmp_path, chosen) == by_processes
-    assert any(name.startswith("data/jobs/rate__advance-recede") for name in by_processes)
+    assert any(name.startswith("data/jobs/rates__advance-recede") for name in by_processes)
 
 
 @dataclass(frozen=True)
@@ -204,8 +210,8 @@ def test_jobs_that_a_lost_cluster_has_cancelled_end_the_run(tmp_path) -> None:
 
 
 def test_a_job_that_no_worker_has_the_memory_for_is_refused_with_what_it_needs_and_what_there_is() -> None:
-    jobs = [Toy("small", memory=GIB), Toy("rate__case__family__00512", memory=50 * GIB)]
-    with pytest.raises(UsageError, match=r"^rate__case__family__00512 needs about 50\.0 GiB.*20\.0 GiB are.*--levels"):
+    jobs = [Toy("small", memory=GIB), Toy("rates__case__family__00512", memory=50 * GIB)]
+    with pytest.raises(UsageError, match=r"^rates__case__family__00512 needs about 50\.0 GiB.*20\.0 GiB are.*--levels"):
         refuse_too_large(jobs, pool(AtOnce(), together=20 * GIB))
     refuse_too_large(jobs[:1], pool(AtOnce(), together=20 * GIB))
     refuse_too_large([], pool(AtOnce()))
@@ -214,12 +220,12 @@ def test_a_job_that_no_worker_has_the_memory_for_is_refused_with_what_it_needs_a
 def test_a_level_beyond_the_memory_is_refused_by_the_command_before_a_mesh_is_made(tmp_path, capsys) -> None:
     out = tmp_path / "r"
     assert main(["run", "--case", "full-contact", "--levels", "8", "100000", "--out", str(out)]) == 2
-    assert "rate__full-contact__criss-cross__midpoint__100000 needs about" in capsys.readouterr().err
+    assert "rates__full-contact__criss-cross__midpoint__100000 needs about" in capsys.readouterr().err
     assert not out.exists()
 
 
 def test_a_level_of_a_bound_beyond_the_memory_is_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("study.run.resources.available", lambda: 1.0 * GIB)
+    monkeypatch.setattr("study.cli.bound.available", lambda: 1.0 * GIB)
     assert main(["bound", "full-contact", "--levels", "4", "64", "--out", str(tmp_path / "r")]) == 2
     assert "level 64 needs about 10.0 GiB of memory, 1.0 GiB are available" in capsys.readouterr().err
 
@@ -237,23 +243,23 @@ def test_a_level_beyond_the_memory_is_not_shown(tmp_path, capsys) -> None:
 
 
 def full_contact(n: int) -> Job:
-    return RateJob("full-contact", "one-diagonal", "midpoint", n, 2)
+    return Job(FirstOrder(), RateSetting("full-contact", "one-diagonal", n, "midpoint", 2))
 
 
 def cube_disc(family: str, n: int) -> Job:
-    return RateJob("cube-disc", family, "midpoint", n, 2)
+    return Job(FirstOrder(), RateSetting("cube-disc", family, n, "midpoint", 2))
 
 
 def equivalence(n: int) -> Job:
-    return EquivalenceJob("cube-disc", "one-diagonal", n, 2)
+    return Job(SameMesh(), Setting("cube-disc", "one-diagonal", n))
 
 
 def stress(n: int) -> Job:
-    return StressJob(Place("full-contact", "shaken", n))
+    return Job(OwnSpace(), Setting("full-contact", "shaken", n))
 
 
 def enclosure(n: int) -> Job:
-    return BoundJob("full-contact", "shaken", "midpoint", n, Refined(1, 1))
+    return Job(EnclosedError(), BoundSetting("full-contact", "shaken", n, "midpoint", Refined(1, 1)))
 
 
 def peak(job: Job) -> float:

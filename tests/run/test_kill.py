@@ -15,11 +15,11 @@ import pytest
 RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "4", "8", "--jobs", "2", "--out"]
 ONLY_THE_DATA = """
 import sys
-from study.cli import main as cli
+from study.cli import common, main
 from study.run.plan import Plan
-cli.draw_figures = lambda *arguments, **options: []
+common.draw_figures = lambda *arguments, **options: []
 Plan.check = lambda *arguments: None
-sys.exit(cli.main(sys.argv[1:]))
+sys.exit(main.main(sys.argv[1:]))
 """
 """The command without figures and without the proofs of the cases, which keep nothing and take most of the time."""
 VICTIMS = ["run", "worker", "worker", "run"]

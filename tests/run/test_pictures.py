@@ -18,11 +18,10 @@ from study.fem.skin import Skin
 from study.ledger.facets import Facets
 from study.ledger.packing import FINE
 from study.present.picture.picture import Picture
-from study.run.job import PictureJob
-from study.run.plan import full, quick
+from study.run.plan import Plan, full, quick
 from study.solve.motion import Motion
 from study.statements import pictures
-from study.statements.pictures import mesh_for, record
+from study.statements.pictures import Pictures, mesh_for, record
 
 Array = NDArray[np.float64]
 SOLIDS = [case.name for case in catalogue() if case.solution.body.dim == 3]
@@ -45,9 +44,10 @@ def test_there_are_solids_to_be_shown() -> None:
     assert {"cube-disc", "cube-two-faces"} <= set(SOLIDS)
 
 
-@pytest.mark.parametrize("plan", [quick(), full()], ids=lambda plan: plan.name)
-def test_every_case_has_a_picture(plan) -> None:
-    assert [job.case for job in plan.jobs if isinstance(job, PictureJob)] == [case.name for case in catalogue()]
+@pytest.mark.parametrize("scope", [quick(), full()], ids=lambda scope: scope.name)
+def test_every_case_has_a_picture(scope) -> None:
+    jobs = [job for job in Plan.of(scope).jobs if isinstance(job.statement, Pictures)]
+    assert [job.setting.case for job in jobs] == [case.name for case in catalogue()]
 
 
 @pytest.mark.parametrize("case", SOLIDS)

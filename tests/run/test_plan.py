@@ -9,38 +9,50 @@ import pytest
 from manufactured import catalogue
 from study.fem.mesh import FAMILIES, MeshError
 from study.fem.naming import resolve
-from study.run.collect import statement_rows
-from study.run.job import EquivalenceJob, RateJob, StatementJob
-from study.run.plan import Levels, full, quick
-from study.statements import ORDERS, STATEMENTS, position
+from study.run.plan import Plan, full, quick
+from study.statements import STATEMENTS
+from study.statements.enclosure.bound_rows import posed
 from study.statements.fully_discrete import FullyDiscrete
+from study.statements.green import Green
+from study.statements.pictures import Pictures
+from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.prop_5_4.sweep import Rates, RateSetting
+from study.statements.shared.base import Setting
+from study.statements.shared.scope import Levels
+from study.statements.thm_4_2.same_mesh import SameMesh
 
-PLANS = {"quick": quick(), "full": full()}
+SCOPES = {"quick": quick(), "full": full()}
+PLANS = {name: Plan.of(scope) for name, scope in SCOPES.items()}
+
+
+def rates(name: str) -> list[RateSetting]:
+    """Where a study measures errors."""
+    return [job.setting for job in PLANS[name].jobs if isinstance(job.statement, Rates)]
 
 
 @pytest.mark.parametrize("name", PLANS)
 def test_every_case_has_enough_levels_for_its_verdict_and_both_formulations_compared(name: str) -> None:
-    jobs = PLANS[name].jobs
+    compared = {job.setting.case for job in PLANS[name].jobs if isinstance(job.statement, SameMesh)}
     for case in catalogue():
         enough = 3 if case.regularity.satisfies_5_36 else 4
-        rates = [job for job in jobs if isinstance(job, RateJob) and job.case == case.name]
-        for family in {job.family for job in rates}:
-            assert sum(job.family == family for job in rates) >= enough, (case.name, family)
-        assert any(isinstance(job, EquivalenceJob) and job.case == case.name for job in jobs), case.name
+        mine = [setting for setting in rates(name) if setting.case == case.name]
+        assert mine, case.name
+        for family in {setting.family for setting in mine}:
+            assert sum(setting.family == family for setting in mine) >= enough, (case.name, family)
+        assert case.name in compared
 
 
 def test_the_full_study_uses_every_family_that_can_mesh_a_body_and_the_quick_one_every_family_somewhere() -> None:
-    found = {(job.case, job.family) for job in PLANS["full"].jobs if isinstance(job, RateJob)}
+    found = {(setting.case, setting.family) for setting in rates("full")}
     expected = {(c.name, f.name) for c in catalogue() for f in FAMILIES if f.serves(c.solution.body)}
     assert found == expected
-    assert {job.family for job in PLANS["quick"].jobs if isinstance(job, RateJob)} == {f.name for f in FAMILIES}
+    assert {setting.family for setting in rates("quick")} == {f.name for f in FAMILIES}
 
 
 def test_every_case_of_the_quick_study_is_on_one_family_and_a_twin_on_that_of_its_twin() -> None:
     found: dict[str, set[str]] = {}
-    for job in PLANS["quick"].jobs:
-        if isinstance(job, RateJob):
-            found.setdefault(job.case, set()).add(job.family)
+    for setting in rates("quick"):
+        found.setdefault(setting.case, set()).add(setting.family)
     refined = {case.name for case in catalogue() if case.solution.body.refine}
     assert {name for name, families in found.items() if len(families) > 1} == refined
     for case in catalogue():
@@ -49,35 +61,52 @@ def test_every_case_of_the_quick_study_is_on_one_family_and_a_twin_on_that_of_it
 
 
 def test_cases_with_levels_of_their_own_have_those_unless_levels_are_asked_for() -> None:
-    own = {name: levels.of(0) for name, levels in PLANS["full"].own}
-    for job in PLANS["full"].jobs:
-        if isinstance(job, RateJob):
-            assert job.level in own.get(job.case, (*range(6, 129),))
-    asked = replace(PLANS["full"], plane=Levels((4, 8)), own=())
+    own = {name: levels.of(0) for name, levels in SCOPES["full"].own}
+    for setting in rates("full"):
+        assert setting.level in own.get(setting.case, (*range(6, 129),))
+    asked = replace(SCOPES["full"], plane=Levels((4, 8)), own=())
     assert asked.levels_of(resolve("layered")).of(0) == (4, 8)
 
 
 @pytest.mark.parametrize("name", PLANS)
-def test_every_numbered_statement_is_measured_on_cases_that_exist(name: str) -> None:
-    jobs = [job for job in PLANS[name].jobs if isinstance(job, StatementJob)]
-    missing = {statement.label for statement in STATEMENTS if statement.settings(True)} - {job.label for job in jobs}
+def test_every_statement_is_measured_on_cases_and_problems_that_exist(name: str) -> None:
+    jobs = PLANS[name].jobs
+    missing = {job.statement for job in PLANS["full"].jobs} - {job.statement for job in jobs}
     # What the source leaves open is for the full study.
-    assert missing == ({FullyDiscrete.label} if name == "quick" else set())
-    assert len({job.key for job in jobs}) == len(jobs)
+    assert missing == ({FullyDiscrete()} if name == "quick" else set())
     for job in jobs:
-        resolve(job.setting.case)
+        assert posed(job.setting.case).name == job.setting.case
 
 
-def test_labels_are_unique_and_have_a_place_in_the_ledger() -> None:
-    labels = [statement.label for statement in STATEMENTS]
-    assert len(set(labels)) == len(labels)
-    assert [position(label) for label in ORDERS] == list(range(len(ORDERS)))
+@pytest.mark.parametrize("name", PLANS)
+def test_no_two_measurements_have_one_name_or_give_the_same_rows(name: str) -> None:
+    """Two statements may share a label, but not what they write."""
+    jobs = PLANS[name].jobs
+    assert len({job.key for job in jobs}) == len({job.identity for job in jobs}) == len(jobs)
+
+
+@pytest.mark.parametrize("name", PLANS)
+def test_what_is_measured_is_judged_by_a_statement_of_the_list_and_the_others_measure_nothing(name: str) -> None:
+    measured = {job.statement for job in PLANS[name].jobs}
+    assert measured <= set(STATEMENTS)
+    for statement in set(STATEMENTS) - measured - {FullyDiscrete()}:
+        with pytest.raises(NotImplementedError, match="nothing is measured"):
+            statement.measure(Setting("full-contact", "shaken", 4))
+
+
+def test_a_statement_is_listed_once() -> None:
+    assert len(set(STATEMENTS)) == len(STATEMENTS)
+
+
+def test_a_case_alone_is_measured_by_the_statements_about_every_case() -> None:
+    alone = Plan.of(replace(quick(), cases=("full-contact",), statements=False))
+    assert {job.statement for job in alone.jobs} == {FirstOrder(), SameMesh(), Pictures()}
 
 
 def test_a_measurement_becomes_one_row_per_quantity() -> None:
-    result = {"label": "x", "case": "a", "family": "f", "level": 8, "measured": {"h": 0.1, "p": 1.0, "q": 2.0}}
-    rows = statement_rows([result])
+    rows = [row for _, row in Green().records(Setting("a", "f", 8), {"h": 0.1, "p": 1.0, "q": 2.0})]
     assert [(row["quantity"], row["value"], row["h"]) for row in rows] == [("p", 1.0, 0.1), ("q", 2.0, 0.1)]
+    assert {(row["label"], row["case"], row["family"], row["level"]) for row in rows} == {("(2.14)", "a", "f", 8)}
 
 
 def test_a_twin_is_a_case_of_the_catalogue_and_is_measured_beside_it() -> None:
@@ -121,4 +150,4 @@ def test_rough_places_that_no_cell_rule_serves_are_refused_before_the_run(tmp_pa
     mine = replace(quick(), cases=(f"{tmp_path}/rough.py:{case}",), plane=levels, rough=levels, solid=levels)
     small = replace(mine, equivalence=(), solid_equivalence=(), every_family=False, statements=False)
     with pytest.raises(MeshError, match=message):
-        small.check()
+        Plan.of(small).check()

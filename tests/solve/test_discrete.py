@@ -25,6 +25,7 @@ from study.solve.contact_step import EvolutionError
 from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps
+from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]

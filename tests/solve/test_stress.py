@@ -9,9 +9,11 @@ import pytest
 
 from manufactured import catalogue
 from study.fem.mesh import OneDiagonal, Shaken
-from study.solve import interior_point as stress
+from study.solve import stress_programme
 from study.solve.evolution import SemiDiscrete
-from study.solve.stress_programme import StressError
+from study.solve.interior_point import Tolerance
+from study.solve.steps import StepsError
+from study.solve.stress_potential import StressError
 from study.solve.stress_problem import StressProblem
 from study.statements.shared.base import Setting
 from study.statements.thm_4_2.gaps import beyond, gaps, problems

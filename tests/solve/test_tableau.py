@@ -9,7 +9,7 @@ from manufactured import catalogue
 from study.fem.mesh import OneDiagonal
 from study.solve.steps import StepsError, rate_steps, stress_steps
 from study.solve.tableau import BACKWARD_EULER, SCHEMES, Tableau
-from study.statements.prop_5_4.sweep import Setup
+from study.statements.prop_5_4.experiment import Experiment
 
 K = 0.1
 
@@ -32,7 +32,7 @@ def test_a_scheme_starts_with_steps_whose_past_is_there(scheme: Tableau) -> None
 
 
 def test_no_scheme_marches_without_a_step() -> None:
-    setup = Setup.of(catalogue()[0].solution, OneDiagonal(), 4, BACKWARD_EULER, 0)
+    setup = Experiment.of(catalogue()[0].solution, OneDiagonal(), 4, BACKWARD_EULER, 0)
     with pytest.raises(StepsError, match="one step or more"):
         next(setup.scheme.march(setup.problem, setup.steps))
 

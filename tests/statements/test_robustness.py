@@ -12,7 +12,6 @@ from dataclasses import asdict, dataclass, fields, replace
 import numpy as np
 import pandas as pd
 import pytest
-from study.statements.prop_5_4.claims import prop_5_3, prop_5_4
 from sympy import Expr, Rational, sympify
 
 from manufactured import (
@@ -51,10 +50,13 @@ from manufactured.cases.laws import lame
 from manufactured.factor import UNIFORM, layers
 from study.fem.mesh import FAMILIES, Graded, MeshFamily, OneDiagonal
 from study.ledger.verdict import HOLDS
-from study.run.job import fingerprint
+from study.run.fingerprint import by_value
 from study.run.plan import quick
-from study.solve.tableau import MIDPOINT
 from study.solve.steps import rate_steps
+from study.solve.tableau import MIDPOINT
+from study.statements.leading_term import SizeOfInterpolation
+from study.statements.prop_5_3.convergence import Convergence
+from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.measure import measure_case
 
 CASES = {case.name: case for case in catalogue()}
@@ -213,6 +215,10 @@ def resting_end(part: Part, body: Body) -> float:
     return part.measure if any(other.contains(part.end, 1e-9) for other in others) else 0.0
 
 
+JUDGES = (FirstOrder(), SizeOfInterpolation(), Convergence())
+"""What is judged of the errors of a case, by its proposition."""
+
+
 def families_of(case: Case) -> list[MeshFamily]:
     """The first family that meshes the body, and graded meshes where corners need them."""
     serving = [family for family in FAMILIES if family.serves(case.solution.body)]
@@ -227,8 +233,9 @@ def alarms(case: Case) -> list[str]:
         for family in families_of(case)
         for n in levels
     ]
-    judge = {"Prop. 5.3": prop_5_3, "Prop. 5.4": prop_5_4}[case.proposition]
-    verdicts = judge(case.name, pd.DataFrame(rows), case.order)
+    table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
+    verdicts = [verdict for statement in JUDGES for verdict in statement.judge(table)]
+    assert case.proposition in {verdict.label for verdict in verdicts}
     return [f"{v.quantity}: {v.observed:.4g} in [{v.low:.4g}, {v.high:.4g}]" for v in verdicts if v.verdict != HOLDS]
 
 
@@ -264,14 +271,14 @@ def alone(name: str, constant: str) -> Case:
 @pytest.mark.parametrize("name", CASES)
 def test_unchanged_constants_leave_a_case_as_it_is(name: str) -> None:
     """By value: nothing is lost where a case is made again from its parts."""
-    assert fingerprint(changed(CASES[name], Constants()).solution) == fingerprint(CASES[name].solution)
+    assert by_value(changed(CASES[name], Constants()).solution) == by_value(CASES[name].solution)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", CASES)
 def test_the_constants_of_a_case_are_those_that_make_another_solution_of_it(name: str) -> None:
-    own = fingerprint(CASES[name].solution)
-    assert {c for c in CONSTANTS if fingerprint(alone(name, c).solution) != own} == free(name)
+    own = by_value(CASES[name].solution)
+    assert {c for c in CONSTANTS if by_value(alone(name, c).solution) != own} == free(name)
 
 
 @pytest.mark.parametrize("name", ["yield-on-a-part", "natural-front", "layered-unmet"])

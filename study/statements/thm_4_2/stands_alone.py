@@ -111,7 +111,7 @@ class Independence(NamedTuple):
 def independence(sides: Sides, steps: int) -> Independence:
     """The gaps that open when Problem 3.1 alone is solved with the normal flipped, relative to what the flip changes.
 
-    Both are measured by ``equivalence.gaps``, so that a comparison of a solution with itself there is seen as well.
+    Both are measured by ``gaps``, so that a comparison of a solution with itself there is seen as well.
     """
     wrong = replace(sides.displacements, N=-sides.displacements.N)
     beside = sides.stresses(wrong)
