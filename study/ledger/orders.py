@@ -5,9 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy import stats
 
-from manufactured.tensors import Array
+Array = NDArray[np.float64]
 
 CONFIDENCE = 0.95
 

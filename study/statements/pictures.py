@@ -14,12 +14,12 @@ from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
-from study.fem.facets import Facets
 from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Unstructured, boundary_parts, facet_measures
 from study.fem.naming import resolve
 from study.fem.skin import Skin
 from study.fem.space import Space
 from study.ledger.datafiles import DataFile, JsonFiles, Row
+from study.ledger.facets import Facets
 from study.ledger.packing import FINE, Packed, short
 from study.ledger.verdict import Verdict
 from study.solve.motion import Motion, balance, von_mises

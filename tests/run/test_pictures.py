@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from manufactured import Kind, box
 from manufactured.body import Body, Part
 from manufactured.catalogue import catalogue
-from study.fem.facets import Facets
 from study.fem.mesh import MeshError, Unstructured, boundary_parts
 from study.fem.naming import resolve
 from study.fem.skin import Skin
+from study.ledger.facets import Facets
 from study.ledger.packing import FINE
 from study.present.figures.pictures import Picture
 from study.run.plan import Plan, full, quick

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from study.fem.facets import Facets
 from study.ledger.datafiles import DataError, read_csv
+from study.ledger.facets import Facets
 from study.ledger.packing import Packed
 
 Array = NDArray[np.float64]
