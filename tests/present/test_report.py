@@ -24,10 +24,7 @@ from study.present.report.plots import finest_orders
 from study.present.report.sources import ROOT, sources
 from study.present.report.typeset import typeset
 from study.present.tables import DataError, bounds_table, equivalence_table, ledger_table, rates_table, stress_table
-from study.run import job as jobs
-from study.run.collect import picture_text
-from study.run.job import PictureJob
-from study.statements.pictures import picture
+from study.statements.pictures import PICTURES, picture
 
 RESULTS = Path(__file__).parents[2] / "results"
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
@@ -300,12 +297,6 @@ def test_damaged_packed_values_are_refused(damage: dict[str, Any]) -> None:
         Packed.read(Packed.of(np.ones((3, 4))).record() | damage)
 
 
-def test_a_picture_of_another_form_is_made_anew(monkeypatch: pytest.MonkeyPatch) -> None:
-    before = PictureJob("corner").fingerprint()
-    monkeypatch.setattr(jobs, "FORM", jobs.FORM + 1)
-    assert PictureJob("corner").fingerprint() != before
-
-
 @pytest.mark.parametrize(
     ("plain_text", "html"),
     [
@@ -333,7 +324,6 @@ def test_orders_over_two_refinements_are_those_of_a_power_of_h() -> None:
 def test_the_page_of_the_committed_run_has_at_most_6_megabytes_and_its_pictures_130_kilobytes(tmp_path: Path) -> None:
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs"))
     for case in catalogue():
-        path = tmp_path / "data" / "pictures" / f"{case.name}.json"
-        path.write_text(picture_text(picture(case)))
-        assert path.stat().st_size <= 130e3
+        PICTURES.write(tmp_path / "data", [picture(case)])
+        assert (tmp_path / "data" / "pictures" / f"{case.name}.json").stat().st_size <= 130e3
     assert write_report(tmp_path).stat().st_size <= 6e6
