@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from manufactured.tensors import Array
-from study.ledger.orders import fit, orders
+from study.ledger.orders import Array, fit, orders
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
 CONSECUTIVE, FITTED = 0.15, 0.1

@@ -1,6 +1,6 @@
 """Tables from the data files: rates, ledger, equivalence, stresses and bounds as CSV, Markdown and LaTeX.
 
-Short ones for a terminal are in ``summary``.
+Short ones for a terminal are in ``terminal``.
 
 Nothing is solved here. The files show numbers to four significant digits and all hold the same text, so
 that they agree digit for digit; orders have three decimals.

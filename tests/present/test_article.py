@@ -14,7 +14,10 @@ import pytest
 
 from study.ledger.datafiles import DataError, read_claims
 from study.ledger.margin import used, worst
-from study.present.article.fragments import Data, write_article
+from study.ledger.verdict import FAILS, HOLDS
+from study.ledger.window import Window, around, at_least, at_most, between
+from study.present.article.fragments import window_ends, write_article
+from study.present.article.source import FullRun
 
 ROOT = Path(__file__).parents[2]
 PAPER, RESULTS = ROOT / "paper", ROOT / "results"
@@ -131,7 +134,7 @@ def test_the_cases_that_the_bound_serves_are_those_of_its_rows() -> None:
 def test_extremes_are_rounded_outwards(copy: Path) -> None:
     path = copy / "data" / "claims.csv"
     claims = pd.read_csv(path)
-    rows = (claims["label"] == "Prop. 5.4") & (claims["quantity"] == "order of the error, level by level")
+    rows = (claims["label"] == "Prop. 5.4") & (claims["key"] == "order")
     claims.loc[rows, ["low", "high"]] = [[0.8999, 1.1001]] * int(rows.sum())
     claims.to_csv(path, index=False)
     write_article(copy)
@@ -161,25 +164,49 @@ def test_a_defect_of_zero_is_zero(copy: Path) -> None:
     assert macros(copy)["agreeMembership"] == "0"
 
 
+def judged(window: Window, low: float, high: float, verdict: str = HOLDS, observed: float | None = None) -> pd.Series:
+    """A row of the ledger as far as it is about its window."""
+    ends = {"window_low": window.low, "window_high": window.high, "low": low, "high": high}
+    return pd.Series({**ends, "observed": low if observed is None else observed, "verdict": verdict})
+
+
+@pytest.mark.parametrize(
+    ("window", "shown"),
+    [
+        (around(1, 0.15, "every consecutive order"), r"\([0.85, 1.15]\)"),
+        (around(2, 0.3), r"\([1.7, 2.3]\)"),
+        (between(1.5, 2, 0.15, 0.2), r"\([1.35, 2.2]\)"),
+        (Window(0.7, 1.4, "over two refinements"), r"\([0.7, 1.4]\)"),
+        (at_most(0.02, "of the error"), r"\(\leq 0.02\)"),
+        (at_most(1e-12, low=-np.inf), r"\(\leq 10^{-12}\)"),
+        (at_least(0.5, "of that at the vertex"), r"\(\geq 0.5\)"),
+    ],
+)
+def test_the_article_shows_the_ends_of_a_window(window: Window, shown: str) -> None:
+    assert window_ends(judged(window, 1.0, 1.0)) == shown
+
+
+@pytest.mark.parametrize("window", [Window(), Window(1.0, 1.0), Window(np.nan, np.nan), at_most(0)])
+def test_a_row_has_no_share_of_a_window_without_room(window: Window) -> None:
+    assert np.isnan(used(judged(window, 0.0, 0.0)))
+
+
 def test_a_row_holds_if_and_only_if_it_stays_within_its_window() -> None:
     claims = read_claims(RESULTS)
     judged = claims[claims["verdict"].isin(["holds", "fails"])]
     shares = judged.apply(used, axis=1)
     told = shares.notna()
-    # Text has no more digits than the data: equality counts as inside.
+    # The file has twelve digits: equality counts as inside.
     assert ((shares[told] <= 1 + 1e-9) == (judged.loc[told, "verdict"] == "holds")).all()
     assert told.mean() > 0.95
 
 
 def test_the_share_grows_towards_either_end() -> None:
-    def row(low: float, high: float, expected: str) -> pd.Series:
-        return pd.Series({"expected": expected, "observed": low, "low": low, "high": high})
-
-    assert used(row(1.0, 1.0, "1 ± 0.1")) == pytest.approx(0.0, abs=1e-12)
-    assert used(row(0.95, 1.02, "1 ± 0.1")) == pytest.approx(0.5)
-    assert worst(row(0.95, 1.02, "1 ± 0.1")) == 0.95
-    assert used(row(0.0, 0.3, "≤ 0.2")) == pytest.approx(1.5)
-    assert used(row(0.8, 3.0, "≥ 0.4")) == pytest.approx(0.5)
+    assert used(judged(around(1, 0.1), 1.0, 1.0)) == pytest.approx(0.0, abs=1e-12)
+    assert used(judged(around(1, 0.1), 0.95, 1.02)) == pytest.approx(0.5)
+    assert worst(judged(around(1, 0.1), 0.95, 1.02, observed=1.02)) == 0.95
+    assert used(judged(at_most(0.2), 0.0, 0.3, FAILS)) == pytest.approx(1.5)
+    assert used(judged(at_least(0.4), 0.8, 3.0)) == pytest.approx(0.5)
 
 
 def test_only_a_full_run_with_its_controls_makes_the_article(copy: Path) -> None:
@@ -201,10 +228,10 @@ def test_a_row_that_the_article_speaks_of_may_not_be_missing(copy: Path) -> None
     path = copy / "data" / "claims.csv"
     claims = pd.read_csv(path)
     claims[claims["case"] != "natural-front"].to_csv(path, index=False)
-    data = Data.read(copy)
+    data = FullRun.read(copy)
     assert data is not None
     with pytest.raises(DataError, match="natural-front"):
-        data.rows("(5.36)", "order seen", "natural-front")
+        data.rows("(5.36)", "order", "natural-front")
     claims[claims["label"] != "Thm 4.2"].to_csv(path, index=False)
     with pytest.raises(DataError, match=r"Thm 4\.2"):
         write_article(copy)

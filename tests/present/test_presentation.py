@@ -81,6 +81,7 @@ def rates(cases: dict[str, tuple[float, float]], levels: Sequence[int]) -> pd.Da
 def claims() -> pd.DataFrame:
     """A ledger with every verdict, a statement without a case, and text that is hard on LaTeX and Markdown."""
     columns = ["label", "statement", "case", "quantity", "expected", "observed", "low", "high", "verdict"]
+    columns += ["key", "family", "window_low", "window_high"]
     order = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
     long = "Γ3,i: eigenvalues of A" + 9 * ", and more"
     rows: list[list[object]] = [
@@ -90,8 +91,14 @@ def claims() -> pd.DataFrame:
         ["(3.1), (3.2)", "m_A ε:ε ≤ Aε:ε & L_G", "", long, "≥ 2", "2.0", None, None, "undecided"],
         ["Thm 4.2", "σ̃ ∈ Σ(t) ⇔ u̇ solves Problem 3.1", "two_faces", "gap", "0", "1.2e-09", -np.inf, 1e-8, "holds"],
     ]
-    keys = [f"row {number}" for number in range(len(rows))]
-    return pd.DataFrame(rows, columns=columns).assign(key=keys, family="", window_low=-np.inf, window_high=np.inf)
+    identities: list[list[object]] = [
+        ["order", "shaken", 0.9, 1.1],
+        ["order", "criss-cross", 0.9, 1.1],
+        ["time", "", 0.0, 0.05],
+        ["least", "", 2.0, np.inf],
+        ["gap", "", 0.0, 0.0],
+    ]
+    return pd.DataFrame([row + identity for row, identity in zip(rows, identities, strict=True)], columns=columns)
 
 
 def draw_all(directory: Path) -> list[Path]:
@@ -309,8 +316,8 @@ def test_every_figure_is_written_in_three_formats_with_a_caption_and_nothing_is_
 def test_a_second_run_gives_the_same_bytes_and_loads_no_solver(drawn: Path, data: Path) -> None:
     script = (
         "import sys, pathlib, study.present.figures, study.present.tables; d = pathlib.Path(sys.argv[1]);"
-        "study.present.tables.write_tables(d); figures = study.present.figures;"
-        "figures.draw_figures(d, figures.drawings); print(*sys.modules)"
+        "study.present.tables.write_tables(d);"
+        "study.present.figures.draw_figures(d, study.present.figures.drawings); print(*sys.modules)"
     )
     # Another process with another hash seed: an order taken from a set would show.
     environment = os.environ | {"PYTHONHASHSEED": "7", "PYTHONPATH": str(STUDY.parent)}
@@ -422,6 +429,12 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
     assert listed in text.splitlines()
     assert "\nundecided: (3.1), (3.2): Γ3,i" in text
     assert text.endswith("5 rows: 3 hold, 1 fail, 1 undecided, 0 reported without a claim\n")
+
+
+def test_the_ledger_text_says_where_there_is_no_number(data: Path) -> None:
+    replace(data / "data" / "claims.csv", "0.71,0.65,0.78", ",,")
+    listed = "fails: Prop. 5.4, advance-recede: order, criss-cross: expected 1 ± 0.1, observed no number"
+    assert listed in ledger_text(data).splitlines()
 
 
 @pytest.mark.parametrize(

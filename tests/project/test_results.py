@@ -11,6 +11,7 @@ import pytest
 
 from manufactured import catalogue
 from study.fem.naming import family_named, resolve
+from study.ledger.datafiles import read_claims
 from study.ledger.orders import orders
 from study.ledger.verdict import HOLDS, REPORTED
 from study.run.judgement import Complete, check
@@ -90,7 +91,7 @@ def test_every_row_without_a_claim_says_why_there_is_none() -> None:
 
 def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ() -> None:
     """Pictures claim nothing."""
-    claims = pd.read_csv(RESULTS / "data" / "claims.csv", keep_default_na=False)
+    claims = read_claims(RESULTS)
     listed = [statement for statement in STATEMENTS if not isinstance(statement, Pictures)]
     said = {(statement.label, statement.claim) for statement in (Complete(), *listed)}
     assert set(zip(claims["label"], claims["statement"], strict=True)) == said
@@ -101,7 +102,7 @@ def test_every_statement_is_in_the_ledger_in_their_order_with_rows_that_differ()
 
 def test_a_row_that_holds_lies_in_its_window() -> None:
     """With its range, or where that has a window of its own with its value; orders are contained in their range."""
-    claims = pd.read_csv(RESULTS / "data" / "claims.csv", keep_default_na=False)
+    claims = read_claims(RESULTS)
     held = claims[claims["verdict"] == HOLDS]
     inside = held["observed"].between(held["window_low"], held["window_high"])
     enclosed = (held["low"] <= held["window_low"]) & (held["window_high"] <= held["high"])

@@ -70,7 +70,7 @@ def _statement(label: str, rows: pd.DataFrame) -> list[str]:
     nearest = ["--", "", ""]
     if len(shares):
         row = judged.loc[shares.idxmax()]
-        nearest = [f"{_text(str(row['quantity']))} ({prose(str(row['case']))})", _number(worst(row)), _window(row)]
+        nearest = [f"{_text(str(row['quantity']))} ({prose(str(row['case']))})", _number(worst(row)), window_ends(row)]
     return [_text(label), _text(str(rows["statement"].iloc[0])), *counts, *nearest]
 
 
@@ -140,7 +140,7 @@ def stresses(data: FullRun) -> str:
 
 
 def _seen(row: pd.Series) -> list[str]:
-    return [_number(row["observed"]), _window(row)]
+    return [_number(row["observed"]), window_ends(row)]
 
 
 def enclosures(data: FullRun) -> str:
@@ -244,7 +244,7 @@ def _number(value: float, rounded: Callable[[float, int], str] = _nearest) -> st
     return encode(f"{float(rounded(value, 3)):#.3g}".rstrip("."))
 
 
-def _window(row: pd.Series) -> str:
+def window_ends(row: pd.Series) -> str:
     """The ends of a window as mathematics; a low end of 0 or −∞ says nothing."""
     ends = float(row["window_low"]), float(row["window_high"])
     low, high = (encode(f"{end:.4g}").strip(r"\()").removeprefix(r"1\cdot ") for end in ends)
