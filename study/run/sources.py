@@ -18,8 +18,8 @@ def sources() -> dict[str, dict[str, Any]]:
 
     The code is the folder of a statement, or its file where it has no folder of its own.
     """
-    file = Path(inspect.getfile(Complete)).relative_to(ROOT).as_posix()
-    found: dict[str, dict[str, Any]] = {Complete.label: {"code": [file], "data": "provenance.json"}}
+    complete = Path(inspect.getfile(Complete)).relative_to(ROOT).as_posix()
+    found: dict[str, dict[str, Any]] = {Complete.label: {"code": [complete], "data": "provenance.json"}}
     for statement in STATEMENTS:
         file = Path(inspect.getfile(type(statement))).relative_to(ROOT)
         place = file.as_posix() if file.parent.name in ("statements", "shared") else f"{file.parent.as_posix()}/"
