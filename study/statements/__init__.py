@@ -13,14 +13,12 @@ from study.statements.green import Green
 from study.statements.hypercircle import Hypercircle
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn
-from study.statements.leading_term import SizeOfInterpolation
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms import Norms
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3.convergence import Convergence
+from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
 from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.regularity_needed import RegularityNeeded
-from study.statements.prop_5_4.turned import Turned
 from study.statements.residual import Residual
 from study.statements.shared.base import Statement
 from study.statements.slips import SLIPS

@@ -19,7 +19,6 @@ The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -29,11 +28,9 @@ from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, traction
 from study.fem.gauge import DEGREE, FACET_POINTS, rules
 from study.fem.material import on_cells
-from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import Observation, judge
+from study.ledger.criterion import Observation
 from study.ledger.measures import order
-from study.ledger.verdict import Verdict
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
@@ -49,24 +46,23 @@ STRONG = around(1, 0.25, "the error is spread evenly (1/2 is all that ‖σ − 
 SUPERCLOSE = between(1, 2, 0.25, 0, "2 where triangles along Γ3 are symmetric")
 WEAK = around(2, 0.3, "O(h) in σ − σ^h times O(h) in v − Π^h v")
 
-LINES = (
-    order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
-    order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
-    Observation(
-        order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
-        "it is bounded by the row above, and what is of first order in it depends on how the triangles along Γ3 lie",
-    ),
-    order("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
-    order("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
-)
 
-
-@dataclass(frozen=True)
 class NaturalConditions(ListedNumbers):
     """The natural boundary conditions of the discrete stress at the midpoints of the time steps."""
 
-    label: str = "(4.13)"
-    claim: str = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
+    label = "(4.13)"
+    claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
+    rules = (
+        order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
+        order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
+        Observation(
+            order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
+            "it is bounded by the row above, and what is of first order in it depends on how the triangles along Γ3 "
+            "lie",
+        ),
+        order("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
+        order("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
@@ -75,14 +71,10 @@ class NaturalConditions(ListedNumbers):
         return grid(cases, ("one-diagonal", "criss-cross", "shaken", "unstructured"), (12, 24, 48))
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        solution = resolve(setting.case).solution
         # An odd number of steps for each instant puts the instants into the middle of steps.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
+        setup = Experiment.at(setting, MIDPOINT, steps)
         return with_h(setup.space.h, tractions(setup))
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, LINES)
 
 
 def tractions(setup: Experiment) -> dict[str, float]:

@@ -29,11 +29,9 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from manufactured.tensors import Array
-from study.fem.naming import family_named, resolve
-from study.ledger.criterion import Criterion, Measure, Measured, Observation, Rule, judge
-from study.ledger.measures import ENOUGH
+from study.ledger.criterion import Criterion, Measure, Measured, Observation, Rule
+from study.ledger.measures import ENOUGH, exactly
 from study.ledger.orders import CONFIDENCE
-from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most, between
 from study.solve.evolution import Scheme
 from study.solve.tableau import MIDPOINT, SCHEMES
@@ -103,27 +101,6 @@ def joint_fit(h: Array, k: Array, e: Array, time: ParameterFit, power: float) ->
     return fit(residuals, np.array([np.log(e[finest] / h[finest]), 1.0, time.values[0], time.values[1]]))
 
 
-@dataclass(frozen=True)
-class FullyDiscrete(ListedNumbers):
-    """e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
-
-    label: str = "beyond: fully discrete"
-    claim: str = "the fully discrete error is of order p in h and q in k, open in the source"
-
-    def places(self, full: bool) -> list[Setting]:
-        # Nothing is judged here, and every table needs a solution in a thousand steps: left to the full study.
-        cases = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release") if full else ()
-        return grid(cases, ("shaken",), (6, 12, 24))
-
-    def measure(self, setting: Setting) -> dict[str, float]:
-        solution = resolve(setting.case).solution
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, FINEST)
-        return with_h(setup.space.h, dict(errors(setup)))
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, LINES)
-
-
 def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
     """e and d of every scheme and number of steps, under the names of ``columns``."""
     gauge, M = setup.gauge, setup.problem.M
@@ -181,47 +158,36 @@ class ErrorTable:
         """The fit of e."""
         return joint_fit(*self.entries("e", COUNTS), self.in_time(), power)
 
+    def order_in_k(self, power: float = 2.0) -> Measured | None:
+        """q of the fit of e; none where the error in time is not seen."""
+        return self.jointly(power).parameter(3) if self.visible() else None
+
     def misfits(self) -> Measured:
         """Misfit of the root of the sum of squares over that of the sum."""
-        value = self.jointly().misfit / self.jointly(1.0).misfit
-        return value, (value, value)
+        return exactly(self.jointly().misfit / self.jointly(1.0).misfit)
 
 
 def lines(scheme: Scheme) -> Iterator[Rule]:
     """What is reported for a scheme."""
     order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e", COUNTS) + columns(scheme, "d", COUNTS))
+    in_time, error, fitted = "‖u^h − u^{hk}‖", "‖u − u^{hk}‖", "C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖"
     found: list[tuple[str, str, Window, Callable[[ErrorTable], Measured | None]]] = [
-        ("time-in-k", "order q of ‖u^h − u^{hk}‖ in k", order, lambda table: table.in_time().parameter(1)),
-        ("time-in-h", "order s of ‖u^h − u^{hk}‖ in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
-        ("error-in-h", "order p of ‖u − u^{hk}‖ in h", IN_H, lambda table: table.jointly().parameter(1)),
-        (
-            "error-in-k",
-            "order q of ‖u − u^{hk}‖ in k",
-            order,
-            lambda table: table.jointly().parameter(3) if table.visible() else None,
-        ),
+        ("time-in-k", f"order q of {in_time} in k", order, lambda table: table.in_time().parameter(1)),
+        ("time-in-h", f"order s of {in_time} in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
+        ("error-in-h", f"order p of {error} in h", IN_H, lambda table: table.jointly().parameter(1)),
+        ("error-in-k", f"order q of {error} in k", order, lambda table: table.order_in_k()),
         ("misfit", "misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, ErrorTable.misfits),
-        (
-            "sum-in-h",
-            "order p of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖",
-            IN_H,
-            lambda table: table.jointly(1.0).parameter(1),
-        ),
-        (
-            "sum-in-k",
-            "order q of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖",
-            order,
-            lambda table: table.jointly(1.0).parameter(3) if table.visible() else None,
-        ),
+        ("sum-in-h", f"order p of {fitted}", IN_H, lambda table: table.jointly(1.0).parameter(1)),
+        ("sum-in-k", f"order q of {fitted}", order, lambda table: table.order_in_k(1.0)),
     ]
     for key, quantity, window, of in found:
-        yield Observation(
-            Criterion(f"{scheme.name}-{key}", f"{scheme.name}: {quantity}", window, _on(scheme, of), needs, ENOUGH),
-            OPEN,
-        )
+        named = f"{scheme.name}-{key}", f"{scheme.name}: {quantity}"
+        yield Observation(Criterion(*named, window, on(scheme, of), needs, ENOUGH), OPEN)
 
 
-def _on(scheme: Scheme, of: Callable[[ErrorTable], Measured | None]) -> Measure:
+def on(scheme: Scheme, of: Callable[[ErrorTable], Measured | None]) -> Measure:
+    """What a table of a scheme says, if it is usable."""
+
     def measure(group: pd.DataFrame) -> Measured | None:
         table = ErrorTable(scheme, group)
         return of(table) if table.usable() else None
@@ -229,4 +195,18 @@ def _on(scheme: Scheme, of: Callable[[ErrorTable], Measured | None]) -> Measure:
     return measure
 
 
-LINES = tuple(line for scheme in SCHEMES for line in lines(scheme))
+class FullyDiscrete(ListedNumbers):
+    """e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
+
+    label = "beyond: fully discrete"
+    claim = "the fully discrete error is of order p in h and q in k, open in the source"
+    rules = tuple(line for scheme in SCHEMES for line in lines(scheme))
+
+    def places(self, full: bool) -> list[Setting]:
+        # Nothing is judged here, and every table needs a solution in a thousand steps: left to the full study.
+        cases = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release") if full else ()
+        return grid(cases, ("shaken",), (6, 12, 24))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        setup = Experiment.at(setting, MIDPOINT, FINEST)
+        return with_h(setup.space.h, dict(errors(setup)))

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from manufactured.body import Body
 from manufactured.case import Case
@@ -18,14 +16,12 @@ from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Unstructured, bou
 from study.fem.naming import resolve
 from study.fem.skin import Skin
 from study.fem.space import Space
-from study.ledger.datafiles import DataFile, JsonFiles, Row
+from study.ledger.datafiles import JsonFiles
 from study.ledger.facets import Facets
 from study.ledger.packing import FINE, Packed, short
-from study.ledger.verdict import Verdict
 from study.solve.motion import Motion
 from study.solve.von_mises import von_mises
-from study.statements.shared import estimates
-from study.statements.shared.base import Setting
+from study.statements.shared.base import Setting, Statement
 from study.statements.shared.scope import Scope
 
 FAMILY = Unstructured()
@@ -203,48 +199,22 @@ def _written(dim: int) -> Callable[[Array], Any]:
     return short if dim == 2 else lambda values: Packed.of(values, FINE).record()
 
 
-PICTURES = JsonFiles("pictures", ("case",))
-
-
-@dataclass(frozen=True)
-class Pictures:
+class Pictures(Statement):
     """What the figures and the page show of a case; nothing is claimed."""
 
-    label: str = "pictures"
-    claim: str = "what the figures show of a case"
-    file: DataFile = PICTURES
-    of_every_case: bool = True
+    label = "pictures"
+    claim = "what the figures show of a case"
+    file = JsonFiles("pictures", ("case",))
+    of_every_case = True
 
     def settings(self, scope: Scope) -> list[Setting]:
         """Every case on one mesh."""
-        return [Setting(reference, *named_mesh(resolve(reference).solution.body)) for reference in scope.cases]
+        meshes = [mesh_for(resolve(reference).solution.body) for reference in scope.cases]
+        return [Setting(case, family.name, level) for case, (family, level) in zip(scope.cases, meshes, strict=True)]
 
     def measure(self, setting: Setting) -> dict[str, Any]:
-        """The picture."""
         return picture(resolve(setting.case))
-
-    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """A file of its own."""
-        yield self.file, found
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Nothing."""
-        return []
 
     def cost(self, setting: Setting) -> float:
         """Half a second."""
         return 500_000.0
-
-    def memory(self, setting: Setting) -> float:
-        """That of fixed sizes."""
-        return estimates.SMALL
-
-    def steps(self, setting: Setting) -> int:
-        """Fixed."""
-        return 0
-
-
-def named_mesh(body: Body) -> tuple[str, int]:
-    """``mesh_for`` with the name of the family."""
-    family, level = mesh_for(body)
-    return family.name, level

@@ -51,6 +51,7 @@ from study.statements.green import (
     ROUND_OFF,
     SMOOTH,
     TIMES,
+    by_smoothness,
     cut_at_fronts,
     smallest,
     smooth_off_lines,
@@ -74,12 +75,11 @@ CANCELLING = at_most(1e-8, "with the fine rule: 1/h times the 1e-10 for a smooth
 BOUND = at_most(1 + 1e-9, "by the inequality of Cauchy and Schwarz")
 
 
-@dataclass(frozen=True)
 class Residual(ListedNumbers):
     """The definition of R against the integral over Γ3 and against its bound, for the cases with f_0(t) ∈ H."""
 
-    label: str = "(5.40), (5.41)"
-    claim: str = "R(t; v) = ∫_{Γ3} σ_ν v_ν and |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ for v ∈ V"
+    label = "(5.40), (5.41)"
+    claim = "R(t; v) = ∫_{Γ3} σ_ν v_ν and |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ for v ∈ V"
 
     def places(self, full: bool) -> list[Setting]:
         if full:
@@ -91,13 +91,11 @@ class Residual(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, case = space_of(setting), resolve(setting.case)
-        smooth = {"smooth": float(smooth_off_lines(case))}
-        return with_h(space.h, {**defects(case.solution, space), **smooth})
+        return with_h(space.h, {**defects(case.solution, space), "smooth": smooth_off_lines(case)})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        smooth = set(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
-        first, second = rows[rows["case"].isin(smooth)], rows[~rows["case"].isin(smooth)]
-        found = judge(self, first, lines(SMOOTH, CANCELLING)) + judge(self, second, lines(KINKED, KINKED))
+        smooth, kinked = by_smoothness(rows)
+        found = judge(self, smooth, lines(SMOOTH, CANCELLING)) + judge(self, kinked, lines(KINKED, KINKED))
         measured = set(rows.loc[rows["quantity"] == "bound", "case"])
         return [verdict for verdict in found if verdict.key != SHARE.key or verdict.case in measured]
 

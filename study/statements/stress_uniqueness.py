@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
-import pandas as pd
 
 from manufactured.tensors import Tensors
 from study.fem.mesh import size as mesh_size
-from study.fem.naming import family_named, resolve
-from study.ledger.criterion import judge
 from study.ledger.measures import largest
-from study.ledger.verdict import Verdict
 from study.solve.signorini import Signorini
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.thm_4_2.stress_errors import StressExperiment
@@ -26,14 +22,8 @@ RIVALS: Mapping[str, type[Signorini]] = {
     "least squares": LeastSquares,  # type: ignore[dict-item]
     "interior point": InteriorPoint,  # type: ignore[dict-item]
 }
-LINES = (
-    largest("random-starts", "stresses from random active sets", EXACTLY, "random starts"),
-    largest("least-squares", "stresses by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
-    largest("interior-point", "stresses by an interior point method on all unknowns", INTERIOR, "interior point"),
-)
 
 
-@dataclass(frozen=True)
 class OneStress(ListedNumbers):
     """max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q for stresses that solve Problem 3.2 on its own space in different ways.
 
@@ -41,15 +31,19 @@ class OneStress(ListedNumbers):
     equilibrium and one stress belong to the past: what starts the search, or another method, may change nothing.
     """
 
-    label: str = "Thm 4.3"
-    claim: str = "Problem 3.2 has one solution: different starts and solvers give one stress"
+    label = "Thm 4.3"
+    claim = "Problem 3.2 has one solution: different starts and solvers give one stress"
+    rules = (
+        largest("random-starts", "stresses from random active sets", EXACTLY, "random starts"),
+        largest("least-squares", "stresses by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
+        largest("interior-point", "stresses by an interior point method on all unknowns", INTERIOR, "interior point"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         return grid(CASES, ("unstructured",), (4, 8)) if full else grid(CASES[:1], ("shaken",), (4,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        solution, family = resolve(setting.case).solution, family_named(setting.family)
-        experiment = StressExperiment.of(solution, family, setting.level, STEPS)
+        experiment = StressExperiment.at(setting, STEPS)
         own = stresses(experiment)
         size = max(size_of(experiment, values) for values in own)
         found = {}
@@ -57,9 +51,6 @@ class OneStress(ListedNumbers):
             pairs = zip(own, stresses(replace(experiment, solver=solver)), strict=True)
             found[name] = max(size_of(experiment, a - b) for a, b in pairs) / size
         return with_h(mesh_size(experiment.space.mesh), found)
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, LINES)
 
 
 def stresses(experiment: StressExperiment) -> list[Tensors]:

@@ -9,18 +9,15 @@ from itertools import islice, pairwise
 
 import clarabel
 import numpy as np
-import pandas as pd
 import scipy.sparse as sps
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 from scipy.optimize import nnls
 
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
-from study.fem.naming import family_named, resolve
+from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import judge
 from study.ledger.measures import every, finest, largest
-from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most
 from study.solve.cholesky.factorisation import Cholesky
 from study.solve.contact_step import FIXED_POINT, State
@@ -49,15 +46,7 @@ RIVALS_STEPS = 12
 EXACTLY = at_most(1e-9, f"exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step")
 INTERIOR = at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
 
-UNIQUENESS = (
-    largest("random-starts", "from random active sets", EXACTLY, "random starts"),
-    largest("least-squares", "by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
-    largest("fixed-point", "by a fixed point with all of G on the right", EXACTLY, "fixed point"),
-    largest("interior-point", "by an interior point method on the whole programme", INTERIOR, "interior point"),
-)
 
-
-@dataclass(frozen=True)
 class OneTrajectory(ListedNumbers):
     """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for trajectories found in different ways.
 
@@ -66,8 +55,14 @@ class OneTrajectory(ListedNumbers):
     code with it, and with another splitting of G between the two sides.
     """
 
-    label: str = "Thm 4.1, 5.2"
-    claim: str = "there is one solution: different starts, solvers and splittings give one trajectory"
+    label = "Thm 4.1, 5.2"
+    claim = "there is one solution: different starts, solvers and splittings give one trajectory"
+    rules = (
+        largest("random-starts", "from random active sets", EXACTLY, "random starts"),
+        largest("least-squares", "by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
+        largest("fixed-point", "by a fixed point with all of G on the right", EXACTLY, "fixed point"),
+        largest("interior-point", "by an interior point method on the whole programme", INTERIOR, "interior point"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
@@ -76,12 +71,8 @@ class OneTrajectory(ListedNumbers):
         return grid(CASES, ("one-diagonal",), (6, 12)) + planar + grid(("cube-disc",), ("shaken",), (3,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        solution = resolve(setting.case).solution
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, RIVALS_STEPS)
+        setup = Experiment.at(setting, BACKWARD_EULER, RIVALS_STEPS)
         return with_h(setup.space.h, {name: apart(setup, rival) for name, rival in rivals(setup.problem).items()})
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, UNIQUENESS)
 
 
 def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
@@ -171,21 +162,19 @@ SUPREMUM_AT = 192
 BOUNDED = Window(0.5, 1.5, "at every h and k")
 LIMIT = around(1, 0.1, "u̇^h → u̇ and u̇ is continuous but for isolated times")
 
-VELOCITY = (
-    every("bounded", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", BOUNDED, *STEPS),
-    finest("limit", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", LIMIT, list(STEPS)[-1]),
-)
 
-
-@dataclass(frozen=True)
 class BoundedVelocity(ListedNumbers):
     """max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, δu_n = (u_n − u_{n−1})/k, for halved k and refined h.
 
     For a start outside K^h it would grow like 1/k. That σ ∈ L^∞(0,T;Q) follows by (3.1) and (3.2).
     """
 
-    label: str = "(4.1)"
-    claim: str = "u ∈ W^{1,∞}(0,T;V), and u^h is in it uniformly in h and k"
+    label = "(4.1)"
+    claim = "u ∈ W^{1,∞}(0,T;V), and u^h is in it uniformly in h and k"
+    rules = (
+        every("bounded", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", BOUNDED, *STEPS),
+        finest("limit", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", LIMIT, list(STEPS)[-1]),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
@@ -193,14 +182,10 @@ class BoundedVelocity(ListedNumbers):
         return grid((*CASES, "lift-and-land"), ("unstructured",), (8, 16, 32))
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        solution = resolve(setting.case).solution
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, 1)
-        velocity = Velocity(solution, setup.space)
+        setup = Experiment.at(setting, BACKWARD_EULER, 1)
+        velocity = Velocity(setup.solution, setup.space)
         exact = max(velocity.norm(float(t)) for t in np.linspace(0, setup.problem.T, SUPREMUM_AT + 1))
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS.items()})
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, VELOCITY)
 
 
 def fastest(problem: SemiDiscrete, steps: int) -> float:
@@ -217,14 +202,8 @@ SIZES = (0.1, 1.0, 10.0)
 """Sizes of the perturbations, relative to the data."""
 NEVER = at_most(1 + 1e-7, f"room for fixed points stopped at {FIXED_POINT:g}")
 SHARP = Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4")
-
-DEPENDENCE = (
-    largest("bound", "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", NEVER, "bound"),
-    largest("monotone", "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G", NEVER, "monotone"),
-    every(
-        "first-step", "the same after one step, ω = L_G/m_A, f − g constant and off the contact", SHARP, "first step"
-    ),
-)
+UNDAMPED = "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G"
+AFTER_ONE_STEP = "the same after one step, ω = L_G/m_A, f − g constant and off the contact"
 
 
 @dataclass(frozen=True, eq=False)
@@ -240,7 +219,6 @@ class Perturbation:
         return math.cos(self.frequency * time) * self.force
 
 
-@dataclass(frozen=True)
 class Dependence(ListedNumbers):
     """‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V ds) for the solutions of two data sets.
 
@@ -250,8 +228,13 @@ class Dependence(ListedNumbers):
     of Riesz' representative in V^h, (FᵀM⁻¹F)^{1/2}.
     """
 
-    label: str = "Thm 2.2"
-    claim: str = "the solution depends continuously on f and u_0, with the rate ω = L_G/m_A"
+    label = "Thm 2.2"
+    claim = "the solution depends continuously on f and u_0, with the rate ω = L_G/m_A"
+    rules = (
+        largest("bound", "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", NEVER, "bound"),
+        largest("monotone", UNDAMPED, NEVER, "monotone"),
+        every("first-step", AFTER_ONE_STEP, SHARP, "first step"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
@@ -263,15 +246,12 @@ class Dependence(ListedNumbers):
         solution = resolve(setting.case).solution
         omega = growth(solution.law)
         steps = max(12, math.ceil(4 * omega * solution.body.T))
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, steps)
+        setup = Experiment.at(setting, BACKWARD_EULER, steps)
         trajectory = list(setup.scheme.march(setup.problem, steps))
         others = perturbations(setup.problem, setup.space)
         found = np.array([quotients(setup.problem, trajectory, other) for other in others])
         damped = found * np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
         return with_h(setup.space.h, {"bound": damped.max(), "monotone": found.max(), "first step": damped[0, 0]})
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, DEPENDENCE)
 
 
 def growth(law: KelvinVoigt) -> float:

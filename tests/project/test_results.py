@@ -43,10 +43,10 @@ def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int
 def test_both_formulations_agree_again(case: str) -> None:
     committed = EQUIVALENCE.query(f"case == '{case}'").iloc[0]
     row = compare(resolve(case), family_named(committed["family"]), int(committed["level"]), int(committed["steps"]))
-    assert row.h == pytest.approx(committed["h"])
-    assert max(row.admissibility, row.energy_gap, row.membership) <= 1e-7
-    assert row.displacement_gap <= row.displacement_bound <= 1e-5
-    assert row.stress_gap <= row.stress_bound <= 1e-5
+    assert row["h"] == pytest.approx(committed["h"])
+    assert max(row["admissibility"], row["energy_gap"], row["membership"]) <= 1e-7
+    assert row["displacement_gap"] <= row["displacement_bound"] <= 1e-5
+    assert row["stress_gap"] <= row["stress_bound"] <= 1e-5
 
 
 def test_stresses_measured_again_agree_with_the_committed_ones() -> None:

@@ -72,11 +72,11 @@ def material(case: Case) -> Hashable:
     return repr(case.solution.law.A), repr(case.solution.law.G)
 
 
-def different(key: Callable[[Case], Hashable]) -> list[Case]:
-    """The first case of the catalogue for every value of a key."""
+def different(*keys: Callable[[Case], Hashable]) -> list[Case]:
+    """The first case of the catalogue for every value of some keys."""
     found: dict[Hashable, Case] = {}
     for case in catalogue():
-        found.setdefault(key(case), case)
+        found.setdefault(tuple(key(case) for key in keys), case)
     return list(found.values())
 
 

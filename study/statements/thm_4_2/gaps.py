@@ -18,21 +18,27 @@ its potential being at least as convex. ``paper/article.tex`` has the proof.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sps
 from scipy.optimize import nnls
 
+from manufactured.case import Case
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
+from study.fem.naming import family_named, resolve
 from study.fem.space import Space
+from study.ledger.datafiles import CsvFile
 from study.solve.evolution import SemiDiscrete
 from study.solve.stress_problem import StressProblem
 from study.solve.tableau import BACKWARD_EULER
+from study.statements.shared import estimates
+from study.statements.shared.base import Setting, Statement
+from study.statements.shared.scope import Scope
 
 
 class Gaps(NamedTuple):
@@ -57,6 +63,49 @@ class Gaps(NamedTuple):
     membership: float
     displacement_bound: float
     stress_bound: float
+
+
+COLUMNS = ("case", "form", "level", "h", "steps", *Gaps._fields, "family")
+"""``form`` is the space of strains, whose duals the stresses are."""
+EQUIVALENCE = CsvFile("equivalence.csv", ("case", "family", "level"), COLUMNS)
+
+
+class Comparison(Statement):
+    """Problem 3.2 on the strains of V^h against Problem 3.1, by backward Euler with k ~ h/2."""
+
+    file = EQUIVALENCE
+    of_every_case = True
+
+    def settings(self, scope: Scope) -> list[Setting]:
+        """Every case on coarse levels, for the interior point method is for small problems."""
+        return [
+            Setting(reference, family.name, n)
+            for reference, case in zip(scope.cases, scope.resolved(), strict=True)
+            for family in scope.families_of(case)[: None if scope.every_family else 1]
+            for n in (scope.equivalence if case.solution.body.dim == 2 else scope.solid_equivalence)
+        ]
+
+    def measure(self, setting: Setting) -> dict[str, Any]:
+        return compare(resolve(setting.case), family_named(setting.family), setting.level, self.steps(setting))
+
+    def cost(self, setting: Setting) -> float:
+        dim = resolve(setting.case).solution.body.dim
+        return float(setting.level**dim * self.steps(setting)) * (70 if dim == 2 else 1000)
+
+    def memory(self, setting: Setting) -> float:
+        return estimates.equivalence(resolve(setting.case).solution.body.dim, setting.level, setting.family)
+
+    def steps(self, setting: Setting) -> int:
+        """Two for every cell along a side."""
+        return 2 * setting.level
+
+
+def compare(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str, Any]:
+    """A row of ``equivalence.csv``."""
+    displacements, stresses = problems(case.solution, family, level)
+    found = gaps(displacements, stresses, steps)._asdict()
+    where = {"case": case.name, "form": "strains of V^h", "level": level, "h": stresses.space.h, "steps": steps}
+    return {**where, **found, "family": family.name}
 
 
 def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[SemiDiscrete, StressProblem]:

@@ -21,11 +21,13 @@ from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
 from study.fem.mesh import MeshFamily, size
+from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
 from study.solve.tableau import BDF2, Tableau
+from study.statements.shared.base import Setting
 from study.stresses.alfeld import alfeld_split, barycentric
 from study.stresses.bernstein import bernstein
 from study.stresses.dual import DualState, StressEvolution, tensor_at
@@ -99,6 +101,11 @@ class StressExperiment:
         """The experiment as Problem 3.2 has it."""
         return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
 
+    @classmethod
+    def at(cls, setting: Setting, steps: int) -> StressExperiment:
+        """The experiment on a case by its name."""
+        return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, steps)
+
     def march(self, steps: int) -> Iterator[DualState]:
         """Problem 3.2 with a number of steps: the states at t_1, …, t_steps."""
         return islice(self.scheme.march(StressEvolution(self.data, self.space, self.solver), steps), 1, None)
@@ -167,6 +174,19 @@ class Exact:
         """∫_e v B_i for the nodal values of a P1 displacement, (2, vertices) → (edges, n, 2)."""
         return self._tested(np.einsum("den,eq->dnq", nodal[:, self.space.mesh.facets], self._along))
 
+    def errors(self, state: DualState, nodal: Vectors, primal_stress: Tensors) -> tuple[float, ...]:
+        """Norms of errors and of what they are relative to, in the order in which ``measure`` names them."""
+        stress, time, moments = state.stress, state.time, self.moments(state.time)
+        return (
+            *self.stress(time, stress.values),
+            *self.strain(time, state.strain),
+            self.pressure(time, stress.tractions),
+            self.norm(stress.values - primal_stress),
+            self.mean_square(stress.moments - moments),
+            self.mean_square(stress.moments - self.moments_of(nodal)),
+            self.mean_square(moments),
+        )
+
     def _tested(self, u: Vectors) -> Array:
         turned = np.einsum("nij,jnq->inq", self.space.frames, u)
         return np.einsum("inq,aq,n->nai", turned, self._moments, self.space.lengths, optimize=True)
@@ -205,23 +225,9 @@ def measure(experiment: StressExperiment) -> dict[str, float]:
     coarse = experiment.march(experiment.steps // 2)
     found, drift = [], []
     for n, state in enumerate(experiment.march(experiment.steps), start=1):
-        stress, time = state.stress, state.time
-        nodal, primal_stress = next(primal)
         if n % 2 == 0:
-            drift.append(exact.norm(next(coarse).stress.values - stress.values))
-        moments = exact.moments(time)
-        found.append(
-            (
-                *exact.stress(time, stress.values),
-                *exact.strain(time, state.strain),
-                exact.pressure(time, stress.tractions),
-                exact.norm(stress.values - primal_stress),
-                exact.mean_square(stress.moments - moments),
-                exact.mean_square(stress.moments - exact.moments_of(nodal)),
-                exact.mean_square(moments),
-                inadmissible(experiment.space, state),
-            )
-        )
+            drift.append(exact.norm(next(coarse).stress.values - state.stress.values))
+        found.append((*exact.errors(state, *next(primal)), inadmissible(experiment.space, state)))
     history = np.array(found).T
     error, best, size, strain, strained, pressure, gap, moved, beside, displaced, _ = _mean(history)
     return {
