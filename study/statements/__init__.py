@@ -22,45 +22,27 @@ from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.residual import Residual
 from study.statements.shared.base import Statement
 from study.statements.slips import SLIPS
-from study.statements.stress_uniqueness import OneStress
 from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.same_mesh import SameMesh
 from study.statements.thm_4_2.stands_alone import StandsAlone
+from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.untested import UNTESTED
-from study.statements.wellposed import BoundedVelocity, Dependence, OneTrajectory
+from study.statements.wellposed import BoundedVelocity, Dependence
+
+PROBLEM = Green(), Korn(), Dependence(), Viscosity(), ElasticityOperator(), Projection(), Norms(), Admissibility()
+ONE_SOLUTION = BoundedVelocity(), OneTrajectory(), SameMesh(), StandsAlone(), OwnSpace(), OneStress()
+PROPERTIES = Lipschitz(), NaturalConditions(), Hypercircle(), VertexConstraint(), Interpolant()
+ESTIMATES = ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
+CONVERGENCE = Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Residual()
+BEYOND = FullyDiscrete(), BoundedError(), EnclosedError()
 
 STATEMENTS: tuple[Statement, ...] = (
-    Green(),
-    Korn(),
-    Dependence(),
-    Viscosity(),
-    ElasticityOperator(),
-    Projection(),
-    Norms(),
-    Admissibility(),
-    BoundedVelocity(),
-    OneTrajectory(),
-    SameMesh(),
-    StandsAlone(),
-    OwnSpace(),
-    OneStress(),
-    Lipschitz(),
-    NaturalConditions(),
-    Hypercircle(),
-    VertexConstraint(),
-    Interpolant(),
-    ErrorBounds(),
-    InterpolationInV(),
-    SizeOfInterpolation(),
-    InterpolationOnContact(),
-    Convergence(),
-    FirstOrder(),
-    RegularityNeeded(),
-    Turned(),
-    Residual(),
-    FullyDiscrete(),
-    BoundedError(),
-    EnclosedError(),
+    *PROBLEM,
+    *ONE_SOLUTION,
+    *PROPERTIES,
+    *ESTIMATES,
+    *CONVERGENCE,
+    *BEYOND,
     SLIPS,
     UNTESTED,
     Pictures(),
