@@ -7,12 +7,10 @@ With u_n^{hk} of a time scheme and u^h of Problem 5.1 two errors are measured ov
 over the nodes t_n that all grids of a table have in common, so that every entry is a maximum over the same times.
 Predicted before measuring:
 
-* e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q: e is nearly all interpolation
-  error, which is nearly orthogonal in V to V^h, where the error in time lies;
-* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so that the system of Problem 5.1 is not stiff
-  and no scheme sees h;
-* q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, falling to 3/2 where u̇^h jumps because
-  vertices change between contact and release.
+* e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q: e is nearly all interpolation error,
+  which is nearly orthogonal in V to V^h, where the error in time lies;
+* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so that Problem 5.1 is not stiff, no scheme sees h;
+* q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, 3/2 where u̇^h jumps because vertices change contact.
 """
 
 from __future__ import annotations
@@ -70,35 +68,19 @@ class ParameterFit:
     half: Array
     misfit: float
 
+    @classmethod
+    def of(cls, residuals: Callable[[Array], Array], start: Array) -> ParameterFit:
+        """min Σ r_i² from a start; intervals from the Jacobian at the minimum."""
+        found = least_squares(residuals, start, method="lm", x_scale="jac")
+        freedom = len(found.fun) - len(start)
+        variance = 2 * found.cost / freedom
+        spread = np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
+        return cls(found.x, float(student.ppf((1 + CONFIDENCE) / 2, freedom)) * spread, float(np.sqrt(variance)))
+
     def parameter(self, i: int) -> Measured:
         """(value, interval) of parameter i."""
         value, half = float(self.values[i]), float(self.half[i])
         return value, (value - half, value + half)
-
-
-def fit(residuals: Callable[[Array], Array], start: Array) -> ParameterFit:
-    """min Σ r_i² from a start; intervals from the Jacobian at the minimum."""
-    found = least_squares(residuals, start, method="lm", x_scale="jac")
-    freedom = len(found.fun) - len(start)
-    variance = 2 * found.cost / freedom
-    spread = np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
-    return ParameterFit(found.x, float(student.ppf((1 + CONFIDENCE) / 2, freedom)) * spread, float(np.sqrt(variance)))
-
-
-def time_fit(h: Array, k: Array, d: Array) -> ParameterFit:
-    """(log C, q, s) of d = C k^q h^s."""
-    return fit(lambda x: x[0] + x[1] * np.log(k) + x[2] * np.log(h) - np.log(d), np.array([0.0, 1.0, 0.0]))
-
-
-def joint_fit(h: Array, k: Array, e: Array, time: ParameterFit, power: float) -> ParameterFit:
-    """(log C_h, p, log C_k, q) of e^r = (C_h h^p)^r + (C_k k^q)^r for a given power r, started from the fit of d."""
-
-    def residuals(x: Array) -> Array:
-        parts = np.logaddexp(power * (x[0] + x[1] * np.log(h)), power * (x[2] + x[3] * np.log(k)))
-        return parts / power - np.log(e)
-
-    finest = int(np.argmin(e))
-    return fit(residuals, np.array([np.log(e[finest] / h[finest]), 1.0, time.values[0], time.values[1]]))
 
 
 def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
@@ -125,12 +107,7 @@ def columns(scheme: Scheme, which: str, counts: tuple[int, ...]) -> list[str]:
 
 @dataclass(frozen=True)
 class ErrorTable:
-    """The errors of one scheme on one mesh family.
-
-    Attributes:
-        scheme: the scheme.
-        levels: rows are levels, coarse to fine, columns as in ``columns``.
-    """
+    """The errors of one scheme on the levels of one mesh family, coarse to fine, with columns as in ``columns``."""
 
     scheme: Scheme
     levels: pd.DataFrame
@@ -151,12 +128,21 @@ class ErrorTable:
         return int(np.sum(shares[-len(COUNTS) :] >= VISIBLE)) >= 2
 
     def in_time(self) -> ParameterFit:
-        """The fit of d."""
-        return time_fit(*self.entries("d", ASYMPTOTIC))
+        """(log C, q, s) of d = C k^q h^s."""
+        h, k, d = self.entries("d", ASYMPTOTIC)
+        start = np.array([0.0, 1.0, 0.0])
+        return ParameterFit.of(lambda x: x[0] + x[1] * np.log(k) + x[2] * np.log(h) - np.log(d), start)
 
     def jointly(self, power: float = 2.0) -> ParameterFit:
-        """The fit of e."""
-        return joint_fit(*self.entries("e", COUNTS), self.in_time(), power)
+        """(log C_h, p, log C_k, q) of e^r = (C_h h^p)^r + (C_k k^q)^r for a power r, started from the fit of d."""
+        h, k, e = self.entries("e", COUNTS)
+
+        def residuals(x: Array) -> Array:
+            parts = np.logaddexp(power * (x[0] + x[1] * np.log(h)), power * (x[2] + x[3] * np.log(k)))
+            return parts / power - np.log(e)
+
+        finest, time = int(np.argmin(e)), self.in_time().values
+        return ParameterFit.of(residuals, np.array([np.log(e[finest] / h[finest]), 1.0, time[0], time[1]]))
 
     def order_in_k(self, power: float = 2.0) -> Measured | None:
         """q of the fit of e; none where the error in time is not seen."""
@@ -168,7 +154,7 @@ class ErrorTable:
 
 
 def lines(scheme: Scheme) -> Iterator[Rule]:
-    """What is reported for a scheme."""
+    """What is reported of a scheme."""
     order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e", COUNTS) + columns(scheme, "d", COUNTS))
     in_time, error, fitted = "‖u^h − u^{hk}‖", "‖u − u^{hk}‖", "C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖"
     found: list[tuple[str, str, Window, Callable[[ErrorTable], Measured | None]]] = [

@@ -7,8 +7,7 @@ For u^h ∈ K^h of P1 and a stress σ^h that balances P f_0, P f_2 with σ^h_τ 
                              + 2∫_{Γ3} (σ^h_ν − σ_ν) e_ν,     e = u − u^h,
 
 the theorem of Prager and Synge but for the last terms. (σ^h_ν − σ_ν) e_ν ≥ −σ^h_ν u^h_ν, and with the constants of
-``study.stresses.oscillation`` the loads are at most Ω ‖e‖_C, so that with
-η² = ‖σ^h − Cε(u^h)‖² + 2∫_{Γ3} σ^h_ν u^h_ν
+``study.stresses.oscillation`` the loads are at most Ω ‖e‖_C, so that with η² = ‖σ^h − Cε(u^h)‖² + 2∫_{Γ3} σ^h_ν u^h_ν
 
     (‖u − u^h‖² + ‖σ − σ^h‖²)^½ ≤ Ω + (Ω² + η²)^½:     a bound without the exact solution.
 

@@ -30,7 +30,7 @@ from study.ledger.criterion import Criterion, Measured, Observation, Rule, by_ca
 from study.ledger.measures import ENOUGH, between_levels, consecutive, order
 from study.ledger.verdict import Verdict
 from study.ledger.window import around
-from study.statements.boundary import Field, distances, planes, strain, waves
+from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.places import EVERY, different, material, named, place, shape, space_of
 
@@ -47,8 +47,7 @@ ROOM = 0.15
 
 def smooth(body: Body) -> Field:
     """Waves times the distance to Γ1, a field in V."""
-    wave, clamped = waves(body, np.random.default_rng(SEED)), planes(body, Kind.CLAMPED)
-    return lambda x: wave(x) * distances(x, clamped)
+    return vanishing(waves(body, np.random.default_rng(SEED)), planes(body, Kind.CLAMPED))
 
 
 def at(fraction: float) -> str:

@@ -55,7 +55,7 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
     assert set(committed["case"]) == {place.case for place in places(full=True)}
     for row in committed.iloc[::4].to_dict("records"):
         case, family = resolve(row["case"]), family_named(row["family"])
-        again = asdict(measure_stresses(case, family, row["level"], row["steps"]))
+        again = measure_stresses(case, family, row["level"], row["steps"])
         for column in ("unknowns", "h", "stress", "strain", "pressure", "displacement", "primal_stress"):
             assert again[column] == pytest.approx(row[column], rel=1e-5), (row["case"], column)
 

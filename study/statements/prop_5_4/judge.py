@@ -81,9 +81,8 @@ SOLIDS = (
 def discrete_errors(groups: Groups) -> Iterator[tuple[Criterion, Groups]]:
     """‖Π^h u − u^h‖_V, what the solver did: its order, its share of the interpolation error, and that of time steps.
 
-    On one-diagonal meshes neighbouring triangles form parallelograms and Π^h u − u^h is superclose,
-    of order 3/2 (traction boundary) to 2; elsewhere it is at least of the order of the error. At
-    most it is of order 2.
+    On one-diagonal meshes neighbouring triangles form parallelograms and Π^h u − u^h is superclose, of order 3/2
+    (traction boundary) to 2; elsewhere it is at least of the order of the error. At most it is of order 2.
     """
     superclose = {name: group for name, group in groups.items() if name == "one-diagonal"}
     others = {name: group for name, group in groups.items() if name != "one-diagonal"}

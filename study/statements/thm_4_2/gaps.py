@@ -1,8 +1,7 @@
 """How far Problems 3.1 and 3.2 are apart on the same V^h, and how far they may be.
 
-Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t), where u_n is a
-multiplier and u_n ∈ K^h is not imposed. The two share the matrix of strains, the load and the time
-steps of backward Euler, and nothing else.
+Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t), where u_n is a multiplier, not held in
+K^h. The two share the matrix of strains, the load and the time steps of backward Euler, and nothing else.
 
 How far they may be apart is known, without the solution. At step j the interior point stops with a duality gap g_j,
 and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in that of C = A/k + G are at most g_j, σ* and ε* exact for the
@@ -50,8 +49,7 @@ class Gaps(NamedTuple):
         admissibility: sup of (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with |v| = 1 (nodal values)
             for σ_n of Problem 3.2, / max_n |F(t_n)|.
         energy_gap: |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| of Problem 3.2, (4.14), / max_n |(f(t_n), u_n)_V|.
-        membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2,
-            / max_n |u_n|_∞.
+        membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2, / max_n |u_n|_∞.
         displacement_bound: what the duality gaps allow for displacement_gap, k^{1/2} R.
         stress_bound: the same for stress_gap, (L_A/k + L_G)^{1/2} R.
     """
@@ -118,11 +116,8 @@ def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[S
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
     """March both problems in lockstep, holding no more than one step of either."""
-    space, M = stresses.space, displacements.M
-    cells = on_cells(space, stresses.law)
-    k = displacements.T / steps
-    root = np.sqrt(space.volumes)
-    law, radius = stresses.law, 0.0
+    space, law, M = stresses.space, stresses.law, displacements.M
+    cells, k, root, radius = on_cells(space, law), displacements.T / steps, np.sqrt(space.volumes), 0.0
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
     pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
@@ -139,13 +134,8 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
             abs(defect @ dual.u),
             max((displacements.N @ dual.u).max(), 0.0),
         ]
-        size = [
-            np.sqrt(primal.u @ (M @ primal.u)),
-            np.linalg.norm(root * stress),
-            np.linalg.norm(load),
-            abs(load @ dual.u),
-            abs(dual.u).max(),
-        ]
+        of_both = np.sqrt(primal.u @ (M @ primal.u)), np.linalg.norm(root * stress)
+        size = [*of_both, np.linalg.norm(load), abs(load @ dual.u), abs(dual.u).max()]
         worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
     bounds = radius * np.sqrt([k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
     return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))

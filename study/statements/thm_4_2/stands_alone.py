@@ -38,7 +38,6 @@ from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.thm_4_2.gaps import gaps, problems
 
 CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
-
 ALONE = around(1, 0.001, "all of it")
 """The ratio is off by at most the distance of both solutions over the mistake; a flip makes one of 0.1 of the solution,
 so that distances of 1e-4 of it are seen as well."""
@@ -81,12 +80,9 @@ class Derived(StressProblem):
 
     def march(self, steps: int) -> Iterator[StressState]:
         """Backward Euler in displacements, with gaps as an interior point leaves them."""
-        k, law = self.displacements.T / steps, on_cells(self.space, self.law)
-        nan = np.full(self.N.shape[0], np.nan)
-        states = BACKWARD_EULER.march(self.displacements, steps)
-        old = self.space.strain(self.u0)
-        yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, nan, 0.0)
-        for _, state in pairwise(states):
+        k, law, old = self.displacements.T / steps, on_cells(self.space, self.law), self.space.strain(self.u0)
+        yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, np.full(self.N.shape[0], np.nan), 0.0)
+        for _, state in pairwise(BACKWARD_EULER.march(self.displacements, steps)):
             strain = self.space.strain(state.u)
             stress = law.stress((strain - old) / k, strain)
             yield StressState(state.time, stress, strain, state.u, state.multipliers, AIM.gap)
@@ -108,16 +104,14 @@ class Independence(NamedTuple):
 def independence(sides: Sides, steps: int) -> Independence:
     """The gaps that open when Problem 3.1 alone is solved with the normal flipped, relative to what the flip changes.
 
-    Both are measured by ``equivalence.gaps``, so that a comparison of a solution with itself there is seen as well.
+    Both are measured by ``gaps``, so that a comparison of a solution with itself there is seen as well.
     """
     wrong = replace(sides.displacements, N=-sides.displacements.N)
     beside = sides.stresses(wrong)
     opened = gaps(wrong, beside, steps)
     mistake = gaps(wrong, Derived.beside(beside, sides.displacements), steps)
     with np.errstate(invalid="ignore", divide="ignore"):
-        displacement = np.divide(opened.displacement_gap, mistake.displacement_gap)
-        stress = np.divide(opened.stress_gap, mistake.stress_gap)
-    return Independence(float(displacement), float(stress))
+        return Independence(*(float(ratio) for ratio in np.divide(opened[:2], mistake[:2])))
 
 
 class StandsAlone(ListedNumbers):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, fields
 from typing import Any
 
 from study.fem.naming import family_named, resolve
@@ -10,7 +9,7 @@ from study.ledger.datafiles import CsvFile
 from study.solve.steps import stress_steps
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement, grid
-from study.statements.thm_4_2.stress_errors import StressRow, measure_stresses
+from study.statements.thm_4_2.stress_errors import COLUMNS, measure_stresses
 
 FRONTS = "full-contact", "fixed-front-on-vertex", "fixed-front-off-vertex", "advance-recede", "travelling-patch"
 LAWS = "anisotropic", "heterogeneous", "layered"
@@ -31,7 +30,7 @@ where the front lies in it may not be left to chance, or orders scatter by 1 fro
 QUICK = ("advance-recede", "layered", "corner", "natural-front")
 FINEST = ("re-entrant",)
 """Cases that are measured on the finest level, too."""
-STRESSES = CsvFile("stresses.csv", ("case", "family", "level"), tuple(field.name for field in fields(StressRow)))
+STRESSES = CsvFile("stresses.csv", ("case", "family", "level"), COLUMNS)
 
 
 class Stresses(Statement):
@@ -52,7 +51,7 @@ class Stresses(Statement):
 
     def measure(self, setting: Setting) -> dict[str, Any]:
         case, family = resolve(setting.case), family_named(setting.family)
-        return asdict(measure_stresses(case, family, setting.level, self.steps(setting)))
+        return measure_stresses(case, family, setting.level, self.steps(setting))
 
     def cost(self, setting: Setting) -> float:
         return 65.0 * setting.level**2 * self.steps(setting)
