@@ -13,12 +13,11 @@ from manufactured.body import Kind, polygon
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named, resolve
-from study.ledger.criterion import by_family
 from study.ledger.verdict import REPORTED, Verdict
 from study.solve.steps import rate_steps, stress_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.leading_term import RULE, SizeOfInterpolation
 from study.statements.prop_5_4.experiment import Experiment
+from study.statements.prop_5_4.from_rates import SizeOfInterpolation
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.measure import measure
 from study.statements.thm_4_2 import stress_errors as own
@@ -72,9 +71,8 @@ class Sweep:
             steps = rate_steps(solution.body.T, level, case.pace)
             setup = defect(Experiment.of(solution, family, level, MIDPOINT, steps))
             rows.append(asdict(measure(setup).row(case.name, family.name, level)))
-        table = pd.DataFrame(rows)
-        leading = RULE.verdict(SizeOfInterpolation(), case.name, by_family(table))
-        return [*FirstOrder().judge_case(case.name, table, case.order), leading]
+        table = pd.DataFrame(rows).assign(claim=FirstOrder.label)
+        return [*FirstOrder().judge_case(case.name, table, case.order), *SizeOfInterpolation().judge(table)]
 
 
 @dataclass(frozen=True)
@@ -131,7 +129,7 @@ class StressSweep:
         for level in self.levels:
             steps = stress_steps(case.solution.body.T, level, case.pace)
             setup = defect(own.StressExperiment.of(case.solution, family, level, steps))
-            rows.append(asdict(own.row(setup, case.name, family.name, level)))
+            rows.append(own.row(setup, case.name, family.name, level))
         return [verdict for verdict in OwnSpace().judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
 
 

@@ -13,56 +13,36 @@ from study.statements.green import Green
 from study.statements.hypercircle import Hypercircle
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn
-from study.statements.leading_term import SizeOfInterpolation
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms import Norms
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3.convergence import Convergence
+from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
 from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.regularity_needed import RegularityNeeded
-from study.statements.prop_5_4.turned import Turned
 from study.statements.residual import Residual
 from study.statements.shared.base import Statement
 from study.statements.slips import SLIPS
-from study.statements.stress_uniqueness import OneStress
 from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.same_mesh import SameMesh
 from study.statements.thm_4_2.stands_alone import StandsAlone
+from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.untested import UNTESTED
-from study.statements.wellposed import BoundedVelocity, Dependence, OneTrajectory
+from study.statements.wellposed import BoundedVelocity, Dependence
+
+PROBLEM = Green(), Korn(), Dependence(), Viscosity(), ElasticityOperator(), Projection(), Norms(), Admissibility()
+ONE_SOLUTION = BoundedVelocity(), OneTrajectory(), SameMesh(), StandsAlone(), OwnSpace(), OneStress()
+PROPERTIES = Lipschitz(), NaturalConditions(), Hypercircle(), VertexConstraint(), Interpolant()
+ESTIMATES = ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
+CONVERGENCE = Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Residual()
+BEYOND = FullyDiscrete(), BoundedError(), EnclosedError()
 
 STATEMENTS: tuple[Statement, ...] = (
-    Green(),
-    Korn(),
-    Dependence(),
-    Viscosity(),
-    ElasticityOperator(),
-    Projection(),
-    Norms(),
-    Admissibility(),
-    BoundedVelocity(),
-    OneTrajectory(),
-    SameMesh(),
-    StandsAlone(),
-    OwnSpace(),
-    OneStress(),
-    Lipschitz(),
-    NaturalConditions(),
-    Hypercircle(),
-    VertexConstraint(),
-    Interpolant(),
-    ErrorBounds(),
-    InterpolationInV(),
-    SizeOfInterpolation(),
-    InterpolationOnContact(),
-    Convergence(),
-    FirstOrder(),
-    RegularityNeeded(),
-    Turned(),
-    Residual(),
-    FullyDiscrete(),
-    BoundedError(),
-    EnclosedError(),
+    *PROBLEM,
+    *ONE_SOLUTION,
+    *PROPERTIES,
+    *ESTIMATES,
+    *CONVERGENCE,
+    *BEYOND,
     SLIPS,
     UNTESTED,
     Pictures(),

@@ -1,15 +1,15 @@
 """(4.13): σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which the scheme has only weakly.
 
-The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy
-(4.13). Two senses in which they do for h → 0, with the orders predicted for solutions with σ ∈ W^{1,∞}:
+The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13). Two senses
+in which they do for h → 0, with the orders predicted for solutions with σ ∈ W^{1,∞}:
 
-* in L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is
-  h^{−1/2} times that in the cells along Γ, and nothing says that they do not hold all of it. If the
-  error is spread evenly, as W^{1,∞} estimates have it for smooth solutions on quasi-uniform meshes,
-  these cells hold h^{3/2} and the order of ‖σ^hν − σν‖ is 1, no more: σ^h is constant on the cell. For
-  σ_τ alone, bounded by it, the first-order term depends on how the triangles along Γ3 lie.
-* against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. There (4.13) reads (σ, ε(v))_Q = (f, v)_V, and
-  since the scheme satisfies it for Π^h v,
+* in L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is h^{−1/2} times
+  that in the cells along Γ, and nothing says that they do not hold all of it. If the error is spread evenly, as W^{1,∞}
+  estimates have it for smooth solutions on quasi-uniform meshes, these cells hold h^{3/2} and the order of ‖σ^hν − σν‖
+  is 1, no more: σ^h is constant on the cell. For σ_τ alone, bounded by it, the first-order term depends on how the
+  triangles along Γ3 lie.
+* against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. There (4.13) reads (σ, ε(v))_Q = (f, v)_V, and since the scheme
+  satisfies it for Π^h v,
 
       (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h):
 
@@ -19,7 +19,6 @@ The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -29,11 +28,9 @@ from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, traction
 from study.fem.gauge import DEGREE, FACET_POINTS, rules
 from study.fem.material import on_cells
-from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import Observation, judge
+from study.ledger.criterion import Observation
 from study.ledger.measures import order
-from study.ledger.verdict import Verdict
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
@@ -49,24 +46,23 @@ STRONG = around(1, 0.25, "the error is spread evenly (1/2 is all that ‖σ − 
 SUPERCLOSE = between(1, 2, 0.25, 0, "2 where triangles along Γ3 are symmetric")
 WEAK = around(2, 0.3, "O(h) in σ − σ^h times O(h) in v − Π^h v")
 
-LINES = (
-    order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
-    order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
-    Observation(
-        order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
-        "it is bounded by the row above, and what is of first order in it depends on how the triangles along Γ3 lie",
-    ),
-    order("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
-    order("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
-)
 
-
-@dataclass(frozen=True)
 class NaturalConditions(ListedNumbers):
-    """The natural boundary conditions of the discrete stress at the midpoints of the time steps."""
+    """Both conditions for the discrete stress at the midpoints of the time steps."""
 
-    label: str = "(4.13)"
-    claim: str = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
+    label = "(4.13)"
+    claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
+    rules = (
+        order("loaded", "order of ‖σ^hν − f_2‖ in L²(0,T;L²(Γ2))", STRONG, "loaded"),
+        order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
+        Observation(
+            order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
+            "it is bounded by the row above, and what is of first order in it depends on how the triangles along Γ3 "
+            "lie",
+        ),
+        order("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
+        order("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
@@ -75,14 +71,10 @@ class NaturalConditions(ListedNumbers):
         return grid(cases, ("one-diagonal", "criss-cross", "shaken", "unstructured"), (12, 24, 48))
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        solution = resolve(setting.case).solution
         # An odd number of steps for each instant puts the instants into the middle of steps.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
+        setup = Experiment.at(setting, MIDPOINT, steps)
         return with_h(setup.space.h, tractions(setup))
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, LINES)
 
 
 def tractions(setup: Experiment) -> dict[str, float]:
@@ -92,17 +84,16 @@ def tractions(setup: Experiment) -> dict[str, float]:
         "loaded, weakly": Probe(setup, into_the_load(setup.space.body)),
         "tangential, weakly": Probe(setup, along_the_contact(setup.space.body)),
     }
-    squares: list[dict[str, float]] = []
-    for time, stress in discrete_stresses(setup):
-        squares.append(
-            {
-                "tangential": sum(side.tangential(stress) for side in sides[Kind.CONTACT]),
-                "contact": sum(side.difference(stress, time) for side in sides[Kind.CONTACT]),
-                "loaded": sum(side.difference(stress, time) for side in sides[Kind.LOADED]),
-                "size": sum(side.size(time) for kind in sides for side in sides[kind]),
-                **{name: probe(stress, time) for name, probe in probes.items()},
-            }
-        )
+    squares = [
+        {
+            "tangential": sum(side.tangential(stress) for side in sides[Kind.CONTACT]),
+            "contact": sum(side.difference(stress, time) for side in sides[Kind.CONTACT]),
+            "loaded": sum(side.difference(stress, time) for side in sides[Kind.LOADED]),
+            "size": sum(side.size(time) for kind in sides for side in sides[kind]),
+            **{name: probe(stress, time) for name, probe in probes.items()},
+        }
+        for time, stress in discrete_stresses(setup)
+    ]
     total = pd.DataFrame(squares).sum()
     return {name: float(np.sqrt(total[name] / total["size"])) for name in total.index if name != "size"}
 
@@ -122,16 +113,14 @@ class Side:
 
     def __init__(self, setup: Experiment, part: Part) -> None:
         mesh, facets = setup.space.mesh, setup.space.facets(part)
-        self.part = part
-        self.cells = mesh.f2t[0, facets]
+        self.part, self.cells = part, mesh.f2t[0, facets]
         self.rule = facet_rule(mesh, facets, part, (), FACET_POINTS)
         self.exact = setup.solution.at(part.point(self.rule.s))
 
     def tangential(self, stress: Tensors) -> float:
         """∫ |σ^h_τ|² over the part."""
-        normal = self.part.normal
-        forces = traction(stress[:, self.cells], normal)
-        tangential = forces - np.multiply.outer(normal, normal @ forces)
+        forces = traction(stress[:, self.cells], self.part.normal)
+        tangential = forces - np.multiply.outer(self.part.normal, self.part.normal @ forces)
         return float(np.sum(tangential**2 * self.rule.weights.sum(axis=1)))
 
     def difference(self, stress: Tensors, time: float) -> float:
@@ -155,8 +144,7 @@ class Probe:
     """
 
     def __init__(self, setup: Experiment, fields: list[Field]) -> None:
-        self.blocks = []
-        squares = np.zeros(len(fields))
+        self.blocks, squares = [], np.zeros(len(fields))
         for rule in rules(setup.solution, setup.space.mesh, DEGREE):
             exact = setup.solution.at(rule.points)
             strains = [strain(field, rule.points) for field in fields]
@@ -174,29 +162,21 @@ class Probe:
 
 def into_the_load(body: Body) -> list[Field]:
     """Fields that vanish on Γ1 and Γ3."""
-    rng = np.random.default_rng(SEED)
-    clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
-
-    def field(wave: Field) -> Field:
-        return lambda x: wave(x) * distances(x, clamped + contact)
-
-    return [field(waves(body, rng)) for _ in range(FIELDS)]
+    rng, fixed = np.random.default_rng(SEED), planes(body, Kind.CLAMPED) + planes(body, Kind.CONTACT)
+    return [vanishing(waves(body, rng), fixed) for _ in range(FIELDS)]
 
 
 def along_the_contact(body: Body) -> list[Field]:
     """Fields that vanish on Γ1 and are tangential on Γ3: on one plane of it each, zero on the others."""
-    rng = np.random.default_rng(SEED)
-    clamped, contact = planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
+    rng, clamped, contact = np.random.default_rng(SEED), planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
 
     def field(part: Part, along: Field, inside: Field) -> Field:
-        others = [other for other in contact if other is not part]
-        tangents = part.frame[:, :-1]
+        others, tangents = [other for other in contact if other is not part], part.frame[:, :-1]
 
-        def v(x: Points) -> Vectors:
-            tangential = np.tensordot(tangents @ tangents.T, along(x), axes=1)
-            return (tangential + part.coordinates(x)[1] * inside(x)) * distances(x, clamped + others)
+        def tangential(x: Points) -> Vectors:
+            return np.tensordot(tangents @ tangents.T, along(x), axes=1) + part.coordinates(x)[1] * inside(x)
 
-        return v
+        return vanishing(tangential, clamped + others)
 
     return [field(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]
 
@@ -219,16 +199,18 @@ def distances(x: Points, parts: list[Part]) -> Array:
     return product
 
 
+def vanishing(field: Field, parts: list[Part]) -> Field:
+    """A field times the distances to the planes of some parts."""
+    return lambda x: field(x) * distances(x, parts)
+
+
 def waves(body: Body, rng: np.random.Generator) -> Field:
     """A random vector field cos(κ·x + c) with about half a wave across the body in each direction."""
     extent = body.vertices.max(axis=1) - body.vertices.min(axis=1)
     directions = rng.uniform(-np.pi, np.pi, (body.dim, body.dim)) / extent
     phases = rng.uniform(0, 2 * np.pi, body.dim)
 
-    def field(x: Points) -> Vectors:
-        return np.cos(np.tensordot(directions, x, axes=1) + phases.reshape((-1,) + (1,) * (x.ndim - 1)))
-
-    return field
+    return lambda x: np.cos(np.tensordot(directions, x, axes=1) + phases.reshape((-1,) + (1,) * (x.ndim - 1)))
 
 
 TINY = 1e-30

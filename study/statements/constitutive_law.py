@@ -12,18 +12,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 
 from manufactured.law import AtPoints, Yield
 from manufactured.tensors import Array, Points, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import Observation, judge
+from study.ledger.criterion import Observation
 from study.ledger.measures import BOUND, ROUNDING, Constant, largest
-from study.ledger.verdict import Verdict
 from study.ledger.window import at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.places import FIRST, different, material, place, space_of
@@ -58,12 +55,19 @@ def placed(full: bool) -> list[Setting]:
     return place(different(material), FIRST, (16,) if full else (8,), (4,) if full else (2,))
 
 
-@dataclass(frozen=True)
 class Viscosity(ListedNumbers):
     """Aτ·τ/|τ|² for random tensors and on their way to where it is least and largest; Aσ·τ − σ·Aτ."""
 
-    label: str = "(3.1)"
-    claim: str = "A is symmetric, bounded and elliptic with the constant m_A"
+    label = "(3.1)"
+    claim = "A is symmetric, bounded and elliptic with the constant m_A"
+    rules = (
+        Constant("ellipticity", "m_A / smallest Aτ·τ/|τ|²", "ellipticity"),
+        Constant("bound", "largest Aτ·τ/|τ|² / ‖A‖", "bound"),
+        Observation(
+            largest("symmetry", "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)", ZERO, "asymmetry"),
+            "it is symmetric by construction of a law",
+        ),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         return placed(full)
@@ -72,23 +76,9 @@ class Viscosity(ListedNumbers):
         space, A = space_of(setting), resolve(setting.case).solution.law.A
         x = points(space)
         found = quotients(A.at(x), np.random.default_rng(SEED), space.dim, x.shape[1])
-        found |= {
-            # m_A over the smallest: a negative one is a violation, too.
-            "ellipticity": A.ellipticity / found["smallest"] if found["smallest"] > 0 else math.inf,
-            "bound": found["largest"] / A.lipschitz,
-        }
-        return with_h(space.h, found)
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        lines = (
-            Constant("ellipticity", "m_A / smallest Aτ·τ/|τ|²", "ellipticity"),
-            Constant("bound", "largest Aτ·τ/|τ|² / ‖A‖", "bound"),
-            Observation(
-                largest("symmetry", "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)", ZERO, "asymmetry"),
-                "it is symmetric by construction of a law",
-            ),
-        )
-        return judge(self, rows, lines)
+        # m_A over the smallest: a negative one is a violation, too.
+        found["ellipticity"] = A.ellipticity / found["smallest"] if found["smallest"] > 0 else math.inf
+        return with_h(space.h, {**found, "bound": found["largest"] / A.lipschitz})
 
 
 POWER = 100
@@ -118,12 +108,16 @@ def quotients(A: AtPoints, rng: np.random.Generator, dim: int, count: int) -> di
     return {"smallest": float(values.min()), "largest": float(values.max()), "asymmetry": skew / top.max()}
 
 
-@dataclass(frozen=True)
 class ElasticityOperator(ListedNumbers):
     """|G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for generated tensors, and G(0)."""
 
-    label: str = "(3.2)"
-    claim: str = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
+    label = "(3.2)"
+    claim = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
+    rules = (
+        Constant("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", "quotient"),
+        largest("monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
+        largest("at-zero", "|G(0)| / L_G", ZERO, "at zero"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         return placed(full)
@@ -144,14 +138,6 @@ class ElasticityOperator(ListedNumbers):
         }
         return with_h(space.h, found)
 
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        lines = (
-            Constant("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", "quotient"),
-            largest("monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
-            largest("at-zero", "|G(0)| / L_G", ZERO, "at zero"),
-        )
-        return judge(self, rows, lines)
-
 
 NEAR = 1e-4
 """Relative distance of near pairs: difference quotients for the derivative."""
@@ -167,12 +153,17 @@ def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) ->
         yield a, a + NEAR * np.linalg.norm(a, axis=0) * direction / np.linalg.norm(direction, axis=0)
 
 
-@dataclass(frozen=True)
 class Projection(ListedNumbers):
     """P_K ε = ε − G(ε)/β: it lies in K, is the nearest point of K, and is not expansive."""
 
-    label: str = "(3.3)"
-    claim: str = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
+    label = "(3.3)"
+    claim = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
+    rules = (
+        largest("expansion", "|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
+        largest("membership", "P_K a ∈ K: gauge of K at P_K a", BOUND, "membership"),
+        largest("nearest", "(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
+        largest("identity", "|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         return [setting for setting in placed(full) if isinstance(resolve(setting.case).solution.law.G, Yield)]
@@ -181,15 +172,6 @@ class Projection(ListedNumbers):
         space, G = space_of(setting), resolve(setting.case).solution.law.G
         assert isinstance(G, Yield)
         return with_h(space.h, projection(G, points(space).shape[1]))
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        lines = (
-            largest("expansion", "|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
-            largest("membership", "P_K a ∈ K: gauge of K at P_K a", BOUND, "membership"),
-            largest("nearest", "(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
-            largest("identity", "|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
-        )
-        return judge(self, rows, lines)
 
 
 def projection(G: Yield, count: int) -> dict[str, float]:

@@ -9,10 +9,8 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 
 from manufactured.body import Body, Kind, Part
 from manufactured.catalogue import catalogue
@@ -20,9 +18,7 @@ from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import judge
 from study.ledger.measures import every, largest
-from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.shared.base import ListedNumbers, Setting, with_h
@@ -46,12 +42,15 @@ SEEN = Window(0.5, 1.0, "of that at the vertex")
 CLAMPED = at_most(1e-12, "0 but for rounding")
 
 
-@dataclass(frozen=True)
 class VertexConstraint(ListedNumbers):
     """The largest v_ν on Γ3 of members of K^h, the smallest of strangers, once for each body."""
 
-    label: str = "K^h"
-    claim: str = "v ∈ V^h lies in K if and only if v_ν ≤ 0 at the vertices of Γ3"
+    label = "K^h"
+    claim = "v ∈ V^h lies in K if and only if v_ν ≤ 0 at the vertices of Γ3"
+    rules = (
+        largest("members", "Nv ≤ 0 ⇒ v_ν ≤ 0 on Γ3", NEVER, "members"),
+        every("strangers", "(Nv)_i > 0 ⇒ v_ν > 0 somewhere on Γ3", SEEN, "strangers"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         bodies = different(shape)
@@ -60,26 +59,21 @@ class VertexConstraint(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, rng = space_of(setting), np.random.default_rng(SEED)
         trace = NormalTrace(space)
-        found = {
-            "members": max(trace.highest(v) / abs(v).max() for v in members(space, rng)),
-            "strangers": min(trace.highest(v) for v in strangers(space, rng)),
-        }
-        return with_h(space.h, found)
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        lines = (
-            largest("members", "Nv ≤ 0 ⇒ v_ν ≤ 0 on Γ3", NEVER, "members"),
-            every("strangers", "(Nv)_i > 0 ⇒ v_ν > 0 somewhere on Γ3", SEEN, "strangers"),
-        )
-        return judge(self, rows, lines)
+        inside = max(trace.highest(v) / abs(v).max() for v in members(space, rng))
+        outside = min(trace.highest(v) for v in strangers(space, rng))
+        return with_h(space.h, {"members": inside, "strangers": outside})
 
 
-@dataclass(frozen=True)
 class Interpolant(ListedNumbers):
     """The largest v_ν on Γ3 of Π^h v, for v = u(t) at many times and for random smooth v ∈ K."""
 
-    label: str = "Π^h"
-    claim: str = "Π^h v ∈ K^h for v ∈ K ∩ C(Ω̄)"
+    label = "Π^h"
+    claim = "Π^h v ∈ K^h for v ∈ K ∩ C(Ω̄)"
+    rules = (
+        largest("exact", "Π^h u(t): v_ν on Γ3 and Nv", NEVER, "exact"),
+        largest("clamped", "|u(t)| on Γ1", CLAMPED, "clamped"),
+        largest("smooth", "Π^h v for random v ∈ K ∩ C(Ω̄): v_ν on Γ3 and Nv", NEVER, "smooth"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         return place(catalogue(), EVERY, (8, 16), (2, 4)) if full else place(different(shape), LAST, (8,), (2,))
@@ -89,14 +83,6 @@ class Interpolant(ListedNumbers):
         trace, rng = NormalTrace(space), np.random.default_rng(SEED)
         smooth = max(interpolated(trace, field) for field in admissible(space.body, rng))
         return with_h(space.h, {"smooth": smooth, **over_time(trace, solution)})
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        lines = (
-            largest("exact", "Π^h u(t): v_ν on Γ3 and Nv", NEVER, "exact"),
-            largest("clamped", "|u(t)| on Γ1", CLAMPED, "clamped"),
-            largest("smooth", "Π^h v for random v ∈ K ∩ C(Ω̄): v_ν on Γ3 and Nv", NEVER, "smooth"),
-        )
-        return judge(self, rows, lines)
 
 
 class NormalTrace:
@@ -134,21 +120,17 @@ def members(space: Space, rng: np.random.Generator) -> Iterator[Array]:
     count = space.N.shape[0]
     for _ in range(SAMPLES):
         yield with_trace(space, rng.standard_normal(space.dofs), np.minimum(rng.standard_normal(count), 0.0))
-    for i in _some(count, rng):
+    for i in rng.permutation(count)[:SAMPLES]:
         yield with_trace(space, rng.standard_normal(space.dofs), -np.eye(count)[i])
 
 
 def strangers(space: Space, rng: np.random.Generator) -> Iterator[Array]:
     """Functions with (Nv)_i = 1 for one i and −1 ≤ (Nv)_j ≤ 0 for all others."""
     count = space.N.shape[0]
-    for i in _some(count, rng):
+    for i in rng.permutation(count)[:SAMPLES]:
         values = -rng.uniform(size=count)
         values[i] = 1.0
         yield with_trace(space, rng.standard_normal(space.dofs), values)
-
-
-def _some(count: int, rng: np.random.Generator) -> Array:
-    return rng.permutation(count)[:SAMPLES]
 
 
 def violation(trace: NormalTrace, v: Array) -> float:

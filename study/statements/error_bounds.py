@@ -43,7 +43,8 @@ has L_G for L: its norm carries A.)
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -52,7 +53,7 @@ from manufactured.case import Case
 from manufactured.exact import Face
 from manufactured.law import KelvinVoigt
 from study.fem.gauge import FACET_POINTS
-from study.fem.naming import family_named, resolve
+from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_case
 from study.ledger.measures import ENOUGH, change, largest, order
@@ -79,12 +80,11 @@ LOGARITHM = "τ = 2"
 """Whether (5.42) carries a logarithm."""
 
 
-@dataclass(frozen=True)
 class ErrorBounds(ListedNumbers):
     """The right sides of (5.21) and (5.42) over the error, under refinement and with the constant of the proof."""
 
-    label: str = "(5.20)–(5.21), (5.42)"
-    claim: str = "‖u − u^h‖_{L∞(0,T;V)} ≤ c (‖u_0 − v_0^h‖_V + ‖u̇ − v̇^h‖_{L²(0,T;V)} + ‖R‖^{1/2}) + c ‖u_0 − u_0^h‖_V"
+    label = "(5.20)–(5.21), (5.42)"
+    claim = "‖u − u^h‖_{L∞(0,T;V)} ≤ c (‖u_0 − v_0^h‖_V + ‖u̇ − v̇^h‖_{L²(0,T;V)} + ‖R‖^{1/2}) + c ‖u_0 − u_0^h‖_V"
 
     def places(self, full: bool) -> list[Setting]:
         if not full:
@@ -102,7 +102,7 @@ class ErrorBounds(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         case = resolve(setting.case)
         steps = rate_steps(case.solution.body.T, setting.level, case.pace)
-        setup = Experiment.of(case.solution, family_named(setting.family), setting.level, MIDPOINT, steps)
+        setup = Experiment.at(setting, MIDPOINT, steps)
         return with_h(setup.space.h, {**sides(setup), **predicted(case)})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -117,36 +117,28 @@ def predicted(case: Case) -> dict[str, float]:
     return {**growth, LOGARITHM: float(found.trace == 2)}
 
 
-def number(bound: str) -> str:
-    """5.21 of (5.21)."""
-    return bound.strip("()")
-
-
 def exponent(bound: str) -> str:
     """The column of γ."""
     return f"γ of {bound}"
 
 
-def lines(groups: Groups) -> list[Rule]:
+def lines(groups: Groups) -> Iterator[Rule]:
     """Two rows for each bound."""
     (table, *_) = groups.values()
-    found: list[Rule] = []
     for bound in BOUNDS:
-        gamma = first(table, exponent(bound))
+        number, gamma = bound.strip("()"), first(table, exponent(bound))
         about = f"right side of {bound} / error: change under refinement"
         # Undecided without a prediction.
-        steady = replace(change(f"steady-{number(bound)}", about, STEADY, bound), needs=(bound, exponent(bound)))
+        steady = replace(change(f"steady-{number}", about, STEADY, bound), needs=(bound, exponent(bound)))
         if gamma > 0:
             of_rate = gamma == first(table, exponent("(5.21)"))
-            found.append(growing(bound, gamma, RATE if of_rate else TRACE))
+            yield growing(f"growth-{number}", bound, gamma, RATE if of_rate else TRACE)
         elif bound == "(5.42)" and first(table, LOGARITHM) > 0:
             lower = replace(steady, quantity=f"{about}, of lower order by |log h|^{{1/4}}")
-            found.append(Observation(lower, "a logarithm does not show on a few levels"))
+            yield Observation(lower, "a logarithm does not show on a few levels")
         else:
-            found.append(steady)
-        room = f"error / (c · right side of {bound})"
-        found.append(largest(f"constant-{number(bound)}", room, PROVED, f"{bound}, c"))
-    return found
+            yield steady
+        yield largest(f"constant-{number}", f"error / (c · right side of {bound})", PROVED, f"{bound}, c")
 
 
 def first(table: pd.DataFrame, column: str) -> float:
@@ -154,7 +146,7 @@ def first(table: pd.DataFrame, column: str) -> float:
     return float(table[column].iloc[0]) if column in table else math.nan
 
 
-def growing(bound: str, gamma: float, term: str) -> Criterion:
+def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
     """The exponent with which the term of lowest order of a bound grows over the error."""
     window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
     falling = order("", "", window, term)
@@ -164,7 +156,7 @@ def growing(bound: str, gamma: float, term: str) -> Criterion:
         return found and (-found[0], (-found[0], -found[0]))
 
     quantity = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
-    return Criterion(f"growth-{number(bound)}", quantity, window, measure, (term,), ENOUGH)
+    return Criterion(key, quantity, window, measure, (term,), ENOUGH)
 
 
 def constant(law: KelvinVoigt, T: float) -> float:
@@ -179,10 +171,8 @@ def sides(setup: Experiment) -> dict[str, float]:
     gauge, problem, T = setup.gauge, setup.problem, setup.problem.T
     error = max(gauge.distance(gauge.sample(state.time), state.u) for state in setup.scheme.march(problem, setup.steps))
     start = gauge.sample(0.0)
-    velocity, contact = (
-        Velocity(setup.solution, setup.space),
-        [ContactTerms(setup, face) for face in setup.solution.faces],
-    )
+    velocity = Velocity(setup.solution, setup.space)
+    contact = [ContactTerms(setup, face) for face in setup.solution.faces]
     rates, works, traces, pressures = [], [], [], []
     for t in midpoints(T, INSTANTS):
         rates.append(velocity.interpolation_error(t))
@@ -219,8 +209,5 @@ class ContactTerms:
         eta = -self.exact.gap(time) - np.einsum("an,anq->nq", nodal, self.rule.shapes)
         pressure, weights = self.exact.pressure(time), self.rule.weights
         pressure = np.where(abs(pressure) > self.tiny, pressure, 0.0)
-        return (
-            float(np.sum(pressure * eta * weights)),
-            float(np.sum(eta**2 * weights)),
-            float(np.sum(pressure**2 * weights)),
-        )
+        work, trace, square = (float(np.sum(values * weights)) for values in (pressure * eta, eta**2, pressure**2))
+        return work, trace, square

@@ -7,12 +7,10 @@ With u_n^{hk} of a time scheme and u^h of Problem 5.1 two errors are measured ov
 over the nodes t_n that all grids of a table have in common, so that every entry is a maximum over the same times.
 Predicted before measuring:
 
-* e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q: e is nearly all interpolation
-  error, which is nearly orthogonal in V to V^h, where the error in time lies;
-* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so that the system of Problem 5.1 is not stiff
-  and no scheme sees h;
-* q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, falling to 3/2 where u̇^h jumps because
-  vertices change between contact and release.
+* e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q: e is nearly all interpolation error,
+  which is nearly orthogonal in V to V^h, where the error in time lies;
+* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so that Problem 5.1 is not stiff, no scheme sees h;
+* q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, 3/2 where u̇^h jumps because vertices change contact.
 """
 
 from __future__ import annotations
@@ -29,11 +27,9 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from manufactured.tensors import Array
-from study.fem.naming import family_named, resolve
-from study.ledger.criterion import Criterion, Measure, Measured, Observation, Rule, judge
-from study.ledger.measures import ENOUGH
+from study.ledger.criterion import Criterion, Measure, Measured, Observation, Rule
+from study.ledger.measures import ENOUGH, exactly
 from study.ledger.orders import CONFIDENCE
-from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most, between
 from study.solve.evolution import Scheme
 from study.solve.tableau import MIDPOINT, SCHEMES
@@ -72,56 +68,19 @@ class ParameterFit:
     half: Array
     misfit: float
 
+    @classmethod
+    def of(cls, residuals: Callable[[Array], Array], start: Array) -> ParameterFit:
+        """min Σ r_i² from a start; intervals from the Jacobian at the minimum."""
+        found = least_squares(residuals, start, method="lm", x_scale="jac")
+        freedom = len(found.fun) - len(start)
+        variance = 2 * found.cost / freedom
+        spread = np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
+        return cls(found.x, float(student.ppf((1 + CONFIDENCE) / 2, freedom)) * spread, float(np.sqrt(variance)))
+
     def parameter(self, i: int) -> Measured:
         """(value, interval) of parameter i."""
         value, half = float(self.values[i]), float(self.half[i])
         return value, (value - half, value + half)
-
-
-def fit(residuals: Callable[[Array], Array], start: Array) -> ParameterFit:
-    """min Σ r_i² from a start; intervals from the Jacobian at the minimum."""
-    found = least_squares(residuals, start, method="lm", x_scale="jac")
-    freedom = len(found.fun) - len(start)
-    variance = 2 * found.cost / freedom
-    spread = np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
-    return ParameterFit(found.x, float(student.ppf((1 + CONFIDENCE) / 2, freedom)) * spread, float(np.sqrt(variance)))
-
-
-def time_fit(h: Array, k: Array, d: Array) -> ParameterFit:
-    """(log C, q, s) of d = C k^q h^s."""
-    return fit(lambda x: x[0] + x[1] * np.log(k) + x[2] * np.log(h) - np.log(d), np.array([0.0, 1.0, 0.0]))
-
-
-def joint_fit(h: Array, k: Array, e: Array, time: ParameterFit, power: float) -> ParameterFit:
-    """(log C_h, p, log C_k, q) of e^r = (C_h h^p)^r + (C_k k^q)^r for a given power r, started from the fit of d."""
-
-    def residuals(x: Array) -> Array:
-        parts = np.logaddexp(power * (x[0] + x[1] * np.log(h)), power * (x[2] + x[3] * np.log(k)))
-        return parts / power - np.log(e)
-
-    finest = int(np.argmin(e))
-    return fit(residuals, np.array([np.log(e[finest] / h[finest]), 1.0, time.values[0], time.values[1]]))
-
-
-@dataclass(frozen=True)
-class FullyDiscrete(ListedNumbers):
-    """e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
-
-    label: str = "beyond: fully discrete"
-    claim: str = "the fully discrete error is of order p in h and q in k, open in the source"
-
-    def places(self, full: bool) -> list[Setting]:
-        # Nothing is judged here, and every table needs a solution in a thousand steps: left to the full study.
-        cases = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release") if full else ()
-        return grid(cases, ("shaken",), (6, 12, 24))
-
-    def measure(self, setting: Setting) -> dict[str, float]:
-        solution = resolve(setting.case).solution
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, FINEST)
-        return with_h(setup.space.h, dict(errors(setup)))
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, LINES)
 
 
 def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
@@ -148,12 +107,7 @@ def columns(scheme: Scheme, which: str, counts: tuple[int, ...]) -> list[str]:
 
 @dataclass(frozen=True)
 class ErrorTable:
-    """The errors of one scheme on one mesh family.
-
-    Attributes:
-        scheme: the scheme.
-        levels: rows are levels, coarse to fine, columns as in ``columns``.
-    """
+    """The errors of one scheme on the levels of one mesh family, coarse to fine, with columns as in ``columns``."""
 
     scheme: Scheme
     levels: pd.DataFrame
@@ -174,54 +128,52 @@ class ErrorTable:
         return int(np.sum(shares[-len(COUNTS) :] >= VISIBLE)) >= 2
 
     def in_time(self) -> ParameterFit:
-        """The fit of d."""
-        return time_fit(*self.entries("d", ASYMPTOTIC))
+        """(log C, q, s) of d = C k^q h^s."""
+        h, k, d = self.entries("d", ASYMPTOTIC)
+        start = np.array([0.0, 1.0, 0.0])
+        return ParameterFit.of(lambda x: x[0] + x[1] * np.log(k) + x[2] * np.log(h) - np.log(d), start)
 
     def jointly(self, power: float = 2.0) -> ParameterFit:
-        """The fit of e."""
-        return joint_fit(*self.entries("e", COUNTS), self.in_time(), power)
+        """(log C_h, p, log C_k, q) of e^r = (C_h h^p)^r + (C_k k^q)^r for a power r, started from the fit of d."""
+        h, k, e = self.entries("e", COUNTS)
+
+        def residuals(x: Array) -> Array:
+            parts = np.logaddexp(power * (x[0] + x[1] * np.log(h)), power * (x[2] + x[3] * np.log(k)))
+            return parts / power - np.log(e)
+
+        finest, time = int(np.argmin(e)), self.in_time().values
+        return ParameterFit.of(residuals, np.array([np.log(e[finest] / h[finest]), 1.0, time[0], time[1]]))
+
+    def order_in_k(self, power: float = 2.0) -> Measured | None:
+        """q of the fit of e; none where the error in time is not seen."""
+        return self.jointly(power).parameter(3) if self.visible() else None
 
     def misfits(self) -> Measured:
         """Misfit of the root of the sum of squares over that of the sum."""
-        value = self.jointly().misfit / self.jointly(1.0).misfit
-        return value, (value, value)
+        return exactly(self.jointly().misfit / self.jointly(1.0).misfit)
 
 
 def lines(scheme: Scheme) -> Iterator[Rule]:
-    """What is reported for a scheme."""
+    """What is reported of a scheme."""
     order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e", COUNTS) + columns(scheme, "d", COUNTS))
+    in_time, error, fitted = "‖u^h − u^{hk}‖", "‖u − u^{hk}‖", "C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖"
     found: list[tuple[str, str, Window, Callable[[ErrorTable], Measured | None]]] = [
-        ("time-in-k", "order q of ‖u^h − u^{hk}‖ in k", order, lambda table: table.in_time().parameter(1)),
-        ("time-in-h", "order s of ‖u^h − u^{hk}‖ in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
-        ("error-in-h", "order p of ‖u − u^{hk}‖ in h", IN_H, lambda table: table.jointly().parameter(1)),
-        (
-            "error-in-k",
-            "order q of ‖u − u^{hk}‖ in k",
-            order,
-            lambda table: table.jointly().parameter(3) if table.visible() else None,
-        ),
+        ("time-in-k", f"order q of {in_time} in k", order, lambda table: table.in_time().parameter(1)),
+        ("time-in-h", f"order s of {in_time} in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
+        ("error-in-h", f"order p of {error} in h", IN_H, lambda table: table.jointly().parameter(1)),
+        ("error-in-k", f"order q of {error} in k", order, lambda table: table.order_in_k()),
         ("misfit", "misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, ErrorTable.misfits),
-        (
-            "sum-in-h",
-            "order p of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖",
-            IN_H,
-            lambda table: table.jointly(1.0).parameter(1),
-        ),
-        (
-            "sum-in-k",
-            "order q of C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖",
-            order,
-            lambda table: table.jointly(1.0).parameter(3) if table.visible() else None,
-        ),
+        ("sum-in-h", f"order p of {fitted}", IN_H, lambda table: table.jointly(1.0).parameter(1)),
+        ("sum-in-k", f"order q of {fitted}", order, lambda table: table.order_in_k(1.0)),
     ]
     for key, quantity, window, of in found:
-        yield Observation(
-            Criterion(f"{scheme.name}-{key}", f"{scheme.name}: {quantity}", window, _on(scheme, of), needs, ENOUGH),
-            OPEN,
-        )
+        named = f"{scheme.name}-{key}", f"{scheme.name}: {quantity}"
+        yield Observation(Criterion(*named, window, on(scheme, of), needs, ENOUGH), OPEN)
 
 
-def _on(scheme: Scheme, of: Callable[[ErrorTable], Measured | None]) -> Measure:
+def on(scheme: Scheme, of: Callable[[ErrorTable], Measured | None]) -> Measure:
+    """What a table of a scheme says, if it is usable."""
+
     def measure(group: pd.DataFrame) -> Measured | None:
         table = ErrorTable(scheme, group)
         return of(table) if table.usable() else None
@@ -229,4 +181,18 @@ def _on(scheme: Scheme, of: Callable[[ErrorTable], Measured | None]) -> Measure:
     return measure
 
 
-LINES = tuple(line for scheme in SCHEMES for line in lines(scheme))
+class FullyDiscrete(ListedNumbers):
+    """e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
+
+    label = "beyond: fully discrete"
+    claim = "the fully discrete error is of order p in h and q in k, open in the source"
+    rules = tuple(line for scheme in SCHEMES for line in lines(scheme))
+
+    def places(self, full: bool) -> list[Setting]:
+        # Nothing is judged here, and every table needs a solution in a thousand steps: left to the full study.
+        cases = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release") if full else ()
+        return grid(cases, ("shaken",), (6, 12, 24))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        setup = Experiment.at(setting, MIDPOINT, FINEST)
+        return with_h(setup.space.h, dict(errors(setup)))

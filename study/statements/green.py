@@ -26,7 +26,7 @@ of its functions in the new vertices.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
@@ -71,12 +71,11 @@ ROUND_OFF = 1e-12
 """Defects and terms below it are rounding."""
 
 
-@dataclass(frozen=True)
 class Green(ListedNumbers):
     """The two sides as functionals on V^h, for the cases with Div σ ∈ H."""
 
-    label: str = "(2.14)"
-    claim: str = "(σ, ε(v))_Q + (Div σ, v)_H = ∫_Γ σν·v"
+    label = "(2.14)"
+    claim = "(σ, ε(v))_Q + (Div σ, v)_H = ∫_Γ σν·v"
 
     def places(self, full: bool) -> list[Setting]:
         if full:
@@ -86,22 +85,17 @@ class Green(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, case = space_of(setting), resolve(setting.case)
-        smooth = smooth_off_lines(case)
-        found = {}
-        if smooth:
-            found["fine rule"] = defect(case.solution, space, FINE[space.dim])
-        else:
-            halvings = HALVINGS[space.dim]
-            whole, halved = (defect(case.solution, space, COARSE, k) for k in (0, halvings))
-            # What is round-off cannot shrink any more.
-            shrunk = max(halved, ROUND_OFF) / max(whole, ROUND_OFF)
-            found |= {"whole cells": whole, "halved cells": halved, "shrunk": 2**halvings * shrunk}
-        return with_h(space.h, {**found, "smooth": float(smooth)})
+        if smooth_off_lines(case):
+            return with_h(space.h, {"fine rule": defect(case.solution, space, FINE[space.dim]), "smooth": 1.0})
+        halvings = HALVINGS[space.dim]
+        whole, halved = (defect(case.solution, space, COARSE, k) for k in (0, halvings))
+        # What is round-off cannot shrink any more.
+        shrunk = 2**halvings * (max(halved, ROUND_OFF) / max(whole, ROUND_OFF))
+        return with_h(space.h, {"whole cells": whole, "halved cells": halved, "shrunk": shrunk, "smooth": 0.0})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        smooth = set(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
-        first, second = rows[rows["case"].isin(smooth)], rows[~rows["case"].isin(smooth)]
-        return judge(self, first, [REMAINING]) + judge(self, second, [HALVED, SHRUNK])
+        smooth, kinked = by_smoothness(rows)
+        return judge(self, smooth, [REMAINING]) + judge(self, kinked, [HALVED, SHRUNK])
 
 
 REMAINING = finest("fine-rule", "defect as a functional on V^h / smallest term", SMOOTH, "fine rule")
@@ -109,6 +103,12 @@ HALVED = finest("halved", "defect as a functional on V^h / smallest term, cells 
 SHRUNK = largest(
     "shrunk", "2^k · defect on cells halved k times / defect on whole cells, same V^h", SHRINKING, "shrunk"
 )
+
+
+def by_smoothness(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The rows of cases whose f_0 is smooth off lines, and those of the others."""
+    smooth = rows["case"].isin(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
+    return rows[smooth], rows[~smooth]
 
 
 def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0) -> float:

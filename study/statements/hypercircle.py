@@ -7,8 +7,7 @@ For u^h ∈ K^h of P1 and a stress σ^h that balances P f_0, P f_2 with σ^h_τ 
                              + 2∫_{Γ3} (σ^h_ν − σ_ν) e_ν,     e = u − u^h,
 
 the theorem of Prager and Synge but for the last terms. (σ^h_ν − σ_ν) e_ν ≥ −σ^h_ν u^h_ν, and with the constants of
-``study.stresses.oscillation`` the loads are at most Ω ‖e‖_C, so that with
-η² = ‖σ^h − Cε(u^h)‖² + 2∫_{Γ3} σ^h_ν u^h_ν
+``study.stresses.oscillation`` the loads are at most Ω ‖e‖_C, so that with η² = ‖σ^h − Cε(u^h)‖² + 2∫_{Γ3} σ^h_ν u^h_ν
 
     (‖u − u^h‖² + ‖σ − σ^h‖²)^½ ≤ Ω + (Ω² + η²)^½:     a bound without the exact solution.
 
@@ -25,10 +24,7 @@ problems, Math. Comp. 78 (2009) 1237–1267.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
-import pandas as pd
 from sympy import Rational, sympify
 
 from manufactured.body import Kind
@@ -41,9 +37,8 @@ from manufactured.tensors import Array, Tensors
 from study.fem.gauge import Gauge
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.criterion import Observation, Rule, judge
+from study.ledger.criterion import Observation
 from study.ledger.measures import every
-from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around
 from study.solve.signorini import Signorini
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
@@ -59,17 +54,27 @@ CASES = ("full-contact", "fixed-front-off-vertex", "advance-recede", "merging-pa
 QUICK = ("full-contact", "advance-recede")
 LOW, HIGH = 1, 3
 """Degrees of the stresses."""
-BOUND = "guaranteed bound of both errors"
 TIGHT = Window(1.0, 1.05, "from n = 16 on: never below both errors")
 NEAR = around(1, 0.05, "from n = 16 on")
 
 
-@dataclass(frozen=True)
+def plain(degree: int) -> Observation:
+    """The ratio without Ω and the contact term."""
+    quantity = f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {degree}"
+    ratio = every(f"plain-{degree}", quantity, NEAR, f"plain_{degree}")
+    return Observation(ratio, "it is a bound only with the oscillation of the forces")
+
+
 class Hypercircle(ListedNumbers):
     """‖σ^h − Cε(u^h)‖ over both errors, for linear laws with constant coefficients."""
 
-    label: str = "Prager–Synge"
-    claim: str = "u^h and σ^h bound each other's errors, at a frozen time"
+    label = "Prager–Synge"
+    claim = "u^h and σ^h bound each other's errors, at a frozen time"
+    rules = (
+        every("guaranteed", "guaranteed bound of both errors / both errors", TIGHT, "guaranteed"),
+        plain(LOW),
+        plain(HIGH),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         return grid(CASES, ("shaken",), (16, 32)) if full else grid(QUICK, ("shaken",), (16,))
@@ -81,31 +86,10 @@ class Hypercircle(ListedNumbers):
         G = solution.law.G
         assert isinstance(G, Linear)
         u, _ = Signorini(displacements.form(G.matrix), displacements.N)(Gauge(solution, displacements).load(0.0))
-        found = {}
-        for degree in (LOW, HIGH):
-            pair = Pair(solution, StressSpace(mesh, solution.body, degree), displacements, u)
-            found[f"plain_{degree}"] = pair.distance / pair.error
-            if degree == HIGH:
-                found |= {"guaranteed": pair.bound / pair.error, "oscillation": pair.oscillation / pair.error}
+        low, high = (Pair(solution, StressSpace(mesh, solution.body, p), displacements, u) for p in (LOW, HIGH))
+        found = {f"plain_{LOW}": low.distance / low.error, f"plain_{HIGH}": high.distance / high.error}
+        found |= {"guaranteed": high.bound / high.error, "oscillation": high.oscillation / high.error}
         return with_h(displacements.h, found)
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        lines: list[Rule] = [
-            every("guaranteed", f"{BOUND} / both errors", TIGHT, "guaranteed"),
-            *(
-                Observation(
-                    every(
-                        f"plain-{degree}",
-                        f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {degree}",
-                        NEAR,
-                        f"plain_{degree}",
-                    ),
-                    "it is a bound only with the oscillation of the forces",
-                )
-                for degree in (LOW, HIGH)
-            ),
-        ]
-        return judge(self, rows, lines)
 
 
 def frozen(solution: ExactSolution) -> ExactSolution:
@@ -115,10 +99,8 @@ def frozen(solution: ExactSolution) -> ExactSolution:
         assert isinstance(face, ContactFace)
         formulas = (face.gap, face.strain.pressure, face.level)  # type: ignore[attr-defined]
         w, p, level = (sympify(formula).subs(t, FROZEN) for formula in formulas)
-        T = solution.body.T
-        faces.append(
-            ContactFace.linear(face.part, solution.law, T, w, p, level, profile=face.profile, rough=face.rough)
-        )
+        data = face.part, solution.law, solution.body.T, w, p, level
+        faces.append(ContactFace.linear(*data, profile=face.profile, rough=face.rough))
     return ExactSolution(solution.body, solution.law, tuple(faces))
 
 
@@ -139,17 +121,14 @@ class Pair:
         equilibrium = Equilibrium(space, self.compliance)
         snapshot = ProjectedLoads(Data.of(solution), space).at(0.0)
         stress = equilibrium(snapshot.loads, np.zeros((3, *space.weights.shape)))
-        exact = solution.at(space.points)
         mine = (G.matrix @ displacements.strain(u))[..., None]
         self.distance = self._norm(stress.values - mine)
         # u̇ = 0: σ = Cε(u).
-        self.error = float(
-            np.hypot(self._norm(exact.stress(0.0) - mine), self._norm(exact.stress(0.0) - stress.values))
-        )
-        normal = displacements.nodal(u)
-        work = 0.0
+        sigma = solution.at(space.points).stress(0.0)
+        self.error = float(np.hypot(self._norm(sigma - mine), self._norm(sigma - stress.values)))
+        nodal, work = displacements.nodal(u), 0.0
         for part, edges in space.on(Kind.CONTACT):
-            ends = np.einsum("d,dan->na", part.normal, normal[:, space.mesh.facets[:, edges]])
+            ends = np.einsum("d,dan->na", part.normal, nodal[:, space.mesh.facets[:, edges]])
             pressed = space.boundary_tractions(edges, stress.tractions)[..., 0]
             mass = interval_mass(1, space.degree)
             work += float(np.einsum("na,nb,ab,n->", ends, pressed, mass, space.lengths[edges]))
@@ -159,6 +138,5 @@ class Pair:
         self.bound = self.oscillation + float(np.sqrt(self.oscillation**2 + self.distance**2 + 2 * max(work, 0.0)))
 
     def _norm(self, stress: Tensors) -> float:
-        return float(
-            np.sqrt(np.einsum("Icq,IJ,Jcq,cq->", stress, self.compliance, stress, self.space.weights, optimize=True))
-        )
+        weights = self.space.weights
+        return float(np.sqrt(np.einsum("Icq,IJ,Jcq,cq->", stress, self.compliance, stress, weights, optimize=True)))

@@ -12,26 +12,25 @@ at a front lie in H^τ, τ < α + 1/2, and have the order min(2, α + 1/2).
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import count, takewhile
 
 import numpy as np
 import pandas as pd
 
 from manufactured.body import Body, Kind, Part
-from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
 from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, Observation, Rule, by_case, judge
+from study.ledger.criterion import Criterion, Measured, Observation, Rule, by_case
 from study.ledger.measures import ENOUGH, between_levels, consecutive, order
 from study.ledger.verdict import Verdict
 from study.ledger.window import around
-from study.statements.boundary import Field, distances, planes, strain, waves
+from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.places import EVERY, different, material, named, place, shape, space_of
 
@@ -48,8 +47,7 @@ ROOM = 0.15
 
 def smooth(body: Body) -> Field:
     """Waves times the distance to Γ1, a field in V."""
-    wave, clamped = waves(body, np.random.default_rng(SEED)), planes(body, Kind.CLAMPED)
-    return lambda x: wave(x) * distances(x, clamped)
+    return vanishing(waves(body, np.random.default_rng(SEED)), planes(body, Kind.CLAMPED))
 
 
 def at(fraction: float) -> str:
@@ -61,16 +59,19 @@ FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": at(fraction) for fraction in TIM
 """The v, by what the keys of their rows say of them."""
 
 
-@dataclass(frozen=True)
 class InterpolationInV(ListedNumbers):
     """Orders of ‖v − Π^h v‖_V, for the cases with u(t) ∈ H² on each cell."""
 
-    label: str = "(5.23)"
-    claim: str = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
+    label = "(5.23)"
+    claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
+    rules = tuple(
+        consecutive(key, f"order of ‖v − Π^h v‖_V, v = {v}, level by level", around(1.0, ROOM), v)
+        for key, v in FIELDS.items()
+    )
 
     def places(self, full: bool) -> list[Setting]:
         if full:
-            cases = [case for case in different(_body_and_law) if case.regularity.smoothness > 1]
+            cases = [case for case in different(shape, material) if case.regularity.smoothness > 1]
             return uniform(place(cases, EVERY, (8, 16, 32), (8, 12, 16)))
         return place(named("no-contact", "advance-recede"), EVERY, (8, 16, 32))
 
@@ -80,16 +81,6 @@ class InterpolationInV(ListedNumbers):
         samples = {at(fraction): gauge.sample(fraction * solution.body.T) for fraction in TIMES}
         found = {name: gauge.distance(sample, sample.interpolant) for name, sample in samples.items()}
         return with_h(space.h, {**found, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(
-            self,
-            rows,
-            [
-                consecutive(key, f"order of ‖v − Π^h v‖_V, v = {v}, level by level", around(1.0, ROOM), v)
-                for key, v in FIELDS.items()
-            ],
-        )
 
 
 def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
@@ -102,16 +93,15 @@ def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
     return float(np.sqrt(total))
 
 
-@dataclass(frozen=True)
 class InterpolationOnContact(ListedNumbers):
     """Orders of ‖v_ν − (Π^h v)_ν‖_{L²(Γ3,i)}, where v_ν is not linear."""
 
-    label: str = "(5.24)"
-    claim: str = "‖v_ν − Π^h v_ν‖_{L²(Γ3,i)} ≤ c h² |v_ν|_{H²(Γ3,i)}, printed with h"
+    label = "(5.24)"
+    claim = "‖v_ν − Π^h v_ν‖_{L²(Γ3,i)} ≤ c h² |v_ν|_{H²(Γ3,i)}, printed with h"
 
     def places(self, full: bool) -> list[Setting]:
         if full:
-            return even(place(different(_body_and_trace), EVERY, (16, 32, 64), (8, 16, 24)))
+            return even(place(different(shape, lambda case: case.regularity.trace), EVERY, (16, 32, 64), (8, 16, 24)))
         return even(place(named("advance-recede", "rough-2"), EVERY, (16, 32, 64)))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -216,11 +206,3 @@ def even(settings: list[Setting]) -> list[Setting]:
     scatter by 0.3 from seed to seed.
     """
     return [setting for setting in uniform(settings) if setting.family != Shaken().name]
-
-
-def _body_and_law(case: Case) -> Hashable:
-    return shape(case), material(case)
-
-
-def _body_and_trace(case: Case) -> Hashable:
-    return shape(case), case.regularity.trace

@@ -9,13 +9,11 @@ positive limit is what (2.17) says.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import pandas as pd
 
-from study.ledger.criterion import Criterion, Measured, judge
-from study.ledger.measures import ENOUGH, ROUNDING
-from study.ledger.verdict import Verdict
+from study.ledger.criterion import Criterion, Measured
+from study.ledger.measures import ENOUGH, ROUNDING, exactly
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, smallest, strain_product
@@ -39,22 +37,21 @@ def extrapolated(table: pd.DataFrame) -> Measured:
     first, second, last = table["smallest eigenvalue"].to_numpy()[-3:]
     before, drop = first - second, second - last
     limit = float((last - drop**2 / (before - drop)) / last) if before > drop else -math.inf
-    return limit, (limit, limit)
+    return exactly(limit)
 
 
 COLUMNS = ("smallest eigenvalue",)
-CRITERIA = (
-    Criterion("falling", "smallest eigenvalue, level over level", FALLING, consecutive_ratio, COLUMNS, 2),
-    Criterion("limit", "limit of the smallest eigenvalue for h → 0", LIMIT, extrapolated, COLUMNS, ENOUGH),
-)
 
 
-@dataclass(frozen=True)
 class Korn(ListedNumbers):
     """Smallest eigenvalue of (ε(·), ε(·))_Q against the product of H_1, once for each body."""
 
-    label: str = "(2.17)"
-    claim: str = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
+    label = "(2.17)"
+    claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
+    rules = (
+        Criterion("falling", "smallest eigenvalue, level over level", FALLING, consecutive_ratio, COLUMNS, 2),
+        Criterion("limit", "limit of the smallest eigenvalue for h → 0", LIMIT, extrapolated, COLUMNS, ENOUGH),
+    )
 
     def places(self, full: bool) -> list[Setting]:
         bodies = different(shape)
@@ -63,6 +60,3 @@ class Korn(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space = space_of(setting)
         return with_h(space.h, {"smallest eigenvalue": smallest(strain_product(space), h1_product(space))})
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, CRITERIA)

@@ -18,21 +18,16 @@ such fields, by Liouville's theorem on conformal maps.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import numpy as np
-import pandas as pd
 
-from manufactured.case import Case
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, mandel, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import judge
 from study.ledger.measures import BOUND, ROUNDING, Constant, finest
 from study.ledger.measures import largest as largest_of
-from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
 from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
@@ -113,15 +108,20 @@ def pointwise(space: Space, law: KelvinVoigt) -> tuple[float, float]:
     return float(stiffest[there]), float((energies[0] / energies[1]).max())
 
 
-@dataclass(frozen=True)
 class Lipschitz(ListedNumbers):
     """The largest quotients of B^h, once for each law and body."""
 
-    label: str = "(4.3), (5.5)"
-    claim: str = "‖B u − B v‖_V ≤ L_G/m_A ‖u − v‖_V, on V^h with the same constant"
+    label = "(4.3), (5.5)"
+    claim = "‖B u − B v‖_V ≤ L_G/m_A ‖u − v‖_V, on V^h with the same constant"
+    rules = (
+        Constant("constant", "largest quotient / (L_G/m_A)", "over the constant"),
+        largest_of("pointwise", "largest quotient / κ", POINTWISE, "over the pointwise constant"),
+        finest("waves", "largest quotient / κ_1", NOT_VACUOUS, "over the waves"),
+        largest_of("monotonicity", "−(B u − B v, u − v)_V / ‖u − v‖_V² over L_G/m_A, (4.4)", BOUND, "monotonicity"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
-        cases = different(_body_and_law)
+        cases = different(shape, material)
         return place(cases, EVERY, (8, 16, 32), (2, 4)) if full else place(cases, FIRST, (8, 16), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -132,25 +132,6 @@ class Lipschitz(ListedNumbers):
         if isinstance(law.G, Linear):
             steepest = max(steepest, largest(problem.reference, problem.M))
         bound, (kappa, waves) = law.G.lipschitz / law.A.ellipticity, pointwise(space, law)
-        return with_h(
-            space.h,
-            {
-                "over the constant": steepest / bound,
-                "over the pointwise constant": steepest / kappa,
-                "over the waves": steepest / waves,
-                "monotonicity": -found[:, 1].min() / bound,
-            },
-        )
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        lines = (
-            Constant("constant", "largest quotient / (L_G/m_A)", "over the constant"),
-            largest_of("pointwise", "largest quotient / κ", POINTWISE, "over the pointwise constant"),
-            finest("waves", "largest quotient / κ_1", NOT_VACUOUS, "over the waves"),
-            largest_of("monotonicity", "−(B u − B v, u − v)_V / ‖u − v‖_V² over L_G/m_A, (4.4)", BOUND, "monotonicity"),
-        )
-        return judge(self, rows, lines)
-
-
-def _body_and_law(case: Case) -> Hashable:
-    return shape(case), material(case)
+        over = {"constant": bound, "pointwise constant": kappa, "waves": waves}
+        values = {f"over the {name}": steepest / value for name, value in over.items()}
+        return with_h(space.h, {**values, "monotonicity": -found[:, 1].min() / bound})

@@ -7,17 +7,12 @@ on V^h with the constant C_K of V^h, which is bounded below uniformly in h.
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass
-
 import pandas as pd
 
-from manufactured.case import Case
 from study.fem.naming import resolve
-from study.ledger.criterion import Criterion, Measured, judge
-from study.ledger.measures import BOUND, ENOUGH
+from study.ledger.criterion import Criterion, Measured
+from study.ledger.measures import BOUND, ENOUGH, exactly
 from study.ledger.measures import largest as largest_of
-from study.ledger.verdict import Verdict
 from study.ledger.window import Window
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
@@ -31,36 +26,26 @@ def finest_ratio(column: str) -> Criterion:
     """An eigenvalue on the finest level over the one before."""
 
     def measure(table: pd.DataFrame) -> Measured:
-        ratio = float(table[column].iloc[-1] / table[column].iloc[-2])
-        return ratio, (ratio, ratio)
+        return exactly(table[column].iloc[-1] / table[column].iloc[-2])
 
-    return Criterion(
-        f"settled-{column}",
-        f"{column} eigenvalue, finest level over the one before",
-        SETTLED,
-        measure,
-        (column,),
-        ENOUGH,
-    )
+    quantity = f"{column} eigenvalue, finest level over the one before"
+    return Criterion(f"settled-{column}", quantity, SETTLED, measure, (column,), ENOUGH)
 
 
-CRITERIA = (
-    largest_of("lower", "m_A C_K² / smallest eigenvalue", BOUND, "lower bound"),
-    largest_of("upper", "largest eigenvalue / ‖A‖", BOUND, "upper bound"),
-    finest_ratio("smallest"),
-    finest_ratio("largest"),
-)
-
-
-@dataclass(frozen=True)
 class Norms(ListedNumbers):
     """Extreme eigenvalues of (·,·)_V against the product of H_1, once for each body and viscosity."""
 
-    label: str = "(3.6)"
-    claim: str = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h"
+    label = "(3.6)"
+    claim = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h"
+    rules = (
+        largest_of("lower", "m_A C_K² / smallest eigenvalue", BOUND, "lower bound"),
+        largest_of("upper", "largest eigenvalue / ‖A‖", BOUND, "upper bound"),
+        finest_ratio("smallest"),
+        finest_ratio("largest"),
+    )
 
     def places(self, full: bool) -> list[Setting]:
-        cases = different(_body_and_viscosity)
+        cases = different(shape, lambda case: repr(case.solution.law.A))
         return place(cases, FIRST, (8, 16, 32), (2, 4, 8)) if full else place(cases, FIRST, (4, 8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -69,10 +54,3 @@ class Norms(ListedNumbers):
         low, high, korn = smallest(M, product), largest(M, product), smallest(strain_product(space), product)
         bounds = {"lower bound": law.A.ellipticity * korn / low, "upper bound": high / law.A.lipschitz}
         return with_h(space.h, {"smallest": low, "largest": high, **bounds})
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return judge(self, rows, CRITERIA)
-
-
-def _body_and_viscosity(case: Case) -> Hashable:
-    return shape(case), repr(case.solution.law.A)

@@ -2,38 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
 from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
-from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Unstructured, boundary_parts, facet_measures
+from study.fem.mesh import MeshFamily, OneDiagonal, Unstructured, facet_measures
 from study.fem.naming import resolve
 from study.fem.skin import Skin
 from study.fem.space import Space
-from study.ledger.datafiles import DataFile, JsonFiles, Row
+from study.ledger.datafiles import JsonFiles
 from study.ledger.facets import Facets
 from study.ledger.packing import FINE, Packed, short
-from study.ledger.verdict import Verdict
 from study.solve.motion import Motion
 from study.solve.von_mises import von_mises
-from study.statements.shared import estimates
-from study.statements.shared.base import Setting
+from study.statements.shared.base import Setting, Statement
+from study.statements.shared.places import fits
 from study.statements.shared.scope import Scope
 
-FAMILY = Unstructured()
-LEVEL = 24
-STEPS = 64
-SOLID_FAMILY = OneDiagonal()
-SOLID_LEVEL = 9
-SOLID_STEPS = 32
+FAMILY, LEVEL, STEPS = Unstructured(), 24, 64
+SOLID_FAMILY, SOLID_LEVEL, SOLID_STEPS = OneDiagonal(), 9, 32
 INTERVALS = 16
 """Between the times that are kept."""
 SHAPES = (0.25, 0.5, 1.0)
@@ -74,15 +67,7 @@ def mesh_for(body: Body) -> tuple[MeshFamily, int]:
     if body.dim == 2:
         return FAMILY, LEVEL
     levels = range(SOLID_LEVEL, 2 * SOLID_LEVEL)
-    return SOLID_FAMILY, next((n for n in levels if _fits(body, n)), SOLID_LEVEL)
-
-
-def _fits(body: Body, level: int) -> bool:
-    try:
-        boundary_parts(SOLID_FAMILY(body, level), body)
-    except MeshError:
-        return False
-    return True
+    return SOLID_FAMILY, next((n for n in levels if fits(SOLID_FAMILY, body, n)), SOLID_LEVEL)
 
 
 def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
@@ -105,7 +90,7 @@ def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
         "displacement": Packed.of(displacement).record(),
         "von_mises": Packed.of(np.array([von_mises(frame.stress)[skin.cells] for frame in shown])).record(),
         "energy": {name: short(values) for name, values in motion.balance().items()},
-        "faces": _faces(solution, space, skin, times, normal, pressure),
+        "faces": list(_faces(solution, space, skin, times, normal, pressure)),
     }
 
 
@@ -123,31 +108,26 @@ def contact_weights(space: Space) -> Array:
 
 def _faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
-) -> list[dict[str, Any]]:
-    keep = _written(space.dim)
-    faces, start = [], 0
+) -> Iterator[dict[str, Any]]:
+    keep, plane, start = _written(space.dim), space.dim == 2, 0
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
-        columns = slice(start, start + len(vertices))
-        start += len(vertices)
         s = part.coordinates(space.mesh.p[:, vertices])[0]
         order = np.argsort(s[0])
-        s = s[:, order]
+        s, columns, nodes = s[:, order], start + order, np.searchsorted(skin.vertices, vertices[order])
+        start += len(vertices)
         exact = solution.on(face, s)
-        nodes = np.searchsorted(skin.vertices, vertices[order])
         found = {
             "face": i,
             "normal": part.normal.tolist(),
-            "s": short(s[0] if space.dim == 2 else s),
+            "s": short(s[0] if plane else s),
             "x": short(part.point(s)),
-            "gap": keep(-normal[:, columns][:, order]),
+            "gap": keep(-normal[:, columns]),
             "gap_exact": keep(np.array([exact.gap(t) for t in times])),
-            "pressure": keep(pressure[:, columns][:, order]),
+            "pressure": keep(pressure[:, columns]),
             "pressure_exact": keep(np.array([exact.pressure(t) for t in times])),
         }
-        plane = space.dim == 2
         only = _in_plane(solution, face, s, times) if plane else _levels_of(solution, face, s, nodes, skin, times)
-        faces.append(found | only)
-    return faces
+        yield found | only
 
 
 def _in_plane(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
@@ -158,13 +138,10 @@ def _in_plane(solution: ExactSolution, face: Face, s: Array, times: Array) -> di
     fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
     level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
     zone = _zone(lambda t: _intervals(fine, level(t)), np.linspace(0, solution.body.T, 101).tolist())
+    gap, pressure = (Packed.of(np.array([of(t) for t in times]), FINE).record() for of in (exact.gap, exact.pressure))
     return {
         "zone_exact": {"times": list(zone), "intervals": list(zone.values())},
-        "line": {
-            "s": short(line),
-            "gap": Packed.of(np.array([exact.gap(t) for t in times]), FINE).record(),
-            "pressure": Packed.of(np.array([exact.pressure(t) for t in times]), FINE).record(),
-        },
+        "line": {"s": short(line), "gap": gap, "pressure": pressure},
     }
 
 
@@ -203,48 +180,22 @@ def _written(dim: int) -> Callable[[Array], Any]:
     return short if dim == 2 else lambda values: Packed.of(values, FINE).record()
 
 
-PICTURES = JsonFiles("pictures", ("case",))
-
-
-@dataclass(frozen=True)
-class Pictures:
+class Pictures(Statement):
     """What the figures and the page show of a case; nothing is claimed."""
 
-    label: str = "pictures"
-    claim: str = "what the figures show of a case"
-    file: DataFile = PICTURES
-    of_every_case: bool = True
+    label = "pictures"
+    claim = "what the figures show of a case"
+    file = JsonFiles("pictures", ("case",))
+    of_every_case = True
 
     def settings(self, scope: Scope) -> list[Setting]:
         """Every case on one mesh."""
-        return [Setting(reference, *named_mesh(resolve(reference).solution.body)) for reference in scope.cases]
+        meshes = [mesh_for(resolve(reference).solution.body) for reference in scope.cases]
+        return [Setting(case, family.name, level) for case, (family, level) in zip(scope.cases, meshes, strict=True)]
 
     def measure(self, setting: Setting) -> dict[str, Any]:
-        """The picture."""
         return picture(resolve(setting.case))
-
-    def records(self, setting: Setting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """A file of its own."""
-        yield self.file, found
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Nothing."""
-        return []
 
     def cost(self, setting: Setting) -> float:
         """Half a second."""
         return 500_000.0
-
-    def memory(self, setting: Setting) -> float:
-        """That of fixed sizes."""
-        return estimates.SMALL
-
-    def steps(self, setting: Setting) -> int:
-        """Fixed."""
-        return 0
-
-
-def named_mesh(body: Body) -> tuple[str, int]:
-    """``mesh_for`` with the name of the family."""
-    family, level = mesh_for(body)
-    return family.name, level

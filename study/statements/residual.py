@@ -4,17 +4,17 @@ By (5.13) with (3.12) and (3.7)
 
     R(t; v) = (σ(t), ε(v))_Q − (f_0(t), v)_H − (f_2(t), v)_{L²(Γ2)},   v ∈ V,
 
-which has no σ_ν on Γ3 in it. Prop. 5.4 rests on R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), and on the bound of it by
-Cauchy and Schwarz, (5.41). Here R is its definition, so both can fail. They are measured at the times of (2.14) for
+which has no σ_ν on Γ3 in it. Prop. 5.4 rests on R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), and on the bound of it by Cauchy and
+Schwarz, (5.41). Here R is its definition, so both can fail. They are measured at the times of (2.14) for
 
 * smooth fields v that vanish on Γ1 and nowhere else: not in V^h, with v_ν of any sign on Γ3;
 * v = Π^h u − u, which (5.42) needs: all terms are small, and R much smaller than each.
 
-The defect |R(t; v) − ∫_{Γ3} σ_ν v_ν| is taken relative to the smallest of the terms of both sides that is not
-zero, for v = Π^h u − u of the definition alone, since σ_ν v_ν is nearly zero there: a term left out or of the
-wrong sign gives 1 or 2 at least. With the fine rules of (2.14) the rest is quadrature, so the windows are
-those of (2.14): round-off, where f_0 is smooth off lines that cut cells, a tenth where it jumps along curves.
-For v = Π^h u − u rounding counts 1/h times as much: (σ, ε(v))_Q = O(h²) is a sum of terms O(h).
+The defect |R(t; v) − ∫_{Γ3} σ_ν v_ν| is taken relative to the smallest of the terms of both sides that is not zero, for
+v = Π^h u − u of the definition alone, since σ_ν v_ν is nearly zero there: a term left out or of the wrong sign gives 1
+or 2 at least. With the fine rules of (2.14) the rest is quadrature, so the windows are those of (2.14): round-off,
+where f_0 is smooth off lines that cut cells, a tenth where it jumps along curves. For v = Π^h u − u rounding counts 1/h
+times as much: (σ, ε(v))_Q = O(h²) is a sum of terms O(h).
 
 |R| over its bound is 0/0 where σ_ν = 0, and only times with σ_ν ≠ 0 count. Where nothing touches at any time (5.41) is
 0 ≤ 0 by (5.40), and has no row. It is undecided if a case with contact has none at all of these times.
@@ -23,9 +23,8 @@ For v = Π^h u − u rounding counts 1/h times as much: (σ, ε(v))_Q = O(h²) i
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Protocol
 
 import numpy as np
 import pandas as pd
@@ -44,13 +43,14 @@ from study.ledger.criterion import Criterion, Measured, judge
 from study.ledger.measures import finest, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_most
-from study.statements.boundary import Field, distances, planes, strain, waves
+from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.green import (
     FINE,
     KINKED,
     ROUND_OFF,
     SMOOTH,
     TIMES,
+    by_smoothness,
     cut_at_fronts,
     smallest,
     smooth_off_lines,
@@ -65,21 +65,17 @@ FIELDS = 3
 """Smooth fields v."""
 POINTS = 20
 """Gauss points on a facet, exact to degree 39: p ~ (c − s)_+² on a facet graded to c has degree 31."""
-
 INSTANTS = 64
 """Where contact is looked for."""
-
 CANCELLING = at_most(1e-8, "with the fine rule: 1/h times the 1e-10 for a smooth f_0")
-
 BOUND = at_most(1 + 1e-9, "by the inequality of Cauchy and Schwarz")
 
 
-@dataclass(frozen=True)
 class Residual(ListedNumbers):
     """The definition of R against the integral over Γ3 and against its bound, for the cases with f_0(t) ∈ H."""
 
-    label: str = "(5.40), (5.41)"
-    claim: str = "R(t; v) = ∫_{Γ3} σ_ν v_ν and |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ for v ∈ V"
+    label = "(5.40), (5.41)"
+    claim = "R(t; v) = ∫_{Γ3} σ_ν v_ν and |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ for v ∈ V"
 
     def places(self, full: bool) -> list[Setting]:
         if full:
@@ -91,13 +87,11 @@ class Residual(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, case = space_of(setting), resolve(setting.case)
-        smooth = {"smooth": float(smooth_off_lines(case))}
-        return with_h(space.h, {**defects(case.solution, space), **smooth})
+        return with_h(space.h, {**defects(case.solution, space), "smooth": smooth_off_lines(case)})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        smooth = set(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
-        first, second = rows[rows["case"].isin(smooth)], rows[~rows["case"].isin(smooth)]
-        found = judge(self, first, lines(SMOOTH, CANCELLING)) + judge(self, second, lines(KINKED, KINKED))
+        smooth, kinked = by_smoothness(rows)
+        found = judge(self, smooth, lines(SMOOTH, CANCELLING)) + judge(self, kinked, lines(KINKED, KINKED))
         measured = set(rows.loc[rows["quantity"] == "bound", "case"])
         return [verdict for verdict in found if verdict.key != SHARE.key or verdict.case in measured]
 
@@ -123,47 +117,40 @@ def decided(criterion: Criterion) -> Criterion:
 SHARE = decided(largest("bound", "|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)})", BOUND, "bound"))
 
 
-class Member(Protocol):
-    """A function of V at one time: inside with its strain, and on parts of the boundary."""
-
-    def inside(self, rule: CellRule) -> tuple[Vectors, Tensors]: ...
-    def on(self, part: Part, rule: FacetRule) -> Vectors: ...
-
-
 @dataclass(frozen=True)
-class Smooth:
+class Member:
+    """A function of V at one time: its values and strains by a cell rule, and its values on parts of the boundary."""
+
+    inside: Callable[[CellRule], tuple[Vectors, Tensors]]
+    on: Callable[[Part, FacetRule], Vectors]
+
+
+def smooth_fields(space: Space) -> list[Member]:
+    """Random waves that vanish on Γ1."""
+    rng, clamped = np.random.default_rng(SEED), planes(space.body, Kind.CLAMPED)
+    return [analytic(vanishing(waves(space.body, rng), clamped)) for _ in range(FIELDS)]
+
+
+def analytic(v: Field) -> Member:
     """A field v that is analytic in x."""
-
-    field: Field
-
-    def inside(self, rule: CellRule) -> tuple[Vectors, Tensors]:
-        return self.field(rule.points), strain(self.field, rule.points)
-
-    def on(self, part: Part, rule: FacetRule) -> Vectors:
-        return self.field(part.point(rule.s))
+    return Member(lambda rule: (v(rule.points), strain(v, rule.points)), lambda part, rule: v(part.point(rule.s)))
 
 
-class Remainder:
+def remainder(solution: ExactSolution, space: Space, time: float) -> Member:
     """v = Π^h u(t) − u(t)."""
+    mesh, gradients, nodal = space.mesh, barycentric_gradients(space.mesh), solution.at(space.mesh.p).displacement(time)
+    strains = space.strain(space.interpolate(nodal))
 
-    def __init__(self, solution: ExactSolution, space: Space, time: float) -> None:
-        self.solution, self.mesh, self.time = solution, space.mesh, time
-        self.nodal = solution.at(space.mesh.p).displacement(time)
-        self.strain = space.strain(space.interpolate(self.nodal))
-        self.gradients = barycentric_gradients(space.mesh)
+    def inside(rule: CellRule) -> tuple[Vectors, Tensors]:
+        exact, corners = solution.at(rule.points), nodal[:, mesh.t[:, rule.cells]]
+        values = np.einsum("din,inq->dnq", corners, shapes(mesh, gradients, rule))
+        return values - exact.displacement(time), strains[:, rule.cells, None] - exact.strain(time)
 
-    def inside(self, rule: CellRule) -> tuple[Vectors, Tensors]:
-        exact, corners = self.solution.at(rule.points), self.nodal[:, self.mesh.t[:, rule.cells]]
-        values = np.einsum("din,inq->dnq", corners, shapes(self.mesh, self.gradients, rule))
-        return (
-            values - exact.displacement(self.time),
-            self.strain[:, rule.cells, None] - exact.strain(self.time),
-        )
+    def on(part: Part, rule: FacetRule) -> Vectors:
+        exact = solution.at(part.point(rule.s)).displacement(time)
+        return np.einsum("dan,anq->dnq", nodal[:, mesh.facets[:, rule.facets]], rule.shapes) - exact
 
-    def on(self, part: Part, rule: FacetRule) -> Vectors:
-        ends = self.nodal[:, self.mesh.facets[:, rule.facets]]
-        exact = self.solution.at(part.point(rule.s)).displacement(self.time)
-        return np.einsum("dan,anq->dnq", ends, rule.shapes) - exact
+    return Member(inside, on)
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,7 +196,7 @@ def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
     found = dict.fromkeys(("smooth v", "Π^hu − u", "bound"), math.nan)
     for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
-        every = terms(cut, space, time, [*smooth_fields(space), Remainder(cut, space, time)])
+        every = terms(cut, space, time, [*smooth_fields(space), remainder(cut, space, time)])
         smooth, small = every.of(slice(FIELDS)), every.of(slice(FIELDS, None))
         now = {
             "smooth v": smooth.defect(smooth.stress, smooth.body, smooth.loaded, smooth.contact),
@@ -225,22 +212,11 @@ def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
 def touches(solution: ExactSolution, space: Space) -> bool:
     """Whether σ_ν ≠ 0 anywhere on Γ3 at any of the instants."""
     for face in solution.faces:
-        edge = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, POINTS)
-        exact = solution.on(face, edge.s)
+        exact = solution.on(face, on_facets(space, face.part, face.rough).s)
         least = ROUND_OFF * exact.stress_scale()
         if any(np.any(abs(exact.pressure(time)) > least) for time in midpoints(solution.body.T, INSTANTS)):
             return True
     return False
-
-
-def smooth_fields(space: Space) -> list[Smooth]:
-    """Random waves that vanish on Γ1."""
-    rng, clamped = np.random.default_rng(SEED), planes(space.body, Kind.CLAMPED)
-
-    def field(wave: Field) -> Smooth:
-        return Smooth(lambda x: wave(x) * distances(x, clamped))
-
-    return [field(waves(space.body, rng)) for _ in range(FIELDS)]
 
 
 def terms(solution: ExactSolution, space: Space, time: float, members: Sequence[Member]) -> Terms:
@@ -253,17 +229,22 @@ def terms(solution: ExactSolution, space: Space, time: float, members: Sequence[
         stress += [np.vdot(sigma, strain_of_v) for _, strain_of_v in values]
         body += [np.vdot(force, v) for v, _ in values]
     for part in space.body.of(Kind.LOADED):
-        edge = facet_rule(space.mesh, space.facets(part), part, (), POINTS)
+        edge = on_facets(space, part)
         load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
         loaded += [np.vdot(load, member.on(part, edge)) for member in members]
     for face in solution.faces:
-        edge = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, POINTS)
+        edge = on_facets(space, face.part, face.rough)
         normal_stress = -solution.on(face, edge.s).pressure(time)
         traces = [np.tensordot(face.part.normal, member.on(face.part, edge), axes=1) for member in members]
         contact += [np.sum(normal_stress * trace * edge.weights) for trace in traces]
         square += [np.sum(trace**2 * edge.weights) for trace in traces]
         pressed += np.sum(normal_stress**2 * edge.weights)
     return Terms(stress, body, loaded, contact, np.sqrt(square * pressed))
+
+
+def on_facets(space: Space, part: Part, rough: tuple[float, ...] = ()) -> FacetRule:
+    """The fine rule on a part of the boundary."""
+    return facet_rule(space.mesh, space.facets(part), part, rough, POINTS)
 
 
 def norm(values: Array) -> float:

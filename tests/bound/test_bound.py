@@ -63,7 +63,7 @@ from study.fem.space import Space
 from study.solve.evolution import Scheme
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure.bound_rows import measure, posed
-from study.statements.enclosure.where import eligible
+from study.statements.enclosure.courses import eligible
 from study.stresses.alfeld import SIDES, thirds
 from study.stresses.bernstein import bernstein
 

@@ -22,12 +22,13 @@ from numpy.typing import NDArray
 
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
-from study.ledger.datafiles import read_rates
+from study.ledger.datafiles import DataError, read_rates
 from study.ledger.files import StoreError, write_text, write_whole
 from study.ledger.packing import FINE, Packed
 from study.present.figures import draw_figures, drawings
 from study.present.latex import encode
-from study.present.tables import DataError, ledger_text, rates_text, write_tables
+from study.present.tables import write_tables
+from study.present.terminal import ledger_text, rates_text
 from study.solve.motion import Motion
 from study.statements.pictures import record
 

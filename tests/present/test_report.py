@@ -17,14 +17,15 @@ import pytest
 from manufactured.catalogue import catalogue
 from study.cli.main import main
 from study.fem.naming import resolve
+from study.ledger.datafiles import DataError
 from study.ledger.packing import FINE, STEPS, Packed
 from study.present.picture.face_history import values
 from study.present.report import write_report
 from study.present.report.typeset import typeset, typeset_svg
-from study.present.tables import DataError, bounds_table, equivalence_table, ledger_table, rates_table, stress_table
+from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
 from study.run.provenance import read_provenance
 from study.run.sources import ROOT, sources
-from study.statements.pictures import PICTURES, picture
+from study.statements.pictures import Pictures, picture
 
 RESULTS = Path(__file__).parents[2] / "results"
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
@@ -329,6 +330,6 @@ def test_the_page_of_the_committed_run_has_at_most_6_megabytes_and_its_pictures_
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs"))
     for case in catalogue():
         path = tmp_path / "data" / "pictures" / f"{case.name}.json"
-        PICTURES.write(tmp_path / "data", [picture(case)])
+        Pictures.file.write(tmp_path / "data", [picture(case)])
         assert path.stat().st_size <= 130e3
     assert report(tmp_path).stat().st_size <= 6e6

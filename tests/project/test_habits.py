@@ -34,7 +34,7 @@ from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.leading_term import SizeOfInterpolation
+from study.statements.prop_5_4.from_rates import SizeOfInterpolation
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.measure import measure_case
 

@@ -18,8 +18,8 @@ from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
 from study.ledger.rounding import above, below
 from study.present.readme import headline, refresh
 from study.statements.prop_5_3.convergence import LIMIT
+from study.statements.prop_5_4.from_rates import Turned
 from study.statements.prop_5_4.judge import NOT_AT_START
-from study.statements.prop_5_4.turned import RULES
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "README.md").read_text(encoding="utf-8")
@@ -133,7 +133,7 @@ def test_the_cases_it_names_for_an_error_largest_at_the_start_are_those_of_the_d
 
 
 def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:
-    told, axes = " ".join(TEXT.split()), {rule.key: rule.window for rule in RULES}
+    told, axes = " ".join(TEXT.split()), {rule.key: rule.window for rule in Turned.rules}
     for window, words, value in (
         (LIMIT, "at most 10 % of the two finest errors", 0.1),
         (axes["errors"], "must equal those of the former to 10⁻¹⁰ of their size", 1e-10),

@@ -28,8 +28,8 @@ from study.run.plan import Plan, quick
 from study.run.processes import Processes
 from study.run.resources import GIB, available
 from study.run.store import Store
+from study.statements.enclosure.courses import BoundSetting
 from study.statements.enclosure.inside import EnclosedError
-from study.statements.enclosure.where import BoundSetting
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.sweep import RateSetting
 from study.statements.shared.base import Setting

@@ -12,7 +12,8 @@ from manufactured.tensors import identity, mandel, size
 from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
-from study.solve.motion import Motion, density
+from study.solve.energy_balance import density
+from study.solve.motion import Motion
 from study.solve.von_mises import von_mises
 
 CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")

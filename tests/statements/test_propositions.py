@@ -8,11 +8,9 @@ import pytest
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.completeness import Complete
-from study.statements.leading_term import SizeOfInterpolation
 from study.statements.prop_5_3.convergence import Convergence
+from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
 from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.regularity_needed import RegularityNeeded
-from study.statements.prop_5_4.turned import Turned
 from study.statements.thm_4_2.same_mesh import SameMesh
 
 

@@ -22,17 +22,8 @@ from study.statements.error_bounds import BOUNDS, RATE, TRACE, ErrorBounds, cons
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid
-from study.statements.wellposed import (
-    BoundedVelocity,
-    Dependence,
-    OneTrajectory,
-    apart,
-    fastest,
-    growth,
-    perturbations,
-    quotients,
-    rivals,
-)
+from study.statements.uniqueness import OneTrajectory, apart, rivals
+from study.statements.wellposed import BoundedVelocity, Dependence, fastest, growth, perturbations, quotients
 
 CASES = {case.name: case for case in catalogue()}
 JUDGED = [Admissibility(), OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()]

@@ -1,6 +1,6 @@
 """Beyond the source: bounds of the error of the fully discrete scheme, without the exact solution.
 
-**Measured** (``bound_rows``, ``courses``) by ``study.bound``: the error of a displacement u_h that a time scheme
+**Measured** (``courses``, ``bound_rows``) by ``study.bound``: the error of a displacement u_h that a time scheme
 computed, bounded from u_h itself ("bound"), and enclosed from both sides by a better trajectory ("enclosure"), at many
 times.
 

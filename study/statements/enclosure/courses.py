@@ -1,23 +1,30 @@
-"""What is measured of bounds: rows of ``bounds.csv``, and the course of each in time."""
+"""Where errors are bounded, and what is measured there: rows of ``bounds.csv``, and the course of each in time."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, fields
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
 
-from study.bound.trajectory import Refined
+from manufactured.case import Case
+from study.bound.trajectory import Refined, SmoothedInTime, Trajectory
 from study.bound.two_sided import Enclosure
 from study.fem.naming import choose, family_named
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
 from study.statements.enclosure.bound_rows import BoundRow, measure, posed
-from study.statements.enclosure.where import BoundSetting, full_bounds, quick_bounds
 from study.statements.shared import estimates
+from study.statements.shared.base import Setting, Statement
+from study.statements.shared.places import families
 from study.statements.shared.scope import Scope
+
+QUICK = ("advance-recede", "yield-on-a-part", "hexagon")
+"""Cases whose bounds the quick study computes, one with each scheme: memory, law (3.3), three faces."""
+CHECKED, CHECKED_LEVEL = "advance-recede", 32
+"""The case with check values, and the level at which the enclosure is announced to be tight."""
 
 KEY = ("trajectory", "case", "family", "scheme", "level")
 BOUNDS = CsvFile("bounds.csv", KEY, tuple(field.name for field in fields(BoundRow)))
@@ -26,12 +33,69 @@ TIMES = 96
 """Times that are kept of one computation."""
 
 
-class Bounds:
+@dataclass(frozen=True)
+class BoundSetting(Setting):
+    """One row of ``bounds.csv``; ``case`` may be the name of a problem whose solution is unknown.
+
+    Attributes:
+        scheme: name of the time scheme of u_h.
+        by: where ũ comes from.
+    """
+
+    scheme: str
+    by: Trajectory
+
+    @property
+    def trajectory(self) -> str:
+        """Its name, which is that of the statement."""
+        return self.by.name
+
+    @property
+    def refinements(self) -> int:
+        """Of the mesh of u_h for that of ũ."""
+        return self.by.refinements if isinstance(self.by, Refined) else 0
+
+
+def eligible(case: Case) -> bool:
+    """Whether the bound can be given: in the plane, with f_0 ∈ L²(Ω)², tensors smooth in every cell."""
+    return case.solution.body.dim == 2 and case.regularity.force_in_L2 and not case.regularity.kink
+
+
+def quick_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
+    """A scheme for each of the quick cases, and enclosures on two levels with a solution that is known and without."""
+    chosen = [case for case in cases if case.name in QUICK]
+    for turn, case in enumerate(chosen):
+        serving = families(case)
+        yield BoundSetting(case.name, serving[turn % len(serving)], 8, SCHEMES[turn].name, SmoothedInTime())
+    for case in chosen[:1]:
+        yield from by_midpoint(case.name, families(case)[0], (4, 8), Refined(0, 2))
+        yield from by_midpoint("bracket", "graded", (4, 8), Refined(0, 2))
+
+
+def full_bounds(cases: Sequence[Case]) -> Iterator[BoundSetting]:
+    """Every case with every scheme, families in turn; enclosures on two levels; the problems without a solution."""
+    for turn, case in enumerate(filter(eligible, cases)):
+        serving = families(case)
+        in_turn = [serving[(turn + place) % len(serving)] for place in range(len(SCHEMES))]
+        for family, scheme in zip(in_turn, SCHEMES, strict=True):
+            yield BoundSetting(case.name, family, 8, scheme.name, SmoothedInTime())
+        yield from by_midpoint(case.name, in_turn[0], (16,), SmoothedInTime())
+        yield from by_midpoint(case.name, in_turn[0], (4, 8) if case.name != CHECKED else (), Refined(1, 2))
+    if any(case.name == CHECKED for case in cases):
+        yield from by_midpoint(CHECKED, "shaken", (8, 16, CHECKED_LEVEL), Refined(1, 4))
+        yield from by_midpoint("ramp", "unstructured", (4, 8, 16), Refined(2, 2))
+        yield from by_midpoint("bracket", "graded", (4, 8, 16), Refined(1, 2))
+
+
+def by_midpoint(case: str, family: str, levels: Sequence[int], by: Trajectory) -> list[BoundSetting]:
+    """Some levels with the midpoint rule."""
+    return [BoundSetting(case, family, level, "midpoint", by) for level in levels]
+
+
+class Bounds(Statement):
     """What both statements have in common: where and how errors are bounded."""
 
-    label: str
-    file: DataFile = BOUNDS
-    of_every_case: bool = False
+    file = BOUNDS
 
     def settings(self, scope: Scope) -> list[BoundSetting]:
         """The cases of the study, and problems without a solution beside them."""
@@ -41,8 +105,8 @@ class Bounds:
     def measure(self, setting: BoundSetting) -> dict[str, Any]:
         """A row of ``bounds.csv``, and columns of ``enclosures.csv``."""
         family, scheme = family_named(setting.family), choose("scheme", setting.scheme, SCHEMES)
-        bounds = measure(posed(setting.case), family, setting.level, scheme, self.steps(setting), setting.by)
-        return {"row": asdict(bounds[0]), "times": over_time(bounds[1])}
+        row, found = measure(posed(setting.case), family, setting.level, scheme, self.steps(setting), setting.by)
+        return {"row": asdict(row), "times": over_time(found)}
 
     def records(self, setting: BoundSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
         """One row, and one for every time."""
@@ -54,20 +118,16 @@ class Bounds:
     def cost(self, setting: BoundSetting) -> float:
         """By cells of the mesh of ũ and its steps: a knot costs three stress solves of degree 3."""
         shorter = setting.by.shorter if isinstance(setting.by, Refined) else 1
-        return 220.0 * setting.level**2 * 4 ** _finer(setting) * self.steps(setting) * shorter
+        return 220.0 * setting.level**2 * 4**setting.refinements * self.steps(setting) * shorter
 
     def memory(self, setting: BoundSetting) -> float:
         """That of stresses on the mesh of ũ."""
-        return estimates.bound(setting.level, _finer(setting), setting.family)
+        return estimates.bound(setting.level, setting.refinements, setting.family)
 
     def steps(self, setting: BoundSetting) -> int:
         """Those of rates."""
         problem = posed(setting.case)
         return rate_steps(problem.data.body.T, setting.level, problem.pace)
-
-
-def _finer(setting: BoundSetting) -> int:
-    return setting.by.refinements if isinstance(setting.by, Refined) else 0
 
 
 def over_time(found: Enclosure) -> dict[str, list[float]]:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import pandas as pd
 
@@ -12,8 +11,7 @@ from study.ledger.criterion import Observation, Rule
 from study.ledger.measures import every, largest
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import Window, at_most
-from study.statements.enclosure.courses import Bounds
-from study.statements.enclosure.where import CHECKED, CHECKED_LEVEL
+from study.statements.enclosure.courses import CHECKED, CHECKED_LEVEL, Bounds
 
 INSIDE = at_most(1.0, "at every sampled time")
 TIGHT_ABOVE = Window(1.0, 1.15, "over [T/2, T]")
@@ -34,12 +32,11 @@ TIGHT = (
 )
 
 
-@dataclass(frozen=True)
 class BoundedError(Bounds):
     """The bound from the computed displacement alone."""
 
-    label: str = "bound"
-    claim: str = "‖u(t) − u_h(t)‖_V ≤ y(t), from u_h and an admissible stress alone"
+    label = "bound"
+    claim = "‖u(t) − u_h(t)‖_V ≤ y(t), from u_h and an admissible stress alone"
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         mine = rows[(rows["trajectory"] == self.label) & rows["known"]]
@@ -50,12 +47,11 @@ class BoundedError(Bounds):
         ]
 
 
-@dataclass(frozen=True)
 class EnclosedError(Bounds):
     """The enclosure by a better trajectory, and that of the order."""
 
-    label: str = "enclosure"
-    claim: str = "d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t), without the exact solution"
+    label = "enclosure"
+    claim = "d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t), without the exact solution"
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found: list[Verdict] = []

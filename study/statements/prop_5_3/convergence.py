@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import pandas as pd
 
@@ -14,7 +13,7 @@ from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
 from study.ledger.window import around, at_most
 from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
-from study.statements.prop_5_4.regularity_needed import GRADED
+from study.statements.prop_5_4.from_rates import GRADED
 from study.statements.prop_5_4.sweep import Rates
 
 LEVELS = ENOUGH + 1
@@ -26,12 +25,11 @@ the window answers to δ = 0.02, as sharp as the place of a front within its cel
 ROOM = 0.15
 
 
-@dataclass(frozen=True)
 class Convergence(Rates):
     """Proposition 5.3 on the exact solutions that miss (5.36)."""
 
-    label: str = "Prop. 5.3"
-    claim: str = "‖u − u^h‖_{L∞(0,T;V)} → 0"
+    label = "Prop. 5.3"
+    claim = "‖u − u^h‖_{L∞(0,T;V)} → 0"
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found = []

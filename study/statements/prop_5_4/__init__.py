@@ -8,7 +8,7 @@ steps and quadrature, the residual of the contact solves, u^h on Γ1. ``experime
 **Judged** (``judge``). Orders must be 1 from both sides, since (5.37) is sharp for piecewise linears, from level to
 level and fitted. So must be the sizes, by three relations, of which the first shares no code with the errors:
 
-* ‖u − Π^h u‖_V against its leading term, computed from second derivatives of u; judged as (5.23), ``leading_term``;
+* ‖u − Π^h u‖_V against its leading term, computed from second derivatives of u; judged as (5.23), ``from_rates``;
 * (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ = 1 within 10 %: were u^h the best approximation of u in V^h, this
   would be Pythagoras' theorem, and contact and memory disturb it little. It ties the error to the interpolation error;
 * the parallelogram law of u − u^h and u − Π^h u at every time. It ties the error to u^h: that of Π^h u would pass the
@@ -18,5 +18,5 @@ level and fitted. So must be the sizes, by three relations, of which the first s
 largest value may come at t = 0, where nothing was solved. What the solver did is ‖Π^h u − u^h‖_V, with an order and a
 share of its own.
 
-``turned`` compares bodies in different positions, ``regularity_needed`` asks what becomes of the order without (5.36).
+``from_rates`` also compares bodies in different positions, and asks what becomes of the order without (5.36).
 """

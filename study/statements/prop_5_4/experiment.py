@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from manufactured.exact import ExactSolution
 from study.fem.gauge import Gauge
 from study.fem.mesh import MeshFamily
+from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete
+from study.statements.shared.base import Setting
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,3 +39,8 @@ class Experiment:
         gauge = Gauge(solution, space)
         u0 = gauge.sample(0.0).interpolant
         return cls(solution, space, gauge, SemiDiscrete.of(space, solution.law, gauge.load, u0), scheme, steps)
+
+    @classmethod
+    def at(cls, setting: Setting, scheme: Scheme, steps: int) -> Experiment:
+        """The experiment on a case by its name."""
+        return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, scheme, steps)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterator
 
 import numpy as np
 import pandas as pd
@@ -25,12 +25,11 @@ ENOUGH_AFTER_START = at_least(4)
 """Cases whose largest error must come after t = 0, where something was solved."""
 
 
-@dataclass(frozen=True)
 class FirstOrder(Rates):
     """Proposition 5.4 on the exact solutions with (5.36)."""
 
-    label: str = "Prop. 5.4"
-    claim: str = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
+    label = "Prop. 5.4"
+    claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         mine = rows[rows["claim"] == self.label]
@@ -47,9 +46,9 @@ class FirstOrder(Rates):
         solid = SOLIDS if int(rows["dim"].iloc[0]) == 3 else ()
         orders = [criterion.verdict(self, case, groups) for criterion in (*errors(expected), SIZES)]
         discrete = [criterion.verdict(self, case, chosen) for criterion, chosen in discrete_errors(groups)]
-        start = start_share(all(verdict.verdict == HOLDS for verdict in discrete)).verdict(self, case, groups)
-        rest = [criterion.verdict(self, case, groups) for criterion in (*EVIDENCE, *solid)]
-        return [*orders, *discrete, start, *rest]
+        start = start_share(all(verdict.verdict == HOLDS for verdict in discrete))
+        rest = [criterion.verdict(self, case, groups) for criterion in (start, *EVIDENCE, *solid)]
+        return [*orders, *discrete, *rest]
 
     def _after_start(self, rows: pd.DataFrame) -> Verdict:
         """Whether enough cases have their largest error after t = 0."""
@@ -70,49 +69,39 @@ def errors(expected: float) -> tuple[Criterion, Criterion]:
     )
 
 
-SOLIDS = tuple(
-    between_levels(key, f"order of {name}, finest pair", SOLID, column, 1, ENOUGH)
-    for key, name, column in (
-        ("order-finest", "the error", "error"),
-        ("interpolation-order-finest", "‖u − Π^h u‖_V", "interpolation_error"),
-    )
+SOLIDS = (
+    between_levels("order-finest", "order of the error, finest pair", SOLID, "error", 1, ENOUGH),
+    between_levels(
+        "interpolation-order-finest", "order of ‖u − Π^h u‖_V, finest pair", SOLID, "interpolation_error", 1, ENOUGH
+    ),
 )
 """In 3D, where few levels can be had, the finest pair alone must be nearer to 1."""
 
 
-def discrete_errors(groups: Groups) -> list[tuple[Criterion, Groups]]:
+def discrete_errors(groups: Groups) -> Iterator[tuple[Criterion, Groups]]:
     """‖Π^h u − u^h‖_V, what the solver did: its order, its share of the interpolation error, and that of time steps.
 
-    On one-diagonal meshes neighbouring triangles form parallelograms and Π^h u − u^h is superclose,
-    of order 3/2 (traction boundary) to 2; elsewhere it is at least of the order of the error. At
-    most it is of order 2.
+    On one-diagonal meshes neighbouring triangles form parallelograms and Π^h u − u^h is superclose, of order 3/2
+    (traction boundary) to 2; elsewhere it is at least of the order of the error. At most it is of order 2.
     """
     superclose = {name: group for name, group in groups.items() if name == "one-diagonal"}
     others = {name: group for name, group in groups.items() if name != "one-diagonal"}
-    found = [
-        (order(f"discrete-order-{key}", f"order of ‖Π^h u − u^h‖_V, {which}", window, "discrete_error", ENOUGH), chosen)
-        for key, which, window, chosen in (
-            ("superclose", "superclose", SUPERCLOSE, superclose),
-            ("others", "other families", OTHERS, others),
-        )
-        if chosen
-    ]
+    for key, which, window, chosen in (
+        ("superclose", "superclose", SUPERCLOSE, superclose),
+        ("others", "other families", OTHERS, others),
+    ):
+        if chosen:
+            quantity = f"order of ‖Π^h u − u^h‖_V, {which}"
+            yield order(f"discrete-order-{key}", quantity, window, "discrete_error", ENOUGH), chosen
+    columns = "discrete_error", "interpolation_error"
+    yield Criterion("discrete-share", "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", DISCRETE_SHARE, _share, columns), groups
     time = largest("discrete-time-share", "time share of ‖Π^h u − u^h‖_V", DISCRETE_TIME, "discrete_time_share")
-    return [*found, (SHARE, groups), (time, groups)]
+    yield time, groups
 
 
 def _share(group: pd.DataFrame) -> Measured:
     last = group.iloc[-1]
     return exactly(last["discrete_error"] / last["interpolation_error"])
-
-
-SHARE = Criterion(
-    "discrete-share",
-    "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
-    DISCRETE_SHARE,
-    _share,
-    ("discrete_error", "interpolation_error"),
-)
 
 
 def start_share(carried: bool) -> Criterion:

@@ -11,15 +11,11 @@ from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
 from study.solve.tableau import SCHEMES
 from study.statements.prop_5_4.measure import RateRow, measure_case
 from study.statements.shared import estimates
-from study.statements.shared.base import Setting
+from study.statements.shared.base import Setting, Statement
 from study.statements.shared.scope import Scope
 
-RATES = CsvFile(
-    "rates.csv",
-    ("case", "family", "scheme", "level"),
-    ("claim", *(field.name for field in fields(RateRow))),
-    with_orders,
-)
+COLUMNS = ("claim", *(field.name for field in fields(RateRow)))
+RATES = CsvFile("rates.csv", ("case", "family", "scheme", "level"), COLUMNS, with_orders)
 
 
 @dataclass(frozen=True, order=True)
@@ -30,12 +26,11 @@ class RateSetting(Setting):
     steps: int
 
 
-class Rates:
+class Rates(Statement):
     """What is measured for a proposition on the cases that are cases of it."""
 
-    label: str
-    file: DataFile = RATES
-    of_every_case: bool = True
+    file = RATES
+    of_every_case = True
 
     def settings(self, scope: Scope) -> list[RateSetting]:
         """Its cases on all their mesh families and levels."""
@@ -48,7 +43,6 @@ class Rates:
         ]
 
     def measure(self, setting: RateSetting) -> dict[str, Any]:
-        """A row of ``rates.csv``."""
         case, scheme = resolve(setting.case), choose("scheme", setting.scheme, SCHEMES)
         return asdict(measure_case(case, family_named(setting.family), setting.level, scheme, setting.steps))
 
@@ -62,9 +56,7 @@ class Rates:
         return float(setting.level**dim * setting.steps) * (7 if dim == 2 else 150) * estimates.cells(setting.family)
 
     def memory(self, setting: RateSetting) -> float:
-        """That of Problem 5.1."""
         return estimates.displacement(resolve(setting.case).solution.body.dim, setting.level, setting.family)
 
     def steps(self, setting: RateSetting) -> int:
-        """Those of the setting."""
         return setting.steps

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import pandas as pd
 
 from study.fem.naming import resolve
+from study.ledger.criterion import Rule, by_family, judge
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.verdict import Verdict
 from study.statements.shared import estimates
@@ -30,52 +31,63 @@ class Setting:
     level: int
 
 
-class Statement(Protocol):
-    """A numbered statement of the source, or a question beyond it.
+class Statement:
+    """A numbered statement of the source, or a question beyond it; two of one class are equal.
+
+    By itself it is judged by what others measure, and a measurement is one row of a file.
 
     Attributes:
         label: its number.
         claim: what it says in words.
         file: the data file with the rows that it is judged by.
+        rules: what is judged of every case.
         of_every_case: whether it is measured on every case of a run, those of users too.
     """
 
-    @property
-    def label(self) -> str: ...
-    @property
-    def claim(self) -> str: ...
-    @property
-    def file(self) -> DataFile: ...
-    @property
-    def of_every_case(self) -> bool: ...
+    label: str
+    claim: str
+    file: DataFile
+    rules: Sequence[Rule] = ()
+    of_every_case: bool = False
+
+    def places(self, full: bool) -> Sequence[Any]:
+        """Cases of the catalogue, families and levels of the quick or the full study."""
+        return ()
 
     def settings(self, scope: Scope) -> Sequence[Any]:
-        """Where it is measured in a study of some cases."""
-        ...
+        """Where it is measured in a study of some cases: the places with one of them."""
+        return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
     def measure(self, setting: Any) -> Mapping[str, Any]:
         """Named numbers for one setting."""
-        ...
+        raise NotImplementedError(f"{type(self).__name__}: nothing is measured")
 
     def records(self, setting: Any, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
         """The rows that a measurement gives to data files."""
-        ...
+        yield self.file, found
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         """Rows of the ledger from the rows of its data file, with what is predicted of their cases; solves nothing."""
-        ...
+        cases = [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
+        return [rule.verdict(self, case, groups) for case, groups in cases for rule in self.rules]
 
     def cost(self, setting: Any) -> float:
         """Expected time of ``measure`` in µs."""
-        ...
+        return 0.0
 
     def memory(self, setting: Any) -> float:
         """Bytes that the process of ``measure`` takes at most, by estimate."""
-        ...
+        return estimates.SMALL
 
     def steps(self, setting: Any) -> int:
-        """Time steps that follow from the setting, which is part of what a result is known by; 0 for none."""
-        ...
+        """Time steps that follow from the setting, part of what a result is known by; 0 if ``measure`` sets them."""
+        return 0
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other)
+
+    def __hash__(self) -> int:
+        return hash(type(self))
 
 
 LISTED = CsvFile(
@@ -86,24 +98,10 @@ LISTED = CsvFile(
 """Measurements of most statements: a row for each number."""
 
 
-class ListedNumbers:
-    """What statements have in common whose numbers are listed one by one in ``statements.csv``.
+class ListedNumbers(Statement):
+    """A statement whose numbers are listed one by one in ``statements.csv``."""
 
-    They say with ``places(full)`` on which cases of the catalogue, families and levels they are measured in the quick
-    or the full study.
-    """
-
-    label: str
     file: DataFile = LISTED
-    of_every_case: bool = False
-
-    def places(self, full: bool) -> list[Setting]:
-        """Where it is measured in the quick or the full study."""
-        raise NotImplementedError
-
-    def settings(self, scope: Scope) -> list[Setting]:
-        """The places with a case of the study."""
-        return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
     def records(self, setting: Setting, found: Mapping[str, float]) -> Iterator[tuple[DataFile, Row]]:
         """A row for every number but the mesh size."""
@@ -111,6 +109,9 @@ class ListedNumbers:
         for quantity, value in found.items():
             if quantity != "h":
                 yield self.file, {**common, "quantity": quantity, "value": value}
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        return judge(self, rows, self.rules)
 
     def cost(self, setting: Setting) -> float:
         """By level and dimension alone."""
@@ -120,40 +121,6 @@ class ListedNumbers:
     def memory(self, setting: Setting) -> float:
         """The largest of all such statements."""
         return estimates.statement(resolve(setting.case).solution.body.dim, setting.level)
-
-    def steps(self, setting: Setting) -> int:
-        """None, or as many as ``measure`` takes by itself."""
-        return 0
-
-
-class NothingMeasured:
-    """What statements have in common that are judged by measurements of others, or by none."""
-
-    of_every_case: bool = False
-
-    def settings(self, scope: Scope) -> list[Setting]:
-        """None."""
-        return []
-
-    def measure(self, setting: Setting) -> Mapping[str, float]:
-        """Never called."""
-        raise NotImplementedError(f"{type(self).__name__}: nothing is measured")
-
-    def records(self, setting: Setting, found: Mapping[str, float]) -> Iterator[tuple[DataFile, Row]]:
-        """None."""
-        return iter(())
-
-    def cost(self, setting: Setting) -> float:
-        """Nothing."""
-        return 0.0
-
-    def memory(self, setting: Setting) -> float:
-        """Nothing."""
-        return 0.0
-
-    def steps(self, setting: Setting) -> int:
-        """None."""
-        return 0
 
 
 def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -> list[Setting]:

@@ -1,6 +1,8 @@
-"""Norms in V of the exact velocity, and of what Π^h leaves of it, at single times."""
+"""Norms in V: on V^h, and of the exact velocity, and of what Π^h leaves of it, at single times."""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
@@ -8,6 +10,12 @@ from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.gauge import DEGREE, rules
 from study.fem.space import Space
+from study.solve.evolution import SemiDiscrete
+
+
+def norm(problem: SemiDiscrete, v: Array) -> float:
+    """‖v‖_V on V^h."""
+    return math.sqrt(max(v @ (problem.M @ v), 0.0))
 
 
 class Velocity:

@@ -7,14 +7,13 @@ from dataclasses import dataclass
 
 import pandas as pd
 
-from study.ledger.datafiles import DataFile
 from study.ledger.verdict import REPORTED, Verdict, row
 from study.ledger.window import Window
-from study.statements.shared.base import LISTED, NothingMeasured
+from study.statements.shared.base import LISTED, Statement
 
 
 @dataclass(frozen=True)
-class Listed(NothingMeasured):
+class Listed(Statement):
     """Rows of the ledger about which nothing is measured.
 
     Attributes:
@@ -24,7 +23,7 @@ class Listed(NothingMeasured):
     label: str
     claim: str
     rows: tuple[tuple[str, str, str, str], ...]
-    file: DataFile = LISTED
+    file = LISTED
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         """The rows, whatever was measured."""

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Hashable, Iterable
 from functools import lru_cache
 
+from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
-from study.fem.mesh import FAMILIES, MeshError
+from study.fem.mesh import FAMILIES, MeshError, MeshFamily, boundary_parts
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.statements.shared.base import Setting
@@ -24,6 +25,8 @@ def families(case: Case) -> list[str]:
     return [family.name for family in FAMILIES if family.serves(case.solution.body)]
 
 
+COARSEST = 16
+"""Ends of parts lie on a grid coarser than this."""
 FIRST, LAST, EVERY = slice(1), slice(-1, None), slice(None)
 """Which of the families that serve a body."""
 
@@ -47,19 +50,18 @@ def place(
 @lru_cache
 def spacing(case: str, family: str) -> int:
     """The smallest number whose multiples are levels at which the family fits the body of a case."""
-
-    def fits(level: int) -> bool:
-        try:
-            space_of(Setting(case, family, level))
-        except MeshError:
-            return False
-        return True
-
-    return 1 if fits(2) and fits(3) else next(level for level in range(2, COARSEST) if fits(level))
+    kind, body = family_named(family), resolve(case).solution.body
+    fitting = (level for level in range(2, COARSEST) if fits(kind, body, level))
+    return 1 if fits(kind, body, 2) and fits(kind, body, 3) else next(fitting)
 
 
-COARSEST = 16
-"""Ends of parts lie on a grid coarser than this."""
+def fits(family: MeshFamily, body: Body, level: int) -> bool:
+    """Whether the mesh of a level fits the parts of a body."""
+    try:
+        boundary_parts(family(body, level), body)
+    except MeshError:
+        return False
+    return True
 
 
 def shape(case: Case) -> Hashable:
@@ -72,11 +74,11 @@ def material(case: Case) -> Hashable:
     return repr(case.solution.law.A), repr(case.solution.law.G)
 
 
-def different(key: Callable[[Case], Hashable]) -> list[Case]:
-    """The first case of the catalogue for every value of a key."""
+def different(*keys: Callable[[Case], Hashable]) -> list[Case]:
+    """The first case of the catalogue for every value of some keys."""
     found: dict[Hashable, Case] = {}
     for case in catalogue():
-        found.setdefault(key(case), case)
+        found.setdefault(tuple(key(case) for key in keys), case)
     return list(found.values())
 
 

@@ -1,8 +1,7 @@
 """How far Problems 3.1 and 3.2 are apart on the same V^h, and how far they may be.
 
-Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t), where u_n is a
-multiplier and u_n ∈ K^h is not imposed. The two share the matrix of strains, the load and the time
-steps of backward Euler, and nothing else.
+Problem 3.1 is solved in displacements on K^h; Problem 3.2 in stresses on Σ^h(t), where u_n is a multiplier, not held in
+K^h. The two share the matrix of strains, the load and the time steps of backward Euler, and nothing else.
 
 How far they may be apart is known, without the solution. At step j the interior point stops with a duality gap g_j,
 and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in that of C = A/k + G are at most g_j, σ* and ε* exact for the
@@ -18,21 +17,27 @@ its potential being at least as convex. ``paper/article.tex`` has the proof.
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.sparse as sps
 from scipy.optimize import nnls
 
+from manufactured.case import Case
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
+from study.fem.naming import family_named, resolve
 from study.fem.space import Space
+from study.ledger.datafiles import CsvFile
 from study.solve.evolution import SemiDiscrete
 from study.solve.stress_problem import StressProblem
 from study.solve.tableau import BACKWARD_EULER
+from study.statements.shared import estimates
+from study.statements.shared.base import Setting, Statement
+from study.statements.shared.scope import Scope
 
 
 class Gaps(NamedTuple):
@@ -44,8 +49,7 @@ class Gaps(NamedTuple):
         admissibility: sup of (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with |v| = 1 (nodal values)
             for σ_n of Problem 3.2, / max_n |F(t_n)|.
         energy_gap: |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| of Problem 3.2, (4.14), / max_n |(f(t_n), u_n)_V|.
-        membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2,
-            / max_n |u_n|_∞.
+        membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2, / max_n |u_n|_∞.
         displacement_bound: what the duality gaps allow for displacement_gap, k^{1/2} R.
         stress_bound: the same for stress_gap, (L_A/k + L_G)^{1/2} R.
     """
@@ -59,6 +63,49 @@ class Gaps(NamedTuple):
     stress_bound: float
 
 
+COLUMNS = ("case", "form", "level", "h", "steps", *Gaps._fields, "family")
+"""``form`` is the space of strains, whose duals the stresses are."""
+EQUIVALENCE = CsvFile("equivalence.csv", ("case", "family", "level"), COLUMNS)
+
+
+class Comparison(Statement):
+    """Problem 3.2 on the strains of V^h against Problem 3.1, by backward Euler with k ~ h/2."""
+
+    file = EQUIVALENCE
+    of_every_case = True
+
+    def settings(self, scope: Scope) -> list[Setting]:
+        """Every case on coarse levels, for the interior point method is for small problems."""
+        return [
+            Setting(reference, family.name, n)
+            for reference, case in zip(scope.cases, scope.resolved(), strict=True)
+            for family in scope.families_of(case)[: None if scope.every_family else 1]
+            for n in (scope.equivalence if case.solution.body.dim == 2 else scope.solid_equivalence)
+        ]
+
+    def measure(self, setting: Setting) -> dict[str, Any]:
+        return compare(resolve(setting.case), family_named(setting.family), setting.level, self.steps(setting))
+
+    def cost(self, setting: Setting) -> float:
+        dim = resolve(setting.case).solution.body.dim
+        return float(setting.level**dim * self.steps(setting)) * (70 if dim == 2 else 1000)
+
+    def memory(self, setting: Setting) -> float:
+        return estimates.equivalence(resolve(setting.case).solution.body.dim, setting.level, setting.family)
+
+    def steps(self, setting: Setting) -> int:
+        """Two for every cell along a side."""
+        return 2 * setting.level
+
+
+def compare(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str, Any]:
+    """A row of ``equivalence.csv``."""
+    displacements, stresses = problems(case.solution, family, level)
+    found = gaps(displacements, stresses, steps)._asdict()
+    where = {"case": case.name, "form": "strains of V^h", "level": level, "h": stresses.space.h, "steps": steps}
+    return {**where, **found, "family": family.name}
+
+
 def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[SemiDiscrete, StressProblem]:
     """Problems 3.1 and 3.2 of an exact solution on one mesh."""
     space = Space(family(solution.body, level), solution.body)
@@ -69,11 +116,8 @@ def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[S
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
     """March both problems in lockstep, holding no more than one step of either."""
-    space, M = stresses.space, displacements.M
-    cells = on_cells(space, stresses.law)
-    k = displacements.T / steps
-    root = np.sqrt(space.volumes)
-    law, radius = stresses.law, 0.0
+    space, law, M = stresses.space, stresses.law, displacements.M
+    cells, k, root, radius = on_cells(space, law), displacements.T / steps, np.sqrt(space.volumes), 0.0
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
     pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
@@ -90,13 +134,8 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
             abs(defect @ dual.u),
             max((displacements.N @ dual.u).max(), 0.0),
         ]
-        size = [
-            np.sqrt(primal.u @ (M @ primal.u)),
-            np.linalg.norm(root * stress),
-            np.linalg.norm(load),
-            abs(load @ dual.u),
-            abs(dual.u).max(),
-        ]
+        of_both = np.sqrt(primal.u @ (M @ primal.u)), np.linalg.norm(root * stress)
+        size = [*of_both, np.linalg.norm(load), abs(load @ dual.u), abs(dual.u).max()]
         worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
     bounds = radius * np.sqrt([k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
     return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))

@@ -1,8 +1,7 @@
-"""The errors of Problem 3.2 in time on composite stresses.
+"""The errors of Problem 3.2 in time on composite stresses, with BDF2 on both sides, k ~ h.
 
-σ^h_n is found by ``dual.march`` from f_0, f_2 and ε(u_0) alone: no displacement, no V^h. It is compared with the exact
-σ, with the stress of Problem 5.1 that has the same time steps, and its multipliers with the displacements themselves.
-Time steps are those of BDF2 on both sides, k ~ h.
+σ^h_n is found by ``study.stresses.dual`` from f_0, f_2 and ε(u_0) alone: no displacement, no V^h. It is compared with
+the exact σ, with the stress of Problem 5.1 that has the same time steps, and its multipliers with displacements.
 """
 
 from __future__ import annotations
@@ -10,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
+from typing import Any
 
 import numpy as np
 
@@ -21,11 +21,13 @@ from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
 from study.fem.mesh import MeshFamily, size
+from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
 from study.solve.tableau import BDF2, Tableau
+from study.statements.shared.base import Setting
 from study.stresses.alfeld import alfeld_split, barycentric
 from study.stresses.bernstein import bernstein
 from study.stresses.dual import DualState, StressEvolution, tensor_at
@@ -33,46 +35,26 @@ from study.stresses.stress_space import StressSpace
 
 EDGE_POINTS = 4
 """Gauss points on an edge for the moments of u."""
+ERRORS = "stress", "stress_sup", "best", "strain", "pressure", "displacement", "primal_stress", "primal_displacement"
+COLUMNS = ("case", "family", "level", "h", "steps", "unknowns", *ERRORS, "admissibility", "time_share")
+"""``stresses.csv``: norms of L²(0,T), root mean squares over the steps 1, 2, …
 
+All are relative to the same norm of the exact quantity, those of stresses and of the pressure to σ.
 
-@dataclass(frozen=True)
-class StressRow:
-    """One line of ``stresses.csv``: norms of L²(0,T), root mean squares over the steps 1, 2, …
-
-    All are relative to the same norm of the exact quantity, those of stresses and of the pressure to σ.
-
-    Attributes:
-        unknowns: moments of the edges in one contact solve.
-        stress: ‖σ − σ^h‖_Q.
-        stress_sup: its maximum over the steps, relative to that of ‖σ‖_Q.
-        best: ‖σ − τ‖_Q for the best τ that is linear on every third: no stress of this space can do better.
-        strain: ‖ε(u) − ε_n‖_Q, ε_n the strains that the law attaches to the stresses.
-        pressure: ‖σ_ν − σ^h_ν‖_{L²(Γ3)}.
-        displacement: (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |u − m|²)^½ for the P1 functions m on the edges whose moments are
-            the multipliers, u projected onto such functions.
-        primal_stress: ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q, u^h of Problem 5.1 with the same time steps.
-        primal_displacement: as ``displacement`` with u^h for u.
-        admissibility: max_n of what contradicts (2.4), (2.5) and continuity strongly: |σ^hν − P f_2| on Γ2, |σ^h_τ| and
-            (σ^h_ν)_+ on Γ3, jumps of σ^hν, in Bernstein coefficients, relative to the largest |σ^hν|.
-        time_share: ‖σ^h_k − σ^h_{2k}‖_Q at common nodes / ‖σ − σ^h_k‖_Q.
-    """
-
-    case: str
-    family: str
-    level: int
-    h: float
-    steps: int
-    unknowns: int
-    stress: float
-    stress_sup: float
-    best: float
-    strain: float
-    pressure: float
-    displacement: float
-    primal_stress: float
-    primal_displacement: float
-    admissibility: float
-    time_share: float
+    unknowns: moments of the edges in one contact solve.
+    stress: ‖σ − σ^h‖_Q.
+    stress_sup: its maximum over the steps, relative to that of ‖σ‖_Q.
+    best: ‖σ − τ‖_Q for the best τ that is linear on every third: no stress of this space can do better.
+    strain: ‖ε(u) − ε_n‖_Q, ε_n the strains that the law attaches to the stresses.
+    pressure: ‖σ_ν − σ^h_ν‖_{L²(Γ3)}.
+    displacement: (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |u − m|²)^½ for the P1 functions m on the edges whose moments are the
+        multipliers, u projected onto such functions.
+    primal_stress: ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q, u^h of Problem 5.1 with the same time steps.
+    primal_displacement: as ``displacement`` with u^h for u.
+    admissibility: max_n of what contradicts (2.4), (2.5) and continuity strongly: |σ^hν − P f_2| on Γ2, |σ^h_τ| and
+        (σ^h_ν)_+ on Γ3, jumps of σ^hν, in Bernstein coefficients, relative to the largest |σ^hν|.
+    time_share: ‖σ^h_k − σ^h_{2k}‖_Q at common nodes / ‖σ − σ^h_k‖_Q.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +81,11 @@ class StressExperiment:
         """The experiment as Problem 3.2 has it."""
         return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
 
+    @classmethod
+    def at(cls, setting: Setting, steps: int) -> StressExperiment:
+        """The experiment on a case by its name."""
+        return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, steps)
+
     def march(self, steps: int) -> Iterator[DualState]:
         """Problem 3.2 with a number of steps: the states at t_1, …, t_steps."""
         return islice(self.scheme.march(StressEvolution(self.data, self.space, self.solver), steps), 1, None)
@@ -116,8 +103,7 @@ class Exact:
             weighted = np.moveaxis(shapes * rule.weights, 1, 0)
             best = np.linalg.solve(weighted @ np.moveaxis(shapes, 0, -1), weighted)
             self._blocks.append((rule.cells, rule.weights, shapes, best, solution.at(rule.points)))
-        self._inside = solution.at(space.points)
-        self._faces = []
+        self._inside, self._faces = solution.at(space.points), []
         for face in solution.faces:
             edges = space.parts[space.body.parts.index(face.part)]
             on = facet_rule(space.mesh, edges, face.part, face.rough, FACET_POINTS)
@@ -131,8 +117,7 @@ class Exact:
 
     def stress(self, time: float, values: Tensors) -> tuple[float, float, float]:
         """‖σ − σ^h‖, ‖σ − the best polynomials on the thirds‖ and ‖σ‖ in Q."""
-        coefficients = self.space.coefficients(values)
-        squares = np.zeros(3)
+        coefficients, squares = self.space.coefficients(values), np.zeros(3)
         for cells, weights, shapes, best, fields in self._blocks:
             exact = fields.stress(time)
             mine = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
@@ -167,6 +152,19 @@ class Exact:
         """∫_e v B_i for the nodal values of a P1 displacement, (2, vertices) → (edges, n, 2)."""
         return self._tested(np.einsum("den,eq->dnq", nodal[:, self.space.mesh.facets], self._along))
 
+    def errors(self, state: DualState, nodal: Vectors, primal_stress: Tensors) -> tuple[float, ...]:
+        """Norms of errors and of what they are relative to, in the order in which ``measure`` names them."""
+        stress, time, moments = state.stress, state.time, self.moments(state.time)
+        return (
+            *self.stress(time, stress.values),
+            *self.strain(time, state.strain),
+            self.pressure(time, stress.tractions),
+            self.norm(stress.values - primal_stress),
+            self.mean_square(stress.moments - moments),
+            self.mean_square(stress.moments - self.moments_of(nodal)),
+            self.mean_square(moments),
+        )
+
     def _tested(self, u: Vectors) -> Array:
         turned = np.einsum("nij,jnq->inq", self.space.frames, u)
         return np.einsum("inq,aq,n->nai", turned, self._moments, self.space.lengths, optimize=True)
@@ -182,9 +180,8 @@ class Primal:
     """Problem 5.1 on the same mesh with the same time steps."""
 
     def __init__(self, solution: ExactSolution, space: StressSpace, steps: int) -> None:
-        law = solution.law
+        law, self.displacements = solution.law, Space(space.mesh, solution.body)
         assert isinstance(law.G, Linear)
-        self.displacements = Space(space.mesh, solution.body)
         self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
         gauge = Gauge(solution, self.displacements)
         problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
@@ -199,31 +196,16 @@ class Primal:
 
 
 def measure(experiment: StressExperiment) -> dict[str, float]:
-    """The quantities of a row."""
+    """The quantities of a row but for those of the mesh."""
     exact = Exact(experiment.solution, experiment.space)
     primal = Primal(experiment.solution, experiment.space, experiment.steps)
-    coarse = experiment.march(experiment.steps // 2)
-    found, drift = [], []
+    coarse, found, drift = experiment.march(experiment.steps // 2), [], []
     for n, state in enumerate(experiment.march(experiment.steps), start=1):
-        stress, time = state.stress, state.time
-        nodal, primal_stress = next(primal)
         if n % 2 == 0:
-            drift.append(exact.norm(next(coarse).stress.values - stress.values))
-        moments = exact.moments(time)
-        found.append(
-            (
-                *exact.stress(time, stress.values),
-                *exact.strain(time, state.strain),
-                exact.pressure(time, stress.tractions),
-                exact.norm(stress.values - primal_stress),
-                exact.mean_square(stress.moments - moments),
-                exact.mean_square(stress.moments - exact.moments_of(nodal)),
-                exact.mean_square(moments),
-                inadmissible(experiment.space, state),
-            )
-        )
+            drift.append(exact.norm(next(coarse).stress.values - state.stress.values))
+        found.append((*exact.errors(state, *next(primal)), inadmissible(experiment.space, state)))
     history = np.array(found).T
-    error, best, size, strain, strained, pressure, gap, moved, beside, displaced, _ = _mean(history)
+    error, best, size, strain, strained, pressure, gap, moved, beside, displaced, _ = root_mean_square(history)
     return {
         "stress": error / size,
         "stress_sup": history[0].max() / history[2].max(),
@@ -234,7 +216,7 @@ def measure(experiment: StressExperiment) -> dict[str, float]:
         "primal_stress": gap / size,
         "primal_displacement": beside / displaced,
         "admissibility": history[-1].max(),
-        "time_share": float(_mean(np.array(drift))) / error,
+        "time_share": float(root_mean_square(np.array(drift))) / error,
     }
 
 
@@ -243,30 +225,28 @@ def inadmissible(space: StressSpace, state: DualState) -> float:
     tractions = state.stress.tractions
     total = np.zeros((len(space.lengths), *tractions.shape[2:]))
     np.add.at(total, space.edges, tractions)
-    for kind in Kind:
-        for _, edges in space.on(kind):
-            if kind is Kind.CLAMPED:
-                total[edges] = 0.0
-            elif kind is Kind.LOADED:
-                total[edges] -= state.loads.surface[edges]
-            else:
-                total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)
+    for _, edges in space.on(Kind.CLAMPED):
+        total[edges] = 0.0
+    for _, edges in space.on(Kind.LOADED):
+        total[edges] -= state.loads.surface[edges]
+    for _, edges in space.on(Kind.CONTACT):
+        total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)
     return float(abs(total).max() / abs(tractions).max())
 
 
-def _mean(history: Array) -> Array:
-    """Root mean squares over the last axis."""
+def root_mean_square(history: Array) -> Array:
+    """Over the last axis."""
     return np.sqrt(np.mean(history**2, axis=-1))
 
 
-def row(experiment: StressExperiment, case: str, family: str, level: int) -> StressRow:
-    """The line of a experiment."""
-    found = {name: float(value) for name, value in measure(experiment).items()}
-    space = experiment.space
+def row(experiment: StressExperiment, case: str, family: str, level: int) -> dict[str, Any]:
+    """The row of an experiment."""
+    space, steps = experiment.space, experiment.steps
     unknowns = 2 * (space.degree + 1) * (len(space.lengths) - sum(len(edges) for _, edges in space.on(Kind.CLAMPED)))
-    return StressRow(case, family, level, size(space.mesh), experiment.steps, unknowns, **found)
+    place = {"case": case, "family": family, "level": level, "h": size(space.mesh), "steps": steps}
+    return {**place, "unknowns": unknowns, **{name: float(value) for name, value in measure(experiment).items()}}
 
 
-def measure_stresses(case: Case, family: MeshFamily, level: int, steps: int) -> StressRow:
+def measure_stresses(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str, Any]:
     """The row of one (case, family, level)."""
     return row(StressExperiment.of(case.solution, family, level, steps), case.name, family.name, level)

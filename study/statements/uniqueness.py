@@ -1,0 +1,175 @@
+"""Theorems 4.1, 4.3 and 5.2: one displacement, and one stress on a space of its own that knows no displacement."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import clarabel
+import numpy as np
+import scipy.sparse as sps
+from scipy.linalg import cho_solve, cholesky, solve_triangular
+from scipy.optimize import nnls
+
+from manufactured.tensors import Array, Tensors
+from study.fem.mesh import size as mesh_size
+from study.ledger.measures import largest
+from study.ledger.window import at_most
+from study.solve.contact_step import FIXED_POINT
+from study.solve.evolution import SemiDiscrete
+from study.solve.interior_point import Tolerance, settings
+from study.solve.signorini import Signorini
+from study.solve.tableau import BACKWARD_EULER
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.instants import norm
+from study.statements.thm_4_2.stress_errors import StressExperiment
+
+SEED = 2002
+CASES = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
+STRESSES = ("advance-recede", "corner", "anisotropic")
+STEPS = 12
+EXACTLY = at_most(1e-9, f"exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step")
+INTERIOR = at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
+
+
+class OneTrajectory(ListedNumbers):
+    """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for trajectories found in different ways.
+
+    Every step of backward Euler is: minimise ½ vᵀSv − bᵀv over K^h, S = M/k + G. It is solved by the condensed active
+    set from its own last set and from random ones, by two methods that share no code with it, and with another
+    splitting of G between the two sides.
+    """
+
+    label = "Thm 4.1, 5.2"
+    claim = "there is one solution: different starts, solvers and splittings give one trajectory"
+    rules = (
+        largest("random-starts", "from random active sets", EXACTLY, "random starts"),
+        largest("least-squares", "by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
+        largest("fixed-point", "by a fixed point with all of G on the right", EXACTLY, "fixed point"),
+        largest("interior-point", "by an interior point method on the whole programme", INTERIOR, "interior point"),
+    )
+
+    def places(self, full: bool) -> list[Setting]:
+        if not full:
+            return grid(CASES, ("shaken",), (6,))
+        planar = grid((*CASES, "heterogeneous", "corner"), ("unstructured",), (6, 12))
+        return grid(CASES, ("one-diagonal",), (6, 12)) + planar + grid(("cube-disc",), ("shaken",), (3,))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        setup = Experiment.at(setting, BACKWARD_EULER, STEPS)
+        return with_h(setup.space.h, {name: apart(setup, rival) for name, rival in rivals(setup.problem).items()})
+
+
+def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
+    """The same problem, to be solved in other ways."""
+
+    def elastic(v: Array) -> Array:
+        """(G ε(v), ε(·))_Q."""
+        force = problem.reference @ v
+        return force if problem.remainder is None else force + problem.remainder(v)
+
+    return {
+        "random starts": replace(problem, solver=RandomStarts),
+        "least squares": replace(problem, solver=LeastSquares),
+        "fixed point": replace(problem, reference=0 * problem.reference, remainder=elastic),
+        "interior point": replace(problem, solver=InteriorPoint),
+    }
+
+
+def apart(setup: Experiment, other: SemiDiscrete) -> float:
+    """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for the setup's problem and another one."""
+    pairs = zip(*(setup.scheme.march(problem, setup.steps) for problem in (setup.problem, other)), strict=True)
+    both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
+    difference, size = np.max(both, axis=0)
+    return float(difference / size)
+
+
+class RandomStarts(Signorini):
+    """The contact solve from a random active set, a new one every time."""
+
+    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+        super().__init__(S, N)
+        self.rng = np.random.default_rng(SEED)
+
+    def __call__(self, b: Array) -> tuple[Array, Array]:
+        self.active = self.rng.uniform(size=self.N.shape[0]) < self.rng.uniform()
+        return super().__call__(b)
+
+
+class LeastSquares:
+    """The contact solve through its dual, min |L⁻¹(Nᵀλ − b)| over λ ≥ 0 with S = LLᵀ.
+
+    Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23.
+    """
+
+    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+        self.N, self.L = N, cholesky(S.toarray(), lower=True)
+        self.columns = solve_triangular(self.L, N.T.toarray(), lower=True)
+
+    def __call__(self, b: Array) -> tuple[Array, Array]:
+        multipliers, _ = nnls(self.columns, solve_triangular(self.L, b, lower=True))
+        return cho_solve((self.L, True), b - self.N.T @ multipliers), multipliers
+
+
+class InteriorPoint:
+    """The contact solve as a quadratic programme in all unknowns, by Clarabel."""
+
+    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+        rows, self.q = N.shape[0], np.zeros(N.shape[1])
+        self.unit = float(abs(S.diagonal()).max())
+        P, cones = sps.csc_matrix(sps.triu(S / self.unit)), [clarabel.NonnegativeConeT(rows)]
+        how = settings(aim=Tolerance(gap=1e-15, feasibility=1e-14), enough=Tolerance(gap=1e-11, feasibility=1e-11))
+        self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(rows), cones, how)
+
+    def __call__(self, b: Array) -> tuple[Array, Array]:
+        size = float(np.linalg.norm(b)) or 1.0
+        self.q[:] = -b / size
+        self.solver.update(q=self.q)
+        solution = self.solver.solve()
+        return np.array(solution.x) * size / self.unit, np.array(solution.z) * size
+
+
+RIVALS: Mapping[str, type[Signorini]] = {
+    "random starts": RandomStarts,
+    "least squares": LeastSquares,  # type: ignore[dict-item]
+    "interior point": InteriorPoint,  # type: ignore[dict-item]
+}
+
+
+class OneStress(ListedNumbers):
+    """max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q for stresses that solve Problem 3.2 on its own space in different ways.
+
+    Every step minimises a strictly convex energy over the admissible stresses, so that one set of multipliers of
+    equilibrium and one stress belong to the past: what starts the search, or another method, may change nothing.
+    """
+
+    label = "Thm 4.3"
+    claim = "Problem 3.2 has one solution: different starts and solvers give one stress"
+    rules = (
+        largest("random-starts", "stresses from random active sets", EXACTLY, "random starts"),
+        largest("least-squares", "stresses by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
+        largest("interior-point", "stresses by an interior point method on all unknowns", INTERIOR, "interior point"),
+    )
+
+    def places(self, full: bool) -> list[Setting]:
+        return grid(STRESSES, ("unstructured",), (4, 8)) if full else grid(STRESSES[:1], ("shaken",), (4,))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        experiment = StressExperiment.at(setting, STEPS)
+        own, weights = stresses(experiment), experiment.space.weights
+        size, found = max(size_of(stress, weights) for stress in own), {}
+        for name, solver in RIVALS.items():
+            pairs = zip(own, stresses(replace(experiment, solver=solver)), strict=True)
+            found[name] = max(size_of(a - b, weights) for a, b in pairs) / size
+        return with_h(mesh_size(experiment.space.mesh), found)
+
+
+def stresses(experiment: StressExperiment) -> list[Tensors]:
+    """σ at the points of the space in every step."""
+    return [state.stress.values for state in experiment.march(experiment.steps)]
+
+
+def size_of(stress: Tensors, weights: Array) -> float:
+    """‖σ‖_Q."""
+    return float(np.sqrt(np.einsum("Icq,Icq,cq->", stress, stress, weights)))
