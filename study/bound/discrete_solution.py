@@ -10,7 +10,7 @@ from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.embedding import prolongation
 from study.fem.space import Space
-from study.solve.evolution import Problem, Scheme
+from study.solve.evolution import Scheme, SemiDiscrete
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,5 +49,5 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Discr
     def load(time: float) -> Array:
         return J.T @ discretisation.load(time)
 
-    problem = Problem.of(space, data.law, load, space.interpolate(data.start(discretisation.mesh.p)))
+    problem = SemiDiscrete.of(space, data.law, load, space.interpolate(data.start(discretisation.mesh.p)))
     return DiscreteSolution(space, np.array([state.u for state in scheme.march(problem, steps)]), data.body.T)

@@ -13,8 +13,9 @@ from manufactured.tensors import Array
 from study.bound.discrete_solution import DiscreteSolution
 from study.bound.discretisation import Discretisation
 from study.bound.embedding import prolongation
-from study.solve.evolution import Midpoint, Problem
+from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
+from study.solve.tableau import MIDPOINT
 
 
 class Trajectory(Protocol):
@@ -62,11 +63,11 @@ class Refined:
 
     def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
         problem = quadratic_problem(fine, _nearest_start(fine))
-        for state in Midpoint().march(problem, self.shorter * computed.steps):
+        for state in MIDPOINT.march(problem, self.shorter * computed.steps):
             yield state.time, state.u
 
 
-def quadratic_problem(discretisation: Discretisation, u0: Array) -> Problem:
+def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete:
     """Problem 5.1 on displacements of degree 2 with the load (P f, ·)_V."""
     G, V = discretisation.data.law.G, discretisation.displacements
     factor = G.factor(V.points)
@@ -76,7 +77,7 @@ def quadratic_problem(discretisation: Discretisation, u0: Array) -> Problem:
         strain = V.strain(v)
         return V.functional(at_points(strain) - factor * np.tensordot(G.reference, strain, axes=1))
 
-    return Problem(
+    return SemiDiscrete(
         M=discretisation.M,
         reference=V.form(G.reference, factor),
         remainder=None if isinstance(G, Linear) else remainder,

@@ -16,9 +16,8 @@ from study.cli.common import FAILED, OK, Commands, progress_bar, prove
 from study.fem.naming import choose, family_named, resolve_data
 from study.present.figures import draw_one, enclosure
 from study.run.resources import available, require
-from study.solve.evolution import SCHEMES
-from study.solve.steps import paced_steps
-from study.statements.enclosure.bound_rows import PACE
+from study.solve.steps import rate_steps
+from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
 
 
@@ -45,7 +44,7 @@ def do_bound(options: argparse.Namespace) -> int:
     if case:
         prove(case)
     check_bound(data, family, options.levels, options.steps, refined)
-    plan = {level: options.steps or paced_steps(PACE, data.body.T, level) for level in options.levels}
+    plan = {level: options.steps or rate_steps(data.body.T, level) for level in options.levels}
     finest = max(plan)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     found: dict[int, BoundedSolution] = {}

@@ -41,7 +41,7 @@ def do_tables(options: argparse.Namespace) -> int:
 def do_report(options: argparse.Namespace) -> int:
     """``study report``."""
     with Store(options.out).steady():
-        print(write_report(options.out))
+        print(write_report(options.out, read_provenance(options.out)))
     return OK
 
 

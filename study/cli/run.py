@@ -16,7 +16,7 @@ from study.run.execute import Pool, refuse_too_large, unfinished
 from study.run.plan import Plan, full, quick
 from study.run.processes import Processes
 from study.run.store import Store
-from study.solve.evolution import SCHEMES
+from study.solve.tableau import SCHEMES
 from study.statements.shared.scope import Levels, Scope
 
 

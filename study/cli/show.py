@@ -8,7 +8,8 @@ from pathlib import Path
 from study.cli.common import OK, Commands, progress_bar, prove
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
-from study.present.show import LEVELS, show, ticks
+from study.present.show import count_images, draw_show
+from study.run.showcase import LEVELS, STEPS, solve_showcase
 
 
 def add(commands: Commands) -> None:
@@ -27,9 +28,13 @@ def do_show(options: argparse.Namespace) -> int:
     if level < 2:
         raise UsageError(f"--level must be 2 or more, got {level}")
     prove(case)
-    with progress_bar(ticks(case)) as bar:
+    directory = options.out / case.name
+    with progress_bar(STEPS + 1) as bar:
         bar.set_description(case.name)
-        shown = show(case, level, options.out / case.name, bar.update)
+        solved = solve_showcase(case, level, directory, bar.update)
+    with progress_bar(count_images(solved.picture)) as bar:
+        bar.set_description("images")
+        shown = draw_show(solved.picture, solved.series, directory, bar.update)
     for path in shown.written:
         print(path)
     for line in shown.left_out:

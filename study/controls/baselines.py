@@ -15,8 +15,8 @@ from manufactured.exact import ExactSolution
 from study.fem.naming import family_named, resolve
 from study.ledger.criterion import by_family
 from study.ledger.verdict import REPORTED, Verdict
-from study.solve.evolution import Midpoint
-from study.solve.steps import even_steps, steps_for
+from study.solve.steps import rate_steps, stress_steps
+from study.solve.tableau import MIDPOINT
 from study.statements.leading_term import RULE, SizeOfInterpolation
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.prop_5_4.judge import FirstOrder
@@ -69,7 +69,8 @@ class Sweep:
         solution = turned(case.solution, self.angle) if self.angle else case.solution
         rows = []
         for level in self.levels:
-            setup = defect(Experiment.of(solution, family, level, Midpoint(), steps_for(case, level)))
+            steps = rate_steps(solution.body.T, level, case.pace)
+            setup = defect(Experiment.of(solution, family, level, MIDPOINT, steps))
             rows.append(asdict(measure(setup).row(case.name, family.name, level)))
         table = pd.DataFrame(rows)
         leading = RULE.verdict(SizeOfInterpolation(), case.name, by_family(table))
@@ -128,7 +129,8 @@ class StressSweep:
         case, family = resolve(self.case), family_named(self.family)
         rows = []
         for level in self.levels:
-            setup = defect(own.StressExperiment.of(case.solution, family, level, even_steps(case, level)))
+            steps = stress_steps(case.solution.body.T, level, case.pace)
+            setup = defect(own.StressExperiment.of(case.solution, family, level, steps))
             rows.append(asdict(own.row(setup, case.name, family.name, level)))
         return [verdict for verdict in OwnSpace().judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
 

@@ -18,8 +18,10 @@ from manufactured.tensors import Array
 from study.fem.gauge import DEGREE, Gauge, Sample
 from study.fem.moments import Amplitudes
 from study.fem.space import Space
-from study.solve.evolution import BackwardEuler, Problem, Scheme, State
+from study.solve.contact_step import State
+from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.signorini import ContactSolver, Signorini
+from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.thm_4_2 import stress_errors as own
 from study.statements.thm_4_2.stands_alone import Derived, Sides
@@ -48,7 +50,7 @@ class Bilateral(Signorini):
     """Every vertex of Γ3 is active."""
 
     def complementarity(self, gap: Array) -> Array:
-        return self.on(np.ones_like(self.active), gap)
+        return self.multipliers_on(np.ones_like(self.active), gap)
 
 
 def constraint_relaxed(setup: Experiment) -> Experiment:
@@ -71,7 +73,7 @@ class OneIteration(Signorini):
     """The first active set is the last."""
 
     def complementarity(self, gap: Array) -> Array:
-        return self.on(gap > 0, gap)
+        return self.multipliers_on(gap > 0, gap)
 
 
 def _solver(setup: Experiment, solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver]) -> Experiment:
@@ -130,7 +132,7 @@ def clamp_one_cell_short(setup: Experiment) -> Experiment:
     """V^h whose functions need not vanish at one end of Γ1."""
     space = ShortClamp(setup.space.mesh, setup.space.body)
     gauge = Gauge(setup.solution, space)
-    problem = Problem.of(space, setup.solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    problem = SemiDiscrete.of(space, setup.solution.law, gauge.load, gauge.sample(0.0).interpolant)
     return replace(setup, space=space, gauge=gauge, problem=problem)
 
 
@@ -188,19 +190,19 @@ class Around:
 class Altered(Around):
     """A scheme that solves another problem than the one that is measured, so that norms stay what they are."""
 
-    alter: Callable[[Problem], Problem]
+    alter: Callable[[SemiDiscrete], SemiDiscrete]
 
-    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
         return self.scheme.march(self.alter(problem), steps)
 
 
-def _altered(setup: Experiment, alter: Callable[[Problem], Problem]) -> Experiment:
+def _altered(setup: Experiment, alter: Callable[[SemiDiscrete], SemiDiscrete]) -> Experiment:
     return replace(setup, scheme=Altered(setup.scheme, alter))
 
 
 def backward_euler_with_k_like_h(setup: Experiment) -> Experiment:
     """A fully discrete solution, first order in k ~ h, in place of u^h."""
-    return replace(setup, scheme=BackwardEuler(), steps=round(1 / setup.space.h))
+    return replace(setup, scheme=BACKWARD_EULER, steps=round(1 / setup.space.h))
 
 
 # What the error is measured with.
@@ -300,7 +302,7 @@ def final_time_only(setup: Experiment) -> Experiment:
 class FinalOnly(Around):
     """A scheme that shows its state at T alone."""
 
-    def march(self, problem: Problem, steps: int) -> Iterator[State]:
+    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
         *_, last = self.scheme.march(problem, steps)
         yield last
 

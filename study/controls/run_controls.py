@@ -15,8 +15,8 @@ from threadpoolctl import threadpool_limits
 from study.controls.baselines import Baseline, S
 from study.controls.register import Control
 from study.ledger.files import write_text
+from study.ledger.rounding import cell
 from study.ledger.verdict import FAILS, HOLDS, Verdict
-from study.present.terminal import cell
 
 NO_DEFECT = "none"
 

@@ -1,4 +1,8 @@
-"""The triangles of a surface whose corners are all among given nodes, and their division into quarters."""
+"""The triangles of a contact face in space, numbered alike by what writes its data file and by what reads it.
+
+A file lists the nodes of the face; the level function ψ of its exact contact zone is stored at these and at the
+midpoints of the edges between them.
+"""
 
 from __future__ import annotations
 
@@ -13,13 +17,14 @@ Numbers = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Facets:
-    """Triangles of a surface with all corners among the nodes.
+    """Those triangles of a surface all of whose corners are nodes of the face.
 
     Attributes:
-        cells: their numbers in the surface, (k,).
-        corners: their corners as positions in the list of nodes, (3, k).
+        cells: their indices among the triangles of the surface, (k,).
+        corners: indices into the nodes, (3, k).
         edges: the two ends of each edge, the lower first, in lexicographic order, (2, e).
-        quarters: the triangles into which the midpoints of edges divide them, (3, 4k); midpoints come after the nodes.
+        quarters: the four triangles into which the midpoints of its edges divide each of them, (3, 4k); midpoint i has
+            the index (number of nodes) + i.
     """
 
     cells: Numbers
@@ -29,7 +34,7 @@ class Facets:
 
     @classmethod
     def between(cls, nodes: Numbers, surface: Numbers) -> Facets:
-        """From nodes, (n,), and the triangles of a surface, (3, m), both numbers of vertices."""
+        """From the vertices that are nodes, (n,), and the triangles of the surface, (3, m)."""
         number = np.full(surface.max() + 1, -1)
         number[nodes] = np.arange(len(nodes))
         cells = np.flatnonzero((number[surface] >= 0).all(axis=0))
@@ -40,5 +45,5 @@ class Facets:
         return cls(cells, corners, edges, np.hstack([[a, r, q], [b, p, r], [c, q, p], [p, q, r]]))
 
     def refined(self, values: NDArray[Any]) -> NDArray[Any]:
-        """Values of P1 functions at the nodes, then at the midpoints, (..., n) → (..., n + e)."""
+        """Values at the nodes followed by their means at the midpoints of edges, (..., n) → (..., n + e)."""
         return np.concatenate([values, values[..., self.edges].mean(axis=-2)], axis=-1)

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Hashable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
+
+import pandas as pd
 
 
 def down(value: float, digits: int) -> str:
@@ -36,3 +39,20 @@ def _rounded(value: float, digits: int, rounding: str) -> str:
 
 def _quantized(value: float, decimals: int, rounding: str) -> str:
     return str(Decimal(repr(float(value))).quantize(Decimal(1).scaleb(-decimals), rounding))
+
+
+def significant(number: float) -> str:
+    """Four significant digits, trailing zeros kept: 0.05 → 0.05000, 1234.5 → 1234; zero is 0."""
+    return f"{number:#.4g}".rstrip(".") if number else "0"
+
+
+def cell(value: Hashable) -> str:
+    """The text of one cell: whole numbers and words as they are, other numbers to four significant digits."""
+    if pd.isna(value):
+        return ""
+    text = str(value)
+    try:
+        number = float(text)
+    except ValueError:
+        return text
+    return text if text.lstrip("+-").isdigit() else significant(number)

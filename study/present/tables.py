@@ -17,9 +17,10 @@ import pandas as pd
 
 from study.ledger.datafiles import DataError, read_claims, read_csv, read_rates, with_order
 from study.ledger.files import write_text, write_whole
+from study.ledger.rounding import cell
 from study.present.article.fragments import write_article
 from study.present.latex import encode, longtable, prose
-from study.present.terminal import cell, ledger_text, rates_text
+from study.present.terminal import ledger_text, rates_text
 
 __all__ = ["DataError", "ledger_text", "rates_text", "write_tables"]
 

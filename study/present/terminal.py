@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Hashable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 import pandas as pd
 
 from study.ledger.datafiles import SERIES, read_claims, read_rates
+from study.ledger.rounding import cell, significant
 from study.ledger.verdict import VERDICTS
 
 WIDTH = 110
@@ -54,23 +55,6 @@ def ledger_text(directory: Path) -> str:
 
 def _count(claims: pd.DataFrame) -> dict[str, int]:
     return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
-
-
-def significant(number: float) -> str:
-    """Four significant digits, trailing zeros kept: 0.05 → 0.05000, 1234.5 → 1234; zero is 0."""
-    return f"{number:#.4g}".rstrip(".") if number else "0"
-
-
-def cell(value: Hashable) -> str:
-    """The text of one cell: whole numbers and words as they are, other numbers to four significant digits."""
-    if pd.isna(value):
-        return ""
-    text = str(value)
-    try:
-        number = float(text)
-    except ValueError:
-        return text
-    return text if text.lstrip("+-").isdigit() else significant(number)
 
 
 def _rates_line(series: pd.DataFrame, schemes: bool) -> tuple[str, ...]:

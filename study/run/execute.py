@@ -80,7 +80,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
     notify(sum(job.cost for job in jobs) - sum(job.cost for job in waiting))
     running: dict[Future[Mapping[str, Any]], Job] = {}
     suspects: set[str] = set()
-    failed = []
+    failed: list[str] = []
     try:
         # Also here, for executors whose workers are threads of this process.
         with threadpool_limits(1):
@@ -90,24 +90,31 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
                     running[pool.executor.submit(work, job)] = job
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     job = running.pop(future)
-                    if future.cancelled():
-                        failed.append(f"{job.key}: its cluster is gone; the same command does it")
-                        continue
-                    error = future.exception()
-                    if isinstance(error, BrokenExecutor) and job.key not in suspects:
+                    if _by_a_dead_worker(future) and job.key not in suspects:
                         suspects.add(job.key)
                         waiting.append(job)
-                        continue
-                    if error is None:
-                        store.save(job.key, job.fingerprint(), future.result())
                     else:
-                        failed.append(_failure(job, error))
-                    notify(job.cost)
+                        failed += _end(job, future, store, notify)
     finally:
         for future in running:
             future.cancel()
     if failed:
         raise JobsError("\n".join([f"{len(failed)} job(s) failed, the rest is kept:", *failed]))
+
+
+def _by_a_dead_worker(future: Future[Mapping[str, Any]]) -> bool:
+    return not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
+
+
+def _end(job: Job, future: Future[Mapping[str, Any]], store: Store, notify: Notify) -> list[str]:
+    """Keep what a job found, or say why it found nothing."""
+    if future.cancelled():
+        return [f"{job.key}: its cluster is gone; the same command does it"]
+    error = future.exception()
+    if error is None:
+        store.save(job.key, job.fingerprint(), future.result())
+    notify(job.cost)
+    return [_failure(job, error)] if error else []
 
 
 def admitted(waiting: Sequence[Job], running: list[Job], suspects: set[str], pool: Pool) -> Iterator[Job]:

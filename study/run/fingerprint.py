@@ -1,8 +1,14 @@
-"""What a result is known by: a hash of all that it depends on."""
+"""What a result is known by: a hash of the problem and the setting by value, of versions, and of the code behind it.
+
+The code is that of the modules that the module of ``measure`` imports, directly or through others, and of those with
+the types of the exact solution, as syntax trees: comments, docstrings and line breaks do not count. Nobody has to say
+that a change of the code changes numbers.
+"""
 
 from __future__ import annotations
 
 import hashlib
+from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Any
@@ -12,24 +18,50 @@ import sympy as sp
 
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named
+from study.run.code import code_of
 from study.run.versions import versions
 from study.statements.enclosure.bound_rows import posed
 from study.statements.shared.base import Setting, Statement
 
 
 def fingerprint(statement: Statement, setting: Setting) -> str:
-    """The hash for a statement in a setting: the problem, the mesh family and the setting by value, and versions."""
+    """The hash for a statement in a setting."""
     settings = {name: value for name, value in vars(setting).items() if name != "case"}
     values = [family_named(setting.family), statement.steps(setting), sorted(settings.items())]
-    return _hash([statement.label, versions(), problem(setting.case), *map(by_value, values)])
+    measure = type(statement).measure.__module__
+    code = code_of({measure, *modules_behind(setting.case), *modules_of(values)})
+    return _hash([statement.label, versions(), problem(setting.case), *map(by_value, values), code])
 
 
 @cache
 def problem(reference: str) -> str:
     """The hash of the exact solution behind a reference, or of the data of a problem whose solution is unknown."""
     behind = posed(reference)
+    return _hash([behind.pace, behind.order, by_value(_problem(reference))])
+
+
+@cache
+def modules_behind(reference: str) -> frozenset[str]:
+    """The modules with the types that an exact solution or a problem consists of."""
+    return frozenset(modules_of(_problem(reference)))
+
+
+def _problem(reference: str) -> object:
+    behind = posed(reference)
     data = behind.data.body, behind.data.law, behind.data.formulas_of
-    return _hash([behind.pace, by_value(behind.case.solution if behind.case else data)])
+    return (behind.case.solution, behind.case.regularity) if behind.case else data
+
+
+def modules_of(item: object) -> Iterator[str]:
+    """The modules of the types in a value, all the way down."""
+    yield getattr(item, "__module__", None) or type(item).__module__
+    parts: Iterable[object] = ()
+    if is_dataclass(item) and not isinstance(item, type):
+        parts = [getattr(item, field.name) for field in fields(item)]
+    elif isinstance(item, tuple | list):
+        parts = item
+    for part in parts:
+        yield from modules_of(part)
 
 
 def by_value(item: object) -> object:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from pathlib import Path
 
 import pandas as pd
 
 from study.ledger.datafiles import CsvFile, DataError, read_csv, write_csv
-from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
-from study.ledger.window import at_most
+from study.ledger.verdict import Verdict
 from study.run.collect import data_files
+from study.run.completeness import Complete
 from study.run.provenance import read_provenance
 from study.statements import STATEMENTS
 from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
@@ -66,20 +66,3 @@ def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame], cases: pd
 
 
 EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
-
-
-@dataclass(frozen=True)
-class Complete:
-    """Whether the data are those of the plan: a missing family or level would make a verdict easier."""
-
-    label: str = "data"
-    claim: str = "every planned measurement is there"
-
-    def judge(self, planned: set[tuple[str, ...]], found: set[tuple[str, ...]]) -> Verdict:
-        """Its only row."""
-        missing = sorted(planned - found)
-        quantity = "rows of the plan that are missing" + (f", first {' '.join(missing[0])}" if missing else "")
-        count = float(len(missing))
-        verdict = UNDECIDED if missing else HOLDS
-        window = at_most(0, f"of {len(planned)}")
-        return row(self, "missing", quantity, window, count, (count, count), verdict, "all cases")

@@ -9,6 +9,7 @@ from typing import Any
 
 from study.ledger.errors import UsageError
 from study.run.plan import Plan
+from study.run.sources import sources
 from study.run.store import FORMAT, Store, require_format
 from study.run.versions import packages
 
@@ -20,6 +21,7 @@ def provenance(plan: Plan) -> dict[str, Any]:
         "study": version("signorini-study"),
         "plan": plan.scope.name,
         "planned": plan.keys(),
+        "statements": sources(),
         "python": platform.python_version(),
         "machine": platform.machine(),
         "packages": packages(),

@@ -1,11 +1,11 @@
-"""The fixed point of a contraction, with some memory.
+"""Fixed-point iteration u = g(v) for a contraction g, with Anderson acceleration.
 
-Inputs v_i and their images u_i show where a map that were affine between them would come nearest to a fixed point:
-where the change u − v, affine as well, is smallest. The image there is the next input (D. G. Anderson, Iterative
-procedures for nonlinear integral equations, J. ACM 12 (1965) 547–560). Two of them also show how much the map contracts
-between them, which is at most ρ, its contraction everywhere; with ρ, the fixed point is no further from u than
-ρ/(1 − ρ) ‖u − v‖. The largest of the quotients seen stands for ρ, and for ρ > 1/2 the change ‖u − v‖ itself is judged:
-estimates, which is why whoever needs a bound has to measure what is left.
+The next input is the image where g, were it affine between the last inputs, would have the least residual f(v) = g(v) −
+v (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547–560).
+
+Two inputs and their images bound the contraction number ρ of g from below. With ρ, the fixed point is no further from u
+than ρ/(1 − ρ) ‖u − v‖; the largest quotient seen stands for ρ, and for ρ > 1/2 the residual itself is compared with the
+tolerance. Both are estimates: whoever needs a bound has to measure the error that is left.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from manufactured.tensors import Array
 SEEN = 3
 """Images before an iteration may stop: two quotients."""
 MEMORY = 3
-"""Images before the last that an input is made of."""
+"""Differences of residuals that an input is made of."""
 CUTOFF = 1e-12
-"""Of the eigenvalues of a Gram matrix, relative: what is smaller counts as zero."""
+"""Eigenvalues of a Gram matrix that are smaller, relative to the largest, count as zero."""
 TINY = 1e-300
 """Stands for zero in denominators."""
 
@@ -50,42 +50,46 @@ def fixed_point(
     def norm(w: Array) -> float:
         return float(np.sqrt(w @ dual(w)))
 
-    def size(change: Array, taken: int) -> float:
-        found = norm(change)
-        if not np.isfinite(found):
-            raise FixedPointError(f"the iteration did not settle: image {taken} is not finite")
-        return found
-
     u = image(v)
-    change, contraction = u - v, 0.0
-    if size(change, 1) == 0:
+    residual, contraction = u - v, 0.0
+    if _finite(norm(residual), 1) == 0:
         return u, 1
     memory: deque[tuple[Array, Array, Array]] = deque(maxlen=MEMORY)
     for taken in range(2, most + 1):
-        old_v, old_u, old_change = v, u, change
-        v = _input(u, change, memory)
+        old_v, old_u, old_residual = v, u, residual
+        v = _accelerated(u, residual, memory)
         u = image(v)
-        change = u - v
-        left = size(change, taken)
+        residual = u - v
+        left = _finite(norm(residual), taken)
         contraction = max(contraction, norm(u - old_u) / max(norm(v - old_v), TINY))
-        # Quotients of what rounding leaves may be anything: a change of the size of the tolerance is enough.
-        room = max(1.0, (1 - contraction) / max(contraction, TINY))
-        settled = left <= tolerance * room * norm(u)
-        # One quotient says too little; and a change of 0 needs none.
-        if (settled and taken >= SEEN) or left == 0:
+        if left == 0 or (taken >= SEEN and left <= tolerance * _per_residual(contraction) * norm(u)):
             return u, taken
-        bent = change - old_change
-        memory.append((bent, dual(bent), u - old_u))
+        change = residual - old_residual
+        memory.append((change, dual(change), u - old_u))
     raise FixedPointError(f"the iteration did not settle in {most} steps")
 
 
-def _input(u: Array, change: Array, memory: Sequence[tuple[Array, Array, Array]]) -> Array:
-    """u − Σ γ_i followed_i with ‖change − Σ γ_i bent_i‖ least; the memory holds bent_i, M bent_i and followed_i."""
+def _finite(size: float, taken: int) -> float:
+    if not np.isfinite(size):
+        raise FixedPointError(f"the iteration did not settle: image {taken} is not finite")
+    return size
+
+
+def _per_residual(contraction: float) -> float:
+    """How many times as large as the error that is asked for a residual may be.
+
+    Quotients of what rounding leaves may be anything: a residual of the size of the tolerance is enough.
+    """
+    return max(1.0, (1 - contraction) / max(contraction, TINY))
+
+
+def _accelerated(u: Array, residual: Array, memory: Sequence[tuple[Array, Array, Array]]) -> Array:
+    """u − Σ γ_i Δu_i with ‖residual − Σ γ_i Δf_i‖ least; the memory holds Δf_i, M Δf_i and Δu_i."""
     if not memory:
         return u
-    bent, duals, followed = (np.array(parts) for parts in zip(*memory, strict=True))
-    gram = bent @ duals.T
-    # Each step of a contraction is much smaller than the one before.
+    changes, duals, of_images = (np.array(parts) for parts in zip(*memory, strict=True))
+    gram = changes @ duals.T
+    # Each step of a contraction is much smaller than the one before: the system is scaled.
     sizes = np.sqrt(np.maximum(gram.diagonal(), TINY))
-    gamma = np.linalg.lstsq(gram / np.outer(sizes, sizes), duals @ change / sizes, rcond=CUTOFF)[0] / sizes
-    return np.asarray(u - gamma @ followed)
+    gamma = np.linalg.lstsq(gram / np.outer(sizes, sizes), duals @ residual / sizes, rcond=CUTOFF)[0] / sizes
+    return np.asarray(u - gamma @ of_images)

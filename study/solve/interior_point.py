@@ -1,297 +1,40 @@
-"""Problem 3.2 on the strains of V^h: at every time a stress, found as the solution of a convex programme.
-
-Stresses are constant on cells. The admissible ones, (3.9) with V^h for V, are
-
-    Σ^h(t) = {τ : (τ, ε(v))_Q ≥ (f(t), v)_V for all v ∈ K^h},      K^h = {v : N v ≤ 0},
-
-and by Farkas' lemma τ ∈ Σ^h(t) if and only if Eᵀ W τ + Nᵀ λ = F(t) for some λ ≥ 0, where E takes
-nodal values to strains and W carries the volumes |T|. With backward Euler, (3.12) and (3.15) say
-that σ_n minimises over Σ^h(t_n) the potential Φ of the map ε_n ↦ σ_n = A (ε_n − ε_{n−1})/k + G ε_n
-turned round, DΦ(σ_n) = ε_n:
-
-* linear G, with C = A/k + G:
-
-      Φ(τ) = ½ (C⁻¹ τ, τ)_Q + (C⁻¹ (A/k) ε_{n−1}, τ)_Q;
-
-* the law (3.3), G ε = β (ε − P_K ε): the strain is the same in A and in G, so the potential is the
-  infimal convolution over splittings τ = s₁ + s₂,
-
-      Φ(s₁, s₂) = ½ k (A⁻¹ s₁, s₁)_Q + (s₁, ε_{n−1})_Q + |s₂|²_Q/(2β) + ∫_Ω h_K(s₂),
-
-  where h_K, the support function of K = {|Pτ| ≤ r}, is r |s₂| on the range of the projector P and
-  infinite elsewhere.
-
-The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is u_n: stationarity in τ is ε_n = ε(u_n),
-stationarity in λ is N u_n ≤ 0, λ·N u_n = 0. Nothing here imposes either: the history ε_{n−1} is the
-one computed from the stresses, and Theorem 4.2 is what says that u_n ∈ K^h solves Problem 3.1.
-
-The programmes are solved as they stand by the interior point method of P. Goulart, Y. Chen,
-Clarabel: an interior-point solver for conic programs with quadratic objectives, arXiv:2405.12762
-(2024). No code is shared with the contact solve of Problem 3.1.
+"""Settings of the interior-point method of P. Goulart, Y. Chen, Clarabel: an interior-point solver for conic programs
+with quadratic objectives, arXiv:2405.12762 (2024).
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass
-from functools import partial
+from typing import NamedTuple
 
 import clarabel
-import numpy as np
-import scipy.sparse as sps
 
-from manufactured.law import KelvinVoigt, Linear, Yield
-from manufactured.tensors import Array, Tensors
-from study.fem.material import means
-from study.fem.space import Space
-
-GAP, FEASIBILITY = 1e-15, 1e-11
-"""Duality gap and relative residual the solver aims at. Where a vertex touches with next to no force
-the error is the root of the gap, so both are at the limit of the arithmetic."""
-ENOUGH_GAP, ENOUGH_FEASIBILITY = 1e-12, 1e-9
-"""What counts as solved where rounding stops the solver short of its aim. The verdict does not rest on
-these: it compares the two problems."""
 REFINEMENT = 1e-16
 """Residual of the linear systems inside: out of reach, so that they are refined as far as it helps."""
 SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
 
 
-class StressError(RuntimeError):
-    """Problem 3.2 could not be solved."""
-
-
-@dataclass(frozen=True, eq=False)
-class StressState:
-    """One time node of Problem 3.2.
+class Tolerance(NamedTuple):
+    """When a programme counts as solved.
 
     Attributes:
-        time: t_n.
-        stress: σ_n ∈ Σ^h(t_n), (D, cells); not a number at t_0, where backward Euler has no rate.
-        strain: ε_n, which the law gives for σ_n and ε_{n−1}, (D, cells).
-        u: u_n, the multiplier of σ_n ∈ Σ^h(t_n), (n_dofs,).
-        multipliers: λ_n ≥ 0, nodal contact forces, (m,); not a number at t_0.
-        gap: the duality gap at which the solver stopped, 0 at t_0. With strain(n) and u_n from the same
-            ε_{n−1} it bounds ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in that of C, σ* and ε* exact:
-            for two points of the conditions above (P(x − x*), x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
+        gap: duality gap, absolute or relative.
+        feasibility: relative residuals of the constraints and of the gradient.
     """
 
-    time: float
-    stress: Tensors
-    strain: Tensors
-    u: Array
-    multipliers: Array
     gap: float
+    feasibility: float
 
 
-class LinearPotential:
-    """½ C⁻¹τ·τ + C⁻¹(A/k) ε_{n−1}·τ in the unknown y = τ, C = A/k + G with the means of A and G on the cells.
-
-    Potentials are densities in an unknown y of a cell, ½ Q y·y + g(ε_{n−1})·y.
-
-    Attributes:
-        quadratic: Q of every cell, (cells, p, p).
-        stress: y ↦ τ, (D, p).
-        cone: the last so many entries of y are (ρ, z) with ρ ≥ |z|.
-    """
-
-    cone = 0
-
-    def __init__(self, space: Space, A: Linear, G: Linear, k: float) -> None:
-        self.viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
-        self.quadratic = np.linalg.inv(self.viscosity + np.multiply.outer(means(space, G.factor), G.matrix))
-        self.quadratic = (self.quadratic + self.quadratic.swapaxes(1, 2)) / 2
-        self.stress = np.eye(len(A.matrix))
-
-    def linear(self, strain: Tensors) -> Array:
-        """g(ε_{n−1}), (p, cells)."""
-        return _act(self.quadratic, _act(self.viscosity, strain))
-
-    def strain(self, y: Array, old: Tensors) -> Tensors:
-        """ε_n = C⁻¹ (σ_n + (A/k) ε_{n−1}), (D, cells)."""
-        return _act(self.quadratic, y + _act(self.viscosity, old))
-
-
-def _act(blocks: Array, values: Array) -> Array:
-    """A matrix for every cell times a vector for every cell: (cells, p, r), (r, cells) → (p, cells)."""
-    return np.einsum("cpr,rc->pc", blocks, values)
-
-
-class YieldPotential:
-    """½ k A⁻¹s₁·s₁ + s₁·ε_{n−1} + |z|²/(2β) + r ρ in the unknown y = (s₁, ρ, z), ρ ≥ |z|.
-
-    z are the coordinates of s₂ in an orthonormal basis R of the range of P, so that |s₂| = |z|.
-    Attributes as for ``LinearPotential``.
-    """
-
-    def __init__(self, space: Space, A: Linear, G: Yield, k: float) -> None:
-        values, vectors = np.linalg.eigh(G.convex.projector)
-        R = vectors[:, values > 0.5]
-        D, rank = R.shape
-        compliance = k * np.linalg.inv(A.matrix)
-        self.compliance = np.multiply.outer(1 / means(space, A.factor), (compliance + compliance.T) / 2)
-        self.cone = 1 + rank
-        self.quadratic = np.zeros((len(space.volumes), D + 1 + rank, D + 1 + rank))
-        self.quadratic[:, :D, :D] = self.compliance
-        self.quadratic[:, D + 1 :, D + 1 :] = np.eye(rank) / G.beta
-        self.stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
-        self.radius = G.convex.radius
-
-    def linear(self, strain: Tensors) -> Array:
-        """g(ε_{n−1}) = (ε_{n−1}, r, 0), (p, cells)."""
-        rest = np.zeros((self.cone, strain.shape[1]))
-        rest[0] = self.radius
-        return np.vstack([strain, rest])
-
-    def strain(self, y: Array, old: Tensors) -> Tensors:
-        """ε_n = ε_{n−1} + k A⁻¹ s₁, (D, cells)."""
-        return old + _act(self.compliance, y[: len(old)])
-
-
-def potential(space: Space, law: KelvinVoigt, k: float) -> LinearPotential | YieldPotential:
-    """The potential of one backward Euler step of a law.
-
-    Raises:
-        StressError: the elasticity operator is neither linear nor (3.3), so its potential is unknown.
-    """
-    if isinstance(law.G, Linear):
-        return LinearPotential(space, law.A, law.G, k)
-    if isinstance(law.G, Yield):
-        return YieldPotential(space, law.A, law.G, k)
-    raise StressError(
-        f"Problem 3.2 needs a complementary potential, known for Linear and Yield, not for {type(law.G).__name__}"
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class StressProblem:
-    """Problem 3.2 on the strains of one V^h.
-
-    Attributes:
-        space: V^h.
-        law: A and G.
-        N: K^h = {v : Nv ≤ 0}, (m, n_dofs).
-        load: t ↦ F(t), (n_dofs,).
-        u0: u_0^h, (n_dofs,).
-    """
-
-    space: Space
-    law: KelvinVoigt
-    N: sps.csr_array
-    load: Callable[[float], Array]
-    u0: Array
-
-    @classmethod
-    def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> StressProblem:
-        """The problem for a law, a load and a start on a space."""
-        return cls(space, law, space.N, load, u0)
-
-    def march(self, steps: int) -> Iterator[StressState]:
-        """Backward Euler: the states at t_0, t_1, …, t_steps.
-
-        Raises:
-            StressError: fewer than one step, no potential for the law, or a programme that the
-                solver did not solve.
-        """
-        if steps < 1:
-            raise StressError(f"{steps} steps cannot reach T = {self.space.body.T:g}; take one step or more")
-        k = self.space.body.T / steps
-        programme = _Programme(self, potential(self.space, self.law, k))
-        strain = self.space.strain(self.u0)
-        nan = np.full(self.N.shape[0], np.nan)
-        yield StressState(0.0, np.full_like(strain, np.nan), strain, self.u0, nan, 0.0)
-        for n in range(1, steps + 1):
-            state = programme(n * k, strain)
-            strain = state.strain
-            yield state
-
-
-class _Programme:
-    """min Φ over Σ^h(t), for many t.
-
-    The unknown of a cell is scaled by √|T|, so that Q_V-norms are Euclidean norms and the programme
-    does not feel the mesh: with x_T = √|T| y_T and q_T = √|T| g_T,
-
-        min Σ_T ½ Q x_T·x_T + q_T·x_T   subject to   Bᵀ x + Nᵀλ = F,   λ ≥ 0,   x_T in its cone,
-
-    B = (√|T| stressᵀ E)_T. Stresses are measured in units that make the data of the step of order
-    one, strains in these units times the norm of the flexibility (C⁻¹, or k A⁻¹ for law (3.3)); tolerances
-    are then relative.
-    """
-
-    def __init__(self, problem: StressProblem, potential: LinearPotential | YieldPotential) -> None:
-        space = problem.space
-        cells, m = len(space.volumes), problem.N.shape[0]
-        D, p = potential.stress.shape
-        self.problem, self.potential = problem, potential
-        self.root = np.sqrt(space.volumes)
-        self.flexibility = float(np.linalg.norm(potential.quadratic[:, :D, :D], 2, axis=(1, 2)).max())
-
-        def every_cell(matrix: Array) -> sps.csr_array:
-            return sps.csr_array(sps.kron(sps.eye_array(cells), matrix))
-
-        def cell_by_cell(blocks: Array) -> sps.csr_array:
-            return sps.csr_array(sps.bsr_array((blocks, np.arange(cells), np.arange(cells + 1))))
-
-        self.B = sps.csr_array(sps.diags_array(np.repeat(self.root, D)) @ space.E)
-        equilibrium = every_cell(potential.stress).T @ self.B
-        in_cones = every_cell(np.eye(p)[p - potential.cone :])
-        hessian = sps.block_diag([cell_by_cell(potential.quadratic / self.flexibility), sps.csr_array((m, m))])
-        # Clarabel: min ½ xᵀPx + qᵀx, Ax + s = b, s in a product of cones.
-        constraints = sps.block_array([[equilibrium.T, problem.N.T], [-in_cones, None], [None, -sps.eye_array(m)]])
-        cones = [clarabel.ZeroConeT(space.dofs)]
-        cones += [clarabel.SecondOrderConeT(potential.cone)] * (cells if potential.cone else 0)
-        cones += [clarabel.NonnegativeConeT(m)]
-        self.q = np.zeros(p * cells + m)
-        self.b = np.zeros(constraints.shape[0])
-        P, A = sps.csc_matrix(sps.triu(hessian)), sps.csc_matrix(constraints)
-
-        def solver(gap: float, feasibility: float) -> clarabel.DefaultSolver:
-            return clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(gap, feasibility))
-
-        self.solver = solver(GAP, FEASIBILITY)
-        # Where rounding breaks off the way to an aim out of reach, the last iterate is not the best.
-        self.modest = partial(solver, ENOUGH_GAP, ENOUGH_FEASIBILITY)
-
-    def __call__(self, time: float, old: Tensors) -> StressState:
-        """σ_n, λ_n, u_n and ε_n from ε_{n−1}."""
-        cells, dofs = len(self.root), self.problem.space.dofs
-        load = self.problem.load(time)
-        unit = self.unit(load, old)
-        slope = self.root * self.potential.linear(old)
-        self.q[: slope.size] = slope.T.ravel() / (unit * self.flexibility)
-        self.b[:dofs] = load / unit
-        self.solver.update(q=self.q, b=self.b)
-        solution = self.solver.solve()
-        if solution.status not in SOLVED:
-            solution = self.modest().solve()
-        if solution.status not in SOLVED:
-            raise StressError(
-                f"the stress problem at t = {time:.6g} was not solved: {solution.status} after "
-                f"{solution.iterations} iterations, residuals {solution.r_prim:.2g} and {solution.r_dual:.2g}"
-            )
-        x, multipliers = np.split(unit * np.array(solution.x), [slope.size])
-        u = -unit * self.flexibility * np.array(solution.z[:dofs])
-        y = x.reshape(cells, -1).T / self.root
-        # Slacks and their multipliers are both in their cones: no term is negative, none cancels.
-        gap = unit**2 * self.flexibility * float(np.dot(solution.s, solution.z))
-        return StressState(time, self.potential.stress @ y, self.potential.strain(y, old), u, multipliers, gap)
-
-    def unit(self, load: Array, old: Tensors) -> float:
-        """The size of stresses in a step: of its load, and of the strain before times C."""
-        size = float(np.linalg.norm(load)) + float(np.linalg.norm(self.root * old)) / self.flexibility
-        return size or 1.0
-
-
-def settings(gap: float, feasibility: float) -> clarabel.DefaultSettings:
-    """How far the interior point aims to go."""
+def settings(aim: Tolerance, enough: Tolerance) -> clarabel.DefaultSettings:
+    """What the solver aims at, and what is enough where rounding stops it short of that."""
     found = clarabel.DefaultSettings()
     found.verbose = False
     # Presolve and chordal decomposition would forbid new data for the next step.
     found.presolve_enable = False
     found.chordal_decomposition_enable = False
-    found.tol_gap_abs = found.tol_gap_rel = gap
-    found.tol_feas = feasibility
-    found.reduced_tol_gap_abs = found.reduced_tol_gap_rel = ENOUGH_GAP
-    found.reduced_tol_feas = ENOUGH_FEASIBILITY
+    found.tol_gap_abs = found.tol_gap_rel = aim.gap
+    found.tol_feas = aim.feasibility
+    found.reduced_tol_gap_abs = found.reduced_tol_gap_rel = enough.gap
+    found.reduced_tol_feas = enough.feasibility
     found.iterative_refinement_abstol = found.iterative_refinement_reltol = REFINEMENT
     return found

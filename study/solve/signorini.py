@@ -25,7 +25,7 @@ from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
 from scipy.optimize import nnls
 
 from manufactured.tensors import Array
-from study.solve.cholesky.factorisation import Factor
+from study.solve.cholesky.factorisation import Cholesky
 
 
 class ContactSolver(Protocol):
@@ -39,7 +39,7 @@ class Signorini:
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
         constrained = np.unique(N.nonzero()[1])
-        self.factor, self.N = Factor(S, constrained), N
+        self.factor, self.N = Cholesky(S, constrained), N
         self.end = slice(S.shape[0] - len(constrained), None)
         columns = sps.csc_array(N)[:, self.factor.order[self.end]].toarray().T
         self.Y = solve_triangular(self.factor.trailing, columns, lower=True)
@@ -60,7 +60,7 @@ class Signorini:
         visited: set[bytes] = set()
         while active.tobytes() not in visited:
             visited.add(active.tobytes())
-            multipliers = self.on(active, gap)
+            multipliers = self.multipliers_on(active, gap)
             violated = gap - self.W @ multipliers > 0
             following = np.where(active, multipliers > 0, violated)
             if (following == active).all():
@@ -72,9 +72,9 @@ class Signorini:
         L = cholesky(self.W, lower=True)
         multipliers, _ = nnls(L.T, solve_triangular(L, gap, lower=True))
         self.active = multipliers > 0
-        return self.on(self.active, gap)
+        return self.multipliers_on(self.active, gap)
 
-    def on(self, active: Array, gap: Array) -> Array:
+    def multipliers_on(self, active: Array, gap: Array) -> Array:
         """λ with (gap − Wλ) = 0 on the active set and λ = 0 elsewhere; factors W there when the set is a new one."""
         multipliers = np.zeros_like(gap)
         if active.any():

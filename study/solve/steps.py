@@ -1,26 +1,43 @@
-"""How many time steps a measurement takes."""
+"""Time steps: their size, and how many of them a mesh of level n, h ~ 1/n, is given.
+
+Both rules give pace · T · n^e steps, as few as make the error in time negligible beside the one in space.
+"""
 
 from __future__ import annotations
 
 import math
 
-from manufactured.case import Case
+PACE = 8.0
+"""Steps per n^{2/3} and unit of time where a case does not ask for more."""
 
 
-def paced_steps(pace: float, T: float, level: int) -> int:
-    """pace · T · n^{2/3} steps, slower than 1/h.
+class StepsError(ValueError):
+    """There is no time step."""
 
-    A scheme of order 3/2 (midpoint with velocity kinks) then has a time error of the order h, one
-    of order 2 an error of order h^{4/3}.
+
+def step_size(T: float, steps: int) -> float:
+    """k = T/steps.
+
+    Raises:
+        StepsError: fewer than one step.
+    """
+    if steps < 1:
+        raise StepsError(f"{steps} steps cannot reach T = {T:g}; take one step or more")
+    return T / steps
+
+
+def rate_steps(T: float, level: int, pace: float = PACE) -> int:
+    """⌈pace · T · n^{2/3}⌉, so that k ~ h^{2/3}, for errors of order h.
+
+    A scheme of order 3/2 (midpoint where u̇ jumps) then has a time error of the order h, one of order 2 an error of
+    order h^{4/3}.
     """
     return math.ceil(pace * T * level ** (2 / 3))
 
 
-def steps_for(case: Case, level: int) -> int:
-    """The same for the pace of a case."""
-    return paced_steps(case.pace, case.solution.body.T, level)
+def stress_steps(T: float, level: int, pace: float = PACE) -> int:
+    """About pace/2 · T · n steps, at least T · n and at most 4 T · n, so that k ~ h, for errors of order h².
 
-
-def even_steps(case: Case, level: int) -> int:
-    """An even number of steps of the size of h, shorter where more happens in time."""
-    return 2 * round(min(max(1.0, case.pace / 2), 4.0) * case.solution.body.T * level / 2)
+    Their number is even: half as many steps show what the error in time contributes.
+    """
+    return 2 * round(min(max(1.0, pace / 2), 4.0) * T * level / 2)

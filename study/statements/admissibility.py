@@ -22,8 +22,10 @@ from study.ledger.criterion import judge
 from study.ledger.measures import largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_most
-from study.solve.cholesky.factorisation import Factor
-from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem
+from study.solve.cholesky.factorisation import Cholesky
+from study.solve.contact_step import FIXED_POINT
+from study.solve.evolution import SemiDiscrete
+from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.thm_4_2.gaps import beyond
@@ -67,7 +69,7 @@ class Admissibility(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, BackwardEuler(), STEPS)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, STEPS)
         return with_h(setup.space.h, largest_violations(setup))
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -109,9 +111,9 @@ class Rivals:
         A: the viscosity on the cells.
     """
 
-    def __init__(self, space: Space, problem: Problem, A: AtPoints, rng: np.random.Generator) -> None:
+    def __init__(self, space: Space, problem: SemiDiscrete, A: AtPoints, rng: np.random.Generator) -> None:
         self.space, self.problem, self.A, self.rng = space, problem, A, rng
-        self.riesz = Factor(problem.M)
+        self.riesz = Cholesky(problem.M)
 
     def displacements(self, u: Array) -> list[Array]:
         """SAMPLES members of K^h at distances up to |u| from u."""

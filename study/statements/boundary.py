@@ -35,7 +35,7 @@ from study.ledger.criterion import Observation, judge
 from study.ledger.measures import order
 from study.ledger.verdict import Verdict
 from study.ledger.window import around, between
-from study.solve.evolution import Midpoint
+from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 
@@ -78,7 +78,7 @@ class NaturalConditions(ListedNumbers):
         solution = resolve(setting.case).solution
         # An odd number of steps for each instant puts the instants into the middle of steps.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, Midpoint(), steps)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
         return with_h(setup.space.h, tractions(setup))
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:

@@ -58,8 +58,8 @@ from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rul
 from study.ledger.measures import ENOUGH, change, largest, order
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most
-from study.solve.evolution import Midpoint
-from study.solve.steps import steps_for
+from study.solve.steps import rate_steps
+from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.instants import Velocity, midpoints
@@ -101,8 +101,8 @@ class ErrorBounds(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         case = resolve(setting.case)
-        steps = steps_for(case, setting.level)
-        setup = Experiment.of(case.solution, family_named(setting.family), setting.level, Midpoint(), steps)
+        steps = rate_steps(case.solution.body.T, setting.level, case.pace)
+        setup = Experiment.of(case.solution, family_named(setting.family), setting.level, MIDPOINT, steps)
         return with_h(setup.space.h, {**sides(setup), **predicted(case)})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:

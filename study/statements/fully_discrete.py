@@ -35,7 +35,8 @@ from study.ledger.measures import ENOUGH
 from study.ledger.orders import CONFIDENCE
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most, between
-from study.solve.evolution import SCHEMES, Midpoint, Scheme
+from study.solve.evolution import Scheme
+from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 
@@ -116,7 +117,7 @@ class FullyDiscrete(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, Midpoint(), FINEST)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, FINEST)
         return with_h(setup.space.h, dict(errors(setup)))
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -130,7 +131,7 @@ def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
     load = lru_cache(maxsize=None)(setup.problem.load)
     problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
     common = min(COUNTS)
-    reference = [state.u for n, state in enumerate(Midpoint().march(problem, FINEST)) if n % (FINEST // common) == 0]
+    reference = [state.u for n, state in enumerate(MIDPOINT.march(problem, FINEST)) if n % (FINEST // common) == 0]
     samples = [gauge.sample(n * problem.T / common) for n in range(common + 1)]
     for scheme in SCHEMES:
         for count in COUNTS:

@@ -49,7 +49,7 @@ from study.ledger.criterion import judge
 from study.ledger.measures import finest, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_most
-from study.solve.cholesky.factorisation import Factor
+from study.solve.cholesky.factorisation import Cholesky
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.places import FIRST, named, place, space_of
@@ -113,7 +113,7 @@ SHRUNK = largest(
 
 def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0) -> float:
     """The largest distance of the two sides over the times, relative to their smallest term, in the norm of V^h'."""
-    riesz = Factor(unloaded(space, solution.law).M)
+    riesz = Cholesky(unloaded(space, solution.law).M)
     fine, prolong = halved(space, halvings)
     raised = degree - (DEGREE if space.dim == 2 else SOLID_DEGREE)
 

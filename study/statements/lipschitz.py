@@ -34,8 +34,8 @@ from study.ledger.measures import BOUND, ROUNDING, Constant, finest
 from study.ledger.measures import largest as largest_of
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
-from study.solve.cholesky.factorisation import Factor
-from study.solve.evolution import Problem
+from study.solve.cholesky.factorisation import Cholesky
+from study.solve.evolution import SemiDiscrete
 from study.statements.constitutive_law import derivative, points, tensors
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import largest, unloaded
@@ -62,9 +62,9 @@ NOT_VACUOUS = at_least(0.97, "on the finest level")
 class Operator:
     """B^h as the functionals (G ε(v), ε(·))_Q and quotients in ‖·‖_V."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: SemiDiscrete) -> None:
         self.problem = problem
-        self.riesz = Factor(problem.M)
+        self.riesz = Cholesky(problem.M)
 
     def __call__(self, v: Array) -> Array:
         """(G ε(v), ε(·))_Q, (n,)."""

@@ -22,7 +22,8 @@ from study.ledger.datafiles import DataFile, JsonFiles, Row
 from study.ledger.facets import Facets
 from study.ledger.packing import FINE, Packed, short
 from study.ledger.verdict import Verdict
-from study.solve.motion import Motion, balance, von_mises
+from study.solve.motion import Motion
+from study.solve.von_mises import von_mises
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import Scope
@@ -86,9 +87,8 @@ def _fits(body: Body, level: int) -> bool:
 
 def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
     """The picture of a motion, with one of ``every`` frames."""
-    solution, space, found = motion.solution, motion.space, motion.frames
+    solution, space, shown = motion.solution, motion.space, motion.frames[::every]
     skin, keep = Skin.of(space.mesh), _written(space.dim)
-    shown = found[::every]
     times = np.array([frame.time for frame in shown])
     displacement = np.array([space.nodal(frame.u)[:, skin.vertices] for frame in shown])
     normal = np.array([frame.normal for frame in shown])
@@ -104,7 +104,7 @@ def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
         "shapes": [{"time": times[n], "displacement": keep(displacement[n])} for n in instants],
         "displacement": Packed.of(displacement).record(),
         "von_mises": Packed.of(np.array([von_mises(frame.stress)[skin.cells] for frame in shown])).record(),
-        "energy": {name: short(values) for name, values in balance(found).items()},
+        "energy": {name: short(values) for name, values in motion.balance().items()},
         "faces": _faces(solution, space, skin, times, normal, pressure),
     }
 

@@ -22,9 +22,12 @@ from study.ledger.criterion import judge
 from study.ledger.measures import every, finest, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most
-from study.solve.cholesky.factorisation import Factor
-from study.solve.evolution import FIXED_POINT, BackwardEuler, Problem, State
+from study.solve.cholesky.factorisation import Cholesky
+from study.solve.contact_step import FIXED_POINT, State
+from study.solve.evolution import SemiDiscrete
+from study.solve.interior_point import Tolerance, settings
 from study.solve.signorini import Signorini
+from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.instants import Velocity
@@ -35,7 +38,7 @@ FEW = ("advance-recede", "yield-on-a-part")
 """Linear law and law (3.3), for the quick study."""
 
 
-def norm(problem: Problem, v: Array) -> float:
+def norm(problem: SemiDiscrete, v: Array) -> float:
     """‖v‖_V on V^h."""
     return math.sqrt(max(v @ (problem.M @ v), 0.0))
 
@@ -74,14 +77,14 @@ class OneTrajectory(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, BackwardEuler(), RIVALS_STEPS)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, RIVALS_STEPS)
         return with_h(setup.space.h, {name: apart(setup, rival) for name, rival in rivals(setup.problem).items()})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         return judge(self, rows, UNIQUENESS)
 
 
-def rivals(problem: Problem) -> dict[str, Problem]:
+def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
     """The same problem, to be solved in other ways."""
     whole = replace(problem, reference=0 * problem.reference, remainder=_whole(problem))
     return {
@@ -92,7 +95,7 @@ def rivals(problem: Problem) -> dict[str, Problem]:
     }
 
 
-def _whole(problem: Problem) -> Callable[[Array], Array]:
+def _whole(problem: SemiDiscrete) -> Callable[[Array], Array]:
     """v ↦ (G ε(v), ε(·))_Q."""
 
     def elastic(v: Array) -> Array:
@@ -102,7 +105,7 @@ def _whole(problem: Problem) -> Callable[[Array], Array]:
     return elastic
 
 
-def apart(setup: Experiment, other: Problem) -> float:
+def apart(setup: Experiment, other: SemiDiscrete) -> float:
     """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for the setup's problem and another one."""
     pairs = zip(setup.scheme.march(setup.problem, setup.steps), setup.scheme.march(other, setup.steps), strict=True)
     both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
@@ -143,20 +146,13 @@ class InteriorPoint:
     """The contact solve as a quadratic programme in all unknowns, by Clarabel."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
-        settings = clarabel.DefaultSettings()
-        settings.verbose = False
-        settings.presolve_enable = False
-        settings.tol_gap_abs = settings.tol_gap_rel = 1e-15
-        settings.tol_feas = 1e-14
-        # What counts as solved where rounding stops it short; systems inside are refined as far as it helps.
-        settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = settings.reduced_tol_feas = 1e-11
-        settings.iterative_refinement_abstol = settings.iterative_refinement_reltol = 1e-16
         self.m = N.shape[0]
         self.q = np.zeros(N.shape[1])
         cones = [clarabel.NonnegativeConeT(self.m)]
         self.unit = float(abs(S.diagonal()).max())
         P = sps.csc_matrix(sps.triu(S / self.unit))
-        self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(self.m), cones, settings)
+        how = settings(aim=Tolerance(gap=1e-15, feasibility=1e-14), enough=Tolerance(gap=1e-11, feasibility=1e-11))
+        self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(self.m), cones, how)
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
         """u ∈ K^h and λ ≥ 0."""
@@ -198,7 +194,7 @@ class BoundedVelocity(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, BackwardEuler(), 1)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, 1)
         velocity = Velocity(solution, setup.space)
         exact = max(velocity.norm(float(t)) for t in np.linspace(0, setup.problem.T, SUPREMUM_AT + 1))
         return with_h(setup.space.h, {k: fastest(setup.problem, steps) / exact for k, steps in STEPS.items()})
@@ -207,11 +203,11 @@ class BoundedVelocity(ListedNumbers):
         return judge(self, rows, VELOCITY)
 
 
-def fastest(problem: Problem, steps: int) -> float:
+def fastest(problem: SemiDiscrete, steps: int) -> float:
     """max_n ‖(u_n − u_{n−1})/k‖_V by backward Euler."""
     k = problem.T / steps
     return max(
-        norm(problem, (after.u - before.u) / k) for before, after in pairwise(BackwardEuler().march(problem, steps))
+        norm(problem, (after.u - before.u) / k) for before, after in pairwise(BACKWARD_EULER.march(problem, steps))
     )
 
 
@@ -267,7 +263,7 @@ class Dependence(ListedNumbers):
         solution = resolve(setting.case).solution
         omega = growth(solution.law)
         steps = max(12, math.ceil(4 * omega * solution.body.T))
-        setup = Experiment.of(solution, family_named(setting.family), setting.level, BackwardEuler(), steps)
+        setup = Experiment.of(solution, family_named(setting.family), setting.level, BACKWARD_EULER, steps)
         trajectory = list(setup.scheme.march(setup.problem, steps))
         others = perturbations(setup.problem, setup.space)
         found = np.array([quotients(setup.problem, trajectory, other) for other in others])
@@ -283,24 +279,24 @@ def growth(law: KelvinVoigt) -> float:
     return law.G.lipschitz / law.A.ellipticity
 
 
-def quotients(problem: Problem, trajectory: list[State], other: Perturbation) -> Array:
+def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbation) -> Array:
     """‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) at n = 1, 2, …"""
     steps = len(trajectory) - 1
-    riesz = Factor(problem.M)
+    riesz = Cholesky(problem.M)
     changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
     bound = norm(problem, problem.u0 - other.start)
     found = []
-    for u, v in zip(trajectory[1:], islice(BackwardEuler().march(changed, steps), 1, None), strict=True):
+    for u, v in zip(trajectory[1:], islice(BACKWARD_EULER.march(changed, steps), 1, None), strict=True):
         F = other.change(u.time)
         bound += problem.T / steps * math.sqrt(F @ riesz(F))
         found.append(norm(problem, u.u - v.u) / bound)
     return np.array(found)
 
 
-def perturbations(problem: Problem, space: Space) -> Iterator[Perturbation]:
+def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]:
     """Loads and starts of several sizes; the first is a constant load that by itself moves no vertex of Γ3 along ν."""
     rng = np.random.default_rng(SEED)
-    riesz, onto = Factor(problem.M), Signorini(problem.M, problem.N)
+    riesz, onto = Cholesky(problem.M), Signorini(problem.M, problem.N)
     load = max(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
     for relative in SIZES:
@@ -321,7 +317,7 @@ def smooth(space: Space, rng: np.random.Generator) -> Array:
     return space.interpolate(rng.standard_normal((space.dim, 4)) @ np.cos(waves))
 
 
-def along_the_contact(problem: Problem, v: Array) -> Array:
+def along_the_contact(problem: SemiDiscrete, v: Array) -> Array:
     """v without its normal component at the vertices of Γ3."""
     N = problem.N.toarray()
     return v - np.linalg.pinv(N) @ (N @ v)

@@ -1,18 +1,19 @@
 """Problem 3.2 in time on composite stresses: σ^h_n ∈ Σ^h(t_n), found without any displacement.
 
-With ε̇ ≈ (w ε_n − past)/k, for backward Euler (w = 1, past = ε_{n−1}) and BDF2 (w = 3/2, past = 2ε_{n−1} − ½ε_{n−2}),
-the law (2.1) reads σ_n = C ε_n − (A/k) past, C = (w/k) A + G, and (3.12), (3.15) say that σ_n minimises over Σ^h(t_n)
+With ε̇ ≈ (w ε_n − η_n)/k, η_n = Σ_{j≥1} w_j ε_{n−j} (``study.solve.tableau``; backward Euler and BDF2), the law (2.1)
+reads σ_n = C ε_n − (A/k) η_n, C = (w/k) A + G, and (3.12), (3.15) say that σ_n minimises over Σ^h(t_n)
 
-    ½ (C⁻¹τ, τ)_Q + (C⁻¹ (A/k) past, τ)_Q,
+    ½ (C⁻¹τ, τ)_Q + (C⁻¹ (A/k) η_n, τ)_Q,
 
-after which ε_n = C⁻¹ (σ_n + (A/k) past) is kept at the points of the stresses. These strains are not ε(u^h) of any
-displacement u^h; that they are strains of a displacement in K is what Theorem 4.2 says in the limit.
+after which ε_n = C⁻¹ (σ_n + (A/k) η_n) is kept at the quadrature points: a history of strains that are those of no
+displacement u^h. That they are strains of a displacement in K is what Theorem 4.2 says in the limit.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from manufactured.data import Data
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Tensors
 from study.solve.signorini import Signorini
+from study.solve.tableau import Tableau
 from study.stresses.hybrid import EquilibratedStress, Equilibrium
 from study.stresses.loads import Loads
 from study.stresses.projection import ProjectedLoads
@@ -27,7 +29,7 @@ from study.stresses.stress_space import StressSpace
 
 
 class EquilibriumError(ValueError):
-    """Problem 3.2 cannot be posed for a law or a number of steps."""
+    """Problem 3.2 cannot be posed for a law or a scheme."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +37,8 @@ class DualState:
     """One time node.
 
     Attributes:
-        time: t_n, n ≥ 1.
-        stress: σ^h_n with the multipliers of its equilibrium.
+        time: t_n.
+        stress: σ^h_n with the multipliers of its equilibrium; not a number at t_0.
         strain: ε_n at the points, (3, cells, Q).
         loads: P f_0 and P f_2 at t_n.
     """
@@ -63,56 +65,62 @@ def linear(law: KelvinVoigt) -> tuple[Linear, Linear]:
     return law.A, law.G
 
 
-@dataclass(frozen=True)
-class Multistep:
-    """ε̇(t_n) ≈ (w ε_n − Σ_j past_j ε_{n−j})/k."""
+@dataclass(frozen=True, eq=False)
+class StressEvolution:
+    """Problem 3.2 in time on composite stresses.
 
-    name: str
-    w: float
-    past: tuple[float, ...]
+    Attributes:
+        data: A, G, f_0, f_2, u_0 and T.
+        space: the stresses.
+        solver: (S, N) ↦ the contact solve of one step.
+    """
 
+    data: Data
+    space: StressSpace
+    solver: type[Signorini] = Signorini
 
-BACKWARD_EULER = Multistep("backward-euler", 1.0, (1.0,))
-BDF2 = Multistep("bdf2", 1.5, (2.0, -0.5))
+    @property
+    def T(self) -> float:
+        return self.data.body.T
+
+    @cached_property
+    def loads(self) -> ProjectedLoads:
+        """t ↦ P f_0 and P f_2."""
+        return ProjectedLoads(self.data, self.space)
+
+    def initial(self) -> DualState:
+        """ε(u_0); the schemes have no rate there, so the stress is not a number."""
+        space = self.space
+        strain, edges = self.data.initial(space.points), np.full((len(space.lengths), space.degree + 1, 2), np.nan)
+        stress = EquilibratedStress(np.full_like(strain, np.nan), edges[space.edges], edges)
+        return DualState(0.0, stress, strain, self.loads(0.0))
+
+    def stepper(self, scheme: Tableau, k: float) -> _DualStep:
+        """(n, the states before) ↦ the state at t_n.
+
+        Raises:
+            EquilibriumError: a law whose G is not linear, or a scheme that takes G at another time than t_n.
+        """
+        if scheme.theta != 1:
+            raise EquilibriumError(f"Problem 3.2 is solved at t_n, which {scheme.name} does not do: take bdf2")
+        return _DualStep(self, scheme, k)
 
 
 class _DualStep:
-    """The minimisation of one time step with fixed k."""
+    """The steps of one scheme with one k."""
 
-    def __init__(self, data: Data, space: StressSpace, scheme: Multistep, k: float, solver: type[Signorini]) -> None:
-        A, G = linear(data.law)
-        self.scheme = scheme
-        self.viscous = tensor_at(A, space.points) / k
-        self.compliance = np.linalg.inv(scheme.w * self.viscous + tensor_at(G, space.points))
-        self.equilibrium = Equilibrium(space, self.compliance, solver)
+    def __init__(self, problem: StressEvolution, scheme: Tableau, k: float) -> None:
+        self.problem, self.scheme, self.k = problem, scheme, k
+        A, G = linear(problem.data.law)
+        self.viscous = tensor_at(A, problem.space.points) / k
+        self.compliance = np.linalg.inv(scheme.newest * self.viscous + tensor_at(G, problem.space.points))
+        self.equilibrium = Equilibrium(problem.space, self.compliance, problem.solver)
 
-    def __call__(self, time: float, loads: ProjectedLoads, history: list[Tensors]) -> DualState:
-        past = sum(c * strain for c, strain in zip(self.scheme.past, reversed(history), strict=False))
-        rate = np.einsum("cqIJ,Jcq->Icq", self.viscous, past, optimize=True)
-        known = np.einsum("cqIJ,Jcq->Icq", self.compliance, rate, optimize=True)
-        now = loads(time)
-        stress = self.equilibrium(now, known)
-        strain = known + np.einsum("cqIJ,Jcq->Icq", self.compliance, stress.values, optimize=True)
-        return DualState(time, stress, strain, now)
-
-
-def march(
-    data: Data, space: StressSpace, scheme: Multistep, steps: int, solver: type[Signorini] = Signorini
-) -> Iterator[DualState]:
-    """The states at t_1, …, t_steps; a scheme with more than one past value starts with backward Euler.
-
-    Raises:
-        EquilibriumError: fewer than one step, or a law whose G is not linear.
-    """
-    if steps < 1:
-        raise EquilibriumError(f"{steps} steps cannot reach T = {data.body.T:g}; take one step or more")
-    k = data.body.T / steps
-    loads = ProjectedLoads(data, space)
-    history = [data.initial(space.points)]
-    step = _DualStep(data, space, BACKWARD_EULER, k, solver)
-    for n in range(1, steps + 1):
-        if n == len(scheme.past) and scheme.past != step.scheme.past:
-            step = _DualStep(data, space, scheme, k, solver)
-        state = step(n * k, loads, history)
-        history = [*history, state.strain][-len(scheme.past) :]
-        yield state
+    def __call__(self, n: int, past: Sequence[DualState]) -> DualState:
+        known = self.scheme.known([state.strain for state in past])
+        rate = np.einsum("cqIJ,Jcq->Icq", self.viscous, known, optimize=True)
+        released = np.einsum("cqIJ,Jcq->Icq", self.compliance, rate, optimize=True)
+        loads = self.problem.loads(n * self.k)
+        stress = self.equilibrium(loads, released)
+        strain = released + np.einsum("cqIJ,Jcq->Icq", self.compliance, stress.values, optimize=True)
+        return DualState(n * self.k, stress, strain, loads)

@@ -11,7 +11,9 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from skfem import Mesh
 
+from manufactured.body import Body
 from manufactured.tensors import Array, Points, Tensors, Vectors, basis
 from study.fem.quadrature import simplex_rule
 from study.stresses.alfeld import SIDES, thirds
@@ -29,8 +31,13 @@ class StressSpace(TriangulatedBody):
 
     Shapes: Q points a cell (all thirds together), p basis functions with Div σ = 0 a cell, n = k + 1 Bernstein
     polynomials an edge.
+
+    Raises:
+        MeshError: the mesh is not one of triangles, or does not fit the parts of the body.
     """
 
+    mesh: Mesh
+    body: Body
     degree: int = 1
 
     @property

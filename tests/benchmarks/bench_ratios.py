@@ -18,8 +18,8 @@ from benchmarks.level import DIRECT, Place, Watched, compile_formulas, errors
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.solve import signorini
-from study.solve.cholesky.factorisation import Factor
-from study.solve.steps import steps_for
+from study.solve.cholesky.factorisation import Cholesky
+from study.solve.steps import rate_steps
 
 LEVELS = [int(n) for n in os.environ.get("BENCH_LEVELS", "256 512").split()]
 PLACES = [Place("advance-recede", family, n) for n in LEVELS for family in ("one-diagonal", "shaken")]
@@ -50,14 +50,14 @@ def bench_factorisation(benchmark: Any, watched: tuple[Place, Watched]) -> None:
     place, seen = watched
     last = seen.contact.factor.order[seen.contact.end]
     describe(benchmark, "factorisation", place, seen.S.shape[0])
-    benchmark.pedantic(Factor, args=(seen.S, last), rounds=3)
+    benchmark.pedantic(Cholesky, args=(seen.S, last), rounds=3)
 
 
 def bench_condensation(benchmark: Any, watched: tuple[Place, Watched], monkeypatch: pytest.MonkeyPatch) -> None:
     """The contact solver as it is made, but for the factorisation, which is at hand."""
     place, seen = watched
     factor = seen.contact.factor
-    monkeypatch.setattr(signorini, "Factor", lambda S, last: factor)
+    monkeypatch.setattr(signorini, "Cholesky", lambda S, last: factor)
     describe(benchmark, "condensation", place, seen.S.shape[0])
     benchmark.pedantic(signorini.Signorini, args=(seen.S, seen.N), rounds=5)
 
@@ -131,7 +131,8 @@ def bench_level(benchmark: Any, place: Place) -> None:
 def bench_nonlinear_law(benchmark: Any, place: Place) -> None:
     """With the step size that the study itself takes at this level."""
     watched = Watched(DIRECT, 0)
-    steps = steps_for(resolve(place.case), place.n)
+    case = resolve(place.case)
+    steps = rate_steps(case.solution.body.T, place.n, case.pace)
     setup = place.setup(watched, steps)
 
     def march() -> None:

@@ -31,7 +31,7 @@ from study.fem.gauge import Gauge
 from study.fem.mesh import Shaken
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.solve.evolution import Problem
+from study.solve.evolution import SemiDiscrete
 
 CASE, FAMILY, STEPS = "advance-recede", Shaken(), 50
 AGREEMENT = 1e-6
@@ -132,12 +132,12 @@ def rotation(N: sps.csr_array) -> tuple[sps.csc_array, Array]:
     return sps.csc_array(R), np.array(bounded)
 
 
-def export(n: int, path: Path) -> Problem:
+def export(n: int, path: Path) -> SemiDiscrete:
     """Write one level for all peers, and return it."""
     solution = resolve(CASE).solution
     space = Space(FAMILY(solution.body, n), solution.body)
     gauge = Gauge(solution, space)
-    problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
     k = problem.T / STEPS
     R, bounded = rotation(problem.N)
     S = problem.M / k + problem.reference
@@ -181,7 +181,7 @@ def distance(M: sps.csc_array, u: Array, v: Array) -> float:
     return float((norms(u - v) / norms(u)).max())
 
 
-def row(peer: Peer, done: Run, ours: Run, problem: Problem, n: int) -> dict[str, Any]:
+def row(peer: Peer, done: Run, ours: Run, problem: SemiDiscrete, n: int) -> dict[str, Any]:
     """A line of the table; a time is compared only where the solutions agree."""
     line = {"peer": peer.name, "n": n, "dofs": len(problem.u0), "steps": STEPS, "remark": done.remark, **done.printed}
     if done.u is None or ours.u is None:

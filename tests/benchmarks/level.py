@@ -13,10 +13,10 @@ import scipy.sparse as sps
 from manufactured.tensors import Array
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.solve.choice import aim, free_vertices
-from study.solve.evolution import Midpoint
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
+from study.solve.solver_choice import aim, free_vertices
+from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 
 Make = Callable[[sps.csc_array, sps.csr_array], Any]
@@ -93,7 +93,7 @@ class Place:
 
     def setup(self, solver: Solver | Watched = DIRECT, steps: int = STEPS) -> Experiment:
         """Mesh, space, matrices and quadrature for the midpoint rule with a solver."""
-        setup = Experiment.of(resolve(self.case).solution, family_named(self.family), self.n, Midpoint(), steps)
+        setup = Experiment.of(resolve(self.case).solution, family_named(self.family), self.n, MIDPOINT, steps)
         return replace(setup, problem=replace(setup.problem, solver=solver.on(setup.space)))
 
 

@@ -60,7 +60,8 @@ from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
-from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint, Scheme
+from study.solve.evolution import Scheme
+from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure.bound_rows import measure, posed
 from study.statements.enclosure.where import eligible
 from study.stresses.alfeld import SIDES, thirds
@@ -274,7 +275,7 @@ def test_no_error_lies_outside_for_many_random_cases(case, family, n, scheme, st
 def test_a_refined_mesh_encloses_the_error_more_tightly() -> None:
     case = CASES["fixed-front-off-vertex"]
     mesh = Unstructured()(case.solution.body, 4)
-    plain, finer = (closest(case, mesh, Midpoint(), 4, Refined(r, 2)) for r in (0, 1))
+    plain, finer = (closest(case, mesh, MIDPOINT, 4, Refined(r, 2)) for r in (0, 1))
     assert plain[1] < finer[1] < 1
 
 
@@ -300,7 +301,7 @@ class Anything:
 @settings(max_examples=10)
 def test_no_error_lies_outside_even_for_a_trajectory_that_has_nothing_to_do_with_the_solution(name, seed) -> None:
     case = CASES[name]
-    closest(case, Shaken(seed=seed)(case.solution.body, 3), BackwardEuler(), 3, Anything(seed), seed)
+    closest(case, Shaken(seed=seed)(case.solution.body, 3), BACKWARD_EULER, 3, Anything(seed), seed)
 
 
 # ---- defects that have to put an error outside
@@ -310,7 +311,7 @@ def outside(
     discretisation: Discretisation, case: Case, trajectory: Trajectory, computed: DiscreteSolution | None = None
 ) -> float:
     """The largest ‖u − ũ‖/y at the knots, which a correct bound leaves at 1 or below."""
-    computed = computed or compute(discretisation, Midpoint(), 6)
+    computed = computed or compute(discretisation, MIDPOINT, 6)
     found = enclose(discretisation, computed, trajectory, known_error(case, computed))
     fine, pieces = retraced(discretisation, computed, trajectory)
     true = Distance(fine, case.solution)
@@ -351,7 +352,7 @@ def test_a_bound_without_the_residual_is_caught(name: str, monkeypatch) -> None:
 def test_twice_the_constant_of_monotonicity_is_caught(name: str) -> None:
     case = CASES[name]
     discretisation = square_discretisation(case)
-    computed = compute(discretisation, Midpoint(), 6)
+    computed = compute(discretisation, MIDPOINT, 6)
     assert outside(discretisation, case, SmoothedInTime(), computed) <= 1
     discretisation.__dict__["monotonicity"] = 2 * discretisation.monotonicity
     assert outside(discretisation, case, SmoothedInTime(), computed) > 1.01
@@ -373,7 +374,7 @@ class Glued:
 class GluedTrajectory(Refined):
     def nodes(self, discretisation: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
         problem = quadratic_problem(discretisation, np.zeros(discretisation.displacements.dofs))
-        for state in Midpoint().march(replace(problem, solver=Glued), self.shorter * computed.steps):
+        for state in MIDPOINT.march(replace(problem, solver=Glued), self.shorter * computed.steps):
             # Rounding must not leave the cone.
             yield state.time, state.u - discretisation.displacements.N.T @ (discretisation.displacements.N @ state.u)
 
@@ -382,7 +383,7 @@ def test_stresses_that_pull_at_the_foundation_are_caught() -> None:
     """A glued body is in K and its stress balances the load, but it pulls where the body would have left."""
     case = CASES["no-contact"]
     discretisation = square_discretisation(case)
-    computed = compute(discretisation, Midpoint(), 6)
+    computed = compute(discretisation, MIDPOINT, 6)
     assert outside(discretisation, case, GluedTrajectory(0, 1), computed) <= 1
     # Moments m_ν = 0 in place of m_ν ≤ 0 are the multipliers of stresses with any σ_ν.
     pulling = Glued(discretisation.equilibrium.S, discretisation.equilibrium.N)
@@ -489,7 +490,7 @@ def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows
     """From the data alone: Problem 5.1 in degree 2 finds the solution, and nothing is left to bound."""
     data = patch.data(1 + 2 * t, not_proportional())
     discretisation = Discretisation(data, family(data.body, 4))
-    computed = compute(discretisation, BackwardEuler(), 3)
+    computed = compute(discretisation, BACKWARD_EULER, 3)
     found = enclose(discretisation, computed, Refined(0, 2))
     v, J = coefficients(discretisation, patch.value, patch.polar), prolongation(computed.space, discretisation)
     errors = [discretisation.norm((1 + 2 * time) * v - J @ computed.at(time)) for time in found.times]
@@ -657,7 +658,7 @@ def test_stresses_at_knots_balance_the_projected_loads_and_press(name: str) -> N
 def intervals_of(name: str) -> tuple[Discretisation, tuple[Interval, ...]]:
     case = CASES[name]
     discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 4))
-    computed = compute(discretisation, Midpoint(), 4)
+    computed = compute(discretisation, MIDPOINT, 4)
     return discretisation, enclose(discretisation, computed, SmoothedInTime()).intervals
 
 
@@ -744,7 +745,7 @@ def test_nothing_is_known_of_the_order_where_the_lower_bound_is_zero() -> None:
 
 def test_the_observed_order_lies_in_its_interval() -> None:
     case = CASES["full-contact"]
-    found = [measure(posed(case.name), OneDiagonal(), n, Midpoint(), 2 * n, Refined(0, 1))[1] for n in (4, 8)]
+    found = [measure(posed(case.name), OneDiagonal(), n, MIDPOINT, 2 * n, Refined(0, 1))[1] for n in (4, 8)]
     low, high = order(*found)
     observed = math.log(found[0].error.max() / found[1].error.max()) / math.log(found[0].h / found[1].h)
     assert low <= observed <= high
@@ -757,7 +758,7 @@ def test_the_observed_order_lies_in_its_interval() -> None:
 
 def test_a_row_says_how_close_the_ends_came() -> None:
     case = CASES["advance-recede"]
-    row, found = measure(posed(case.name), Shaken(), 4, Midpoint(), 6, Refined(0, 2))
+    row, found = measure(posed(case.name), Shaken(), 4, MIDPOINT, 6, Refined(0, 2))
     assert row.error == found.error.max()
     assert row.above == pytest.approx((found.error / found.upper).max())
     assert row.below == pytest.approx((found.lower / found.error).max())
@@ -774,7 +775,7 @@ def test_a_row_says_how_close_the_ends_came() -> None:
 
 def test_a_case_whose_force_is_not_square_integrable_is_refused() -> None:
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
-        measure(posed("rough-1.75"), OneDiagonal(), 4, Midpoint(), 4, SmoothedInTime())
+        measure(posed("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
 
 
 def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes() -> None:

@@ -31,7 +31,7 @@ from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import around
-from study.solve.evolution import Midpoint
+from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.evidence import PARALLELOGRAM
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.prop_5_4.judge import FirstOrder
@@ -84,7 +84,7 @@ def test_a_flipped_normal_does_more_than_drop_the_constraint_where_a_gap_is_open
 
 
 def measured(solution: ExactSolution, n: int = 8) -> Measurement:
-    return measure(Experiment.of(solution, OneDiagonal(), n, Midpoint(), 8))
+    return measure(Experiment.of(solution, OneDiagonal(), n, MIDPOINT, 8))
 
 
 @pytest.mark.parametrize(
@@ -221,10 +221,11 @@ space = Space(OneDiagonal()(solution.body, 4), solution.body)
 gauge = Gauge(solution, space)
 data = space, solution.law, gauge.load, gauge.sample(0.0).interpolant
 """
-STRESSES = "from study.solve.interior_point import StressProblem; *_, last = StressProblem.of(*data).march(8)"
+STRESSES = "from study.solve.stress_problem import StressProblem; *_, last = StressProblem.of(*data).march(8)"
 DISPLACEMENTS = """
-from study.solve.evolution import BackwardEuler, Problem
-*_, last = BackwardEuler().march(Problem.of(*data), 8)
+from study.solve.evolution import SemiDiscrete
+from study.solve.tableau import BACKWARD_EULER
+*_, last = BACKWARD_EULER.march(SemiDiscrete.of(*data), 8)
 """
 
 
@@ -237,14 +238,15 @@ from study.solve.evolution import BackwardEuler, Problem
             {
                 "signorini",
                 "multigrid",
-                "choice",
+                "solver_choice",
                 "evolution",
+                "contact_step",
+                "tableau",
                 "fixed_point",
-                "cholesky.factorisation",
-                "cholesky.sweeps",
+                "cholesky",
             },
         ),
-        (DISPLACEMENTS, "study.solve.signorini", {"interior_point"}),
+        (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem", "stress_programme"}),
     ],
     ids=["stresses", "displacements"],
 )

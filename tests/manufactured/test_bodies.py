@@ -27,7 +27,7 @@ from manufactured import (
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.space import Space
 from study.ledger.orders import orders
-from study.solve.evolution import Midpoint
+from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.prop_5_4.measure import measure
 
@@ -36,7 +36,7 @@ SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
 
 
 def row(solution: ExactSolution, family, n: int, steps: int):
-    return measure(Experiment.of(solution, family, n, Midpoint(), steps)).row("", family.name, n)
+    return measure(Experiment.of(solution, family, n, MIDPOINT, steps)).row("", family.name, n)
 
 
 def moved(solution: ExactSolution, corners: np.ndarray, T: float = 1.0) -> ExactSolution:

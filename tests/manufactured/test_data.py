@@ -37,8 +37,7 @@ from study.bound.trajectory import Refined
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve_data
 from study.ledger.errors import UsageError
-from study.solve.steps import paced_steps
-from study.statements.enclosure.bound_rows import PACE
+from study.solve.steps import rate_steps
 
 CASES = {case.name: case for case in catalogue()}
 SQUARE, LAW = unit_square(), not_proportional()
@@ -288,8 +287,8 @@ def test_levels_get_the_steps_of_their_pace() -> None:
     check_bound(data(), OneDiagonal(), [4, 8], 5, Refined())
     check_bound(data(), OneDiagonal(), [8, 27], None, Refined())
     T = data().body.T
-    assert [paced_steps(PACE, T, level) for level in (8, 27)] == [32, 72]
-    assert paced_steps(1, T, 8) == 4
+    assert [rate_steps(T, level) for level in (8, 27)] == [32, 72]
+    assert rate_steps(T, 8, pace=1) == 4
 
 
 def test_forces_that_are_not_square_integrable_are_refused() -> None:

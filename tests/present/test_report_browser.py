@@ -20,9 +20,7 @@ from selenium.webdriver.common.keys import Keys
 from selenium.webdriver.remote.webelement import WebElement
 from selenium.webdriver.support.select import Select
 from selenium.webdriver.support.wait import WebDriverWait
-from test_report import PLANE, SOLID, write_data
-
-from study.present.report import write_report
+from test_report import PLANE, SOLID, report, write_data
 
 PAGES = [
     "overview",
@@ -74,7 +72,7 @@ def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[webdriver.Chr
 def directory(chromium: webdriver.Chrome, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Data and page; asks for the browser first, as nothing is computed without one."""
     made = write_data(tmp_path_factory.mktemp("report"))
-    write_report(made)
+    report(made)
     return made
 
 

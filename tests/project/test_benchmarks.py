@@ -19,7 +19,7 @@ from benchmarks.peers import problem as exchange
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.solve.evolution import BackwardEuler
+from study.solve.tableau import BACKWARD_EULER
 
 SYSTEM = "/usr/bin/python3"
 TIMINGS = {"factorisation": 1.0, "condensation": 0.5, "solve": 0.1, "level": 37.0}
@@ -184,7 +184,7 @@ def test_peers_are_given_the_problem_that_is_solved_here(exported) -> None:
     source, problem, ours = exported
     given = exchange.load(source)
     assert abs(given.S - (problem.M / given.k + problem.reference)).max() < 1e-12 * abs(given.S).max()
-    states = list(BackwardEuler().march(problem, compare.STEPS))[1:]
+    states = list(BACKWARD_EULER.march(problem, compare.STEPS))[1:]
     assert compare.distance(problem.M, np.array([state.u for state in states]), ours.u) < 1e-12
 
 

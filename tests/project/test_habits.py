@@ -32,8 +32,8 @@ from study.controls import defects, register
 from study.controls.run_controls import work
 from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS
-from study.solve.evolution import Midpoint
-from study.solve.steps import steps_for
+from study.solve.steps import rate_steps
+from study.solve.tableau import MIDPOINT
 from study.statements.leading_term import SizeOfInterpolation
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.measure import measure_case
@@ -227,7 +227,10 @@ def test_the_case_of_the_recipe_states_its_formulas_and_then_the_order_that_they
 
 
 def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:
-    rows = [asdict(measure_case(case, OneDiagonal(), n, Midpoint(), steps_for(case, n))) for n in (8, 16, 32)]
+    rows = [
+        asdict(measure_case(case, OneDiagonal(), n, MIDPOINT, rate_steps(case.solution.body.T, n, case.pace)))
+        for n in (8, 16, 32)
+    ]
     table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
     by_statement = [statement.judge(table) for statement in (FirstOrder(), SizeOfInterpolation())]
     assert all(by_statement)

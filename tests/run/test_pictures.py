@@ -17,7 +17,7 @@ from study.fem.naming import resolve
 from study.fem.skin import Skin
 from study.ledger.facets import Facets
 from study.ledger.packing import FINE
-from study.present.figures.pictures import Picture
+from study.present.picture.picture import Picture
 from study.run.plan import Plan, full, quick
 from study.solve.motion import Motion
 from study.statements import pictures

@@ -8,7 +8,8 @@ from manufactured import catalogue
 from study.fem.gauge import Gauge
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
-from study.solve.evolution import BackwardEuler, Problem
+from study.solve.evolution import SemiDiscrete
+from study.solve.tableau import BACKWARD_EULER
 
 CASE = next(case for case in catalogue() if case.name == "advance-recede")
 
@@ -19,9 +20,9 @@ CASE = next(case for case in catalogue() if case.name == "advance-recede")
 def test_errors_agree_with_an_independent_prototype_to_four_digits(n: int, error: float, interpolation: float) -> None:
     space = Space(OneDiagonal()(CASE.solution.body, n), CASE.solution.body)
     gauge = Gauge(CASE.solution, space, raised=2)
-    problem = Problem.of(space, CASE.solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    problem = SemiDiscrete.of(space, CASE.solution.law, gauge.load, gauge.sample(0.0).interpolant)
     found, interpolated = [], []
-    for state in BackwardEuler().march(problem, 2 * n):
+    for state in BACKWARD_EULER.march(problem, 2 * n):
         sample = gauge.sample(state.time)
         found.append(gauge.distance(sample, state.u))
         interpolated.append(gauge.distance(sample, sample.interpolant))

@@ -14,7 +14,7 @@ from study.fem.material import form
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
 from study.solve.cholesky.dissection import LEAF, nested_dissection
-from study.solve.cholesky.factorisation import Factor
+from study.solve.cholesky.factorisation import Cholesky
 from study.solve.signorini import Signorini
 
 CASES = {case.name: case for case in catalogue()}
@@ -97,9 +97,9 @@ def test_the_factor_solves(matrices: Matrices, monkeypatch: pytest.MonkeyPatch) 
     """In one panel and in many."""
     S, _ = matrices
     b = np.random.default_rng(1).standard_normal(S.shape[0])
-    assert close(Factor(S)(b), np.linalg.solve(S.toarray(), b), 1e-11)
+    assert close(Cholesky(S)(b), np.linalg.solve(S.toarray(), b), 1e-11)
     monkeypatch.setattr("study.solve.cholesky.factorisation.PANEL", 1000)
-    factor = Factor(S)
+    factor = Cholesky(S)
     assert len(factor.panels) > 1
     assert close(factor(b), np.linalg.solve(S.toarray(), b), 1e-11)
 
@@ -108,7 +108,7 @@ def test_the_passes_are_those_through_the_factor(matrices: Matrices) -> None:
     """L from its columns: forward and backward are its inverse and the inverse of its transpose."""
     S, _ = matrices
     n = S.shape[0]
-    factor = Factor(S)
+    factor = Cholesky(S)
     L = np.linalg.cholesky(S.toarray()[np.ix_(factor.order, factor.order)])
     b = np.random.default_rng(2).standard_normal(n)
     assert close(factor.forward(b), np.linalg.solve(L, b[factor.order]), 1e-11)
@@ -118,7 +118,7 @@ def test_the_passes_are_those_through_the_factor(matrices: Matrices) -> None:
 def test_the_trailing_block_is_the_cholesky_factor_of_the_schur_complement(matrices: Matrices) -> None:
     S, N = matrices
     constrained = np.unique(N.nonzero()[1])
-    factor = Factor(S, constrained)
+    factor = Cholesky(S, constrained)
     inner, outer = np.split(factor.order, [-len(constrained)])
     assert (np.sort(outer) == constrained).all()
     dense = S.toarray()
@@ -142,7 +142,7 @@ def sparse_problems(draw) -> Matrices:
 def test_any_sparse_positive_definite_matrix_is_factorised(problem: Matrices) -> None:
     S, N = problem
     b = np.arange(S.shape[0]) + 1.0
-    assert np.allclose(S @ Factor(S, np.unique(N.nonzero()[1]))(b), b, rtol=0, atol=1e-9 * len(b))
+    assert np.allclose(S @ Cholesky(S, np.unique(N.nonzero()[1]))(b), b, rtol=0, atol=1e-9 * len(b))
     assert np.allclose(Signorini(S, N).W, N @ np.linalg.solve(S.toarray(), N.T.toarray()), rtol=0, atol=1e-9)
 
 
@@ -163,7 +163,7 @@ def test_dissection_fills_about_as_little_as_minimum_degree(
     monkeypatch.setattr("study.solve.cholesky.dissection.LEAF", 16)
     solution = CASES[name].solution
     S = form(Space(family(solution.body, n), solution.body), solution.law.A)
-    entries = sum(panel.entries.size for panel in Factor(S).panels)
+    entries = sum(panel.entries.size for panel in Cholesky(S).panels)
     other = splu(sps.csc_matrix(S), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0, options={"SymmetricMode": True})
     assert entries <= 2 * other.L.nnz
 
@@ -181,4 +181,4 @@ def test_parts_are_divided_until_they_are_leaves() -> None:
 
 def test_a_matrix_that_is_not_definite_is_refused() -> None:
     with pytest.raises(np.linalg.LinAlgError, match="not positive definite"):
-        Factor(sps.csc_array(np.array([[1.0, 2.0], [2.0, 1.0]])))
+        Cholesky(sps.csc_array(np.array([[1.0, 2.0], [2.0, 1.0]])))

@@ -21,9 +21,11 @@ from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshError, OneDiagonal,
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.solve import signorini
-from study.solve.evolution import BDF2, BackwardEuler, EvolutionError, Midpoint, Problem
+from study.solve.contact_step import EvolutionError
+from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
-from study.solve.steps import steps_for
+from study.solve.steps import rate_steps
+from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
@@ -339,18 +341,18 @@ def trajectory(case, scheme, steps: int, n: int = 8):
     solution = case.solution
     space = Space(Shaken()(solution.body, n), solution.body)
     gauge = Gauge(solution, space)
-    problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
     return problem, np.array([state.u for state in scheme.march(problem, steps)])
 
 
 @pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
 @pytest.mark.parametrize(
-    ("scheme", "low", "high"), [(BackwardEuler(), 0.8, 1.2), (BDF2(), 1.3, 2.2), (Midpoint(), 1.4, 2.3)]
+    ("scheme", "low", "high"), [(BACKWARD_EULER, 0.8, 1.2), (BDF2, 1.3, 2.2), (MIDPOINT, 1.4, 2.3)]
 )
 def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float, high: float) -> None:
     """Predicted: 1 for backward Euler; 2, falling to 3/2 where vertices change state, for the others."""
     case = CASES[name]
-    problem, reference = trajectory(case, Midpoint(), 1280)
+    problem, reference = trajectory(case, MIDPOINT, 1280)
     errors = []
     for steps in (20, 40, 80):
         _, u = trajectory(case, scheme, steps)
@@ -363,8 +365,8 @@ def test_a_scheme_converges_in_time_with_its_order(name: str, scheme, low: float
 def test_the_schemes_agree_on_one_trajectory() -> None:
     """Theorem 5.2: uniqueness, seen from three directions."""
     case = CASES["travelling-patch"]
-    problem, u = trajectory(case, Midpoint(), 400)
-    _, v = trajectory(case, BDF2(), 400)
+    problem, u = trajectory(case, MIDPOINT, 400)
+    _, v = trajectory(case, BDF2, 400)
     size = max(np.sqrt(w @ (problem.M @ w)) for w in u)
     assert max(np.sqrt(d @ (problem.M @ d)) for d in u - v) < 2e-3 * size
 
@@ -376,7 +378,7 @@ def test_a_midpoint_step_of_a_nonlinear_law_takes_at_most_six_solves_on_the_coar
 ) -> None:
     """There steps are longest. Backward Euler and BDF2 take more: the share of G in a step is twice as large."""
     case = CASES[name]
-    setup = Experiment.of(case.solution, family, 8, Midpoint(), steps_for(case, 8))
+    setup = Experiment.of(case.solution, family, 8, MIDPOINT, rate_steps(case.solution.body.T, 8, case.pace))
     solves = [state.iterations for state in setup.scheme.march(setup.problem, setup.steps)][1:]
     assert max(solves) <= 6
 
@@ -386,12 +388,12 @@ def test_a_fixed_point_that_does_not_settle_says_so() -> None:
     solution = case.solution
     space = Space(OneDiagonal()(solution.body, 4), solution.body)
     gauge = Gauge(solution, space)
-    problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
     from dataclasses import replace
 
     stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)
     with pytest.raises(EvolutionError, match="take more steps"):
-        list(Midpoint().march(stiff, 4))
+        list(MIDPOINT.march(stiff, 4))
 
 
 def test_criss_cross_meshes_have_a_vertex_at_every_centre() -> None:

@@ -16,11 +16,12 @@ from study.fem.gauge import Gauge
 from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
-from study.solve.choice import FACTORED, SHARE, contact_solver, free_vertices, residual
-from study.solve.evolution import Midpoint, Problem
+from study.solve.evolution import SemiDiscrete
 from study.solve.hierarchy import COARSEST, Hierarchy
 from study.solve.multigrid import Multigrid, MultigridError, local_bases, rigid_motions
 from study.solve.signorini import Signorini
+from study.solve.solver_choice import FACTORED, SHARE, contact_solver, free_vertices, residual
+from study.solve.tableau import MIDPOINT
 
 CASES = {case.name: case for case in catalogue()}
 EXACT = 1e-10
@@ -110,15 +111,15 @@ def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
     name: str, family: MeshFamily, levels: tuple[int, int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """In the norm of V over a trajectory, with the tolerance that a space of that size is given."""
-    monkeypatch.setattr("study.solve.choice.FACTORED", {2: 0, 3: 0})
+    monkeypatch.setattr("study.solve.solver_choice.FACTORED", {2: 0, 3: 0})
     solution, shares = CASES[name].solution, []
     for n in levels:
         space = Space(family(solution.body, n), solution.body)
         gauge = Gauge(solution, space)
-        problem = Problem.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+        problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
         exact = replace(problem, solver=Signorini)
         left, errors = [], []
-        for one, other in zip(Midpoint().march(problem, 8), Midpoint().march(exact, 8), strict=True):
+        for one, other in zip(MIDPOINT.march(problem, 8), MIDPOINT.march(exact, 8), strict=True):
             difference = one.u - other.u
             left.append(np.sqrt(difference @ (exact.M @ difference)))
             errors.append(gauge.distance(gauge.sample(one.time), other.u))

@@ -9,9 +9,12 @@ import pytest
 
 from manufactured import catalogue
 from study.fem.mesh import OneDiagonal, Shaken
-from study.solve import interior_point as stress
-from study.solve.evolution import Problem
-from study.solve.interior_point import StressError, StressProblem
+from study.solve import stress_programme
+from study.solve.evolution import SemiDiscrete
+from study.solve.interior_point import Tolerance
+from study.solve.steps import StepsError
+from study.solve.stress_potential import StressError
+from study.solve.stress_problem import StressProblem
 from study.statements.shared.base import Setting
 from study.statements.thm_4_2.gaps import beyond, gaps, problems
 from study.statements.thm_4_2.stands_alone import StandsAlone
@@ -19,7 +22,7 @@ from study.statements.thm_4_2.stands_alone import StandsAlone
 CASES = {case.name: case for case in catalogue()}
 
 
-def case_on(name: str, family, n: int) -> tuple[Problem, StressProblem]:
+def case_on(name: str, family, n: int) -> tuple[SemiDiscrete, StressProblem]:
     return problems(CASES[name].solution, family, n)
 
 
@@ -36,7 +39,7 @@ def test_both_problems_have_one_solution_at_every_step(name: str, family) -> Non
 @pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
 def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name: str, monkeypatch) -> None:
     """With gaps of 1e-4 the solutions differ by 1e-6 and more of their size, and by no more than the gap allows."""
-    monkeypatch.setattr(stress, "GAP", 1e-4)
+    monkeypatch.setattr(stress_programme, "AIM", Tolerance(1e-4, stress_programme.AIM.feasibility))
     found = gaps(*case_on(name, Shaken(), 6), steps=12)
     assert 1e-6 <= found.displacement_gap <= found.displacement_bound
     assert 1e-6 <= found.stress_gap <= found.stress_bound
@@ -46,8 +49,7 @@ def test_an_interior_point_that_rounding_breaks_off_is_asked_for_less(monkeypatc
     """With a mistake in Problem 3.1 alone, on a mesh on which the programme at t = T breaks off before its aim."""
     setting = Setting("yield-on-a-part", "shaken-7", 4)
     assert StandsAlone().measure(setting)["stress_shown"] == pytest.approx(1, abs=1e-6)
-    monkeypatch.setattr(stress, "ENOUGH_GAP", stress.GAP)
-    monkeypatch.setattr(stress, "ENOUGH_FEASIBILITY", stress.FEASIBILITY)
+    monkeypatch.setattr(stress_programme, "ENOUGH", stress_programme.AIM)
     with pytest.raises(StressError, match="was not solved"):
         StandsAlone().measure(setting)
 
@@ -95,7 +97,7 @@ def test_the_distance_from_the_admissible_set_is_zero_for_contact_forces_only() 
 
 def test_a_law_without_a_known_potential_and_a_run_without_steps_are_refused() -> None:
     _, stresses = case_on("advance-recede", OneDiagonal(), 4)
-    with pytest.raises(StressError, match="one step or more"):
+    with pytest.raises(StepsError, match="one step or more"):
         list(stresses.march(0))
 
     class Other:

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.run.judgement import Complete
+from study.run.completeness import Complete
 from study.statements.leading_term import SizeOfInterpolation
 from study.statements.prop_5_3.convergence import Convergence
 from study.statements.prop_5_4.judge import FirstOrder

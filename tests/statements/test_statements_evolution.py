@@ -14,8 +14,8 @@ import pytest
 from manufactured import catalogue
 from study.fem.mesh import Shaken, Unstructured
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
-from study.solve.evolution import SCHEMES, BackwardEuler, Midpoint
 from study.solve.signorini import Signorini
+from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.admissibility import Admissibility, largest_violations
 from study.statements.boundary import NaturalConditions, tractions
 from study.statements.error_bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted, sides
@@ -42,7 +42,7 @@ SEVERAL_LEVELS = {
     ErrorBounds: ("steady-5.21", "steady-5.42"),
 }
 """Rows that one level cannot decide: orders, and changes under refinement."""
-EULER, SHAKEN = BackwardEuler(), Shaken()
+EULER, SHAKEN = BACKWARD_EULER, Shaken()
 
 
 def named(statement: ListedNumbers) -> str:
@@ -91,7 +91,7 @@ class TwoSided(Signorini):
     """A foundation that holds the body."""
 
     def complementarity(self, gap):
-        return self.on(np.ones_like(self.active), gap)
+        return self.multipliers_on(np.ones_like(self.active), gap)
 
 
 def defective(found: Experiment, solver) -> Experiment:
@@ -178,7 +178,7 @@ def test_growth_beyond_omega_exceeds_the_bound() -> None:
     found = setup("advance-recede", 6, 12)
     omega = growth(found.solution.law)
     problem = replace(found.problem, reference=-4 * omega * found.problem.M)
-    trajectory = list(BackwardEuler().march(problem, 12))
+    trajectory = list(BACKWARD_EULER.march(problem, 12))
     damping = np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
     quotient = [quotients(problem, trajectory, other) * damping for other in perturbations(problem, found.space)]
     assert np.max(quotient) > 1.1
@@ -196,7 +196,7 @@ def test_perturbed_starts_lie_in_K() -> None:
 def test_a_wrong_load_is_not_the_weak_natural_condition() -> None:
     rows = []
     for n in (6, 12, 24):
-        found = setup("full-contact", n, 24, Midpoint())
+        found = setup("full-contact", n, 24, MIDPOINT)
         load = found.problem.load
         wrong = replace(found, problem=replace(found.problem, load=lambda t, load=load: 1.05 * load(t)))
         rows.append((n, {"h": found.space.h, **tractions(wrong)}))
@@ -211,7 +211,7 @@ def test_a_wrong_load_is_not_the_weak_natural_condition() -> None:
 def test_an_error_that_does_not_fall_leaves_its_bounds() -> None:
     rows = []
     for n in (6, 12, 24):
-        found = defective(setup("full-contact", n, 24, Midpoint()), Free)
+        found = defective(setup("full-contact", n, 24, MIDPOINT), Free)
         rows.append((n, {"h": found.space.h, **sides(found), **predicted(CASES["full-contact"])}))
     found = verdicts(ErrorBounds(), table(rows))
     for number in ("5.21", "5.42"):

@@ -1,4 +1,4 @@
-"""How much larger than the error its guaranteed bounds are, from ``bounds.csv``."""
+"""Effectivity, the quotient of a guaranteed bound and the error, from ``bounds.csv``."""
 
 from __future__ import annotations
 
@@ -10,7 +10,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from study.present.figures.canvas import BLACK, BLUE, GREEN, PAGE, VERMILLION, Look, legend
+from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, VERMILLION, Look
+from study.present.figures.canvas import PAGE, legend
 
 SCHEMES = {
     "backward-euler": Look(VERMILLION, "s"),
@@ -58,7 +59,7 @@ def caption_effectivity(bounds: pd.DataFrame) -> str:
     known = _known(bounds)
     plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
     wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
-    seen = [f"{wrong or 'no'} upper ends left of 1 or lower ends right of it"]
+    seen = [f"{wrong or 'no'} bounds on the wrong side of the error"]
     if len(plain):
         medians = [f"{mine['upper'].median():.3g} with {scheme}" for scheme, mine in plain.groupby("scheme")]
         seen.append(
@@ -67,9 +68,9 @@ def caption_effectivity(bounds: pd.DataFrame) -> str:
         )
     if len(enclosed):
         seen.append(
-            f"an enclosure by a better displacement ends at {enclosed['lower'].min():.3g} … "
-            f"{enclosed['lower'].max():.3g} below and at {enclosed['upper'].min():.3g} … "
-            f"{enclosed['upper'].max():.3g} above"
+            f"an enclosure by a more accurate displacement has its lower end at {enclosed['lower'].min():.3g} … "
+            f"{enclosed['lower'].max():.3g} and its upper end at {enclosed['upper'].min():.3g} … "
+            f"{enclosed['upper'].max():.3g} times the error"
         )
     return (
         f"Effectivity of the guaranteed bounds for {known['case'].nunique()} cases whose error is known, the worst "
@@ -97,6 +98,6 @@ def _handles(known: pd.DataFrame) -> list[Line2D]:
         for scheme, look in SCHEMES.items()
         if (known["scheme"] == scheme).any()
     ]
-    kinds = (("upper end", "0.3"), ("lower end", "white"))
-    found += [Line2D([], [], ls="", color="0.3", marker="o", mfc=fill, label=label) for label, fill in kinds]
+    kinds = (("upper end", DARK), ("lower end", "white"))
+    found += [Line2D([], [], ls="", color=DARK, marker="o", mfc=fill, label=label) for label, fill in kinds]
     return [*found, Line2D([], [], ls="", label="larger: finer mesh")]

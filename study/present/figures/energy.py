@@ -1,12 +1,14 @@
-"""Where the work of the load goes, over time, from ``pictures/CASE.json``."""
+"""The balance of energy over time, from ``pictures/CASE.json``."""
 
 from __future__ import annotations
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from study.present.figures.canvas import BLACK, BLUE, COLUMN, GREEN, GREY, VERMILLION, legend
-from study.present.figures.pictures import Energy, Picture, heading, place
+from study.present.charts.palette import BLACK, BLUE, GREEN, GREY, VERMILLION
+from study.present.figures.canvas import COLUMN, legend
+from study.present.picture.picture import Energy, Picture
+from study.present.picture.wording import heading, place
 
 CURVES = (
     ("work", r"work of the load", BLACK, "-"),
@@ -19,9 +21,9 @@ TINY = 1e-12
 
 
 def draw_energy(picture: Picture) -> Figure:
-    """Above, work of the load, dissipation, stored energy and work of contact since t = 0; below, what is left over.
+    """Above, work of the load, dissipation, stored energy and work of contact since t = 0; below, their defect.
 
-    The defect is shown relative to the largest of them.
+    The defect is relative to the largest of them.
     """
     energy = picture.energy
     figure = Figure(figsize=(COLUMN, 3.4))
@@ -56,14 +58,14 @@ def caption_energy(picture: Picture) -> str:
         f"changed by {_or_zero(energy.stored[-1] - energy.stored[0], scale)} and contact has done the work "
         f"{_or_zero(energy.contact[-1], scale)}. What to see: the parts add up to the work of the load but for a "
         f"defect of at most {100 * abs(energy.defect[worst]) / scale:.2g} % of the largest energy (at "
-        f"t = {energy.times[worst]:.3g}), which the trapezoidal rule and the time scheme make and which is of the "
-        "second order in the step. The foundation is rigid and frictionless: contact does work only where a vertex "
+        f"t = {energy.times[worst]:.3g}), which is due to the trapezoidal rule and the time scheme and of second "
+        "order in the step. The foundation is rigid and frictionless: contact does work only where a vertex "
         "changes between contact and release."
     )
 
 
 def largest(energy: Energy) -> float:
-    """The largest energy that moves."""
+    """The largest of the terms of the balance over time, 1 where all vanish."""
     moved = (energy.stored - energy.stored[0], energy.dissipated, energy.contact, energy.work)
     return float(max(abs(values).max() for values in moved)) or 1.0
 

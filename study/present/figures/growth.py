@@ -12,8 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from study.ledger.datafiles import DataError
-from study.present.figures.canvas import BLACK, BLUE, COLUMN, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Look, legend
-from study.present.figures.logarithmic import set_ticks
+from study.present.charts.axis import logarithmic_ticks
+from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Look
+from study.present.figures.canvas import COLUMN, legend
+from study.present.figures.draw_chart import set_ticks
 
 COLUMNS = ("n", "dofs", "factor_seconds", "step_seconds", "level_seconds", "peak_bytes", "dim", "solver")
 PARTS = {"level_seconds": ("a level", "-"), "factor_seconds": ("factorisation", "--"), "step_seconds": ("a step", ":")}
@@ -65,11 +67,11 @@ def draw_growth(growth: pd.DataFrame) -> Figure:
     above.set_ylabel("seconds")
     below.set_ylabel("KiB per unknown")
     below.set_xlabel("unknowns")
-    set_ticks(below.xaxis, below.get_xlim(), least=2)
-    for axes in (above, below):
-        set_ticks(axes.yaxis, axes.get_ylim(), least=2)
+    for axis in (below.xaxis, above.yaxis, below.yaxis):
+        low, high = axis.get_view_interval()
+        set_ticks(axis, logarithmic_ticks(low, high, least=2))
     above.tick_params(labelbottom=False)
-    handles += [Line2D([], [], color="0.3", ls=line, label=name) for name, line in PARTS.values()]
+    handles += [Line2D([], [], color=DARK, ls=line, label=name) for name, line in PARTS.values()]
     handles.append(Line2D([], [], color=BLACK, lw=0.6, label="slope 1"))
     legend(figure, handles, columns=2)
     return figure

@@ -8,29 +8,28 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from study.present.figures.canvas import BLACK, BLUE, COLUMN, VERMILLION, legend
-from study.present.figures.pictures import Array, Picture, Segment, heading, place, symbol
+from study.present.charts.palette import BLACK, BLUE, VERMILLION
+from study.present.figures.canvas import COLUMN, legend
+from study.present.picture.face_history import Array
+from study.present.picture.picture import Picture
+from study.present.picture.segment import Segment
+from study.present.picture.wording import ROUND_OFF, face_symbol, heading, largest_differences, place, times_shown
 
 MARKERS = 24
 """At most about so many markers on a line."""
 
 
-ROUND_OFF = 1e-9
-"""What counts as zero for a gap or a pressure that is of order one where it is not zero."""
-
-
 def draw_profiles(picture: Picture) -> Figure:
     """For every face a row of ``gap`` and one of ``pressure``; from left to right the times of the shapes.
 
-    Lines are the exact values, markers the computed ones at the nodes (every second or third node if
-    there are many).
+    Lines are the exact values, markers the computed ones at the nodes, not at all of them if there are many.
     """
-    instants = [picture.nearest(shape.time) for shape in picture.shapes]
+    instants = picture.instants
     rows = 2 * len(picture.segments)
     figure = Figure(figsize=(COLUMN, 0.9 + 1.1 * rows))
     panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
     for i, face in enumerate(picture.segments):
-        s = rf"$s$ on ${symbol(face, picture)}$"
+        s = rf"$s$ on ${face_symbol(face, picture)}$"
         _draw_row(panels[2 * i], face, face.line_gap[instants], face.gap[instants], BLUE)
         _draw_row(panels[2 * i + 1], face, face.line_pressure[instants], face.pressure[instants], VERMILLION)
         panels[2 * i, 0].set_ylabel("gap $w$")
@@ -48,27 +47,12 @@ def draw_profiles(picture: Picture) -> Figure:
 
 def caption_profiles(picture: Picture) -> str:
     """What to see."""
-    instants = [picture.nearest(shape.time) for shape in picture.shapes]
-    times = ", ".join(f"{picture.times[instant]:.3g}" for instant in instants)
-    faces = picture.segments
-    gap = largest_difference([(face.gap[instants], face.gap_exact[instants]) for face in faces])
-    pressure = largest_difference([(face.pressure[instants], face.pressure_exact[instants]) for face in faces])
+    gap, pressure = largest_differences(picture)
     return (
-        f"Gap and contact pressure along Γ3 at t = {times} ({place(picture)}): lines are exact, markers computed. "
-        "What to see: there is a gap or a pressure, never both, and markers on the lines: at the nodes the gap is off "
-        f"by at most {gap}; the pressure, a nodal force divided by the integral of its shape function, by "
-        f"{pressure}."
-    )
-
-
-def largest_difference(pairs: list[tuple[Array, Array]]) -> str:
-    """max |computed − exact|, in per cent of max |exact| where that is not round-off."""
-    difference = max(float(abs(computed - exact).max()) for computed, exact in pairs)
-    size = max(float(abs(exact).max()) for _, exact in pairs)
-    return (
-        f"{100 * difference / size:.2g} % of the largest"
-        if size > ROUND_OFF
-        else f"{difference:.1e}, the largest being 0"
+        f"Gap and contact pressure along Γ3 at t = {times_shown(picture)} ({place(picture)}): lines are exact, markers "
+        "computed. What to see: nowhere are gap and pressure both positive, and markers lie on the lines: the error at "
+        f"the nodes is at most {gap} for the gap and, for the pressure, a nodal force divided by the integral of its "
+        f"shape function, at most {pressure}."
     )
 
 

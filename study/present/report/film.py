@@ -11,73 +11,59 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError
-from study.ledger.packing import Packed, short
-from study.present.figures.body import SHARE
-from study.present.figures.pictures import CONTACT, Face, Picture, Polygon, Segment
-from study.present.figures.view import View
+from study.ledger.packing import short
+from study.present.picture.face_history import FaceHistory
+from study.present.picture.over_time import OverTime
+from study.present.picture.picture import Picture
+from study.present.picture.polygon import Polygon
+from study.present.picture.proportions import ARROW, FOUNDATION, magnification
+from study.present.picture.segment import Segment
+from study.present.picture.view import View
 
 SHADES = 255
 BRIGHTEST = 0.95
 """Stresses above this quantile share the last colour: peaks at fronts and corners would leave the rest dark."""
-
-Array = NDArray[np.float64]
 
 
 def read_film(path: Path) -> dict[str, Any]:
     """A picture in the form that the script of the page reads.
 
     ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z; ``shades``: of the
-    stress of each cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` makes the largest displacement a
-    given share of the body; ``view`` has the rows of the projection, two in the plane and three in space.
+    stress τ of each cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` is the factor of displacements,
+    ``arrow`` and ``foundation`` are fractions of the body's longest side, ``view`` has the rows of the projection, two
+    in the plane and three in space.
 
     Raises:
         DataError: the file is no picture, or an older one without motion.
     """
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
-        displacement, stress = (Packed.read(record[name]) for name in ("displacement", "von_mises"))
-        vertices, cells = np.shape(record["vertices"]), np.shape(record["cells"])
-        _require(displacement.multiples.shape, (len(record["times"]), *vertices))
-        _require(stress.multiples.shape, (len(record["times"]), cells[1]))
+        over_time, picture = OverTime.of(record), Picture.of(record)
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(
             f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
             "version wrote it, make it anew with the same `study run`"
         ) from error
-    picture = Picture.read(path)
-    brightest = float(np.quantile(stress.values, BRIGHTEST)) or float(stress.values.max()) or 1.0
-    shades = np.round(SHADES * np.sqrt(np.minimum(stress.values / brightest, 1)))
+    displacement, stress = over_time.displacement, over_time.von_mises.values
+    brightest = float(np.quantile(stress, BRIGHTEST)) or float(stress.max()) or 1.0
     return {
         "times": picture.times.tolist(),
         "vertices": picture.vertices.tolist(),
         "cells": picture.cells.T.ravel().tolist(),
         "unit": displacement.unit,
         "displacement": _base64(displacement.multiples.astype("<i2")),
-        "shades": _base64(shades.astype(np.uint8)),
+        "shades": _base64(np.round(SHADES * np.sqrt(np.minimum(stress / brightest, 1))).astype(np.uint8)),
         "brightest": brightest,
-        "magnification": _magnification(picture.vertices, displacement.values),
+        "magnification": magnification(picture.vertices, displacement.values),
+        "arrow": ARROW,
+        "foundation": FOUNDATION,
         "view": View.of(picture).axes.tolist(),
         "faces": [*map(_segment, picture.segments), *map(_polygon, picture.polygons)],
     }
 
 
-def _require(found: tuple[int, ...], expected: tuple[int, ...]) -> None:
-    if found != expected:
-        raise ValueError(f"shape {found}, expected {expected}")
-
-
 def _base64(values: NDArray[Any]) -> str:
     return b64encode(values.tobytes()).decode("ascii")
-
-
-def _magnification(vertices: Array, displacement: Array) -> float:
-    """Rounded down to two digits, so that it can be stated."""
-    largest = float(np.linalg.norm(displacement, axis=1).max())
-    if largest == 0:
-        return 1.0
-    exact = SHARE * float(np.ptp(vertices, axis=1).max()) / largest
-    unit = 10.0 ** (np.floor(np.log10(exact)) - 1)
-    return float(f"{np.floor(exact / unit) * unit:.2g}")
 
 
 def _segment(face: Segment) -> dict[str, Any]:
@@ -102,11 +88,11 @@ def _polygon(face: Polygon) -> dict[str, Any]:
     }
 
 
-def _values(face: Face) -> dict[str, Any]:
+def _values(face: FaceHistory) -> dict[str, Any]:
     series = ("s", "x", "gap", "pressure")
     return {
         "face": face.number,
         "normal": face.normal.tolist(),
         **{name: short(getattr(face, name)) for name in series},
-        "touches": CONTACT * face.pressure.max(initial=0.0),
+        "touches": face.contact_threshold,
     }

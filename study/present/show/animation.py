@@ -13,10 +13,15 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from study.ledger.files import write_whole
-from study.present.figures.body import Scale, colour_bar, draw_moment, handles
-from study.present.figures.canvas import BLACK, PAGE, SKY, VERMILLION, legend
-from study.present.figures.pictures import Picture, Segment, heading, symbol
-from study.present.figures.zone import exact_zone
+from study.present.charts.palette import BLACK, SKY, VERMILLION
+from study.present.figures.body_legend import body_handles, draw_colour_bars
+from study.present.figures.body_scale import BodyScale
+from study.present.figures.canvas import PAGE, legend
+from study.present.figures.deformed_mesh import draw_deformed_mesh
+from study.present.picture.picture import Picture
+from study.present.picture.segment import Segment
+from study.present.picture.wording import face_symbol, heading
+from study.present.picture.zone_history import exact_zone
 
 DPI = 110
 COLOURS = 256
@@ -63,21 +68,21 @@ def write_mp4(path: Path, picture: Picture) -> Path | None:
 
 def _size(picture: Picture) -> tuple[float, float]:
     """In inches: room for the body, and for a panel for every face beside it."""
-    return PAGE, 1.2 + max(0.45 * PAGE * min(Scale.of(picture).aspect, 1.2), 1.2 * len(picture.faces))
+    return PAGE, 1.2 + max(0.45 * PAGE * min(BodyScale.of(picture).aspect, 1.2), 1.2 * len(picture.faces))
 
 
 def played(figure: Figure, picture: Picture) -> Iterator[None]:
     """Draw one shape of a picture after the other on a figure; the caller takes each before the next is drawn."""
-    scale = Scale.of(picture)
+    scale = BodyScale.of(picture)
     body = figure.add_gridspec(1, 2, width_ratios=(3, 2))
     left = figure.add_subplot(body[0])
     right = body[1].subgridspec(len(picture.faces), 1).subplots(squeeze=False)[:, 0]
-    colour_bar(figure, [left], scale, orientation="horizontal", fraction=0.05, shrink=0.8, pad=0.02)
-    legend(figure, handles(scale), columns=4)
+    draw_colour_bars(figure, [left], picture, scale, orientation="horizontal", fraction=0.05, shrink=0.8, pad=0.02)
+    legend(figure, body_handles(picture, scale), columns=4)
     for number, shape in enumerate(picture.shapes):
         for axes in (left, *right):
             axes.clear()
-        draw_moment(left, picture, shape, scale, 0.5 * PAGE)
+        draw_deformed_mesh(left, picture, shape, scale, 0.5 * PAGE)
         for axes, face in zip(right, picture.segments, strict=True):
             _draw_pressure(axes, face, picture, picture.nearest(shape.time))
         figure.suptitle(f"{heading(picture)},  $t={shape.time:.2f}$")
@@ -96,5 +101,5 @@ def _draw_pressure(axes: Axes, face: Segment, picture: Picture, instant: int) ->
     axes.plot(face.s, face.pressure[instant], "o", color=VERMILLION, mfc="white", ms=2.8, clip_on=False)
     top = max(float(face.pressure.max()), float(face.line_pressure.max()))
     axes.set(xlim=(face.line.min(), face.line.max()), ylim=(0, 1.08 * top if top > 0 else 1))
-    axes.set_xlabel(rf"$s$ on ${symbol(face, picture)}$")
+    axes.set_xlabel(rf"$s$ on ${face_symbol(face, picture)}$")
     axes.set_ylabel("pressure $p$")

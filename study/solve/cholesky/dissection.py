@@ -21,12 +21,12 @@ from manufactured.tensors import Array
 Integers = NDArray[np.int64]
 
 PIVOTS = 10
-"""Vertices to which distances are taken."""
+"""Vertices from which distances in the graph are taken."""
 AXES = 3
 """Principal components that are kept."""
 LEAF = 32
-"""Unknowns that are not divided any further. Of 128, their dense blocks are half of what a solve has to read; smaller
-ones than 32 save little and cost time to eliminate."""
+"""Unknowns in a part that is not divided any further. With 128, dense blocks of parts are half of what a solve reads;
+parts of fewer than 32 save little and cost time to eliminate."""
 
 
 class Dissection(NamedTuple):
@@ -110,7 +110,7 @@ def _embedding(graph: sps.csr_array) -> Array:
 
 
 def _distances(graph: sps.csr_array, start: int) -> Array:
-    """Edges on the shortest way from a vertex to every other, (n,); further than all where there is no way."""
+    """Edges on a shortest path from a vertex to every other, (n,); more than on any of these where there is no path."""
     order, predecessors = breadth_first_order(graph, start)
     position = np.empty(graph.shape[0], dtype=np.int64)
     position[order] = np.arange(len(order))

@@ -26,7 +26,7 @@ PANEL = 1 << 22
 """Entries of L that are packed together: few enough that packing takes little memory, many enough to be few."""
 
 
-class Factor:
+class Cholesky:
     """S = Pᵀ L Lᵀ P for an order P that keeps L sparse and puts the unknowns ``last`` at its end.
 
     The trailing block of L is then the Cholesky factor of the Schur complement of S on these unknowns.

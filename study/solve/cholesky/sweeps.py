@@ -1,4 +1,4 @@
-"""The two passes through a Cholesky factor, compiled: what a time step costs is what it costs to read L twice."""
+"""Forward and back substitution with a sparse Cholesky factor, compiled; each reads L once."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from study.solve.cholesky.dissection import Integers
 
 
 class Panel(NamedTuple):
-    """Some columns of L, in blocks that have the same rows below.
+    """Some columns of L, in blocks (supernodes) of consecutive columns with the same rows below the block.
 
-    A column is stored from its diagonal down: what is left of the triangle of its block, then the rows below.
+    A column is stored from its diagonal down: its part of the triangle of its block, then the rows below.
 
     Attributes:
         starts: where the blocks begin among the columns of L, with the end of the last, (blocks + 1,).
         borders: where their rows below begin in ``rows``, with the end of the last, (blocks + 1,).
-        rows: positions of the rows below.
+        rows: indices of the rows below.
         entries: the columns, one after the other.
     """
 

@@ -21,6 +21,7 @@ from study.bound.two_sided import Enclosure
 from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve
 from study.solve.evolution import Scheme
+from study.solve.steps import PACE
 
 
 @dataclass(frozen=True)
@@ -77,10 +78,6 @@ class Posed:
     order: float
     pace: float
     case: Case | None
-
-
-PACE = 8.0
-"""Of problems without a solution."""
 
 
 @lru_cache

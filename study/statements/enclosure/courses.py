@@ -12,8 +12,8 @@ from study.bound.trajectory import Refined
 from study.bound.two_sided import Enclosure
 from study.fem.naming import choose, family_named
 from study.ledger.datafiles import CsvFile, DataFile, Row
-from study.solve.evolution import SCHEMES
-from study.solve.steps import paced_steps
+from study.solve.steps import rate_steps
+from study.solve.tableau import SCHEMES
 from study.statements.enclosure.bound_rows import BoundRow, measure, posed
 from study.statements.enclosure.where import BoundSetting, full_bounds, quick_bounds
 from study.statements.shared import estimates
@@ -63,7 +63,7 @@ class Bounds:
     def steps(self, setting: BoundSetting) -> int:
         """Those of rates."""
         problem = posed(setting.case)
-        return paced_steps(problem.pace, problem.data.body.T, setting.level)
+        return rate_steps(problem.data.body.T, setting.level, problem.pace)
 
 
 def _finer(setting: BoundSetting) -> int:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from manufactured.case import Case
 from study.bound.trajectory import Refined, SmoothedInTime, Trajectory
 from study.fem.mesh import FAMILIES
-from study.solve.evolution import SCHEMES
+from study.solve.tableau import SCHEMES
 from study.statements.shared.base import Setting
 
 QUICK = ("advance-recede", "yield-on-a-part", "hexagon")

@@ -8,7 +8,7 @@ import pandas as pd
 from study.ledger.criterion import Criterion, Measured
 from study.ledger.measures import exactly, largest
 from study.ledger.window import around, at_most
-from study.solve.choice import ROUNDING, SHARE, residual
+from study.solve.solver_choice import ROUNDING, SHARE, residual
 
 TIME_SHARE = at_most(0.02, "of the error")
 RESIDUAL = at_most(1.0, f"{ROUNDING:g} of a factorisation, {SHARE:g} h² of multigrid")

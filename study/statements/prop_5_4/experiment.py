@@ -8,7 +8,7 @@ from manufactured.exact import ExactSolution
 from study.fem.gauge import Gauge
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.solve.evolution import Problem, Scheme
+from study.solve.evolution import Scheme, SemiDiscrete
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class Experiment:
     solution: ExactSolution
     space: Space
     gauge: Gauge
-    problem: Problem
+    problem: SemiDiscrete
     scheme: Scheme
     steps: int
 
@@ -36,4 +36,4 @@ class Experiment:
         space = Space(family(solution.body, level), solution.body)
         gauge = Gauge(solution, space)
         u0 = gauge.sample(0.0).interpolant
-        return cls(solution, space, gauge, Problem.of(space, solution.law, gauge.load, u0), scheme, steps)
+        return cls(solution, space, gauge, SemiDiscrete.of(space, solution.law, gauge.load, u0), scheme, steps)

@@ -19,8 +19,10 @@ from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import MeshFamily
-from study.solve.choice import contact_solver
-from study.solve.evolution import Midpoint, Scheme, State
+from study.solve.contact_step import State
+from study.solve.evolution import Scheme
+from study.solve.solver_choice import contact_solver
+from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 
 RESPONSE = 12
@@ -173,7 +175,7 @@ class Measurement:
         )
 
         def relative(steps: int) -> float:
-            drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in Midpoint().march(change, steps))
+            drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
             return (abs(raised - error) + drift) / error
 
         first = relative(RESPONSE)

@@ -8,7 +8,7 @@ from typing import Any
 
 from study.fem.naming import choose, family_named, resolve
 from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
-from study.solve.evolution import SCHEMES
+from study.solve.tableau import SCHEMES
 from study.statements.prop_5_4.measure import RateRow, measure_case
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import eigsh
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, size
 from study.fem.space import Space
-from study.solve.evolution import Problem
+from study.solve.evolution import SemiDiscrete
 
 SEED = 2002
 SMALLEST, LARGEST = 1e-9, 1e-4
@@ -19,9 +19,9 @@ LANCZOS = 40
 """Vectors that Lanczos' method keeps."""
 
 
-def unloaded(space: Space, law: KelvinVoigt) -> Problem:
+def unloaded(space: Space, law: KelvinVoigt) -> SemiDiscrete:
     """Problem 5.1 without load and at rest: the matrices of a law on V^h."""
-    return Problem.of(space, law, lambda time: np.zeros(space.dofs), np.zeros(space.dofs))
+    return SemiDiscrete.of(space, law, lambda time: np.zeros(space.dofs), np.zeros(space.dofs))
 
 
 def strain_product(space: Space) -> sps.csc_array:

@@ -19,7 +19,7 @@ from __future__ import annotations
 
 from math import log2
 
-from study.solve.choice import FACTORED
+from study.solve.solver_choice import FACTORED
 
 MIB = 2.0**20
 KIB = 2.0**10

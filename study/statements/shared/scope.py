@@ -9,7 +9,7 @@ from manufactured.case import Case
 from study.fem.mesh import FAMILIES, MeshFamily
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
-from study.solve.steps import steps_for
+from study.solve.steps import rate_steps
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,8 @@ class Scope:
 
     def steps(self, case: Case, level: int) -> int:
         """Time steps at a level: of the size asked for, or as many as the case's pace says."""
-        return steps_for(case, level) if self.k is None else round(case.solution.body.T / self.k)
+        T = case.solution.body.T
+        return rate_steps(T, level, case.pace) if self.k is None else round(T / self.k)
 
     def families_of(self, case: Case) -> list[MeshFamily]:
         """The mesh families a case is measured on, graded ones where there are."""

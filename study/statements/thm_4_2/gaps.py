@@ -30,8 +30,9 @@ from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.solve.evolution import BackwardEuler, Problem
-from study.solve.interior_point import StressProblem
+from study.solve.evolution import SemiDiscrete
+from study.solve.stress_problem import StressProblem
+from study.solve.tableau import BACKWARD_EULER
 
 
 class Gaps(NamedTuple):
@@ -58,15 +59,15 @@ class Gaps(NamedTuple):
     stress_bound: float
 
 
-def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[Problem, StressProblem]:
+def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[SemiDiscrete, StressProblem]:
     """Problems 3.1 and 3.2 of an exact solution on one mesh."""
     space = Space(family(solution.body, level), solution.body)
     gauge = Gauge(solution, space)
     u0 = gauge.sample(0.0).interpolant
-    return Problem.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
+    return SemiDiscrete.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
 
 
-def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
+def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
     """March both problems in lockstep, holding no more than one step of either."""
     space, M = stresses.space, displacements.M
     cells = on_cells(space, stresses.law)
@@ -74,7 +75,7 @@ def gaps(displacements: Problem, stresses: StressProblem, steps: int) -> Gaps:
     root = np.sqrt(space.volumes)
     law, radius = stresses.law, 0.0
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
-    pairs = zip(BackwardEuler().march(displacements, steps), stresses.march(steps), strict=True)
+    pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
         strain = space.strain(primal.u)
         stress = cells.stress((strain - space.strain(before.u)) / k, strain)

@@ -15,7 +15,7 @@ from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.measures import change, largest, order
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, at_least, at_most
-from study.solve.steps import even_steps
+from study.solve.steps import stress_steps
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import Scope
@@ -129,7 +129,8 @@ class OwnSpace:
 
     def steps(self, setting: Setting) -> int:
         """Of the size of h, shorter where more happens in time."""
-        return even_steps(resolve(setting.case), setting.level)
+        case = resolve(setting.case)
+        return stress_steps(case.solution.body.T, setting.level, case.pace)
 
 
 def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:

@@ -33,8 +33,10 @@ from study.ledger.criterion import judge
 from study.ledger.measures import every
 from study.ledger.verdict import Verdict
 from study.ledger.window import around
-from study.solve.evolution import BackwardEuler, Problem
-from study.solve.interior_point import GAP, StressProblem, StressState
+from study.solve.evolution import SemiDiscrete
+from study.solve.stress_problem import StressProblem
+from study.solve.stress_programme import AIM, StressState
+from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.thm_4_2.gaps import gaps, problems
 
@@ -55,8 +57,8 @@ class Sides:
             so that a control can follow it.
     """
 
-    displacements: Problem
-    stresses: Callable[[Problem], StressProblem]
+    displacements: SemiDiscrete
+    stresses: Callable[[SemiDiscrete], StressProblem]
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int) -> Sides:
@@ -73,10 +75,10 @@ class Derived(StressProblem):
         displacements: that Problem 3.1.
     """
 
-    displacements: Problem
+    displacements: SemiDiscrete
 
     @classmethod
-    def beside(cls, stresses: StressProblem, displacements: Problem) -> Derived:
+    def beside(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Derived:
         """In the place of ``stresses``."""
         return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
 
@@ -84,13 +86,13 @@ class Derived(StressProblem):
         """Backward Euler in displacements, with gaps as an interior point leaves them."""
         k, law = self.displacements.T / steps, on_cells(self.space, self.law)
         nan = np.full(self.N.shape[0], np.nan)
-        states = BackwardEuler().march(self.displacements, steps)
+        states = BACKWARD_EULER.march(self.displacements, steps)
         old = self.space.strain(self.u0)
         yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, nan, 0.0)
         for _, state in pairwise(states):
             strain = self.space.strain(state.u)
             stress = law.stress((strain - old) / k, strain)
-            yield StressState(state.time, stress, strain, state.u, state.multipliers, GAP)
+            yield StressState(state.time, stress, strain, state.u, state.multipliers, AIM.gap)
             old = strain
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -22,12 +23,12 @@ from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
 from study.fem.mesh import MeshFamily, size
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.solve.evolution import BDF2 as PRIMAL
-from study.solve.evolution import Problem
+from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
+from study.solve.tableau import BDF2, Tableau
 from study.stresses.alfeld import alfeld_split, barycentric
 from study.stresses.bernstein import bernstein
-from study.stresses.dual import BACKWARD_EULER, BDF2, DualState, Multistep, march, tensor_at
+from study.stresses.dual import DualState, StressEvolution, tensor_at
 from study.stresses.stress_space import StressSpace
 
 EDGE_POINTS = 4
@@ -89,7 +90,7 @@ class StressExperiment:
     solution: ExactSolution
     data: Data
     space: StressSpace
-    scheme: Multistep
+    scheme: Tableau
     steps: int
     solver: type[Signorini] = Signorini
 
@@ -99,8 +100,8 @@ class StressExperiment:
         return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
 
     def march(self, steps: int) -> Iterator[DualState]:
-        """Problem 3.2 with a number of steps."""
-        return march(self.data, self.space, self.scheme, steps, self.solver)
+        """Problem 3.2 with a number of steps: the states at t_1, …, t_steps."""
+        return islice(self.scheme.march(StressEvolution(self.data, self.space, self.solver), steps), 1, None)
 
 
 class Exact:
@@ -186,19 +187,15 @@ class Primal:
         self.displacements = Space(space.mesh, solution.body)
         self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
         gauge = Gauge(solution, self.displacements)
-        problem = Problem.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
-        self.k, self.states = problem.T / steps, PRIMAL().march(problem, steps)
-        self.past = [next(self.states).u]
+        problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
+        self.states = islice(velocities(problem, BDF2, steps), 1, None)
 
     def __next__(self) -> tuple[Vectors, Tensors]:
         """The next displacement at the vertices, and Aε(δu^h) + Gε(u^h) at the points of the stresses."""
-        u = next(self.states).u
-        scheme = BDF2 if len(self.past) == len(BDF2.past) else BACKWARD_EULER
-        known = sum(c * v for c, v in zip(scheme.past, reversed(self.past), strict=True))
-        rate, strain = (self.displacements.strain(v) for v in ((scheme.w * u - known) / self.k, u))
-        self.past = [*self.past, u][-len(BDF2.past) :]
+        state, velocity = next(self.states)
+        rate, strain = self.displacements.strain(velocity), self.displacements.strain(state.u)
         stress = np.einsum("cqIJ,Jc->Icq", self.viscous, rate) + np.einsum("cqIJ,Jc->Icq", self.elastic, strain)
-        return self.displacements.nodal(u), stress
+        return self.displacements.nodal(state.u), stress
 
 
 def measure(experiment: StressExperiment) -> dict[str, float]:

@@ -7,12 +7,13 @@ import numpy as np
 from problem import Answer, main
 from scipy import sparse as sps
 
-from study.solve.evolution import BackwardEuler, Problem
+from study.solve.evolution import SemiDiscrete
+from study.solve.tableau import BACKWARD_EULER
 
 
 def solve(given):
     steps = len(given.loads)
-    problem = Problem(
+    problem = SemiDiscrete(
         M=sps.csc_array(given.M),
         reference=sps.csc_array(given.G),
         remainder=None,
@@ -22,7 +23,7 @@ def solve(given):
         T=steps * given.k,
     )
     start = perf_counter()
-    states = list(BackwardEuler().march(problem, steps))
+    states = list(BACKWARD_EULER.march(problem, steps))
     seconds = perf_counter() - start
     return Answer(np.array([state.u for state in states[1:]]), seconds, version("signorini-study"), 1)
 

@@ -1,8 +1,8 @@
-// What the page says of a case in motion, and its slider.
+// A case in motion: its data, and the slider that chooses the time.
 
 const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
-/** What the page says in base64, as numbers; the outline of the mesh. */
+/** The data of a case, with what is drawn at every time: the outline of the mesh, the room that is needed. */
 function read(section) {
   const film = JSON.parse(section.querySelector("script").textContent);
   film.displacement = new Int16Array(bytes(film.displacement).buffer);
@@ -67,6 +67,6 @@ function start(section) {
 }
 
 for (const section of document.querySelectorAll(".film")) {
-  // Read only when it is first looked at: there are many.
+  // Read when the case is first shown: there are many.
   section.closest(".page").addEventListener("shown", () => start(section), { once: true });
 }

@@ -1,9 +1,9 @@
 "use strict";
-// One section at a time, named by the hash; what follows a question mark belongs to the section.
+// One section is shown at a time, named by the hash of the address; after a question mark follows its query.
 
 const pages = [...document.querySelectorAll(".page")];
 
-/** The section the address names, or the first, and what the address says to it. */
+/** The section that the address names, or the first, and its query. */
 function place() {
   const [name, query = ""] = location.hash.slice(1).split("?");
   const page = pages.find(({ id }) => id === name || encodeURI(id) === name) ?? pages[0];

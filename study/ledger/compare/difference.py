@@ -1,0 +1,234 @@
+"""What differs between two result directories, file by file and column by column."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from study.ledger.datafiles import TEXT, DataError, read_csv
+from study.ledger.packing import Packed
+
+IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
+"""Equal to the byte; nothing beyond the tolerance; something; in one directory only, and not by ``study run``."""
+PROSE = {"statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law"}
+"""Columns for readers: other words in them are told, but nothing was measured or judged otherwise."""
+WORDS = TEXT | PROSE | {"defect", "setting", "caught", "claimed"}
+"""Columns that hold words even where they look like numbers; another one does if no cell of it is a number."""
+LATER = ["key", "family", "window_low", "window_high"]
+"""Columns that data of earlier versions lack: no difference where only one directory has them."""
+KEYS = {
+    "rates.csv": ("claim", "case", "family", "scheme", "level"),
+    "equivalence.csv": ("case", "form", "level", "family"),
+    "stresses.csv": ("case", "family", "level"),
+    "statements.csv": ("label", "case", "family", "level", "quantity"),
+    "bounds.csv": ("trajectory", "case", "family", "scheme", "level"),
+    "enclosures.csv": ("trajectory", "case", "family", "scheme", "level"),
+    "claims.csv": ("label", "case", "quantity"),
+    "cases.csv": ("case",),
+    "controls.csv": ("defect", "setting"),
+    "seeds.csv": ("label", "case", "quantity"),
+}
+"""Columns that tell rows apart; those of ``NUMBERS``, enclosures and other files may share them, and keep an order."""
+KEYED = ("label", "key", "case", "family")
+"""Those of claims.csv where both directories have them."""
+NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
+"""Numbers by which a row is found again whose words were changed."""
+MOST = 2000
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Numbers a and b count as equal if |a − b| ≤ absolute + relative · max(|a|, |b|)."""
+
+    relative: float = 1e-12
+    absolute: float = 0.0
+
+    def equates(self, a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
+        """Whether numbers count as equal; NaN does to NaN and an infinite number to itself, and to no other."""
+        with np.errstate(all="ignore"):
+            near = abs(a - b) <= self.absolute + self.relative * np.maximum(abs(a), abs(b))
+        return (a == b) | (np.isnan(a) & np.isnan(b)) | (near & np.isfinite(a) & np.isfinite(b))
+
+
+@dataclass(frozen=True)
+class Difference:
+    """What differs in a column, or what only one file has.
+
+    Attributes:
+        what: the column, the place in a picture, or "rows only in OLD" and the like.
+        compared, differing: how many cells both files have, 0 for what only one has, and how many differ at all.
+        beyond: how many make the files differ: numbers beyond the tolerance, words that are not for readers.
+        cells: ``row``, ``old``, ``new`` of the first MOST words; of numbers those of the one that differs most, with
+            |a − b| / max(|a|, |b|) as ``relative``, which is None where one of them is not finite.
+    """
+
+    what: str
+    compared: int
+    differing: int
+    beyond: int
+    cells: list[dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class FileDifference:
+    """What differs in one file, the most first; ``only`` is OLD or NEW if the other directory has no such file."""
+
+    name: str
+    state: str
+    only: str = ""
+    differences: tuple[Difference, ...] = ()
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """What differs between two result directories."""
+
+    old: Path
+    new: Path
+    tolerance: Tolerance
+    files: tuple[FileDifference, ...]
+
+    @property
+    def verdicts(self) -> list[dict[str, Any]]:
+        """The cells of all verdicts that changed."""
+        return [cell for file in self.files for d in file.differences if d.what == "verdict" for cell in d.cells]
+
+    @property
+    def states(self) -> dict[str, int]:
+        """How many files are in which state."""
+        states = [file.state for file in self.files]
+        return {state: states.count(state) for state in (IDENTICAL, WITHIN, DIFFERS, LEFT_OUT)}
+
+    @property
+    def differs(self) -> bool:
+        return self.states[DIFFERS] > 0
+
+
+def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
+    """What differs between two result directories; DataError names what is missing or not what ``study run`` writes."""
+    names: set[str] = set()
+    for directory in (old, new):
+        data = directory / "data"
+        found = {path.relative_to(data).as_posix() for path in (*data.glob("*.csv"), *data.glob("pictures/*.json"))}
+        if not found:
+            raise DataError(f"{directory} has no data/*.csv, expected the directory that follows --out in `study run`")
+        names |= found
+    ordered = sorted(names, key=lambda name: ("/" in name, name))
+    return Comparison(old, new, tolerance, tuple(_file(name, (old, new), tolerance) for name in ordered))
+
+
+def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileDifference:
+    paths = [directory / "data" / name for directory in directories]
+    for path, other in zip(paths, ("NEW", "OLD"), strict=True):
+        if not path.exists():
+            return FileDifference(name, LEFT_OUT if name in ("controls.csv", "seeds.csv") else DIFFERS, other)
+    try:
+        first, second = (path.read_bytes() for path in paths)
+    except OSError as error:
+        raise DataError(f"cannot read {error.filename}: {error.strerror}; make it readable") from error
+    if first == second and first.endswith(b"\n"):  # What ends within a line is read, and refused.
+        return FileDifference(name, IDENTICAL)
+    csv = name.endswith(".csv")
+    read: list[Any] = _tables(name, directories) if csv else [_picture(name, directory) for directory in directories]
+    old, new, *found = read
+    for side, mine, other in (("OLD", old, new), ("NEW", new, old)):
+        single = pd.Index([*mine]).difference([*other], sort=False)
+        found.append(_words(f"{'columns' if csv else 'places'} only in {side}", single.difference(LATER, sort=False)))
+        found.append(_words(f"columns that earlier data lack, in {side}", single.intersection(LATER), counts=False))
+    found += [_column(c, old[c], new[c], tolerance) for c in old if c in new and not old[c].equals(new[c])]
+    told = sorted((d for d in found if d.differing), key=lambda d: (not d.beyond, -(d.cells[0]["relative"] or np.inf)))
+    return FileDifference(name, DIFFERS if any(d.beyond for d in told) else WITHIN, "", tuple(told))
+
+
+def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
+    """The same rows of two tables, and what is told of others; columns of both tables hold either words or numbers."""
+    key, numbers = KEYS.get(name, ()), NUMBERS.get(name, ())
+    tables = [read_csv(directory, name, (*key, *numbers)) for directory in directories]
+    columns = tables[0].columns.intersection(tables[1].columns)
+    for column in columns:
+        values = [pd.to_numeric(table[column], errors="coerce").astype(float) for table in tables]
+        words = column in WORDS or all(value.isna().all() for value in values)
+        for directory, table, value in zip(directories, tables, values, strict=True):
+            wrong = table[column][value.isna() & table[column].notna()]
+            if not words and len(wrong):
+                raise _refusal(directory, name, f"has {wrong.iloc[0]!r} as {column}, expected a number")
+            table[column] = table[column].astype(object).where(table[column].notna(), "").map(str) if words else value
+    if keyed := name == "claims.csv" and {*KEYED} <= {*columns}:
+        key, numbers = KEYED, ()
+    for directory, table in zip(directories, tables, strict=True):
+        if key and (keyed or name not in (*NUMBERS, "enclosures.csv")) and (twice := table.duplicated([*key])).any():
+            raise _refusal(directory, name, f"has the row {_rows(table[twice], key)[0]} twice")
+    old, new = (table.set_axis(_rows(table, key)) for table in tables)
+    found = []
+    if numbers:
+        loose = [column for column in (*key, *numbers) if column not in PROSE]
+        lost = [mine.loc[mine.index.difference(other.index, sort=False)] for mine, other in ((old, new), (new, old))]
+        names = pd.concat([pd.Series(rows.index, _rows(rows, loose)) for rows in lost], axis=1, join="inner")
+        new = new.rename(index=dict(zip(names[1], names[0], strict=True)))
+        found = [_words("rows renamed, found by their numbers", names[0], counts=False)]
+    both = old.index.intersection(new.index, sort=False)
+    for side, mine in (("OLD", old), ("NEW", new)):
+        found.append(_words(f"rows only in {side}", mine.index.difference(both, sort=False)))
+    return [old.loc[both], new.loc[both], *found]
+
+
+def _refusal(directory: Path, name: str, what: str) -> DataError:
+    return DataError(f"{directory / 'data' / name} {what}: make it again with `study run --out {directory}`")
+
+
+def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
+    """Names of rows: the cells of a key, numbers with nine digits and −0 as 0, and the order of rows of one name."""
+    cells = [[v if isinstance(v, str) else f"{v + 0.0:.9g}" for v in table[column]] for column in key]
+    joined = [", ".join(filter(None, row)) for row in zip(*cells, strict=True)] if key else ["row"] * len(table)
+    names = pd.Series(joined, dtype=str)
+    number = names.groupby(names).cumcount() + 1
+    return pd.Index(names.where(number == 1, names + ", no. " + number.astype(str)))
+
+
+def _picture(name: str, directory: Path) -> dict[str, pd.Series]:
+    try:
+        return dict(_places(json.loads((directory / "data" / name).read_bytes()), ""))
+    # No JSON or no UTF-8, brackets nested too deeply, packed numbers that are none.
+    except (ValueError, RecursionError, KeyError, TypeError) as error:
+        raise _refusal(directory, name, f"is not a picture ({error})") from error
+
+
+def _places(value: Any, place: str) -> Iterator[tuple[str, pd.Series]]:
+    """Arrays of numbers as large as they can be, and words, by their place and shape."""
+    packed = isinstance(value, dict) and value.keys() == {"unit", "shape", "changes"}
+    array = np.atleast_1d(Packed.read(value).values if packed else np.array(value, dtype=object))
+    if any(isinstance(item, list | dict) for item in array.flat):
+        for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _places(item, f"{place}[{key}]" if isinstance(key, int) else f"{place}.{key}")
+    else:
+        index = pd.MultiIndex.from_product(map(range, array.shape))
+        yield f"{place} {array.shape}", pd.Series(array.ravel(), index).infer_objects()
+
+
+def _words(what: str, rows: Any, old: Any = "", new: Any = "", compared: int = 0, counts: bool = True) -> Difference:
+    cells = pd.DataFrame({"row": [*map(str, rows)], "old": old, "new": new, "relative": None}, dtype=object)
+    return Difference(what, compared, len(cells), len(cells) * counts, cells[:MOST].to_dict("records"))
+
+
+def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance) -> Difference:
+    """What differs between cells of the same rows; words and whole numbers, such as levels, have no tolerance."""
+    a, b = old.to_numpy(), new.to_numpy()
+    if object in (a.dtype, b.dtype):
+        a, b = a.astype(str), b.astype(str)
+        return _words(what, old.index[a != b], a[a != b], b[a != b], len(a), what not in PROSE)
+    a, b = a.astype(float), b.astype(float)
+    changed, both = ~Tolerance(0).equates(a, b), np.append(a, b)
+    beyond = changed if np.all((both == np.round(both)) | np.isnan(both)) else ~tolerance.equates(a, b)
+    with np.errstate(all="ignore"):
+        relative = np.nan_to_num(abs(a - b) / np.maximum(abs(a), abs(b)), nan=np.inf, posinf=np.inf)
+    i = int(np.argmax(np.where(beyond if beyond.any() else changed, relative, -1)))
+    largest = float(relative[i]) if relative[i] < np.inf else None
+    cell = {"row": str(old.index[i]), "old": f"{a[i]:.15g}", "new": f"{b[i]:.15g}", "relative": largest}
+    return Difference(what, len(a), int(changed.sum()), int(beyond.sum()), [cell])

@@ -1,0 +1,96 @@
+"""The enclosure of an error over time, from rows of ``enclosures.csv`` or of `study bound`."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import cycle
+
+import pandas as pd
+
+from study.ledger.rounding import interval
+from study.present.charts.axis import LinearAxis, LogAxis
+from study.present.charts.chart import Band, Chart, Curve, LegendEntry, Style, Subplot
+from study.present.charts.palette import BLACK, COLOURS
+
+HIGHEST = 2.0
+"""The largest ratio of an end of the enclosure and the error that is shown."""
+
+
+def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:
+    """For every case and mesh family with an enclosure: the case, and a chart with all levels."""
+    enclosed = series[series["trajectory"] == "enclosure"]
+    for (case, family), mine in enclosed.groupby(["case", "family"], sort=False):
+        yield str(case), enclosure_chart(mine, f"{case}, {family}")
+
+
+def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
+    """Above, the guaranteed bands [d − y, d + y] of every level; below, their ends divided by the error.
+
+    From ``level``, ``time``, ``distance`` d, ``bound`` y and, where they are known, ``error`` and ``plain``, the bound
+    from u_h alone. Where the error is unknown d takes its place.
+    """
+    ends = series.assign(
+        lower=(series["distance"] - series["bound"]).clip(lower=0), upper=series["distance"] + series["bound"]
+    )
+    time = LinearAxis.around("time", ends["time"].min(), ends["time"].max(), "t")
+    name = "error" if _known(series) else "‖ũ − u_h‖_V"
+    legend = [[LegendEntry(f"n = {level}", Style(colour, "band")) for level, _, colour in _levels(ends)]]
+    legend.append([LegendEntry(name, Style(BLACK))])
+    if "plain" in series:
+        legend[1].append(LegendEntry("bound from u_h alone", Style(BLACK, "dotted")))
+    subplots = [_bands(ends, title, time), _ratios(ends, time, f"ends over {name}")]
+    summary = "error over time between its guaranteed bounds, logarithmic"
+    return Chart(summary, subplots, legend, _caption(series, title))
+
+
+def _bands(ends: pd.DataFrame, title: str, time: LinearAxis) -> Subplot:
+    floor = float(ends["upper"].min()) / 3
+    middle = "error" if _known(ends) else "distance"
+    highest = ends[["upper", *(name for name in ("plain",) if name in ends)]].max().max()
+    y = LogAxis("‖u(t) − u_h(t)‖_V", floor, LogAxis.around("", floor, highest).high)
+    bands, curves = [], []
+    for _, mine, colour in _levels(ends):
+        t = mine["time"].to_numpy()
+        bands.append(Band(t, mine["lower"].clip(lower=floor).to_numpy(), mine["upper"].to_numpy(), colour))
+        if "plain" in mine:
+            curves.append(Curve(t, mine["plain"].to_numpy(), Style(colour, "dotted")))
+        curves.append(Curve(t, mine[middle].to_numpy(), Style(colour)))
+    return Subplot(title, time, y, curves, bands)
+
+
+def _ratios(ends: pd.DataFrame, time: LinearAxis, label: str) -> Subplot:
+    middle = "error" if _known(ends) else "distance"
+    curves = [
+        Curve(mine["time"].to_numpy(), (mine[end] / mine[middle]).to_numpy(), Style(colour))
+        for _, mine, colour in _levels(ends)
+        for end in ("lower", "upper")
+    ]
+    return Subplot("", time, LinearAxis(label, 0.0, HIGHEST), curves, rules=[1.0])
+
+
+def _levels(series: pd.DataFrame) -> Iterator[tuple[int, pd.DataFrame, str]]:
+    """Each level, its rows and its colour."""
+    for (level, mine), colour in zip(series.groupby("level"), cycle(COLOURS), strict=False):
+        yield int(level), mine, colour
+
+
+def _known(series: pd.DataFrame) -> bool:
+    """Whether the error itself is known."""
+    return bool(series["error"].notna().all())
+
+
+def _caption(series: pd.DataFrame, title: str) -> str:
+    parts = []
+    for level, mine in series.groupby("level"):
+        last = mine.loc[mine["time"].idxmax()]
+        low, high = max(last["distance"] - last["bound"], 0.0), last["distance"] + last["bound"]
+        parts.append(f"{interval(low, high, 3)} with n = {level}")
+    known = _known(series)
+    line = "the error itself" if known else "the distance to a more accurate displacement ũ"
+    inside = series[(series["error"] - series["distance"]).abs() <= series["bound"]]
+    seen = f"the error lies in its band at {len(inside)} of {len(series)} times; " if known else ""
+    return (
+        f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands are guaranteed to contain the error, "
+        f"lines are {line}; below, the ends of the bands divided by it. What to see: {seen}at the last time the bands "
+        f"are {', '.join(parts)}."
+    )

@@ -1,0 +1,70 @@
+"""The deforming body on its foundation at some times, from ``pictures/CASE.json``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from matplotlib.figure import Figure
+
+from study.present.figures.body_legend import body_handles, draw_colour_bars
+from study.present.figures.body_scale import CLIPPED, BodyScale
+from study.present.figures.canvas import COLUMN, legend
+from study.present.figures.deformed_mesh import draw_deformed_mesh
+from study.present.picture.picture import Picture
+from study.present.picture.wording import heading, place, times_shown
+
+
+def draw_body(picture: Picture) -> Figure:
+    """The magnified deformed mesh at the times of ``shapes``, coloured by its von Mises stress.
+
+    In the plane the foundation of each face is the line of its nodes ``x``, undeformed, with the outer side grey;
+    arrows are the ``pressure`` of the foundation on the body, all to one scale. A solid is seen through its foundation,
+    and the pressure colours its contact faces.
+    """
+    scale = BodyScale.of(picture)
+    count = len(picture.shapes)
+    bars = 2 if picture.polygons else 1
+    figure = Figure(figsize=(COLUMN, 0.7 + 0.45 * bars + (COLUMN - 0.1) / count * scale.aspect))
+    panels = figure.subplots(1, count, squeeze=False)[0]
+    for axes, shape in zip(panels, picture.shapes, strict=True):
+        draw_deformed_mesh(axes, picture, shape, scale, COLUMN / count)
+        axes.set_title(f"$t={shape.time:.3g}$")
+    layout: dict[str, Any] = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.7, "pad": 0.02}
+    draw_colour_bars(figure, list(panels), picture, scale, **layout)
+    figure.suptitle(heading(picture))
+    legend(figure, body_handles(picture, scale), columns=2)
+    return figure
+
+
+def caption_body(picture: Picture) -> str:
+    """What to see."""
+    scale = BodyScale.of(picture)
+    shape = max(picture.shapes, key=lambda shape: float(shape.von_mises.max()))
+    drawn, seen, deviator = _IN_SPACE if picture.polygons else _IN_THE_PLANE
+    return (
+        f"The deformed body at t = {times_shown(picture)} ({place(picture)}): displacements times "
+        f"{scale.magnification:.2g}, cells coloured by the von Mises stress √(3/2) |dev σ| of the computed "
+        f"stress A ε(δu) + G ε(u){deviator}; {drawn}, at most {scale.pressure:.3g}. What to see: where there is "
+        f"contact ({_contact(picture)}), {seen}. The largest von Mises stress is {shape.von_mises.max():.3g}, at "
+        f"t = {shape.time:.3g}; one cell in {1 / CLIPPED:.0f} may lie beyond the end of the "
+        f"colours, {scale.stress:.3g}."
+    )
+
+
+_IN_THE_PLANE = (
+    "arrows are the contact pressure",
+    "the body lies on the foundation and there is pressure, elsewhere it has come off and there is none",
+    ", dev σ the deviator in the plane",
+)
+_IN_SPACE = (
+    "the body is turned and seen through its foundation, and Γ3 is coloured by the contact pressure",
+    "Γ3 is flat and there is pressure, elsewhere it has come off and there is none",
+    "",
+)
+
+
+def _contact(picture: Picture) -> str:
+    """How many vertices of Γ3 are in contact at each time."""
+    counts = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.instants]
+    vertices = sum(face.pressure.shape[1] for face in picture.faces)
+    return f"{', '.join(map(str, counts))} of {vertices} vertices of Γ3"

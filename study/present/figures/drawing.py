@@ -1,0 +1,115 @@
+"""A figure that is not drawn yet, and how it is drawn and saved with its caption."""
+
+from __future__ import annotations
+
+import gc
+import textwrap
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.backends.backend_pdf import FigureCanvasPdf
+from matplotlib.backends.backend_svg import FigureCanvasSVG
+from matplotlib.figure import Figure
+
+from study.ledger.files import write_text, write_whole
+from study.present.figures.canvas import in_style
+
+_ANONYMOUS: dict[str, dict[str, None]] = {
+    "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
+    "png": {"Software": None},
+    "svg": {"Date": None, "Creator": None},
+}
+
+Progress = Callable[[int, int, str], None]
+"""Called after each figure with how many are done, how many there are, and its name."""
+Spread = Callable[..., Iterable[list[Path]]]
+"""``map``, or the ``map`` of an executor, which draws several figures at a time."""
+
+
+@dataclass(frozen=True)
+class Drawing:
+    """A figure that can be drawn from data alone.
+
+    Attributes:
+        name: the name of its files.
+        draw: makes the figure, in the style of the study (``in_style``).
+        caption: says what is shown and what to see, with numbers from the same data.
+    """
+
+    name: str
+    draw: Callable[[], Figure]
+    caption: str
+
+
+def draw_figures(
+    directory: Path,
+    chosen: Callable[[Path], list[Drawing]],
+    spread: Spread = map,
+    progress: Progress = lambda done, total, name: None,
+) -> list[Path]:
+    """Draw figures into ``directory/figures`` as pdf, png and svg with their captions in a txt; returns the files.
+
+    ``chosen`` says which: ``drawings`` are all of the directory, ``overview`` those over all cases.
+
+    Raises:
+        DataError: a data file is missing or damaged; nothing is drawn then.
+    """
+    found = chosen(directory)
+    written: list[Path] = []
+    for done, paths in enumerate(spread(partial(draw_one, directory / "figures"), found), start=1):
+        written += paths
+        progress(done, len(found), found[done - 1].name)
+    return written
+
+
+def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
+    """Draw one figure in the style of the study and save it as pdf, png and svg, with its caption."""
+    # The many small objects of a figure all live until it is saved: looking for garbage before finds nothing.
+    with in_style(), _uncollected():
+        return [*_save(drawing.draw(), directory, drawing.name), _save_caption(drawing, directory)]
+
+
+def _save_caption(drawing: Drawing, directory: Path) -> Path:
+    """Write ``directory/name.txt``: the caption in lines of 100 characters."""
+    return write_text(directory / f"{drawing.name}.txt", textwrap.fill(drawing.caption, 100) + "\n")
+
+
+def _save(figure: Figure, directory: Path, name: str) -> list[Path]:
+    """Write ``directory/name`` as pdf, png and svg, without dates or versions in them.
+
+    The layout is found once, on the canvas that draws the png, so that texts measured for it are not measured
+    again; each file is then drawn once, by the canvas of its format (``Figure.savefig`` lays out and draws twice).
+    """
+    raster = FigureCanvasAgg(figure)
+    layout = figure.get_layout_engine()
+    assert layout is not None
+    layout.execute(figure)
+    figure.set_layout_engine("none")
+    written = {
+        "png": raster.print_png,
+        "pdf": FigureCanvasPdf(figure).print_pdf,
+        "svg": FigureCanvasSVG(figure).print_svg,
+    }
+
+    def write(form: str) -> Path:
+        # A name may hold dots of its own (rough-1.75), so a suffix is appended, not replaced.
+        path = directory / f"{name}.{form}"
+        return write_whole(path, lambda part: written[form](part, metadata=_ANONYMOUS[form]))
+
+    return [write(form) for form in written]
+
+
+@contextmanager
+def _uncollected() -> Iterator[None]:
+    """No search for cyclic garbage inside the context; it is made up for at the next chance afterwards."""
+    enabled = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if enabled:
+            gc.enable()

@@ -1,0 +1,139 @@
+"""What ``data/pictures/CASE.json`` holds: one run in space and time, computed and exact."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from study.ledger.datafiles import DataError, read_csv
+from study.ledger.packing import Packed
+from study.present.picture.face_history import Array, FaceHistory, values
+from study.present.picture.polygon import Polygon
+from study.present.picture.segment import Segment
+
+
+@dataclass(frozen=True, eq=False)
+class Shape:
+    """The body at one time: the displacement of every vertex, (d, vertices), and the von Mises stress, (cells,)."""
+
+    time: float
+    displacement: Array
+    von_mises: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Energy:
+    """The balance of energy, (times,) each: the stored energy, and what the other terms have summed to since t = 0.
+
+    The defect, stored − stored(0) + dissipated + contact − work, is zero without discretisation in time.
+    """
+
+    times: Array
+    stored: Array
+    dissipated: Array
+    contact: Array
+    work: Array
+    defect: Array
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> Energy:
+        """From the entry ``energy``."""
+        return cls(**{field.name: np.array(record[field.name], dtype=float) for field in fields(cls)})
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """One run: the mesh, the deformed body at some times, the faces of Γ3 and the energy over time.
+
+    ``cells`` are triangles: those of the mesh in the plane, those of its surface in space, where their corners run
+    counter-clockwise seen from outside.
+    """
+
+    case: str
+    family: str
+    level: int
+    times: Array
+    vertices: Array
+    cells: NDArray[np.int64]
+    shapes: list[Shape]
+    faces: list[FaceHistory]
+    energy: Energy
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> Picture:
+        """From the content of a file.
+
+        Raises:
+            KeyError, TypeError, ValueError: it is not what ``study run`` writes.
+        """
+        times, von_mises = np.array(record["times"], dtype=float), Packed.read(record["von_mises"]).values
+        cells = np.array(record["cells"], dtype=np.int64)
+        plane = len(record["vertices"]) == 2
+        return cls(
+            case=str(record["case"]),
+            family=str(record["family"]),
+            level=int(record["level"]),
+            times=times,
+            vertices=np.array(record["vertices"], dtype=float),
+            cells=cells,
+            shapes=[
+                Shape(
+                    time=float(shape["time"]),
+                    displacement=values(shape["displacement"]),
+                    von_mises=von_mises[np.argmin(abs(times - shape["time"]))],
+                )
+                for shape in record["shapes"]
+            ],
+            faces=[Segment.of(face) if plane else Polygon.of(face, cells) for face in record["faces"]],
+            energy=Energy.of(record["energy"]),
+        )
+
+    @property
+    def segments(self) -> list[Segment]:
+        """The faces of a body in the plane."""
+        return [face for face in self.faces if isinstance(face, Segment)]
+
+    @property
+    def polygons(self) -> list[Polygon]:
+        """The faces of a body in space."""
+        return [face for face in self.faces if isinstance(face, Polygon)]
+
+    @property
+    def size(self) -> float:
+        """The longest side of the box around the body."""
+        return float(np.ptp(self.vertices, axis=1).max())
+
+    @property
+    def instants(self) -> list[int]:
+        """The indices of the times of the shapes."""
+        return [self.nearest(shape.time) for shape in self.shapes]
+
+    def nearest(self, time: float) -> int:
+        """The index of the time node nearest to a time."""
+        return int(np.argmin(abs(self.times - time)))
+
+
+def read_pictures(directory: Path) -> list[Picture]:
+    """The pictures of the cases of ``cases.csv``, in that order; files of other runs are left alone.
+
+    Raises:
+        DataError: there is no such directory, or a file in it is not a picture.
+    """
+    folder = directory / "data" / "pictures"
+    if not folder.is_dir():
+        raise DataError(f"{folder} is missing: make it with `study run --out {directory}`")
+    names = read_csv(directory, "cases.csv", ["case"])["case"]
+    return [_read(path) for name in names if (path := folder / f"{name}.json").is_file()]
+
+
+def _read(path: Path) -> Picture:
+    try:
+        return Picture.of(json.loads(path.read_text(encoding="utf-8")))
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(f"{path} is not a picture ({error!r}): make it again with `study run`") from error

@@ -1,0 +1,125 @@
+"""What the page shows of each case."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from study.ledger.datafiles import DataError, read_csv, read_rates
+from study.ledger.verdict import VERDICTS
+from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.enclosure_chart import enclosure_charts
+from study.present.charts.finest_orders import finest_orders
+from study.present.report.film import read_film
+from study.present.report.order_strip import OrderStrip
+from study.present.report.rows import Rows
+from study.present.report.svg_chart import SvgChart
+from study.present.tables import bounds_table, equivalence_table, rates_table, stress_table
+
+CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
+ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
+
+
+@dataclass(frozen=True)
+class CasePage:
+    """One case: what it is, its verdicts, its orders, its motion, charts and tables."""
+
+    name: str
+    summary: str
+    facts: dict[str, str]
+    counts: dict[str, int]
+    predicted: str
+    observed: str
+    strip: OrderStrip | None
+    charts: list[SvgChart]
+    film: dict[str, Any]
+    tables: list[Rows]
+
+
+def case_pages(directory: Path, claims: pd.DataFrame) -> list[CasePage]:
+    """The cases in the order of ``cases.csv``.
+
+    Raises:
+        DataError: a data file is missing or damaged.
+    """
+    listed = read_csv(directory, "cases.csv", CASES)
+    rates = read_rates(directory)
+    series = read_csv(directory, "enclosures.csv", ENCLOSURES)
+    tables = [
+        (rates_table(directory), "Errors on every mesh", ["case", "claim"]),
+        (stress_table(directory), "The stress problem on its own space", ["case"]),
+        (equivalence_table(directory), "The stress problem on the strains of V^h", ["case"]),
+        (bounds_table(directory), "Guaranteed bounds of the error", ["case"]),
+    ]
+    return [
+        _case_page(
+            fact,
+            claims[claims["case"] == fact["case"]],
+            rates[rates["case"] == fact["case"]],
+            series[series["case"] == fact["case"]],
+            _film(directory, str(fact["case"])),
+            [Rows.of(table, caption, fact["case"], without) for table, caption, without in tables],
+        )
+        for fact in listed.to_dict("records")
+    ]
+
+
+def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
+    """How many rows of the ledger have each verdict."""
+    return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
+
+
+def _case_page(
+    fact: dict[Any, Any],
+    claims: pd.DataFrame,
+    rates: pd.DataFrame,
+    series: pd.DataFrame,
+    film: dict[str, Any],
+    tables: list[Rows],
+) -> CasePage:
+    expected = float(fact["expected_order"])
+    found = finest_orders(rates, refinements=2)
+    orders = sorted(found.values())
+    return CasePage(
+        name=str(fact["case"]),
+        summary=str(fact["summary"]),
+        facts=_facts(fact),
+        counts=count_verdicts(claims),
+        predicted=f"{expected:.4g}",
+        observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
+        strip=OrderStrip.of(rates, expected, found) if orders else None,
+        charts=list(_charts(rates, expected, series)),
+        film=film,
+        tables=[table for table in tables if table.cells],
+    )
+
+
+def _facts(fact: dict[Any, Any]) -> dict[str, str]:
+    return {
+        "law": str(fact["law"]),
+        "contact zone": str(fact["zone"]),
+        "regularity": str(fact["regularity"]),
+        "dimension": str(fact["dimension"]),
+        "predicted order": f"{float(fact['expected_order']):.4g}",
+        "proved order": "" if pd.isna(fact["proved_order"]) else f"{float(fact['proved_order']):.4g}",
+        "why": str(fact["reason"]),
+    }
+
+
+def _charts(rates: pd.DataFrame, expected: float, series: pd.DataFrame) -> Iterator[SvgChart]:
+    """The charts of what was measured of a case."""
+    if len(rates):
+        yield SvgChart(convergence_chart(rates, expected))
+    for _, chart in enclosure_charts(series):
+        yield SvgChart(chart)
+
+
+def _film(directory: Path, name: str) -> dict[str, Any]:
+    path = directory / "data" / "pictures" / f"{name}.json"
+    if not path.is_file():
+        raise DataError(f"{path} is missing: make it with `study run --out {directory}`")
+    return read_film(path)

@@ -1,0 +1,86 @@
+"""A case to look at, solved on one moderate mesh: its picture, and fields for ParaView."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from manufactured.case import Case
+from manufactured.tensors import Array, full
+from study.fem.mesh import FAMILIES
+from study.ledger.errors import UsageError
+from study.ledger.files import write_text
+from study.ledger.mesh_series import MeshFields, MeshSeries
+from study.run import resources
+from study.solve.motion import Frame, Motion
+from study.solve.von_mises import von_mises
+from study.statements import pictures
+from study.statements.shared import estimates
+
+EVERY = 2
+"""One of so many frames is shown."""
+STEPS = pictures.STEPS
+LEVELS = {2: pictures.LEVEL, 3: 9}
+"""By dimension: moderate, and a multiple of what divides the faces of our cubes."""
+
+
+@dataclass(frozen=True, eq=False)
+class Showcase:
+    """What is shown of a case: its picture in the form of ``pictures/CASE.json``, and fields on the whole mesh."""
+
+    picture: dict[str, Any]
+    series: MeshSeries
+
+
+def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[], object] = lambda: None) -> Showcase:
+    """Solve a case to be shown in a directory; ``notify`` is called after each of the STEPS + 1 frames.
+
+    Raises:
+        UsageError: no mesh family serves the body, or there is not the memory for this level.
+        StoreError: the directory cannot be written; said before anything is solved.
+        MeshError: the mesh of this level does not fit the body.
+    """
+    body = case.solution.body
+    serving = [family for family in (pictures.FAMILY, *FAMILIES) if family.serves(body)]
+    if not serving:
+        raise UsageError(f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped")
+    resources.require(f"level {level}", estimates.displacement(body.dim, level, serving[0].name), resources.available())
+    write_text(directory / ".writable", "").unlink()
+    motion = Motion.of(case.solution, serving[0], level, STEPS, notify)
+    return Showcase(pictures.record(case.name, motion, EVERY), mesh_series(motion, EVERY))
+
+
+def mesh_series(motion: Motion, every: int) -> MeshSeries:
+    """One of ``every`` frames of a motion.
+
+    At the vertices: ``displacement``, ``velocity``, and on Γ3 ``gap`` and ``pressure`` (``gap_1``, ``gap_2``, … where
+    Γ3 has several faces). In the cells, where they are constant: ``stress`` and ``von_mises``.
+    """
+    weights, mesh = pictures.contact_weights(motion.space), motion.space.mesh
+    return MeshSeries(mesh.p, mesh.t, [_fields(motion, frame, weights) for frame in motion.frames[::every]])
+
+
+def _fields(motion: Motion, frame: Frame, weights: Array) -> MeshFields:
+    nodal = motion.space.nodal
+    contact = dict(_on_contact(motion, {"gap": -frame.normal, "pressure": frame.multipliers / weights}))
+    return MeshFields(
+        frame.time,
+        {"displacement": nodal(frame.u), "velocity": nodal(frame.velocity), **contact},
+        {"stress": full(frame.stress), "von_mises": von_mises(frame.stress)},
+    )
+
+
+def _on_contact(motion: Motion, values: dict[str, Array]) -> Iterator[tuple[str, Array]]:
+    """Values at the contact vertices, (m,), as fields over all vertices, a field for each face of Γ3."""
+    faces, start = motion.space.contact, 0
+    for number, (_, vertices) in enumerate(faces, start=1):
+        rows = slice(start, start + len(vertices))
+        start += len(vertices)
+        for name, mine in values.items():
+            field = np.full(motion.space.mesh.p.shape[1], np.nan)
+            field[vertices] = mine[rows]
+            yield name if len(faces) == 1 else f"{name}_{number}", field

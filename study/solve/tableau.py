@@ -1,0 +1,104 @@
+"""Time schemes for M u̇ + G(u) + N_{K^h}(u) ∋ F with the constraint at the new time, by their weights.
+
+A step of size k finds u_n from
+
+    M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + N_{K^h}(u_n) ∋ F(t_{n−1+θ}),     δu_n = (w u_n − Σ_{j≥1} w_j u_{n−j})/k.
+
+Multistep schemes, which have no u_{n−j} at first, take their first steps by a one-step scheme. How a step is solved is
+a matter of the problem: ``study.solve.contact_step`` for Problem 5.1, ``study.stresses.dual`` for Problem 3.2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import reduce
+from operator import add, sub
+from typing import Protocol, TypeVar
+
+from manufactured.tensors import Array
+from study.solve.steps import step_size
+
+S = TypeVar("S")
+
+
+class TimeProblem(Protocol[S]):
+    """A problem in time on [0, T] whose states at the time nodes are of the type S."""
+
+    @property
+    def T(self) -> float: ...
+
+    def initial(self) -> S:
+        """The state at t_0."""
+        ...
+
+    def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[S]], S]:
+        """(n, the states before) ↦ the state at t_n = n k, for many n."""
+        ...
+
+
+@dataclass(frozen=True)
+class Tableau:
+    """A scheme, by its weights.
+
+    Attributes:
+        name: for tables and the command line.
+        order: in k, for solutions that are smooth in time.
+        newest: w, the weight of u_n in δu_n.
+        past: (w_1, w_2, …).
+        theta: θ, where in the step G and F are taken.
+        starting: the scheme of the first steps, None for a one-step scheme.
+        kept: states that a step is given; a nonlinear law extrapolates its first guess from all of them.
+    """
+
+    name: str
+    order: float
+    newest: float
+    past: tuple[float, ...]
+    theta: float = 1.0
+    starting: Tableau | None = None
+    kept: int = 3
+
+    def known(self, before: Sequence[Array]) -> Array:
+        """Σ_{j≥1} w_j u_{n−j} from (…, u_{n−2}, u_{n−1})."""
+        return reduce(add, (w * u for w, u in zip(self.past, reversed(before), strict=False)))
+
+    def rate(self, u: Array, before: Sequence[Array], k: float) -> Array:
+        """δu_n from u_n and (…, u_{n−2}, u_{n−1})."""
+        return reduce(sub, (w * v for w, v in zip(self.past, reversed(before), strict=False)), self.newest * u) / k
+
+    def of_step(self, n: int) -> Tableau:
+        """The scheme that takes the step to t_n: this one as soon as it has its past."""
+        return self.starting if self.starting and n < len(self.past) else self
+
+    def march(self, problem: TimeProblem[S], steps: int) -> Iterator[S]:
+        """The states at t_0, t_1, …, t_steps = T.
+
+        Raises:
+            StepsError: fewer than one step.
+        """
+        k = step_size(problem.T, steps)
+        before = [problem.initial()]
+        yield before[0]
+        scheme: Tableau | None = None
+        for n in range(1, steps + 1):
+            if self.of_step(n) is not scheme:
+                scheme = self.of_step(n)
+                step = problem.stepper(scheme, k)
+            before = [*before, step(n, before)][-self.kept :]
+            yield before[-1]
+
+
+BACKWARD_EULER = Tableau("backward-euler", 1.0, 1.0, (1.0,))
+"""M (u_n − u_{n−1})/k + G(u_n) + N_{K^h}(u_n) ∋ F(t_n)."""
+
+MIDPOINT = Tableau("midpoint", 2.0, 1.0, (1.0,), theta=0.5)
+"""M (u_n − u_{n−1})/k + G((u_n + u_{n−1})/2) + N_{K^h}(u_n) ∋ F(t_{n−1/2}).
+
+Order 2, falling to 1.5 in the maximum norm when vertices change between contact and release.
+"""
+
+BDF2 = Tableau("bdf2", 2.0, 1.5, (2.0, -0.5), starting=BACKWARD_EULER, kept=2)
+"""M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_{K^h}(u_n) ∋ F(t_n), first step backward Euler."""
+
+SCHEMES = (BACKWARD_EULER, BDF2, MIDPOINT)

@@ -1,0 +1,134 @@
+"""A chart is computed once; figure and page draw the same curves, and its triangle, orders and ticks are right."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+from numpy.typing import NDArray
+from test_presentation import CASES, enclosures, rates
+
+from study.ledger.orders import orders
+from study.present.charts.axis import LinearAxis, LogAxis
+from study.present.charts.chart import Chart, Curve, Style
+from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.enclosure_chart import enclosure_chart
+from study.present.charts.finest_orders import finest_orders, last_orders
+from study.present.charts.overview_chart import overview_chart
+from study.present.charts.slope_triangle import slope_triangle
+from study.present.figures.canvas import in_style
+from study.present.figures.draw_chart import draw_chart
+from study.present.report.svg_chart import SvgChart
+
+Array = NDArray[np.float64]
+ERRORS = rates({"advance-recede": (1.0, 28.0)}, (8, 16, 32))
+CHARTS = {
+    "convergence": convergence_chart(ERRORS, 1.0),
+    "enclosure": enclosure_chart(enclosures(), "advance-recede, shaken"),
+    "unknown error": enclosure_chart(enclosures().assign(error=np.nan, plain=4.0), "ramp, shaken"),
+}
+
+
+@pytest.mark.parametrize("chart", CHARTS.values(), ids=CHARTS)
+def test_figure_and_page_show_the_same_curves_ticks_and_legend(chart: Chart) -> None:
+    with in_style():
+        figure = draw_chart(chart)
+    page = SvgChart(chart)
+    assert len(figure.axes) == len(page.subplots) == len(chart.subplots)
+    for axes, drawn, subplot in zip(figure.axes, page.subplots, chart.subplots, strict=True):
+        # Last come the curves, after horizontal lines.
+        lines = axes.get_lines()[len(subplot.rules) :]
+        assert len(lines) == len(drawn.curves) == len(subplot.curves)
+        for line, (path, _, style), curve in zip(lines, drawn.curves, subplot.curves, strict=True):
+            np.testing.assert_array_equal(line.get_xydata(), np.column_stack([curve.x, curve.y]))
+            shares = np.array([[subplot.x.position(x), subplot.y.position(y)] for x, y in line.get_xydata()])
+            low, high = np.array([drawn.x.start, drawn.y.start]), np.array([drawn.x.end, drawn.y.end])
+            expected = low + np.clip(shares, -2, 3) * (high - low)
+            np.testing.assert_allclose(
+                np.array(re.findall(r"[-\d.]+", path), dtype=float).reshape(-1, 2), expected, atol=0.01
+            )
+            assert line.get_color() == curve.style.colour == style["colour"]
+        ticks = [text for _, text in subplot.y.ticks()]
+        assert len(axes.get_yticks()) == len(ticks) == len(drawn.y.ticks)
+    (legend,) = figure.legends
+    entries = [entry.text for column in chart.legend for entry in column]
+    assert [text.get_text() != " " for text in legend.get_texts()].count(True) == len(entries)
+    assert [text for text, _ in page.legend] == entries
+
+
+def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement_takes_its_place() -> None:
+    known, unknown = CHARTS["enclosure"], CHARTS["unknown error"]
+    assert "lines are the error itself" in known.caption
+    assert "lines are the distance to a more accurate displacement" in unknown.caption
+    np.testing.assert_array_equal(unknown.subplots[0].curves[-1].y, enclosures()["distance"])
+    assert "bound from u_h alone" in [entry.text for entry in unknown.legend[1]]
+
+
+@pytest.mark.parametrize("slope", [0.25, 1.0, 2.0])
+def test_the_slope_triangle_has_its_slope_and_keeps_clear_of_the_curves(slope: float) -> None:
+    h: Array = 2.0 ** -np.arange(8, 2, -1, dtype=float)
+    curves = [(h, 3 * h**0.5), (h / 1.4, h**1.5), (h[::-1], h[::-1] + 0.1)]
+    triangle = slope_triangle([Curve(x, y, Style("black")) for x, y in curves], slope, decades=2.0)
+    assert triangle is not None
+    (x0, y0), (x1, y1), corner = np.log10(triangle.corners)
+    assert (y1 - y0) / (x1 - x0) == pytest.approx(slope)
+    assert corner == pytest.approx([x0, y1])
+    assert triangle.top > 10**y1
+    for x, y in curves:
+        order = np.argsort(x)
+        at = np.linspace(max(x0, np.log10(x.min())), x1, 50)
+        assert (y0 + slope * (at - x0) - np.interp(at, np.log10(x[order]), np.log10(y[order]))).min() > 0.1
+
+
+def test_a_single_level_or_no_expected_order_gives_no_triangle() -> None:
+    h = np.array([0.1, 0.2])
+    assert slope_triangle([Curve(h[:1], h[:1], Style("black"))], 1.0, 1.0) is None
+    assert slope_triangle([Curve(h, h, Style("black"))], math.nan, 1.0) is None
+
+
+def test_orders_over_two_refinements_are_those_of_a_power_of_h() -> None:
+    h = 1 / np.array([8.0, 16.0, 32.0, 64.0])
+    # The coarsest level does not count.
+    frame = pd.DataFrame({"family": "shaken", "level": [8, 16, 32, 64], "h": h, "error": 3 * h**0.5 + (h == 0.125)})
+    assert finest_orders(frame, 2) == {"shaken": pytest.approx(0.5)}
+    assert finest_orders(frame.head(1), 2) == {}
+    assert finest_orders(frame.assign(error=0.0), 2) == {}
+
+
+def test_the_last_orders_are_consecutive_ones_and_graded_meshes_are_kept_apart() -> None:
+    graded = ERRORS[ERRORS["family"] == "shaken"].assign(family="graded")
+    plain, on_graded = last_orders(pd.concat([ERRORS, graded]))
+    expected = [orders(rows["h"], rows["error"])[-1] for _, rows in ERRORS.groupby("family", sort=False)]
+    assert plain == expected
+    assert on_graded == [expected[2]]
+
+
+def test_subplots_of_a_row_share_their_vertical_axis_and_all_the_horizontal_one() -> None:
+    chart = overview_chart(
+        rates(CASES, (8, 16, 32)).assign(claim="Prop. 5.4"), {case: order for case, (order, _) in CASES.items()}
+    )
+    assert [subplot.title for subplot in chart.subplots] == list(CASES)
+    assert len({(one.x.low, one.x.high) for one in chart.subplots}) == 1
+    assert chart.columns == 2
+    assert len({(one.y.low, one.y.high) for one in chart.subplots}) == 1
+    assert all(one.triangle is not None and one.triangle.top <= one.y.high for one in chart.subplots)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.007, 0.15), (0.9, 1.1), (1e-6, 3.0), (2.0, 9e5)])
+def test_a_logarithmic_axis_has_three_ticks_or_more_inside_it(low: float, high: float) -> None:
+    ticks = LogAxis("", low, high).ticks()
+    assert len(ticks) >= 3
+    assert all(low <= value <= high for value, _ in ticks)
+    assert len({text for _, text in ticks}) == len(ticks)
+
+
+@pytest.mark.parametrize(("low", "high"), [(0.0, 1.0), (-0.06, 1.06), (0.0, 2.0), (3.0, 3.7), (0.0, 40.0)])
+def test_a_linear_axis_has_three_to_seven_ticks_at_equal_steps(low: float, high: float) -> None:
+    values = np.array([value for value, _ in LinearAxis("", low, high).ticks()])
+    assert 3 <= len(values) <= 7
+    np.testing.assert_allclose(np.diff(values), values[1] - values[0])
+    assert low <= values.min()
+    assert values.max() <= high

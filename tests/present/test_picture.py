@@ -1,0 +1,120 @@
+"""What is computed from a picture before anything is drawn: contact zones, projection, magnification."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from test_presentation import write_data
+
+from study.present.picture.face_history import FaceHistory
+from study.present.picture.picture import Picture, read_pictures
+from study.present.picture.proportions import DISPLACEMENT, magnification
+from study.present.picture.view import View
+from study.present.picture.zone_history import caps, exact_zone, misplaced_length, misplaced_nodes, strands
+
+
+@pytest.fixture(scope="module")
+def pictures(tmp_path_factory: pytest.TempPathFactory) -> list[Picture]:
+    directory: Path = write_data(tmp_path_factory.mktemp("results"), {"advance-recede": (1.0, 28.0)}, (16,), level=8)
+    return read_pictures(directory)
+
+
+@pytest.fixture
+def picture(pictures: list[Picture]) -> Picture:
+    return pictures[0]
+
+
+@pytest.fixture
+def solid(pictures: list[Picture]) -> Picture:
+    return pictures[-1]
+
+
+def test_two_patches_that_meet_are_three_strands() -> None:
+    zone = [[], [(0.25, 0.25), (0.5, 0.75)], [(0.1, 0.4), (0.5, 0.8)], [(0.0, 0.9)], [(0.0, 0.9)], []]
+    pieces = strands(np.arange(6.0), zone)
+    births, merger, end = [(0.5, 0.25, 0.25), (0.5, 0.625, 0.625)], 2.5, (4.5, 0.0, 0.9)
+    assert [piece[0] for piece in pieces] == [*births, (merger, 0.0, 0.9)]
+    assert [piece[-1] for piece in pieces] == [(merger, 0.1, 0.4), (merger, 0.5, 0.8), end]
+    assert caps(pieces) == [(merger, 0.0, 0.1), (merger, 0.4, 0.5), (merger, 0.8, 0.9), end]
+
+
+def test_displacements_are_magnified_to_the_stated_share_of_the_body(pictures: list[Picture]) -> None:
+    for shown in pictures:
+        displacements = [shape.displacement for shape in shown.shapes]
+        largest = max(float(np.linalg.norm(u, axis=0).max()) for u in displacements)
+        drawn = magnification(shown.vertices, displacements) * largest
+        assert 0.9 * DISPLACEMENT * shown.size < drawn <= DISPLACEMENT * shown.size
+    assert magnification(shown.vertices, [np.zeros_like(shown.vertices)]) == 1
+
+
+def shifted(face: FaceHistory, cells: int) -> FaceHistory:
+    """A face whose computed pressure lies some cells further along."""
+    return replace(face, pressure=np.roll(face.pressure_exact, cells, axis=1))
+
+
+def test_a_computed_zone_that_is_exact_is_off_by_half_a_cell_at_most(picture: Picture) -> None:
+    (face,) = picture.faces
+    assert misplaced_length(shifted(face, 0), picture.times).max() <= 0.5 + 1e-6
+
+
+def test_a_front_three_cells_too_far_is_off_by_three_cells(picture: Picture) -> None:
+    (face,) = picture.faces
+    wide = replace(face, pressure=np.maximum(face.pressure_exact, np.roll(face.pressure_exact, 3, axis=1)))
+    off = misplaced_length(wide, picture.times) - misplaced_length(shifted(face, 0), picture.times)
+    assert off[:-1].max() <= 3 + 1e-6
+    assert np.median(off) > 1.9
+
+
+def test_a_zone_that_should_not_be_there_counts_with_its_length(picture: Picture) -> None:
+    (face,) = picture.faces
+    empty = replace(face, zone=[[] for _ in face.zone_times])
+    pressure = np.zeros_like(face.pressure)
+    pressure[:, 2:5] = 1.0
+    np.testing.assert_allclose(misplaced_length(replace(empty, pressure=pressure), picture.times), 3.0)
+    assert not misplaced_length(replace(empty, pressure=0 * pressure), picture.times).any()
+
+
+def test_the_exact_zone_between_known_times_lies_between(picture: Picture) -> None:
+    (face,) = picture.faces
+    early, late = (face.zone[n][0][1] for n in (10, 11))
+    ((_, front),) = exact_zone(face, float(face.zone_times[10:12].mean()))
+    assert front == pytest.approx((early + late) / 2)
+
+
+def test_a_solid_is_seen_from_outside_of_its_contact_faces_and_from_above(solid: Picture) -> None:
+    view = View.of(solid)
+    np.testing.assert_allclose(view.axes @ view.axes.T, np.eye(3), atol=1e-12)
+    assert np.linalg.det(view.axes) == pytest.approx(1)
+    right, up, towards = view.axes
+    assert len(solid.faces) == 2
+    assert all(towards @ face.normal > 0.3 for face in solid.faces)
+    # The third axis is upright and the eye above: on the page a horizontal plane rises with the distance.
+    assert right[2] == pytest.approx(0)
+    assert up[2] * towards[2] > 0
+
+
+def test_the_triangles_of_a_cube_that_are_drawn_are_those_of_three_sides_from_far_to_near(solid: Picture) -> None:
+    view, shades = View.of(solid), np.zeros(solid.cells.shape[1], dtype=int)
+    order = view.order(solid.vertices, solid.cells, shades)
+    assert len(set(order)) == len(order) == solid.cells.shape[1] / 2
+    corners = solid.vertices[:, solid.cells[:, order]]
+    depth = view.axes[2] @ corners.mean(axis=1)
+    assert (np.diff(depth) >= 0).all()
+    normals = np.cross((corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T)
+    assert (normals @ view.axes[2] > 0).all()
+
+
+def test_in_the_plane_the_page_is_the_plane(picture: Picture) -> None:
+    np.testing.assert_array_equal(View.of(picture).flat(picture.vertices), picture.vertices)
+
+
+def test_nodes_of_a_solid_on_the_wrong_side_are_counted(solid: Picture) -> None:
+    exact = [replace(face, pressure=face.inside.astype(float)) for face in solid.polygons]
+    assert [misplaced_nodes(face).max() for face in exact] == [0, 0]
+    pressure = exact[1].pressure.copy()
+    pressure[5, :3] = 1 - pressure[5, :3]
+    off = misplaced_nodes(replace(exact[1], pressure=pressure))
+    assert (off[4], off.sum()) == (3, 3)

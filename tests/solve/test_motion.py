@@ -1,0 +1,87 @@
+"""A motion balances its power at every step, its stress the loads; its energy is that of the law."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from manufactured.law import DeviatoricBall, FrobeniusBall, Yield, isotropic
+from manufactured.tensors import identity, mandel, size
+from study.fem.gauge import Gauge
+from study.fem.mesh import FAMILIES, Unstructured
+from study.fem.naming import resolve
+from study.solve.motion import Motion, density
+from study.solve.von_mises import von_mises
+
+CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
+RNG = np.random.default_rng(2002)
+
+
+@lru_cache
+def moved(case: str, steps: int = 8) -> Motion:
+    """A case on a coarse mesh."""
+    solution = resolve(case).solution
+    family = Unstructured() if solution.body.dim == 2 else FAMILIES[0]
+    return Motion.of(solution, family, 6 if solution.body.dim == 2 else 3, steps)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_power_of_the_load_is_stored_dissipated_or_spent_on_contact_at_every_step(case: str) -> None:
+    """(4.14) with v = δu in place of u, to round-off or the tolerance of the fixed point."""
+    frames = moved(case).frames[1:]
+    largest = max(abs(frame.power.load) for frame in frames)
+    for frame in frames:
+        power = frame.power
+        assert abs(power.elastic + power.viscous + power.contact - power.load) <= 1e-10 * largest
+        assert power.viscous > 0
+
+
+@pytest.mark.parametrize("case", CASES[:3])
+def test_the_defect_of_the_balance_of_energy_falls_with_the_square_of_the_step(case: str) -> None:
+    defects = [abs(moved(case, steps).balance()["defect"]).max() for steps in (32, 64, 128)]
+    assert 3 < defects[0] / defects[1] < 5
+    assert 3 < defects[1] / defects[2] < 5
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_the_stress_of_a_frame_is_in_equilibrium_with_load_and_contact(case: str) -> None:
+    motion = moved(case)
+    space, solution = motion.space, motion.solution
+    load = Gauge(solution, space).load
+    for frame in motion.frames[1:]:
+        force = load(frame.time)
+        defect = space.functional(frame.stress) + space.N.T @ frame.multipliers - force
+        assert np.linalg.norm(defect) <= 1e-10 * np.linalg.norm(force)
+
+
+@pytest.mark.parametrize("law", [isotropic(1, 2), Yield(3.0, FrobeniusBall(0.4)), Yield(3.0, DeviatoricBall(0.4))])
+def test_the_stress_is_the_derivative_of_the_energy_density(law: object) -> None:
+    strain, direction, t = RNG.normal(size=(3, 40)), RNG.normal(size=(3, 40)), 1e-6
+
+    def energy(e: np.ndarray) -> np.ndarray:
+        return density(law, e, law(e))  # type: ignore[arg-type, operator]
+
+    slope = (energy(strain + t * direction) - energy(strain - t * direction)) / (2 * t)
+    np.testing.assert_allclose(slope, np.sum(law(strain) * direction, axis=0), atol=1e-6)  # type: ignore[operator]
+
+
+def test_von_mises_is_the_stress_of_a_pull_and_blind_to_pressure() -> None:
+    pull = np.zeros((3, 3))
+    pull[1, 1] = -7.0
+    assert von_mises(mandel(pull)) == pytest.approx(7.0)
+    for dim in (2, 3):
+        stress = RNG.normal(size=(size(dim), 5))
+        under_pressure = stress - 4 * identity(dim)[:, None]
+        np.testing.assert_allclose(von_mises(under_pressure), von_mises(stress), rtol=1e-12)
+
+
+def test_plane_von_mises_is_the_smallest_that_any_stress_across_the_plane_gives() -> None:
+    plane = RNG.normal(size=(2, 2))
+    across = np.linspace(-5, 5, 2001)
+    solid = np.zeros((3, 3, len(across)))
+    solid[:2, :2] = (plane + plane.T)[:, :, None] / 2
+    solid[2, 2] = across
+    values = von_mises(mandel(solid))
+    assert float(von_mises(mandel(plane))) == pytest.approx(values.min(), abs=1e-4)

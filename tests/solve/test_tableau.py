@@ -1,0 +1,44 @@
+"""The weights of the time schemes, and how many steps a mesh is given."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from manufactured import catalogue
+from study.fem.mesh import OneDiagonal
+from study.solve.steps import StepsError, rate_steps, stress_steps
+from study.solve.tableau import BACKWARD_EULER, SCHEMES, Tableau
+from study.statements.prop_5_4.experiment import Experiment
+
+K = 0.1
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_a_scheme_differentiates_polynomials_of_its_order_exactly_where_it_takes_the_load(scheme: Tableau) -> None:
+    times = K * np.arange(-len(scheme.past), 1)
+    at = K * (scheme.theta - 1)
+    for degree in range(int(scheme.order) + 2):
+        before = [np.array([t**degree]) for t in times[:-1]]
+        wrong = abs(scheme.rate(np.array([times[-1] ** degree]), before, K)[0] - degree * at ** max(degree - 1, 0))
+        assert (wrong < 1e-12) == (degree <= scheme.order)
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_a_scheme_starts_with_steps_whose_past_is_there(scheme: Tableau) -> None:
+    assert [len(scheme.of_step(n).past) <= n for n in range(1, 5)] == [True] * 4
+    assert scheme.of_step(1) is (scheme.starting or scheme)
+    assert scheme.of_step(len(scheme.past)) is scheme
+
+
+def test_no_scheme_marches_without_a_step() -> None:
+    setup = Experiment.of(catalogue()[0].solution, OneDiagonal(), 4, BACKWARD_EULER, 0)
+    with pytest.raises(StepsError, match="one step or more"):
+        next(setup.scheme.march(setup.problem, setup.steps))
+
+
+def test_steps_grow_with_level_and_pace_and_those_of_stresses_are_even() -> None:
+    assert [rate_steps(1.0, n) for n in (8, 27, 64)] == [32, 72, 128]
+    assert [stress_steps(1.0, n) for n in (8, 16)] == [32, 64]
+    assert [stress_steps(0.5, 16, pace) for pace in (1.0, 4.0, 100.0)] == [8, 16, 32]
+    assert all(stress_steps(T, n, 5.0) % 2 == 0 for T in (0.3, 1.0) for n in range(2, 40))
