@@ -67,10 +67,8 @@ from study.statements.shared.instants import Velocity, midpoints
 
 INSTANTS = 64
 """Nodes of the midpoint rule for the norms in time."""
-
 ROUND_OFF = 1e-11
 """Pressures below this part of the size of stresses are none."""
-
 STEADY = Window(0.7, 1.4, "over two refinements: orders that differ by less than 1/4")
 PROVED = at_most(1.0, "with the constant c of the proof; 1/observed is the room that it leaves")
 BOUNDS = "(5.21)", "(5.42)"
@@ -170,22 +168,15 @@ def sides(setup: Experiment) -> dict[str, float]:
     """Both sides of both bounds."""
     gauge, problem, T = setup.gauge, setup.problem, setup.problem.T
     error = max(gauge.distance(gauge.sample(state.time), state.u) for state in setup.scheme.march(problem, setup.steps))
-    start = gauge.sample(0.0)
-    velocity = Velocity(setup.solution, setup.space)
+    start, velocity = gauge.sample(0.0), Velocity(setup.solution, setup.space)
     contact = [ContactTerms(setup, face) for face in setup.solution.faces]
-    rates, works, traces, pressures = [], [], [], []
-    for t in midpoints(T, INSTANTS):
-        rates.append(velocity.interpolation_error(t))
-        work, trace, pressure = np.sum([face(t) for face in contact], axis=0)
-        works.append(abs(work))
-        traces.append(math.sqrt(trace))
-        pressures.append(math.sqrt(pressure))
-    mean = T / INSTANTS
-    rate = math.sqrt(mean * np.sum(np.square(rates)))
+    times, k = midpoints(T, INSTANTS), T / INSTANTS
+    works, squares, pressures = np.array([np.sum([face(t) for face in contact], axis=0) for t in times]).T
+    rate = math.sqrt(k * np.sum(np.square([velocity.interpolation_error(t) for t in times])))
     common = gauge.distance(start, start.interpolant) + rate + gauge.distance(start, problem.u0)
-    work, trace = math.sqrt(mean * np.sum(works)), math.sqrt(mean * np.sum(traces) * max(pressures))
-    right = {"(5.21)": common + work, "(5.42)": common + trace}
-    c = constant(setup.solution.law, T)
+    work = math.sqrt(k * np.sum(abs(works)))
+    trace = math.sqrt(k * np.sum(np.sqrt(squares)) * max(np.sqrt(pressures)))
+    right, c = {"(5.21)": common + work, "(5.42)": common + trace}, constant(setup.solution.law, T)
     return {
         **{name: value / error for name, value in {**right, RATE: rate, TRACE: trace}.items()},
         **{f"{name}, c": error / (c * value) for name, value in right.items()},
