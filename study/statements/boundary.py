@@ -63,12 +63,12 @@ class NaturalConditions(ListedNumbers):
         order("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
         order("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
     )
-
-    def places(self, full: bool) -> list[Setting]:
-        if not full:
-            return grid(("advance-recede",), ("shaken",), (8, 16, 32))
-        cases = "advance-recede", "travelling-patch", "yield-and-release"
-        return grid(cases, ("one-diagonal", "criss-cross", "shaken", "unstructured"), (12, 24, 48))
+    quick = grid(("advance-recede",), ("shaken",), (8, 16, 32))
+    full = grid(
+        ("advance-recede", "travelling-patch", "yield-and-release"),
+        ("one-diagonal", "criss-cross", "shaken", "unstructured"),
+        (12, 24, 48),
+    )
 
     def measure(self, setting: Setting) -> dict[str, float]:
         # An odd number of steps for each instant puts the instants into the middle of steps.

@@ -28,6 +28,7 @@ from study.statements.shared.places import FIRST, different, material, place, sp
 SEED = 2002
 SCALES = (-3.0, 3.0)
 """Decimal logarithms of the sizes of generated tensors: both sides of any yield point."""
+SKEW = "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)"
 ZERO = at_most(1e-12, "0 but for rounding")
 MONOTONE = at_most(ROUNDING, "never positive but for rounding", low=-math.inf)
 
@@ -50,12 +51,14 @@ def derivative(operator: AtPoints, strain: Tensors) -> Array:
     return np.moveaxis(np.stack(columns, axis=1), 2, 0)
 
 
-def placed(full: bool) -> list[Setting]:
+class OfLaws(ListedNumbers):
     """Every law of the catalogue on one mesh of its case's body."""
-    return place(different(material), FIRST, (16,) if full else (8,), (4,) if full else (2,))
+
+    def places(self, full: bool) -> list[Setting]:
+        return place(different(material), FIRST, (16,) if full else (8,), (4,) if full else (2,))
 
 
-class Viscosity(ListedNumbers):
+class Viscosity(OfLaws):
     """Aτ·τ/|τ|² for random tensors and on their way to where it is least and largest; Aσ·τ − σ·Aτ."""
 
     label = "(3.1)"
@@ -63,14 +66,8 @@ class Viscosity(ListedNumbers):
     rules = (
         Constant("ellipticity", "m_A / smallest Aτ·τ/|τ|²", "ellipticity"),
         Constant("bound", "largest Aτ·τ/|τ|² / ‖A‖", "bound"),
-        Observation(
-            largest("symmetry", "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)", ZERO, "asymmetry"),
-            "it is symmetric by construction of a law",
-        ),
+        Observation(largest("symmetry", SKEW, ZERO, "asymmetry"), "it is symmetric by construction of a law"),
     )
-
-    def places(self, full: bool) -> list[Setting]:
-        return placed(full)
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, A = space_of(setting), resolve(setting.case).solution.law.A
@@ -108,7 +105,7 @@ def quotients(A: AtPoints, rng: np.random.Generator, dim: int, count: int) -> di
     return {"smallest": float(values.min()), "largest": float(values.max()), "asymmetry": skew / top.max()}
 
 
-class ElasticityOperator(ListedNumbers):
+class ElasticityOperator(OfLaws):
     """|G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for generated tensors, and G(0)."""
 
     label = "(3.2)"
@@ -119,9 +116,6 @@ class ElasticityOperator(ListedNumbers):
         largest("at-zero", "|G(0)| / L_G", ZERO, "at zero"),
     )
 
-    def places(self, full: bool) -> list[Setting]:
-        return placed(full)
-
     def measure(self, setting: Setting) -> dict[str, float]:
         space, G = space_of(setting), resolve(setting.case).solution.law.G
         x = points(space)
@@ -131,12 +125,9 @@ class ElasticityOperator(ListedNumbers):
             square = np.sum(difference**2, axis=0)
             slopes.append(np.linalg.norm(change, axis=0) / np.sqrt(square))
             products.append(np.sum(change * difference, axis=0) / square)
-        found = {
-            "quotient": np.max(slopes) / G.lipschitz,
-            "monotonicity": (G.monotonicity - np.min(products)) / G.lipschitz,
-            "at zero": abs(operator(np.zeros((size(space.dim), x.shape[1])))).max() / G.lipschitz,
-        }
-        return with_h(space.h, found)
+        zero = abs(operator(np.zeros((size(space.dim), x.shape[1])))).max()
+        found = {"quotient": np.max(slopes), "monotonicity": G.monotonicity - np.min(products), "at zero": zero}
+        return with_h(space.h, {name: value / G.lipschitz for name, value in found.items()})
 
 
 NEAR = 1e-4
@@ -153,7 +144,7 @@ def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) ->
         yield a, a + NEAR * np.linalg.norm(a, axis=0) * direction / np.linalg.norm(direction, axis=0)
 
 
-class Projection(ListedNumbers):
+class Projection(OfLaws):
     """P_K ε = ε − G(ε)/β: it lies in K, is the nearest point of K, and is not expansive."""
 
     label = "(3.3)"
@@ -166,7 +157,7 @@ class Projection(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        return [setting for setting in placed(full) if isinstance(resolve(setting.case).solution.law.G, Yield)]
+        return [place for place in super().places(full) if isinstance(resolve(place.case).solution.law.G, Yield)]
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, G = space_of(setting), resolve(setting.case).solution.law.G
@@ -183,11 +174,9 @@ def projection(G: Yield, count: int) -> dict[str, float]:
     def project(strain: Tensors) -> Tensors:
         return strain - G(strain) / G.beta
 
-    nearest = project(a)
-    outward, along = a - nearest, k - nearest
+    nearest, apart = project(a), np.linalg.norm(a - b, axis=0)
+    outward, along, moved = a - nearest, k - nearest, apart > 0
     sizes = np.linalg.norm(outward, axis=0) * np.linalg.norm(along, axis=0)
-    apart = np.linalg.norm(a - b, axis=0)
-    moved = apart > 0
     return {
         "expansion": (np.linalg.norm(nearest - project(b), axis=0)[moved] / apart[moved]).max(),
         "membership": gauge(G, nearest).max(),

@@ -1,8 +1,8 @@
 """K^h = V^h ∩ K is what the vertices say, and Π^h takes continuous functions of K into it (around (5.23)).
 
-The code has K^h as {v : Nv ≤ 0}. What K is, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, is asked here of
-points between the vertices, with the normals of the body's parts and facets found by their place; N
-only makes members (Nv ≤ 0, the extreme rays among them) and strangers (one (Nv)_i > 0).
+The code has K^h as {v : Nv ≤ 0}. What K is, v_ν ≤ 0 on all of Γ3 and v = 0 on Γ1, is asked here of points between the
+vertices, with the normals of the body's parts and facets found by their place; N only makes members (Nv ≤ 0, the
+extreme rays among them) and strangers (one (Nv)_i > 0).
 """
 
 from __future__ import annotations
@@ -80,8 +80,8 @@ class Interpolant(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
-        trace, rng = NormalTrace(space), np.random.default_rng(SEED)
-        smooth = max(interpolated(trace, field) for field in admissible(space.body, rng))
+        trace, fields = NormalTrace(space), admissible(space.body, np.random.default_rng(SEED))
+        smooth = max(interpolated(trace, field) for field in fields)
         return with_h(space.h, {"smooth": smooth, **over_time(trace, solution)})
 
 
@@ -111,8 +111,7 @@ class NormalTrace:
 def with_trace(space: Space, v: Array, values: Array) -> Array:
     """The function nearest to v, in the nodal values, with Nv = values."""
     N = space.N
-    correction: Array = np.linalg.solve((N @ N.T).toarray(), values - N @ v)
-    return v + N.T @ correction
+    return v + N.T @ np.linalg.solve((N @ N.T).toarray(), values - N @ v)
 
 
 def members(space: Space, rng: np.random.Generator) -> Iterator[Array]:
@@ -140,8 +139,7 @@ def violation(trace: NormalTrace, v: Array) -> float:
 
 def over_time(trace: NormalTrace, solution: ExactSolution) -> dict[str, float]:
     """The largest violation of Π^h u(t), and |u(t)| on Γ1, over the times and relative to |u|."""
-    space = trace.space
-    fields = solution.at(space.mesh.p)
+    space, fields = trace.space, solution.at(trace.space.mesh.p)
     fixed = np.unique(np.concatenate([space.vertices(part) for part in space.body.of(Kind.CLAMPED)]))
     values = [fields.displacement(float(time)) for time in np.linspace(0, solution.body.T, INSTANTS)]
     size = max(float(abs(nodal).max()) for nodal in values)
@@ -167,7 +165,9 @@ def admissible(body: Body, rng: np.random.Generator) -> list[Field]:
     def squared(x: Points, parts: list[Part]) -> Array:
         return distances(x, parts) ** 2
 
-    def field(inner: Field, pieces: list[tuple[Part, Field, Field]]) -> Field:
+    def field() -> Field:
+        inner, pieces = waves(body, rng), [(part, waves(body, rng), waves(body, rng)) for part in contact]
+
         def v(x: Points) -> Vectors:
             total = squared(x, contact) * inner(x)
             for part, along, pressed in pieces:
@@ -179,7 +179,4 @@ def admissible(body: Body, rng: np.random.Generator) -> list[Field]:
 
         return v
 
-    def wave() -> Field:
-        return waves(body, rng)
-
-    return [field(wave(), [(part, wave(), wave()) for part in contact]) for _ in range(SAMPLES)]
+    return [field() for _ in range(SAMPLES)]

@@ -187,11 +187,8 @@ class FullyDiscrete(ListedNumbers):
     label = "beyond: fully discrete"
     claim = "the fully discrete error is of order p in h and q in k, open in the source"
     rules = tuple(line for scheme in SCHEMES for line in lines(scheme))
-
-    def places(self, full: bool) -> list[Setting]:
-        # Nothing is judged here, and every table needs a solution in a thousand steps: left to the full study.
-        cases = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release") if full else ()
-        return grid(cases, ("shaken",), (6, 12, 24))
+    # Nothing is judged here, and every table needs a solution in a thousand steps: left to the full study.
+    full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)

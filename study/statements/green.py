@@ -4,23 +4,23 @@ With (2.2), (2.4) and σ_τ = 0 on Γ3, and since v = 0 on Γ1, it says that two
 
     (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν = (f_0, v)_H + (f_2, v)_{L²(Γ2)}.
 
-The left side is ``Gauge.load`` and needs no derivative of σ, the right side is ``load_from_forces``, term by
-term. Their distance is measured in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, relative to the **smallest** of the
-four terms that is not zero: a term left out, or of the wrong sign, gives 1 or 2, whatever the sizes of the
-others. What is left must be quadrature. Where f_0 is smooth off straight lines that cut cells, that is round-off.
+The left side is ``Gauge.load`` and needs no derivative of σ, the right side is computed from the forces, term by term.
+Their distance is measured in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, relative to the **smallest** of the four terms that
+is not zero: a term left out, or of the wrong sign, gives 1 or 2, whatever the sizes of the others. What is left must be
+quadrature. Where f_0 is smooth off straight lines that cut cells, that is round-off.
 
-Where f_0 jumps inside cells, along the curve on which the material begins to yield, the cylinder over a
-front in 3D or where a front has turned, a rule on cells of size η misses some η^d in each of the cells that are
-crossed. Two things are judged, both with a **composite** rule, a rule of degree 4 on cells halved some times:
+Where f_0 jumps inside cells, along the curve on which the material begins to yield, the cylinder over a front in 3D or
+where a front has turned, a rule on cells of size η misses some η^d in each of the cells that are crossed. Two things
+are judged, both with a **composite** rule, a rule of degree 4 on cells halved some times:
 
 * the defect on cells halved often is a tenth of the smallest term at most, so that every term must be there;
-* at fixed V^h the defect falls with the halvings. A function of V^h sees 2^{k(d−1)} of the crossed cells on its
-  support after k of them, with errors of size 2^{−kd}: their sum falls like 2^{−k} if all have one sign and like
-  2^{−k(d+1)/2} if signs are random. By one halving it scatters more than that, so the window is taken over all,
-  with a factor of two for the scatter. A coefficient that is some per cent off would not let it fall.
+* at fixed V^h the defect falls with the halvings. A function of V^h sees 2^{k(d−1)} of the crossed cells on its support
+  after k of them, with errors of size 2^{−kd}: their sum falls like 2^{−k} if all have one sign and like 2^{−k(d+1)/2}
+  if signs are random. By one halving it scatters more than that, so the window is taken over all, with a factor of two
+  for the scatter. A coefficient that is some per cent off would not let it fall.
 
-V^h is contained in the space on halved cells, so that functionals on that space are restricted to V^h by the values
-of its functions in the new vertices.
+V^h is contained in the space on halved cells, so that functionals on that space are restricted to V^h by the values of
+its functions in the new vertices.
 """
 
 from __future__ import annotations
@@ -121,15 +121,14 @@ def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0
         on_space = space.interpolate((prolong.T @ fine.nodal(functional).T).T)
         return float(np.sqrt(on_space @ riesz(on_space)))
 
-    found = 0.0
-    for time in (fraction * solution.body.T for fraction in TIMES):
+    def relative(time: float) -> float:
         cut = cut_at_fronts(solution, time)
         load = Gauge(cut, fine, raised).load(time)
         contact, loaded = (work_on(kind, cut, fine, time) for kind in (Kind.CONTACT, Kind.LOADED))
         body = work_of_body_force(cut, fine, time, degree)
-        sizes = [norm(term) for term in (load + contact, contact, body, loaded)]
-        found = max(found, norm(load - body - loaded) / smallest(sizes))
-    return found
+        return norm(load - body - loaded) / smallest([norm(term) for term in (load + contact, contact, body, loaded)])
+
+    return max(relative(fraction * solution.body.T) for fraction in TIMES)
 
 
 def halved(space: Space, times: int) -> tuple[Space, sps.csr_array]:

@@ -51,7 +51,6 @@ from study.stresses.stress_space import StressSpace
 FROZEN = Rational(1, 3)
 """The time at which gap and pressure are held."""
 CASES = ("full-contact", "fixed-front-off-vertex", "advance-recede", "merging-patches", "corner")
-QUICK = ("full-contact", "advance-recede")
 LOW, HIGH = 1, 3
 """Degrees of the stresses."""
 TIGHT = Window(1.0, 1.05, "from n = 16 on: never below both errors")
@@ -75,9 +74,8 @@ class Hypercircle(ListedNumbers):
         plain(LOW),
         plain(HIGH),
     )
-
-    def places(self, full: bool) -> list[Setting]:
-        return grid(CASES, ("shaken",), (16, 32)) if full else grid(QUICK, ("shaken",), (16,))
+    quick = grid(("full-contact", "advance-recede"), ("shaken",), (16,))
+    full = grid(CASES, ("shaken",), (16, 32))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = frozen(resolve(setting.case).solution)

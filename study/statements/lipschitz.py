@@ -1,18 +1,18 @@
 """(4.3) and (5.5): ‖B^h u − B^h v‖_V ≤ L_G/m_A ‖u − v‖_V for (B^h u, v)_V = (G ε(u), ε(v))_Q, on every mesh.
 
-On V^h, B^h = M⁻¹G with the matrix M of (·,·)_V. Where G is linear its largest quotient is the largest
-eigenvalue of G against M. In general large quotients are looked for: from u along a direction d the
-next direction is B^h(u + d) − B^h(u), scaled; for a linear G this is the power method, and quotients rise.
+On V^h, B^h = M⁻¹G with the matrix M of (·,·)_V. Where G is linear its largest quotient is the largest eigenvalue of G
+against M. In general large quotients are looked for: from u along a direction d the next direction is
+B^h(u + d) − B^h(u), scaled; for a linear G this is the power method, and quotients rise.
 
-L_G/m_A need not be the best constant: pointwise G ε·ε ≤ κ A ε·ε with κ, the largest eigenvalue of A⁻¹G
-(of the derivative of G at large strains), and so ‖B‖ ≤ κ ≤ L_G/m_A. From below a field that oscillates
-fast inside Ω, v = a cos(n k·x) φ, has nearly the strains sym(a ⊗ k) of rank two at most, so that
+L_G/m_A need not be the best constant: pointwise G ε·ε ≤ κ A ε·ε with κ, the largest eigenvalue of A⁻¹G (of the
+derivative of G at large strains), and so ‖B‖ ≤ κ ≤ L_G/m_A. From below a field that oscillates fast inside Ω, v = a
+cos(n k·x) φ, has nearly the strains sym(a ⊗ k) of rank two at most, so that
 
     ‖B‖ ≥ κ_1 = max {G τ·τ / (A τ·τ) : τ = sym(a ⊗ k)}.
 
-A plane body that is free on a part of Γ reaches κ also where κ belongs to τ = I: ε(v) is a multiple of I
-if v_1 + i v_2 is holomorphic, and e^{nz} decays from the boundary as fast as one likes. Space has no
-such fields, by Liouville's theorem on conformal maps.
+A plane body that is free on a part of Γ reaches κ also where κ belongs to τ = I: ε(v) is a multiple of I if v_1 + i v_2
+is holomorphic, and e^{nz} decays from the boundary as fast as one likes. Space has no such fields, by Liouville's
+theorem.
 """
 
 from __future__ import annotations
@@ -47,7 +47,6 @@ LARGE = 1e6
 """Size of strains beyond any yield point."""
 DIRECTIONS = 4000
 """Tensors sym(a ⊗ k) for κ_1."""
-
 POINTWISE = at_most(1 + 1e-5, low=-math.inf)
 """κ comes from samples of x and of strains."""
 NOT_VACUOUS = at_least(0.97, "on the finest level")
@@ -58,8 +57,7 @@ class Operator:
     """B^h as the functionals (G ε(v), ε(·))_Q and quotients in ‖·‖_V."""
 
     def __init__(self, problem: SemiDiscrete) -> None:
-        self.problem = problem
-        self.riesz = Cholesky(problem.M)
+        self.problem, self.riesz = problem, Cholesky(problem.M)
 
     def __call__(self, v: Array) -> Array:
         """(G ε(v), ε(·))_Q, (n,)."""

@@ -27,7 +27,6 @@ from study.statements.thm_4_2.stress_errors import StressExperiment
 
 SEED = 2002
 CASES = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
-STRESSES = ("advance-recede", "corner", "anisotropic")
 STEPS = 12
 EXACTLY = at_most(1e-9, f"exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step")
 INTERIOR = at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
@@ -49,12 +48,12 @@ class OneTrajectory(ListedNumbers):
         largest("fixed-point", "by a fixed point with all of G on the right", EXACTLY, "fixed point"),
         largest("interior-point", "by an interior point method on the whole programme", INTERIOR, "interior point"),
     )
-
-    def places(self, full: bool) -> list[Setting]:
-        if not full:
-            return grid(CASES, ("shaken",), (6,))
-        planar = grid((*CASES, "heterogeneous", "corner"), ("unstructured",), (6, 12))
-        return grid(CASES, ("one-diagonal",), (6, 12)) + planar + grid(("cube-disc",), ("shaken",), (3,))
+    quick = grid(CASES, ("shaken",), (6,))
+    full = (
+        *grid(CASES, ("one-diagonal",), (6, 12)),
+        *grid((*CASES, "heterogeneous", "corner"), ("unstructured",), (6, 12)),
+        *grid(("cube-disc",), ("shaken",), (3,)),
+    )
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, BACKWARD_EULER, STEPS)
@@ -151,9 +150,8 @@ class OneStress(ListedNumbers):
         largest("least-squares", "stresses by Lawson and Hanson's method on the dual", EXACTLY, "least squares"),
         largest("interior-point", "stresses by an interior point method on all unknowns", INTERIOR, "interior point"),
     )
-
-    def places(self, full: bool) -> list[Setting]:
-        return grid(STRESSES, ("unstructured",), (4, 8)) if full else grid(STRESSES[:1], ("shaken",), (4,))
+    quick = grid(("advance-recede",), ("shaken",), (4,))
+    full = grid(("advance-recede", "corner", "anisotropic"), ("unstructured",), (4, 8))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         experiment = StressExperiment.at(setting, STEPS)

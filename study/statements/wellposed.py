@@ -51,11 +51,8 @@ class BoundedVelocity(ListedNumbers):
         every("bounded", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", BOUNDED, *STEPS),
         finest("limit", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", LIMIT, list(STEPS)[-1]),
     )
-
-    def places(self, full: bool) -> list[Setting]:
-        if not full:
-            return grid(FEW, ("shaken",), (8, 16))
-        return grid((*CASES, "lift-and-land"), ("unstructured",), (8, 16, 32))
+    quick = grid(FEW, ("shaken",), (8, 16))
+    full = grid((*CASES, "lift-and-land"), ("unstructured",), (8, 16, 32))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, BACKWARD_EULER, 1)
@@ -109,12 +106,11 @@ class Dependence(ListedNumbers):
         largest("monotone", UNDAMPED, NEVER, "monotone"),
         every("first-step", AFTER_ONE_STEP, SHARP, "first step"),
     )
-
-    def places(self, full: bool) -> list[Setting]:
-        if not full:
-            return grid(FEW, ("unstructured",), (6,))
-        planar = grid((*CASES, "heterogeneous", "corner"), ("unstructured",), (6, 12))
-        return planar + grid(("cube-disc",), ("shaken",), (3,))
+    quick = grid(FEW, ("unstructured",), (6,))
+    full = (
+        *grid((*CASES, "heterogeneous", "corner"), ("unstructured",), (6, 12)),
+        *grid(("cube-disc",), ("shaken",), (3,)),
+    )
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution

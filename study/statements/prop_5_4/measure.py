@@ -1,9 +1,8 @@
 """One row of a rate table: the error of Problem 5.1 on one mesh, with everything that qualifies it.
 
-The rate claims are about the semi-discrete solution u^h. Two trajectories with k and k/2 advance
-side by side; the finer one stands for u^h and is measured at all its nodes, which are the nodes
-and the midpoints of the k-grid. The time share max_n ‖u^h_k − u^h_{k/2}‖_V / error at the common
-nodes then bounds what time discretisation contributes to the row from above.
+The rate claims are about the semi-discrete solution u^h. Two trajectories with k and k/2 advance side by side; the
+finer one stands for u^h and is measured at all its nodes, which are the nodes and the midpoints of the k-grid. The time
+share max_n ‖u^h_k − u^h_{k/2}‖_V / error at common nodes then bounds what time discretisation contributes from above.
 """
 
 from __future__ import annotations
@@ -28,7 +27,6 @@ from study.statements.prop_5_4.experiment import Experiment
 RESPONSE = 12
 """Time steps in which the effect of a change of the load is followed at first. What cells leave out changes from step
 to step and averages out over more of them, so that few steps give more rather than less."""
-
 NEGLIGIBLE = 0.01
 """A relative change up to which more steps are not worth their while."""
 
@@ -66,25 +64,20 @@ def measure(experiment: Experiment) -> Measurement:
     """Advance both trajectories and collect errors."""
     gauge, problem, M = experiment.gauge, experiment.problem, experiment.problem.M
     coarse = experiment.scheme.march(problem, experiment.steps)
-    errors: list[tuple[float, ...]] = []
-    drift, residual = 0.0, 0.0
-    worst: tuple[float, State] | None = None
+    history: list[tuple[float, ...]] = []
+    drift, residual, largest = 0.0, 0.0, 0.0
     for n, state in enumerate(experiment.scheme.march(problem, 2 * experiment.steps)):
         sample = gauge.sample(state.time)
         interpolant, discrete = sample.interpolant, sample.interpolant - state.u
-        error, interpolation, halfway = (
-            gauge.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)
-        )
-        errors.append((state.time, error, interpolation, math.sqrt(discrete @ (M @ discrete)), halfway))
+        measured = [gauge.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
+        history.append((state.time, *measured[:2], math.sqrt(discrete @ (M @ discrete)), measured[2]))
         residual = max(residual, state.residual)
-        if worst is None or error > worst[0]:
-            worst = error, state
+        if n == 0 or measured[0] > largest:
+            largest, worst = measured[0], state
         if n % 2 == 0:
-            companion = next(coarse)
-            difference = companion.u - state.u
+            difference = next(coarse).u - state.u
             drift = max(drift, math.sqrt(difference @ (M @ difference)))
-    assert worst is not None
-    return Measurement(experiment, np.array(errors).T, drift, residual, worst[1])
+    return Measurement(experiment, np.array(history).T, drift, residual, worst)
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,29 +100,29 @@ class Measurement:
 
     def row(self, case: str, family: str, level: int) -> RateRow:
         """The line of the rate table."""
-        experiment = self.experiment
+        experiment, space, drift = self.experiment, self.experiment.space, self.drift
         times, error, interpolation, discrete, _ = self.history
         first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
         return RateRow(
             case=case,
             family=family,
             scheme=experiment.scheme.name,
-            dim=experiment.space.dim,
+            dim=space.dim,
             level=level,
-            h=experiment.space.h,
-            dofs=experiment.space.dofs,
+            h=space.h,
+            dofs=space.dofs,
             steps=experiment.steps,
             k=experiment.problem.T / experiment.steps,
             error=float(error[first]),
             at=float(times[first]),
             interpolation_error=float(interpolation[second]),
             discrete_error=float(discrete[third]),
-            time_share=self.drift / float(error[first]),
+            time_share=drift / float(error[first]),
             interpolation_at=float(times[second]),
-            predicted_interpolation=LeadingTerm(experiment.solution, experiment.space).largest(),
+            predicted_interpolation=LeadingTerm(experiment.solution, space).largest(),
             discrete_at=float(times[third]),
             initial_error=float(error[0]),
-            discrete_time_share=self.drift / float(discrete[third]),
+            discrete_time_share=drift / float(discrete[third]),
             residual=self.residual,
             quadrature_change=self.quadrature_change(),
             clamped=self.clamped(),
@@ -157,14 +150,12 @@ class Measurement:
     def quadrature_change(self) -> float:
         """Relative change of the worst error when every cell rule is raised by two degrees, and its points not moved.
 
-        The error's own rule changes it directly; the load's changes u^h by the response of the
-        linear problem without contact to the change of the load, followed in RESPONSE steps, or
-        where that gives more than NEGLIGIBLE in as many as u^h has.
+        The error's own rule changes it directly; the load's changes u^h by the response of the linear problem without
+        contact to the change of the load, in RESPONSE steps, or if that gives more than NEGLIGIBLE in as many as u^h.
         """
         experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
         finer = Gauge(experiment.solution, experiment.space, raised=2, along=())
-        error = experiment.gauge.distance(experiment.gauge.sample(time), self.worst.u)
-        raised = finer.distance(finer.sample(time), self.worst.u)
+        error, raised = (gauge.distance(gauge.sample(time), self.worst.u) for gauge in (experiment.gauge, finer))
         change = replace(
             problem,
             load=lambda t: finer.load(t) - experiment.gauge.load(t),

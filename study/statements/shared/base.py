@@ -18,13 +18,7 @@ from study.statements.shared.scope import Scope
 
 @dataclass(frozen=True, order=True)
 class Setting:
-    """One measurement: a case on one mesh.
-
-    Attributes:
-        case: name in the catalogue, or FILE.py:NAME.
-        family: name of the mesh family.
-        level: n.
-    """
+    """One measurement: a case, by its name in the catalogue or FILE.py:NAME, on the mesh of a family at level n."""
 
     case: str
     family: str
@@ -41,6 +35,7 @@ class Statement:
         claim: what it says in words.
         file: the data file with the rows that it is judged by.
         rules: what is judged of every case.
+        quick, full: cases of the catalogue, families and levels of the quick and of the full study.
         of_every_case: whether it is measured on every case of a run, those of users too.
     """
 
@@ -48,11 +43,13 @@ class Statement:
     claim: str
     file: DataFile
     rules: Sequence[Rule] = ()
+    quick: Sequence[Any] = ()
+    full: Sequence[Any] = ()
     of_every_case: bool = False
 
     def places(self, full: bool) -> Sequence[Any]:
-        """Cases of the catalogue, families and levels of the quick or the full study."""
-        return ()
+        """``full`` or ``quick``, unless they depend on what meshes serve a body."""
+        return self.full if full else self.quick
 
     def settings(self, scope: Scope) -> Sequence[Any]:
         """Where it is measured in a study of some cases: the places with one of them."""

@@ -14,12 +14,7 @@ from study.solve.steps import rate_steps
 
 @dataclass(frozen=True)
 class Levels:
-    """The levels for one kind of case.
-
-    Attributes:
-        all: levels on every mesh family that is used.
-        first: finer levels on the first family of a case only.
-    """
+    """The levels for one kind of case: on every mesh family that is used, and finer ones on its first family only."""
 
     all: tuple[int, ...]
     first: tuple[int, ...] = ()
@@ -36,9 +31,7 @@ class Scope:
     Attributes:
         name: quick or full.
         cases: references, catalogue names or FILE.py:NAME.
-        plane: levels for plane cases with (5.36).
-        rough: levels for the others, whose orders need more of them.
-        solid: levels in 3D.
+        plane, rough, solid: levels for plane cases with (5.36), for others, whose orders need more of them, and in 3D.
         equivalence, solid_equivalence: levels of Theorem 4.2 on one mesh, in 2D and 3D.
         every_family: whether cases are measured on all mesh families that serve them. Otherwise plane cases with (5.36)
             on one in turn, a twin on that of its twin, and others on the first, and on graded meshes beside it where
@@ -80,8 +73,12 @@ class Scope:
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
-        for kind in (self.plane, self.rough, self.solid):
-            _refuse_levels(kind.of(0))
+        for levels in (kind.of(0) for kind in (self.plane, self.rough, self.solid)):
+            if not levels or min(levels) < 2:
+                raise UsageError(f"levels must be 2 or more, got {' '.join(map(str, levels)) or 'none'}")
+            if any(b <= a for a, b in pairwise(levels)):
+                given = " ".join(map(str, levels))
+                raise UsageError(f"levels must increase, got {given}; sort them and drop repetitions")
         names = [case.name for case in self.resolved()]
         if len(set(names)) < len(names):
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
@@ -117,10 +114,3 @@ class Scope:
         if case.solution.body.dim == 3:
             return self.solid
         return self.plane if case.regularity.satisfies_5_36 else self.rough
-
-
-def _refuse_levels(levels: tuple[int, ...]) -> None:
-    if not levels or min(levels) < 2:
-        raise UsageError(f"levels must be 2 or more, got {' '.join(map(str, levels)) or 'none'}")
-    if any(b <= a for a, b in pairwise(levels)):
-        raise UsageError(f"levels must increase, got {' '.join(map(str, levels))}; sort them and drop repetitions")

@@ -123,9 +123,8 @@ class StandsAlone(ListedNumbers):
         every(f"alone-{side}", f"mistake in 3.1 alone that the {side} gap shows", ALONE, f"{side}_shown")
         for side in ("displacement", "stress")
     )
-
-    def places(self, full: bool) -> list[Setting]:
-        return grid(CASES, ("one-diagonal", "shaken"), (4, 8)) if full else grid(CASES, ("one-diagonal",), (4,))
+    quick = grid(CASES, ("one-diagonal",), (4,))
+    full = grid(CASES, ("one-diagonal", "shaken"), (4, 8))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         sides = Sides.of(resolve(setting.case).solution, family_named(setting.family), setting.level)
