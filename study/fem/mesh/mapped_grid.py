@@ -1,18 +1,48 @@
-"""The map of the unit cube onto a convex quadrilateral or a parallelepiped that is linear in every coordinate."""
+"""The grid of n^d cubes on the unit cube, and its image on a convex quadrilateral or a parallelepiped.
+
+The map of the unit cube onto the body is linear in every coordinate.
+"""
 
 from __future__ import annotations
+
+from itertools import permutations
 
 import numpy as np
 
 from manufactured.body import Body, Part
-from manufactured.tensors import Points
-from study.fem.mesh import unit_grid
-from study.fem.mesh.family import MeshError
-from study.fem.mesh.segments import nearest, on_segment
+from manufactured.tensors import Array, Points
+from study.fem.mesh.geometry import nearest, on_segment
+from study.fem.mesh.meshed_body import MeshError
+
+
+def grid_vertices(n: int, dim: int) -> Points:
+    """Vertices of the grid, the first axis fastest, (d, (n+1)^d)."""
+    return np.array([x.ravel("F") for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * dim, indexing="ij")])
+
+
+def lowest_corners(n: int, dim: int) -> Array:
+    """The numbers of the vertices at the lowest corners of the cubes, the first axis fastest, (n^d,)."""
+    steps = (n + 1) ** np.arange(dim)
+    return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
+
+
+def kuhn(n: int, dim: int) -> Array:
+    """Positively oriented simplices of the grid, (d+1, d! n^d): paths from corner to corner along the axes.
+
+    Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
+    """
+    first, steps = lowest_corners(n, dim), (n + 1) ** np.arange(dim)
+    cells = []
+    for order in permutations(range(dim)):
+        path = np.concatenate([[0], np.cumsum(steps[list(order)])])
+        if np.linalg.det(np.eye(dim)[list(order)]) < 0:
+            path[[-2, -1]] = path[[-1, -2]]
+        cells.append(first + path[:, None])
+    return np.hstack(cells)
 
 
 def has_grids(body: Body) -> bool:
-    """Whether a grid of the unit cube can be mapped onto the body so that its lines follow the interfaces."""
+    """Whether the grid can be mapped onto the body so that its lines follow the interfaces."""
     images = _images(body)
     return images is not None and all(_is_grid_line(images, interface) for interface in body.interfaces)
 
@@ -66,7 +96,7 @@ def _parallelepiped(body: Body) -> Points | None:
     edges = (corners - first)[:, [int(end[0]) for end in ends]]
     if np.linalg.det(edges) < 0:
         edges = edges[:, [1, 0, 2]]
-    images = first + edges @ unit_grid.vertices(1, 3)
+    images = first + edges @ grid_vertices(1, 3)
     return images if _fills(images, body, tolerance) else None
 
 
@@ -79,11 +109,10 @@ def _fills(images: Points, body: Body, tolerance: float) -> bool:
 
 def _is_grid_line(images: Points, interface: Part) -> bool:
     """Whether an interface joins two opposite sides of a quadrilateral, dividing both in the same ratio."""
-    for low, high in ((images[:, :2], images[:, 2:]), (images[:, ::2], images[:, 1::2])):
+    for sides in ((images[:, :2], images[:, 2:]), (images[:, ::2], images[:, 1::2])):
         for ends in (interface.corners, interface.corners[:, ::-1]):
-            shares = [nearest(ends[:, [i]], side) for i, side in enumerate((low, high))]
-            if abs(shares[0] - shares[1]) < 1e-9 and all(
-                on_segment(ends[:, [i]], side) for i, side in enumerate((low, high))
-            ):
+            pairs = [(ends[:, [i]], side) for i, side in enumerate(sides)]
+            low, high = (nearest(end, side) for end, side in pairs)
+            if abs(low - high) < 1e-9 and all(on_segment(end, side) for end, side in pairs):
                 return True
     return False
