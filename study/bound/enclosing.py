@@ -17,8 +17,7 @@ from study.bound.majorant import Majorant
 from study.bound.spline import Parabola, spline
 from study.bound.trajectory import Trajectory
 from study.bound.two_sided import Enclosure
-from study.fem.line import Line
-from study.fem.quadrature import cell_rules
+from study.fem.quadrature import Line, cell_rules
 
 INITIAL_DEGREE = 6
 """Degree of the rule for ‖u_0 − ũ(0)‖_V."""

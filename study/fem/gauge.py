@@ -20,9 +20,8 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array, Tensors, dyad
-from study.fem.line import Line
 from study.fem.moments import Amplitudes, QuadraturePoints
-from study.fem.quadrature import CellRule, cell_rules, facet_rule
+from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 from study.fem.strain_energy import energy
 from study.fem.stress_sums import StressSums
@@ -71,7 +70,7 @@ class Gauge:
         solution: the exact solution.
         space: V^h.
         raised: added to the degree of the cell rules and to the points of the facet rules.
-        along: lines from which many quadrature points have the same distance (``study.fem.quadrature.sharing``), which
+        along: lines from which many quadrature points have the same distance (``study.fem.quadrature.cells``), which
             makes formulas cheap and rules exact to a lower degree; by default ``shared_lines``, () for the plain rules.
     """
 

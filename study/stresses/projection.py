@@ -10,8 +10,7 @@ import numpy as np
 from manufactured.body import Kind, Part
 from manufactured.data import Data
 from manufactured.tensors import Array
-from study.fem.line import Line
-from study.fem.quadrature import CellRule, cell_rules, facet_rule
+from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.stresses.alfeld import alfeld_split, barycentric
 from study.stresses.bernstein import bernstein, triangle_mass
 from study.stresses.loads import Loads, Snapshot

@@ -57,9 +57,8 @@ from study.bound.refusal import BoundError
 from study.bound.spline import Parabola, spline
 from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, quadratic_problem
 from study.bound.two_sided import Enclosure, order
-from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.fem.quadrature import cell_rules
+from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 from study.solve.tableau import SCHEMES, BACKWARD_EULER, MIDPOINT
 from study.solve.evolution import Scheme

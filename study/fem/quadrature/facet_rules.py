@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -9,10 +10,26 @@ from skfem import Mesh
 
 from manufactured.body import Part
 from manufactured.tensors import Array
-from study.fem.line import TOUCHING
 from study.fem.mesh import MeshError, facet_measures
-from study.fem.quadrature.reference_rules import GRADING, duffy, gauss, placed
-from study.fem.quadrature.rules import FacetRule
+from study.fem.quadrature.rough_cells import TOUCHING
+from study.fem.quadrature.rules import GRADING, duffy, gauss, placed
+
+
+@dataclass(frozen=True, eq=False)
+class FacetRule:
+    """Quadrature on the facets of one part.
+
+    Attributes:
+        facets: indices (n,).
+        s: local coordinates of the points along the part, (d−1, n, q).
+        shapes: values of the P1 functions of the facet's vertices, (d, n, q).
+        weights: (n, q).
+    """
+
+    facets: Array
+    s: Array
+    shapes: Array
+    weights: Array
 
 
 def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
