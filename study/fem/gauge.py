@@ -20,11 +20,9 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array, Tensors, dyad
-from study.fem.moments import Amplitudes, QuadraturePoints
+from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, energy
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
-from study.fem.strain_energy import energy
-from study.fem.stress_sums import StressSums
 
 DEGREE = 4
 """Degree of the standard cell rule in 2D: two more than the square of a linear strain error needs, as kinks may cross
