@@ -24,22 +24,14 @@ from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, energy
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
-DEGREE = 4
-"""Degree of the standard cell rule in 2D: two more than the square of a linear strain error needs, as kinks may cross
-cells and points that share coordinates lower the degree. Every row of a rate table records what a plain rule raised by
-two would change."""
-
-SOLID_DEGREE = 2
-"""The same in 3D, without the two more: there the evaluation of exact fields dominates the cost."""
-
+DEGREE, SOLID_DEGREE = 4, 2
+"""Degrees of the standard cell rule in 2D and in 3D. In 2D it is two more than the square of a linear strain error
+needs, as kinks may cross cells and points that share coordinates lower the degree; in 3D the evaluation of exact fields
+dominates the cost. Every row of a rate table records what a plain rule raised by two would change."""
+FACET_POINTS, SOLID_FACET_POINTS = 8, 4
+"""Gauss points on a contact facet in 2D, or on each side of a rough point of it, and in each direction of one in 3D."""
 PARALLEL = 0.1
 """Sine of the angle below which two directions are too close for points to share coordinates along both."""
-
-FACET_POINTS = 8
-"""Gauss points on a contact facet, or on each side of a rough point of it."""
-
-SOLID_FACET_POINTS = 4
-"""The same in 3D in both directions of a facet, for the load."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,12 +68,11 @@ class Gauge:
         self, solution: ExactSolution, space: Space, raised: int = 0, along: Sequence[Line] | None = None
     ) -> None:
         self.solution, self.space, self.A = solution, space, solution.law.A
-        self.degree = (DEGREE if space.dim == 2 else SOLID_DEGREE) + raised
+        degree, count = (DEGREE, FACET_POINTS) if space.dim == 2 else (SOLID_DEGREE, SOLID_FACET_POINTS)
+        self.degree = degree + raised
         lines = shared_lines(solution) if along is None else along
         cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
-        faces = [
-            self._on(face, (FACET_POINTS if space.dim == 2 else SOLID_FACET_POINTS) + raised) for face in solution.faces
-        ]
+        faces = [self._on(face, count + raised) for face in solution.faces]
         # Points in cells and on facets together, so that formulas are evaluated once for both.
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()

@@ -15,9 +15,9 @@ import scipy.sparse as sps
 
 from manufactured.body import Part
 from manufactured.tensors import Array, Points, Tensors, basis, mandel
-from study.fem.displacements import Displacements
 from study.fem.mesh import barycentric_gradients
 from study.fem.quadrature import simplex_rule
+from study.fem.space import Displacements
 
 EDGES = ((0, 1), (1, 2), (0, 2))
 """The vertices of the edges of a cell, in the order of the mesh."""

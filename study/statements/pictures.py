@@ -14,9 +14,8 @@ from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
-from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Unstructured, boundary_parts, facet_measures
+from study.fem.mesh import MeshError, MeshFamily, OneDiagonal, Skin, Unstructured, boundary_parts, facet_measures
 from study.fem.naming import resolve
-from study.fem.skin import Skin
 from study.fem.space import Space
 from study.ledger.datafiles import DataFile, JsonFiles, Row
 from study.ledger.facets import Facets

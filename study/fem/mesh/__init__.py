@@ -5,7 +5,7 @@ begins or ends. Every point at which the boundary condition changes must be a ve
 interface a union of facets; a mesh that violates this is refused.
 """
 
-from study.fem.mesh.geometry import barycentric_gradients, cell_volumes, facet_measures, size
+from study.fem.mesh.geometry import Skin, barycentric_gradients, cell_volumes, facet_measures, size
 from study.fem.mesh.meshed_body import MeshedBody, MeshError, MeshFamily, boundary_parts
 from study.fem.mesh.structured import CrissCross, OneDiagonal, Shaken
 from study.fem.mesh.unstructured import Graded, Unstructured
@@ -22,6 +22,7 @@ __all__ = [
     "MeshedBody",
     "OneDiagonal",
     "Shaken",
+    "Skin",
     "Unstructured",
     "barycentric_gradients",
     "boundary_parts",

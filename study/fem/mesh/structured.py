@@ -1,23 +1,26 @@
-"""Structured meshes: grids of the unit cube, mapped onto the body, and the same with displaced vertices."""
+"""Structured meshes: the grid of n^d cubes on the unit cube, cut into simplices and mapped onto the body.
+
+The map onto a convex quadrilateral or a parallelepiped is linear in every coordinate.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import permutations
 
 import numpy as np
 from skfem import Mesh
 
-from manufactured.body import Body
-from manufactured.tensors import Array
-from study.fem.mesh.geometry import on_segment, simplicial_mesh
-from study.fem.mesh.mapped_grid import grid_vertices, has_grids, kuhn, lowest_corners, mapped
-from study.fem.mesh.meshed_body import require_plane
+from manufactured.body import Body, Part
+from manufactured.tensors import Array, Points
+from study.fem.mesh.geometry import nearest, on_segment, simplicial_mesh
+from study.fem.mesh.meshed_body import MeshError, require_plane
 
 
 @dataclass(frozen=True)
 class OneDiagonal:
-    """n^d parallelepipeds, each cut into d! simplices along the same diagonal (``mapped_grid.kuhn``)."""
+    """n^d parallelepipeds, each cut into d! simplices along the same diagonal (``kuhn``)."""
 
     name: str = "one-diagonal"
 
@@ -89,3 +92,106 @@ def _kept_lines(body: Body) -> Iterator[Array]:
         for part in body.parts:
             yield from (part.corners[:, [i - 1, i]] for i in range(part.corners.shape[1]))
     yield from (interface.corners for interface in body.interfaces)
+
+
+def grid_vertices(n: int, dim: int) -> Points:
+    """Vertices of the grid, the first axis fastest, (d, (n+1)^d)."""
+    return np.array([x.ravel("F") for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * dim, indexing="ij")])
+
+
+def lowest_corners(n: int, dim: int) -> Array:
+    """The numbers of the vertices at the lowest corners of the cubes, the first axis fastest, (n^d,)."""
+    steps = (n + 1) ** np.arange(dim)
+    return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
+
+
+def kuhn(n: int, dim: int) -> Array:
+    """Positively oriented simplices of the grid, (d+1, d! n^d): paths from corner to corner along the axes.
+
+    Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
+    """
+    first, steps = lowest_corners(n, dim), (n + 1) ** np.arange(dim)
+    cells = []
+    for order in permutations(range(dim)):
+        path = np.concatenate([[0], np.cumsum(steps[list(order)])])
+        if np.linalg.det(np.eye(dim)[list(order)]) < 0:
+            path[[-2, -1]] = path[[-1, -2]]
+        cells.append(first + path[:, None])
+    return np.hstack(cells)
+
+
+def has_grids(body: Body) -> bool:
+    """Whether the grid can be mapped onto the body so that its lines follow the interfaces."""
+    images = _images(body)
+    return images is not None and all(_is_grid_line(images, interface) for interface in body.interfaces)
+
+
+def mapped(body: Body, reference: Points) -> Points:
+    """Images of points of the unit cube, (d, ...) → (d, ...).
+
+    Raises:
+        MeshError: the body is neither a convex quadrilateral nor a parallelepiped.
+    """
+    images = _images(body)
+    if images is None:
+        wanted = "convex quadrilateral" if body.dim == 2 else "parallelepiped"
+        mend = "use the unstructured family" if body.dim == 2 else "no family meshes other polyhedra"
+        raise MeshError(f"a structured mesh needs a {wanted}, this body has {body.corners.shape[1]} corners; {mend}")
+    shapes = np.ones((1, *reference.shape[1:]))
+    for x in reference:
+        shapes = np.concatenate([shapes * (1 - x), shapes * x])
+    return images @ shapes
+
+
+def _images(body: Body) -> Points | None:
+    """Images (d, 2^d) of the corners of the unit cube, the first axis fastest; None if there is no such map."""
+    return _quadrilateral(body) if body.dim == 2 else _parallelepiped(body)
+
+
+def _quadrilateral(body: Body) -> Points | None:
+    corners = body.corners
+    if corners.shape[1] != 4:
+        return None
+    sides = np.roll(corners, -1, axis=1) - corners
+    following = np.roll(sides, -1, axis=1)
+    convex = (sides[0] * following[1] - sides[1] * following[0] > 0).all()
+    return corners[:, [0, 1, 3, 2]] if convex else None
+
+
+def _parallelepiped(body: Body) -> Points | None:
+    corners, tolerance = body.corners, 1e-9 * float(np.ptp(body.vertices, axis=1).max())
+    if corners.shape[1] != 8:
+        return None
+    first = corners[:, :1]
+    normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
+    normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
+    if len(normals) != 3:
+        return None
+    # An edge runs from the first corner to the only other one in the planes of two faces.
+    off = abs(normals @ (corners - first)) > tolerance
+    ends = [np.flatnonzero(~np.delete(off, k, axis=0).any(axis=0))[1:] for k in range(3)]
+    if any(end.size != 1 for end in ends):
+        return None
+    edges = (corners - first)[:, [int(end[0]) for end in ends]]
+    if np.linalg.det(edges) < 0:
+        edges = edges[:, [1, 0, 2]]
+    images = first + edges @ grid_vertices(1, 3)
+    return images if _fills(images, body, tolerance) else None
+
+
+def _fills(images: Points, body: Body, tolerance: float) -> bool:
+    """Whether a parallelepiped is the body."""
+    apart = np.linalg.norm(images[:, :, None] - body.corners[:, None, :], axis=0)
+    volume = np.linalg.det(images[:, [1, 2, 4]] - images[:, :1])
+    return bool(apart.min(axis=1).max() <= tolerance and abs(volume - body.measure) <= 1e-9 * volume)
+
+
+def _is_grid_line(images: Points, interface: Part) -> bool:
+    """Whether an interface joins two opposite sides of a quadrilateral, dividing both in the same ratio."""
+    for sides in ((images[:, :2], images[:, 2:]), (images[:, ::2], images[:, 1::2])):
+        for ends in (interface.corners, interface.corners[:, ::-1]):
+            pairs = [(ends[:, [i]], side) for i, side in enumerate(sides)]
+            low, high = (nearest(end, side) for end, side in pairs)
+            if abs(low - high) < 1e-9 and all(on_segment(end, side) for end, side in pairs):
+                return True
+    return False

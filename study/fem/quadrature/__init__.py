@@ -6,8 +6,7 @@ other cells a standard rule.
 """
 
 from study.fem.quadrature.cells import cell_rules
-from study.fem.quadrature.facet_rules import FacetRule, facet_rule
 from study.fem.quadrature.rough_cells import Line, rough_cells
-from study.fem.quadrature.rules import CellRule, simplex_rule
+from study.fem.quadrature.rules import CellRule, FacetRule, facet_rule, simplex_rule
 
 __all__ = ["CellRule", "FacetRule", "Line", "cell_rules", "facet_rule", "rough_cells", "simplex_rule"]

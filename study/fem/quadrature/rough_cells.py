@@ -11,10 +11,7 @@ from skfem import Mesh
 
 from manufactured.tensors import Array
 from study.fem.mesh import MeshError, cell_volumes
-from study.fem.quadrature.rules import GRADING, CellRule, duffy, gauss, placed
-
-TOUCHING = 1e-9
-"""Relative distance below which a vertex lies on a line."""
+from study.fem.quadrature.rules import GRADING, TOUCHING, CellRule, duffy, gauss, placed
 
 
 @dataclass(frozen=True)
