@@ -17,9 +17,11 @@ from skfem import Mesh
 
 from manufactured.tensors import Array
 from study.fem.mesh import barycentric_gradients, cell_volumes
-from study.fem.quadrature.rough_cells import Line, cut_rule, fan_rule, rough_cells
+from study.fem.quadrature.rough_cells import Line, Point, cut_rule, fan_rule, rough_cells
 from study.fem.quadrature.rules import CellRule, placed, simplex_rule
 
+BLOCK = 4096
+"""Most ordinary cells in one rule, whose points fit a cache."""
 SHIFT = 1 / 32
 """Most by which a barycentric coordinate of a point may change."""
 TIE = 1e-9
@@ -27,26 +29,17 @@ TIE = 1e-9
 
 
 def cell_rules(
-    mesh: Mesh,
-    degree: int,
-    lines: Sequence[Line],
-    points: Sequence[tuple[float, ...]] = (),
-    along: Sequence[Line] = (),
-    *,
-    block: int = 4096,
+    mesh: Mesh, degree: int, lines: Sequence[Line], points: Sequence[Point] = (), along: Sequence[Line] = ()
 ) -> list[CellRule]:
-    """Rules that cover every cell once, in blocks of cells that fit a cache.
-
-    The degree is that of the rule on ordinary cells; cells at a line or at a point have enough points
-    for the same accuracy away from it.
+    """Rules that cover every cell once.
 
     Args:
-        mesh: the mesh.
-        degree: up to 8 in 3D, 19 in 2D.
-        lines: where the integrand is rough, in 2D.
-        points: vertices of the mesh at which the integrand is singular, in 2D.
-        along: at most two lines, not parallel, in 2D; points of ordinary cells get distances from them that many share.
-        block: most ordinary cells in one rule.
+        mesh: in 2D or, without lines and points, in 3D.
+        degree: of the rule on ordinary cells, up to 19 in 2D, 8 in 3D; cells at a line or at a point have enough points
+            for the same accuracy away from it.
+        lines: where the integrand is rough.
+        points: vertices of the mesh at which the integrand is singular.
+        along: at most two lines, not parallel; points of ordinary cells get distances from them that many share.
 
     Raises:
         MeshError: from ``rough_cells``.
@@ -57,14 +50,14 @@ def cell_rules(
     rules = [rule(cells=cells) for cells, rule in zip(special, made, strict=True) if cells.size]
     ordinary = np.ones(mesh.t.shape[1], dtype=bool)
     ordinary[np.concatenate([*special, np.empty(0, dtype=int)])] = False
-    return rules + _standard(mesh, np.flatnonzero(ordinary), degree, along, block)
+    return rules + _standard(mesh, np.flatnonzero(ordinary), degree, along)
 
 
-def _standard(mesh: Mesh, cells: Array, degree: int, along: Sequence[Line], block: int) -> list[CellRule]:
+def _standard(mesh: Mesh, cells: Array, degree: int, along: Sequence[Line]) -> list[CellRule]:
     """The standard rule on ordinary cells."""
     barycentric, weights = simplex_rule(mesh.dim(), degree)
     volumes = cell_volumes(mesh)[:, None]
-    blocks = [cells[start : start + block] for start in range(0, cells.size, block)]
+    blocks = [cells[start : start + BLOCK] for start in range(0, cells.size, BLOCK)]
     if not along:
         return [CellRule(b, placed(mesh.p, mesh.t[:, b], barycentric), volumes[b] * weights) for b in blocks]
     gradients = barycentric_gradients(mesh)
@@ -78,16 +71,13 @@ def _standard(mesh: Mesh, cells: Array, degree: int, along: Sequence[Line], bloc
 def shared(
     corners: Array, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
 ) -> tuple[Array, Array]:
-    """A rule on triangles whose points have few different distances from the given lines.
+    """A rule on triangles whose points have few different distances from some lines: (2, n, q), (n, q) of sum 1.
 
     Args:
         corners: (2, 3, n).
         gradients: ∇λ_i, (n, 3, 2).
         barycentric, weights: the rule, (3, q) and (q,) of sum 1.
-        lines: one or two, not parallel; coordinates are distances from them.
-
-    Returns:
-        Points (2, n, q), and weights (n, q) of sum 1.
+        lines: one or two, not parallel.
     """
     points = np.einsum("dvn,vq->dnq", corners, barycentric)
     moves = np.linalg.pinv(np.array([line.direction for line in lines])).T

@@ -13,14 +13,12 @@ from manufactured.tensors import Array
 from study.fem.mesh import MeshError, cell_volumes
 from study.fem.quadrature.rules import GRADING, TOUCHING, CellRule, duffy, gauss, placed
 
+Point = tuple[float, ...]
+
 
 @dataclass(frozen=True)
 class Line:
-    """{x : direction·x = offset}; the direction is a unit vector.
-
-    Raises:
-        MeshError: it is not.
-    """
+    """{x : direction·x = offset}; MeshError unless the direction is a unit vector."""
 
     direction: tuple[float, ...]
     offset: float
@@ -38,8 +36,8 @@ class Line:
         return f"{{{terms} = {self.offset:.4g}}}"
 
 
-def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[tuple[float, ...]]) -> list[Array]:
-    """The cells at each line and then at each point: those that need a rule of their own.
+def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> list[Array]:
+    """The cells at each line and then at each point, which need a rule of their own.
 
     Raises:
         MeshError: two lines or points meet one cell, a point is no vertex, or either is given in 3D.
@@ -72,7 +70,7 @@ def _touching(mesh: Mesh, line: Line) -> Array:
     return np.flatnonzero((distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near))
 
 
-def _around(mesh: Mesh, point: tuple[float, ...]) -> Array:
+def _around(mesh: Mesh, point: Point) -> Array:
     """Cells with a singular point as a vertex."""
     apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
     vertex = int(apart.argmin())
@@ -85,7 +83,7 @@ def _around(mesh: Mesh, point: tuple[float, ...]) -> Array:
     return here
 
 
-def fan_rule(mesh: Mesh, cells: Array, point: tuple[float, ...], degree: int) -> CellRule:
+def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
     """Duffy's rule on cells with a vertex at a point, exact to the degree; r^{-1} is smooth along the rays."""
     simplices = mesh.t[:, cells]
     vertex = np.linalg.norm(mesh.p[:, simplices] - np.array(point)[:, None, None], axis=0).argmin(axis=0)
@@ -110,20 +108,12 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     s, r = np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0)
     nodes = np.sort(np.vstack([s, np.clip(np.zeros_like(s[:1]), s[0], s[2])]), axis=0)
     slabs = [_slab(s, r, left, right, degree) for left, right in pairwise(nodes)]
-    points = [
-        normal[:, None, None, None] * (x + line.offset)[..., None] + tangent[:, None, None, None] * across
-        for x, across, _ in slabs
-    ]
-    weights = [np.broadcast_to(w, across.shape) for _, across, w in slabs]
-    return CellRule(
-        cells,
-        np.concatenate([p.reshape(2, len(cells), -1) for p in points], axis=2),
-        np.concatenate([w.reshape(len(cells), -1) for w in weights], axis=1),
-    )
+    s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
+    return CellRule(cells, normal[:, None, None] * (s + line.offset) + tangent[:, None, None] * r, weights)
 
 
-def _slab(s: Array, r: Array, left: Array, right: Array, degree: int) -> tuple[Array, Array, Array]:
-    """s (n, q), r (n, q, p) and weights (n, q, p) on the parts left < s < right of triangles, vertices (3, n) each."""
+def _slab(s: Array, r: Array, left: Array, right: Array, degree: int) -> tuple[Array, ...]:
+    """Points s, r and weights, (n, q) each, on the parts left < s < right of triangles with the vertices (3, n)."""
 
     def chord(x: Array, low: int, high: int) -> Array:
         """r on the edge from vertex low to vertex high at s = x, (n, q)."""
@@ -140,4 +130,5 @@ def _slab(s: Array, r: Array, left: Array, right: Array, degree: int) -> tuple[A
     middle = (left + right)[:, None] / 2
     short = np.where(middle <= s[1][:, None], chord(x, 0, 1), chord(x, 1, 2))
     across = long[..., None] + (short - long)[..., None] * eta
-    return x, across, (jacobian * abs(short - long))[..., None] * we
+    weights = (jacobian * abs(short - long))[..., None] * we
+    return tuple(part.reshape(len(left), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), across, weights))
