@@ -26,10 +26,6 @@ EDGES = ((0, 1), (1, 2), (0, 2))
 class Quadratic(Displacements):
     """Displacements of degree 2 on a mesh of triangles; coefficients of vertices come first, then those of edges."""
 
-    @property
-    def count(self) -> int:
-        return int(self.mesh.p.shape[1] + self.mesh.facets.shape[1])
-
     @cached_property
     def numbers(self) -> Array:
         """Three vertices, three edges, (6, cells)."""

@@ -28,17 +28,12 @@ class Displacements(MeshedBody, ABC):
 
     @property
     @abstractmethod
-    def count(self) -> int:
-        """The number of scalar basis functions."""
-
-    @property
-    @abstractmethod
     def numbers(self) -> Array:
-        """The basis functions of the cells, (k, cells)."""
+        """The numbers of the scalar basis functions of the cells, (k, cells)."""
 
     @abstractmethod
     def numbers_on(self, part: Part) -> Array:
-        """The basis functions that do not vanish on a closed part, (n,)."""
+        """Those of the functions that do not vanish on a closed part, (n,)."""
 
     @property
     @abstractmethod
@@ -53,6 +48,11 @@ class Displacements(MeshedBody, ABC):
     @property
     def dim(self) -> int:
         return int(self.mesh.dim())
+
+    @cached_property
+    def count(self) -> int:
+        """The number of scalar basis functions."""
+        return int(self.numbers.max()) + 1
 
     @cached_property
     def free(self) -> Array:
@@ -142,10 +142,6 @@ class Space(Displacements):
     @cached_property
     def h(self) -> float:
         return mesh_size(self.mesh)
-
-    @property
-    def count(self) -> int:
-        return int(self.mesh.p.shape[1])
 
     @property
     def numbers(self) -> Array:

@@ -22,18 +22,12 @@ class MeshError(ValueError):
 
 
 class MeshFamily(Protocol):
-    """A regular family {T_h} of triangulations."""
+    """A regular family {T_h} of triangulations: whether it can mesh a body, and the mesh of level n, or MeshError."""
 
     @property
     def name(self) -> str: ...
-
-    def serves(self, body: Body) -> bool:
-        """Whether the family can mesh a body."""
-        ...
-
-    def __call__(self, body: Body, n: int) -> Mesh:
-        """The mesh of level n; MeshError if the family cannot mesh the body."""
-        ...
+    def serves(self, body: Body) -> bool: ...
+    def __call__(self, body: Body, n: int) -> Mesh: ...
 
 
 def require_plane(family: MeshFamily, body: Body) -> None:
@@ -75,8 +69,8 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     """The facets of the mesh on each part of the body, in the order of ``body.parts``.
 
     Raises:
-        MeshError: a corner of a part is not a vertex, the facets do not cover a part exactly, or an
-            interface is not a union of facets.
+        MeshError: a corner of a part is not a vertex, the facets do not cover a part exactly, or an interface is not
+            a union of facets.
     """
     if mesh.dim() != body.dim:
         raise MeshError(f"a mesh of dimension {mesh.dim()} was given for a body of dimension {body.dim}")
