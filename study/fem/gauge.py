@@ -113,8 +113,8 @@ class Gauge:
     def load(self, time: float) -> Array:
         """(f(t), v)_V = (σ(t), ε(v))_Q − ∫_{Γ3} σ_ν v_ν for v ∈ V^h, (n_dofs,).
 
-        Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this
-        serves solutions whose f_0 is not in L² as well.
+        Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this serves solutions
+        whose f_0 is not in L² as well.
         """
         amplitudes = self._amplitudes(time), self._amplitudes(time, rate=True)
         return self.space.functional(self._cells(*amplitudes) / self.space.volumes) + self._contact_work(*amplitudes)

@@ -20,8 +20,8 @@ def simplicial_mesh(points: Points, cells: Array) -> Mesh:
 def size(mesh: Mesh) -> float:
     """h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
 
-    In a quasi-uniform family it is equivalent to the largest diameter, whose random part on shaken
-    meshes would otherwise bend every observed order.
+    In a quasi-uniform family it is equivalent to the largest diameter, whose random part on shaken meshes would
+    otherwise bend every observed order.
     """
     return float((factorial(mesh.dim()) * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** (1 / mesh.dim()))
 

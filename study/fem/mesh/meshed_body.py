@@ -74,7 +74,12 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     """
     if mesh.dim() != body.dim:
         raise MeshError(f"a mesh of dimension {mesh.dim()} was given for a body of dimension {body.dim}")
-    _check_volume(mesh, body)
+    total = cell_volumes(mesh).sum()
+    if abs(total - body.measure) > TOLERANCE * body.measure:
+        what = "area" if body.dim == 2 else "volume"
+        raise MeshError(
+            f"the cells cover {total:.9g}, the body has the {what} {body.measure:.9g}: cells overlap or are missing"
+        )
     length = body.measure ** (1 / body.dim)
     facets = mesh.boundary_facets()
     _check_vertices(mesh, facets, body, TOLERANCE * length)
@@ -84,15 +89,6 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
     for interface in body.interfaces:
         _covering(mesh, np.arange(mesh.facets.shape[1]), interface, length)
     return found
-
-
-def _check_volume(mesh: Mesh, body: Body) -> None:
-    total = cell_volumes(mesh).sum()
-    if abs(total - body.measure) > TOLERANCE * body.measure:
-        what = "area" if body.dim == 2 else "volume"
-        raise MeshError(
-            f"the cells cover {total:.9g}, the body has the {what} {body.measure:.9g}: cells overlap or are missing"
-        )
 
 
 def _check_vertices(mesh: Mesh, facets: Array, body: Body, tolerance: float) -> None:

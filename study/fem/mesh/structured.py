@@ -53,9 +53,9 @@ class CrissCross:
 class Shaken:
     """One-diagonal meshes with every vertex moved by up to 2/d ``amplitude`` cells in each direction.
 
-    Vertices slide in the faces, on the edges between parts and on the interfaces they lie on; corners
-    of parts stay. Levels are independent of each other, so the meshes are neither nested nor symmetric.
-    A simplex of the grid on the unit cube keeps 1 − 4 ``amplitude`` of its volume at least, in every dimension.
+    Vertices slide in the faces, on the edges between parts and on the interfaces they lie on; corners of parts stay.
+    Levels are independent of each other, so the meshes are neither nested nor symmetric. A simplex of the grid on the
+    unit cube keeps 1 − 4 ``amplitude`` of its volume at least, in every dimension.
     """
 
     seed: int = 2002
@@ -145,13 +145,11 @@ def mapped(body: Body, reference: Points) -> Points:
 
 def _images(body: Body) -> Points | None:
     """Images (d, 2^d) of the corners of the unit cube, the first axis fastest; None if there is no such map."""
-    return _quadrilateral(body) if body.dim == 2 else _parallelepiped(body)
-
-
-def _quadrilateral(body: Body) -> Points | None:
     corners = body.corners
-    if corners.shape[1] != 4:
+    if corners.shape[1] != 2**body.dim:
         return None
+    if body.dim == 3:
+        return _parallelepiped(body)
     sides = np.roll(corners, -1, axis=1) - corners
     following = np.roll(sides, -1, axis=1)
     convex = (sides[0] * following[1] - sides[1] * following[0] > 0).all()
@@ -160,8 +158,6 @@ def _quadrilateral(body: Body) -> Points | None:
 
 def _parallelepiped(body: Body) -> Points | None:
     corners, tolerance = body.corners, 1e-9 * float(np.ptp(body.vertices, axis=1).max())
-    if corners.shape[1] != 8:
-        return None
     first = corners[:, :1]
     normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
     normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
@@ -176,14 +172,10 @@ def _parallelepiped(body: Body) -> Points | None:
     if np.linalg.det(edges) < 0:
         edges = edges[:, [1, 0, 2]]
     images = first + edges @ grid_vertices(1, 3)
-    return images if _fills(images, body, tolerance) else None
-
-
-def _fills(images: Points, body: Body, tolerance: float) -> bool:
-    """Whether a parallelepiped is the body."""
-    apart = np.linalg.norm(images[:, :, None] - body.corners[:, None, :], axis=0)
+    apart = np.linalg.norm(images[:, :, None] - corners[:, None, :], axis=0)
     volume = np.linalg.det(images[:, [1, 2, 4]] - images[:, :1])
-    return bool(apart.min(axis=1).max() <= tolerance and abs(volume - body.measure) <= 1e-9 * volume)
+    fills = apart.min(axis=1).max() <= tolerance and abs(volume - body.measure) <= 1e-9 * volume
+    return images if fills else None
 
 
 def _is_grid_line(images: Points, interface: Part) -> bool:

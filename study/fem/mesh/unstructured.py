@@ -19,10 +19,9 @@ from study.fem.mesh.meshed_body import MeshError, require_plane
 class Unstructured:
     """Delaunay triangulations of points spread evenly at random, for any polygon.
 
-    Points start on a jittered triangular lattice and are moved to the area-weighted mean of the
-    centroids of the cells around them, ``sweeps`` times (Lloyd's iteration in the form of Du,
-    Faber, Gunzburger, SIAM Review 41 (1999) 637–676, with centroids of the star). Points on the
-    boundary and on interfaces are evenly spaced and stay.
+    Points start on a jittered triangular lattice and are moved to the area-weighted mean of the centroids of the cells
+    around them, ``sweeps`` times (Lloyd's iteration in the form of Du, Faber, Gunzburger, SIAM Review 41 (1999)
+    637–676, with centroids of the star). Points on the boundary and on interfaces are evenly spaced and stay.
     """
 
     seed: int = 2002

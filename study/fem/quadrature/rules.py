@@ -22,13 +22,7 @@ GRADING = 8
 
 @dataclass(frozen=True, eq=False)
 class CellRule:
-    """Quadrature on some cells with the same number of points each.
-
-    Attributes:
-        cells: indices (n,).
-        points: (d, n, q).
-        weights: (n, q), summing to |T| over q.
-    """
+    """Quadrature on some cells (n,) with as many points (d, n, q) each; the weights (n, q) sum to |T| over q."""
 
     cells: Array
     points: Points
@@ -37,13 +31,10 @@ class CellRule:
 
 @dataclass(frozen=True, eq=False)
 class FacetRule:
-    """Quadrature on the facets of one part.
+    """Quadrature on the facets (n,) of one part, with weights (n, q).
 
-    Attributes:
-        facets: indices (n,).
-        s: local coordinates of the points along the part, (d−1, n, q).
-        shapes: values of the P1 functions of the facet's vertices, (d, n, q).
-        weights: (n, q).
+    Points are given by their local coordinates s along the part, (d−1, n, q), and by the values of the P1 functions of
+    the facet's vertices, ``shapes``, (d, n, q).
     """
 
     facets: Array
