@@ -17,9 +17,8 @@ from study.bound.refusal import refuse_jumps_in_cells, refuse_solids
 from study.fem.quadratic import Quadratic
 from study.stresses.bernstein import interval_mass
 from study.stresses.hybrid import Equilibrium
-from study.stresses.loads import Loads, Snapshot
+from study.stresses.loads import Loads, ProjectedLoads, Snapshot
 from study.stresses.oscillation import Oscillation
-from study.stresses.projection import ProjectedLoads
 from study.stresses.stress_space import StressSpace
 
 KEPT = 8

@@ -75,9 +75,7 @@ def _tractions(degree: int, of_child: Array) -> tuple[Array, Array]:
 def restriction(degree: int, corners: Array) -> Array:
     """Bernstein coefficients of a polynomial on a triangle ↦ those on a part of it, (polynomials, polynomials).
 
-    Args:
-        degree: of the polynomial.
-        corners: barycentric coordinates of the vertices of the part, (3 vertices, 3).
+    The part is given by the barycentric coordinates of its vertices, (3 vertices, 3).
     """
     at = np.array(indices(degree)).T / degree
     inside = bernstein(degree, corners.T @ at)
@@ -104,12 +102,7 @@ class BalancingStresses:
     def of(cls, divided: DividedTriangle, zero: Array, balanced: Array, loads: Array, gram: Array) -> BalancingStresses:
         """Stresses w with zero·w = 0 and balanced·w in the span of the loads, every one of which can be balanced.
 
-        Args:
-            divided: where the stresses live.
-            zero: (equations, unknowns).
-            balanced: (m, unknowns).
-            loads: (m, r).
-            gram: ∫ d_i d'_j of the loads, (r, r, 2, 2).
+        (equations, unknowns), (m, unknowns), (m, r) and the products ∫ d_i d'_j of the loads, (r, r, 2, 2).
         """
         admissible = null_space(zero, rcond=ROUNDING)
         onto = balanced @ admissible

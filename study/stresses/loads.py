@@ -66,12 +66,7 @@ class Snapshot:
 
 
 class ProjectedLoads:
-    """t ↦ P f_0 and P f_2 for a space of stresses.
-
-    Args:
-        data: f_0 and f_2.
-        space: the stresses.
-    """
+    """t ↦ P f_0 and P f_2 for a space of stresses."""
 
     def __init__(self, data: Data, space: StressSpace) -> None:
         self.space = space
@@ -86,15 +81,13 @@ class ProjectedLoads:
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
 
     def __call__(self, time: float) -> Loads:
-        """P f_0 and P f_2."""
         return self.at(time).loads
 
     def at(self, time: float) -> Snapshot:
         """P f_0, P f_2 and the norms of what P leaves out."""
-        space = self.space
+        space, mass = self.space, triangle_mass(self.space.degree)
         lower = space.degree * (space.degree + 1) // 2
         force, squares = np.empty((3 * space.cells, lower, 2)), np.empty(3 * space.cells)
-        mass = triangle_mass(space.degree)
         moments = np.empty((3 * space.cells, len(mass), 2))
         for block in self._blocks:
             force[block.cells], squares[block.cells], moments[block.cells] = block(time)
@@ -116,10 +109,8 @@ class ProjectedLoads:
 class _Block:
     """Some thirds with one quadrature rule and f_0 at its points.
 
-    Attributes:
-        cells: the numbers of the thirds, (n,).
-        shapes: Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q).
-        whole: Bernstein polynomials of degree k of their cells at the points, (more, n, q).
+    ``shapes`` are the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q), and ``whole``
+    those of degree k of their cells, (more, n, q).
     """
 
     def __init__(self, data: Data, rule: CellRule, shapes: Array, whole: Array) -> None:

@@ -90,8 +90,7 @@ class StressSpace(MeshedBody):
     @cached_property
     def _piola(self) -> Array:
         """σ̂ ↦ F σ̂ Fᵀ / det F in Mandel form, (cells, 3, 3)."""
-        F = self.map
-        E = basis(2)
+        F, E = self.map, basis(2)
         pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self.determinant[:, None, None, None]
         return np.einsum("Iil,cJil->cIJ", E, pushed)
 
