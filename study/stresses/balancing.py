@@ -49,10 +49,7 @@ class DividedTriangle:
         barycentric, weights = simplex_rule(2, 2 * degree)
         at = bernstein(degree, barycentric).T
         of_child = np.einsum("qa,taJp->tqJp", at, element.space).reshape(-1, 3, size)
-        values = np.zeros((4, len(of_child), 3, 4, size))
-        for child in range(4):
-            values[child, :, :, child] = of_child
-        self.values = values.reshape(-1, 3, 4 * size)
+        self.values = np.einsum("ab,pJu->apJbu", np.eye(4), of_child).reshape(-1, 3, 4 * size)
         self.weights = np.tile(weights / 24, 12)
 
 
@@ -102,13 +99,14 @@ class BalancingStresses:
     def of(cls, divided: DividedTriangle, zero: Array, balanced: Array, loads: Array, gram: Array) -> BalancingStresses:
         """Stresses w with zero·w = 0 and balanced·w in the span of the loads, every one of which can be balanced.
 
-        (equations, unknowns), (m, unknowns), (m, r) and the products ∫ d_i d'_j of the loads, (r, r, 2, 2).
+        Loads are the columns of ``loads``, with the products ``gram``, in each of the two directions.
         """
         admissible = null_space(zero, rcond=ROUNDING)
         onto = balanced @ admissible
         free = admissible @ null_space(onto, rcond=ROUNDING)
-        lifts = admissible @ np.linalg.pinv(onto, rcond=ROUNDING) @ loads
-        return cls(divided.values @ free, divided.values @ lifts, divided.weights, gram)
+        lifts = admissible @ np.linalg.pinv(onto, rcond=ROUNDING) @ np.kron(loads, np.eye(2))
+        products = np.einsum("vw,ai,bj->vawbij", gram, np.eye(2), np.eye(2)).reshape(2 * len(gram), -1, 2, 2)
+        return cls(divided.values @ free, divided.values @ lifts, divided.weights, products)
 
     def constants(self, F: Array, compliance: Array, scale: Array) -> Array:
         """√λ for triangles x = F x̂ + b, (cells,).
@@ -118,8 +116,7 @@ class BalancingStresses:
             compliance: A⁻¹ in Mandel form, (3, 3) or (cells, 3, 3).
             scale: ‖load‖² = scale × ∫ |F d|², (cells,).
         """
-        J = abs(np.linalg.det(F))
-        E = basis(2)
+        J, E = abs(np.linalg.det(F)), basis(2)
         push = np.einsum("Iil,cij,Jjk,clk->cIJ", E, F, E, F, optimize=True) / J[:, None, None]
         metric = push.swapaxes(1, 2) @ compliance @ push * J[:, None, None]
         every = np.concatenate([self.free, self.lifts], axis=2)
@@ -141,9 +138,9 @@ def balancing_in_cell(q: int) -> BalancingStresses:
     mass = np.kron(np.eye(4), triangle_mass(q) / 8)
     whole = np.vstack([restriction(q, corners) for corners in CHILDREN])
     rest = null_space(whole.T @ mass, rcond=ROUNDING)
-    loads = np.kron(np.kron(np.eye(4), third) @ rest, np.eye(2))
+    loads = np.kron(np.eye(4), third) @ rest
     zero = np.vstack([divided.inner, divided.outer.reshape(-1, divided.inner.shape[1])])
-    return BalancingStresses.of(divided, zero, divided.divergence, loads, _vector_gram(rest.T @ mass @ rest))
+    return BalancingStresses.of(divided, zero, divided.divergence, loads, rest.T @ mass @ rest)
 
 
 @lru_cache
@@ -159,13 +156,7 @@ def balancing_on_side(side: int) -> BalancingStresses:
     mass = np.kron(np.eye(2), (np.ones((2, 2)) + np.eye(2)) / 6 / 2)
     linear = np.array([[1.0, 0.0], [0.5, 0.5], [0.5, 0.5], [0.0, 1.0]])
     rest = null_space(linear.T @ mass, rcond=ROUNDING)
-    loads = np.kron(np.kron(np.eye(2), raised) @ rest, np.eye(2))
+    loads = np.kron(np.eye(2), raised) @ rest
     balanced = divided.outer[side].reshape(-1, unknowns)
     # |ê| t̂ on a half is its traction times its share 1/2 of the side: t on the side is twice that.
-    return BalancingStresses.of(divided, zero, balanced, loads, 4 * _vector_gram(rest.T @ mass @ rest))
-
-
-def _vector_gram(scalar: Array) -> Array:
-    """∫ d_i d'_j of vector loads from the products of their scalar factors, (r, r) → (2r, 2r, 2, 2)."""
-    count = 2 * len(scalar)
-    return np.einsum("vw,ai,bj->vawbij", scalar, np.eye(2), np.eye(2)).reshape(count, count, 2, 2)
+    return BalancingStresses.of(divided, zero, balanced, loads, 4 * (rest.T @ mass @ rest))

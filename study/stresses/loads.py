@@ -31,12 +31,7 @@ PARALLEL = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """The loads of one time in Bernstein form.
-
-    Attributes:
-        force: coefficients of P f_0, (cells, 3 thirds, lower, 2).
-        surface: coefficients of P f_2 on Γ2, zero on other edges, (edges, n, 2).
-    """
+    """P f_0, (cells, 3 thirds, lower, 2), and P f_2, zero off Γ2, (edges, n, 2), of one time in Bernstein form."""
 
     force: Array
     surface: Array

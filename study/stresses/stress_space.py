@@ -103,10 +103,7 @@ class StressSpace(MeshedBody):
     def _values(self) -> Array:
         """Coefficients ↦ Mandel values at the points of the reference triangle, (Q, 3 thirds, polynomials)."""
         at = bernstein(self.degree, self._rule[0]).T
-        found = np.zeros((3, *at.shape[:1], 3, at.shape[1]))
-        for third in range(3):
-            found[third, :, third] = at
-        return found.reshape(-1, 3, at.shape[1])
+        return np.kron(np.eye(3), at).reshape(-1, 3, at.shape[1])
 
     @cached_property
     def points(self) -> Points:
