@@ -11,10 +11,9 @@ from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound.discrete_solution import DiscreteSolution, compute
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import enclose
+from study.bound.enclosing import Enclosure, enclose
 from study.bound.refusal import BoundError, refuse_solids
 from study.bound.trajectory import Refined, SmoothedInTime
-from study.bound.two_sided import Enclosure
 from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.solve.evolution import Scheme

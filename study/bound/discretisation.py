@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import scipy.sparse as sps
@@ -11,15 +12,14 @@ from skfem import Mesh
 
 from manufactured.body import Kind
 from manufactured.data import Data
+from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Tensors
-from study.bound.monotonicity import monotonicity
-from study.bound.refusal import refuse_jumps_in_cells, refuse_solids
+from study.bound.refusal import BoundError, refuse_jumps_in_cells, refuse_solids
 from study.fem.quadratic import Quadratic
 from study.stresses.bernstein import interval_mass
 from study.stresses.hybrid import Equilibrium
-from study.stresses.loads import Loads, Snapshot
+from study.stresses.loads import Loads, ProjectedLoads, Snapshot
 from study.stresses.oscillation import Oscillation
-from study.stresses.projection import ProjectedLoads
 from study.stresses.stress_space import StressSpace
 
 KEPT = 8
@@ -46,7 +46,7 @@ class Discretisation:
 
     @cached_property
     def monotonicity(self) -> float:
-        """m of ``study.bound.monotonicity``."""
+        """The constant m, on which the growth of the bound in time rests."""
         return monotonicity(self.data.law)
 
     @cached_property
@@ -68,23 +68,14 @@ class Discretisation:
         compliance = np.linalg.inv(self.data.law.A.matrix)
         return Equilibrium(self.stresses, self.inverse_viscosity[..., None, None] * compliance)
 
-    # ---- data
-
     @cached_property
     def loads(self) -> ProjectedLoads:
         return ProjectedLoads(self.data, self.stresses)
 
-    def snapshot(self, time: float) -> Snapshot:
-        """The data at a time; the last few are kept, because loads and bounds ask for the same times."""
-        if time not in self._kept:
-            while len(self._kept) >= KEPT:
-                del self._kept[next(iter(self._kept))]
-            self._kept[time] = self.loads.at(time)
-        return self._kept[time]
-
     @cached_property
-    def _kept(self) -> dict[float, Snapshot]:
-        return {}
+    def snapshot(self) -> Callable[[float], Snapshot]:
+        """t ↦ the data; those of the last few times are kept, because loads and bounds ask for the same."""
+        return lru_cache(maxsize=KEPT)(self.loads.at)
 
     @cached_property
     def oscillation(self) -> Oscillation:
@@ -106,8 +97,6 @@ class Discretisation:
             moments = np.einsum("ij,njd,n->ind", self._gram, loads.surface[edges], space.lengths[edges])
             np.add.at(full, V.on_edges(edges), moments)
         return found + full.ravel()[V.free]
-
-    # ---- displacements
 
     @cached_property
     def M(self) -> sps.csc_array:
@@ -145,3 +134,23 @@ class Discretisation:
             normal = coefficients[self.displacements.on_edges(edges)] @ part.normal
             found.append((self._gram.T @ normal).T * self.stresses.lengths[edges][:, None])
         return np.concatenate(found)
+
+
+def monotonicity(law: KelvinVoigt) -> float:
+    """m with (G ε₁ − G ε₂)·(ε₁ − ε₂) ≥ m A(ε₁ − ε₂)·(ε₁ − ε₂).
+
+    For a linear G the least eigenvalue of A⁻¹G; else from G's own constant and the bounds of A.
+
+    Raises:
+        BoundError: that constant is not finite.
+    """
+    A, G = law.A, law.G
+    if not np.isfinite(G.monotonicity):
+        raise BoundError(
+            f"{law.name}: G has the monotonicity constant {G.monotonicity}; the bound needs a finite "
+            "one, −L_G if nothing better is known"
+        )
+    if isinstance(G, Linear):
+        least = float(np.linalg.eigvals(np.linalg.solve(A.matrix, G.matrix)).real.min())
+        return least if G.factor is A.factor else least * G.factor.low / A.factor.high
+    return G.monotonicity / (A.lipschitz if G.monotonicity >= 0 else A.ellipticity)

@@ -5,11 +5,16 @@ Let ũ(t) ∈ K, e = u − ũ, and σ̃(t) balance f̃(t) with σ̃_τ = 0, σ̃
 
     (σ̃, ε(e))_Q = (f̃, e)_V + ∫_{Γ3} σ̃_ν e_ν ≥ (f̃, e)_V − c,     c = ∫_{Γ3} σ̃_ν ũ_ν ≥ 0.
 
-Subtracting, with r = ‖ρ‖_{A⁻¹}, the norm η of f − f̃ in the dual of V and m of ``study.bound.monotonicity``,
+Subtracting, with r the norm of ρ in A⁻¹ and that of f − f̃ in the dual of V, and m the monotonicity of G,
 
-    ½ d/dt ‖e‖_V² + m ‖e‖_V² ≤ (r + η) ‖e‖_V + c,
+    ½ d/dt ‖e‖_V² + m ‖e‖_V² ≤ r ‖e‖_V + c.
 
-which ``study.bound.gronwall`` integrates from knot to knot of the spline ũ (``study.bound.spline``).
+From knot to knot a < b of the spline ũ (``study.bound.trajectory``) this gives, for m ≥ 0,
+
+    ‖e(b)‖_V ≤ (e^{−2m(b−a)} ‖e(a)‖_V² + 2 ∫_a^b c)^{1/2} + ∫_a^b r,
+
+and for m < 0 the right side with m = 0 times e^{|m|(b−a)}: d/dt of its square is at least what is needed. (Proof:
+``paper/bound.tex``.)
 
 **Between the knots** everything is a parabola in t in Bernstein form. σ̃ is one with σ̃_ν ≤ 0 in all three
 coefficients; it balances the parabola through P f at both ends and in the middle. For linear G so is ρ, and ∫ r ≤ (k ∫
@@ -23,6 +28,7 @@ its parabola, sampled once in each piece, is balanced by a stress of its own. In
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
@@ -31,9 +37,8 @@ from manufactured.law import Linear, Yield
 from manufactured.tensors import Tensors
 from study.bound.discretisation import Discretisation
 from study.bound.equilibration import Equilibration, Knot, LawResidual
-from study.bound.gronwall import Interval, grown
 from study.bound.refusal import BoundError
-from study.bound.spline import Parabola
+from study.bound.trajectory import Parabola
 from study.stresses.loads import Loads
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
@@ -41,6 +46,33 @@ QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 PAIRS = tuple(product(range(3), repeat=2))
 ROUNDING = 1e-6
 """Jump of ũ̇ at a knot, relative to ũ̇, that counts as none."""
+
+
+@dataclass(frozen=True)
+class Interval:
+    """The bound y of ‖e‖_V between two knots.
+
+    Attributes:
+        a, b: the knots.
+        at_a, at_b: y at the knots.
+        inside: bound of ‖e(t)‖_V for all a ≤ t ≤ b.
+        residual: ∫ of the norm of ρ.
+        contact: ∫ c.
+        oscillation: ∫ of the bound of f − P f.
+        bending: ∫ of the norm of P f minus its parabola in time.
+
+    The integrals are for the record: the bound combines residual and oscillation cell by cell.
+    """
+
+    a: float
+    b: float
+    at_a: float
+    at_b: float
+    inside: float
+    residual: float
+    contact: float
+    oscillation: float
+    bending: float
 
 
 class Majorant:
@@ -127,3 +159,20 @@ class Majorant:
             change[np.all([abs(g).max(axis=0) == 0 for g in held], axis=0)] = 0.0
         weights, A = discretisation.stresses.weights, discretisation.data.law.A
         return (left.elastic + right.elastic) / 2, float(np.sqrt(np.vdot(weights, change**2) / A.ellipticity))
+
+
+def grown(y: float, m: float, k: float, contact: float, added: float) -> tuple[float, float]:
+    """Bounds of ‖e‖_V at the end of an interval and at any time of it.
+
+    Args:
+        y: bound at its start.
+        m: constant of monotonicity.
+        k: length.
+        contact: ∫ c.
+        added: ∫ r.
+    """
+    growth, decay = np.exp(max(-m, 0.0) * k), np.exp(-max(m, 0.0) * k)
+    return (
+        float(growth * (np.sqrt((decay * y) ** 2 + 2 * contact) + added)),
+        float(growth * (np.sqrt(y**2 + 2 * contact) + added)),
+    )

@@ -11,7 +11,7 @@ import pandas as pd
 
 from manufactured.tensors import Array
 from study.bound.bounded import BoundedSolution
-from study.bound.two_sided import order
+from study.bound.enclosing import order
 from study.ledger.files import write_text, write_whole
 from study.ledger.rounding import down, interval, up
 

@@ -37,11 +37,7 @@ def refuse_jumps_in_cells(data: Data, mesh: Mesh) -> None:
 
 
 def check_force(case: Case | None) -> None:
-    """Refuse a case with f_0 ∉ L²(Ω)², whose oscillation is infinite and whose load no composite stress balances.
-
-    Raises:
-        BoundError: it is one.
-    """
+    """Raise BoundError if f_0 ∉ L²(Ω)²: its oscillation is infinite, and no composite stress balances it."""
     if case is not None and not case.regularity.force_in_L2:
         raise BoundError(
             f"case {case.name}: {case.regularity} has f_0 ∉ L²(Ω)², and the bound needs stresses with Div σ = −P f_0; "

@@ -20,29 +20,18 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array, Tensors, dyad
-from study.fem.line import Line
-from study.fem.moments import Amplitudes, QuadraturePoints
-from study.fem.quadrature import CellRule, cell_rules, facet_rule
+from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, energy
+from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
-from study.fem.strain_energy import energy
-from study.fem.stress_sums import StressSums
 
-DEGREE = 4
-"""Degree of the standard cell rule in 2D: two more than the square of a linear strain error needs, as kinks may cross
-cells and points that share coordinates lower the degree. Every row of a rate table records what a plain rule raised by
-two would change."""
-
-SOLID_DEGREE = 2
-"""The same in 3D, without the two more: there the evaluation of exact fields dominates the cost."""
-
+DEGREE, SOLID_DEGREE = 4, 2
+"""Degrees of the standard cell rule in 2D and in 3D. In 2D it is two more than the square of a linear strain error
+needs, as kinks may cross cells and points that share coordinates lower the degree; in 3D the evaluation of exact fields
+dominates the cost. Every row of a rate table records what a plain rule raised by two would change."""
+FACET_POINTS, SOLID_FACET_POINTS = 8, 4
+"""Gauss points on a contact facet in 2D, or on each side of a rough point of it, and in each direction of one in 3D."""
 PARALLEL = 0.1
 """Sine of the angle below which two directions are too close for points to share coordinates along both."""
-
-FACET_POINTS = 8
-"""Gauss points on a contact facet, or on each side of a rough point of it."""
-
-SOLID_FACET_POINTS = 4
-"""The same in 3D in both directions of a facet, for the load."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +60,7 @@ class Gauge:
         solution: the exact solution.
         space: V^h.
         raised: added to the degree of the cell rules and to the points of the facet rules.
-        along: lines from which many quadrature points have the same distance (``study.fem.quadrature.sharing``), which
+        along: lines from which many quadrature points have the same distance (``study.fem.quadrature.cells``), which
             makes formulas cheap and rules exact to a lower degree; by default ``shared_lines``, () for the plain rules.
     """
 
@@ -79,12 +68,11 @@ class Gauge:
         self, solution: ExactSolution, space: Space, raised: int = 0, along: Sequence[Line] | None = None
     ) -> None:
         self.solution, self.space, self.A = solution, space, solution.law.A
-        self.degree = (DEGREE if space.dim == 2 else SOLID_DEGREE) + raised
+        degree, count = (DEGREE, FACET_POINTS) if space.dim == 2 else (SOLID_DEGREE, SOLID_FACET_POINTS)
+        self.degree = degree + raised
         lines = shared_lines(solution) if along is None else along
         cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
-        faces = [
-            self._on(face, (FACET_POINTS if space.dim == 2 else SOLID_FACET_POINTS) + raised) for face in solution.faces
-        ]
+        faces = [self._on(face, count + raised) for face in solution.faces]
         # Points in cells and on facets together, so that formulas are evaluated once for both.
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
@@ -125,8 +113,8 @@ class Gauge:
     def load(self, time: float) -> Array:
         """(f(t), v)_V = (σ(t), ε(v))_Q − ∫_{Γ3} σ_ν v_ν for v ∈ V^h, (n_dofs,).
 
-        Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this
-        serves solutions whose f_0 is not in L² as well.
+        Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this serves solutions
+        whose f_0 is not in L² as well.
         """
         amplitudes = self._amplitudes(time), self._amplitudes(time, rate=True)
         return self.space.functional(self._cells(*amplitudes) / self.space.volumes) + self._contact_work(*amplitudes)

@@ -24,10 +24,7 @@ the case of a travelling patch, is 1 % over half a step if it is that of a parab
 
 
 def load_from_forces(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """(f(t), v)_V = (f_0, v)_H + (f_2, v)_{L²(Γ2)}, (3.7), where f_0 exists, (n_dofs,).
-
-    Equal to ``Gauge.load`` up to quadrature by Green's formula (2.14).
-    """
+    """(f(t), v)_V = (f_0, v)_H + (f_2, v)_{L²(Γ2)}, (3.7), (n_dofs,): ``Gauge.load`` but for quadrature, by (2.14)."""
     return work_of_body_force(solution, space, time, degree) + work_on(Kind.LOADED, solution, space, time)
 
 

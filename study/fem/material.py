@@ -11,8 +11,7 @@ import scipy.sparse as sps
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law import Elasticity, KelvinVoigt, PointLaw
 from manufactured.tensors import Array
-from study.fem.line import Line
-from study.fem.quadrature import cell_rules
+from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 
 DEGREE = 6

@@ -1,4 +1,4 @@
-"""Integrals of an exact strain over cells and facets, as matrices that act on its amplitudes.
+"""Integrals of an exact strain, of its stress and of its energy, as matrices that act on its amplitudes.
 
 With ε(x, t) = Σ_k E_k φ_k(x) T_k(s_j, t) (``manufactured.modes``) and a quadrature with points x_p and weights w_p,
 
@@ -10,20 +10,24 @@ one sum for each vertex, with the weights of the rule times the shape function o
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 import scipy.sparse as sps
 from skfem import Mesh
 
 from manufactured.body import Part
+from manufactured.law import KelvinVoigt, Linear
 from manufactured.modes import Modes
 from manufactured.tensors import Array, Tensors
 from study.fem.quadrature import CellRule, FacetRule
 
 Amplitudes = Sequence[Array]
-"""T_k(s_j, t) of each contribution at one time, (K, J)."""
+"""T_k(s_j, t) of each contribution to ε at one time, (K, J)."""
+MANY = 4
+"""Matrices for the energy may take this many times the storage of the modes."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,19 +82,12 @@ def strain_at_points(modes: Sequence[Modes], amplitudes: Amplitudes, count: int)
 
 
 class StrainSums:
-    """Σ w_p ε(x_p, t), (D, sums).
-
-    Args:
-        modes: the contributions to ε at the points.
-        points: the quadrature.
-        weights: w, which may be the rule's times a coefficient, (n,).
-    """
+    """Σ w_p ε(x_p, t), (D, sums), from the amplitudes at one time; w may be the rule's times a coefficient, (n,)."""
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
         self._parts = [list(_by_tensor(part, points, weights)) for part in modes]
 
     def __call__(self, amplitudes: Amplitudes) -> Tensors:
-        """(D, sums) from the amplitudes at one time."""
         return sum(
             np.multiply.outer(tensor, matrix @ part[rows].ravel())
             for part, groups in zip(amplitudes, self._parts, strict=True)
@@ -108,3 +105,84 @@ def _by_tensor(modes: Modes, points: QuadraturePoints, weights: Array) -> Iterat
         columns = np.concatenate([modes.places + n * modes.count for n in range(len(rows))])
         shape = (points.count, len(rows) * modes.count)
         yield tensor, rows, sps.csr_array((data, (np.tile(sums, len(rows)), columns)), shape=shape)
+
+
+class StressSums:
+    """Σ w_p σ(x_p, t), (D, sums), for σ = A ε(u̇) + G ε(u), (2.1), from the amplitudes of ε and ε̇ at one time.
+
+    Attributes:
+        viscous: Σ w_p α for A = α C.
+        strains: Σ w_p α ε.
+    """
+
+    def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
+        self._A, G = law.A, law.G
+        viscous, elastic = (points.weights * tensor.factor(points.x) for tensor in (law.A, G))
+        self.viscous = points.totals(viscous)
+        self.strains = StrainSums(modes, points, viscous)
+        self._elastic: Callable[[Amplitudes], Tensors]
+        if isinstance(G, Linear):
+            sums = self.strains if np.array_equal(viscous, elastic) else StrainSums(modes, points, elastic)
+            self._elastic = lambda strains: G.matrix @ sums(strains)
+        else:
+            self._elastic = lambda strains: np.array(
+                [points.totals(row * elastic) for row in G(strain_at_points(modes, strains, len(elastic)))]
+            )
+
+    def __call__(self, strains: Amplitudes, rates: Amplitudes) -> Tensors:
+        return self._A.matrix @ self.strains(rates) + self._elastic(strains)
+
+
+def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplitudes], float]:
+    """∫_Ω α C ε·ε dx from the amplitudes at one time.
+
+    Where many points share a place along the face, this is a quadratic form in the amplitudes of one contribution, a
+    bilinear one in those of two. Where hardly any do, the matrices of these forms would be many times as large as the
+    modes, and the strain is summed point by point.
+
+    Args:
+        modes: the contributions to ε at the points.
+        weights: quadrature weights times α, (n,).
+        C: symmetric, Mandel (D, D).
+    """
+
+    def by_point(amplitudes: Amplitudes) -> float:
+        strain = strain_at_points(modes, amplitudes, len(weights))
+        return float(np.einsum("In,In,n->", C @ strain, strain, weights))
+
+    if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
+        return by_point
+    squares = [_square(part, weights, C) for part in modes]
+    products = [(i, j, _product(modes[i], modes[j], weights, C)) for i, j in combinations(range(len(modes)), 2)]
+
+    def by_place(amplitudes: Amplitudes) -> float:
+        own = sum(np.einsum("kj,klj,lj->", T, Q, T) for T, Q in zip(amplitudes, squares, strict=True))
+        mixed = sum(amplitudes[i].ravel() @ (B @ amplitudes[j].ravel()) for i, j, B in products)
+        return float(own + 2 * mixed)
+
+    return by_place
+
+
+def _square(modes: Modes, weights: Array, C: Array) -> Array:
+    """Σ_p w_p C E_k·E_l φ_k φ_l over the points of each place, (K, K, J): points of two places never meet."""
+    found = np.zeros((len(modes.tensors), len(modes.tensors), modes.count))
+    weights = weights[modes.points]
+    for (k, l), product in np.ndenumerate(modes.tensors @ C @ modes.tensors.T):
+        if product and k <= l:
+            found[k, l] = np.bincount(modes.places, product * weights * modes.shapes[k] * modes.shapes[l], modes.count)
+            found[l, k] = found[k, l]
+    return found
+
+
+def _product(one: Modes, other: Modes, weights: Array, C: Array) -> sps.csr_array:
+    """The same for two contributions at the points that both reach, (K J, K' J')."""
+    common, mine, others = np.intersect1d(one.points, other.points, assume_unique=True, return_indices=True)
+    weights, j, jj = weights[common], one.places[mine], other.places[others]
+    data, rows, columns = [np.empty(0)], [np.empty(0, dtype=int)], [np.empty(0, dtype=int)]
+    for (k, l), product in np.ndenumerate(one.tensors @ C @ other.tensors.T):
+        if product:
+            data.append(product * weights * one.shapes[k, mine] * other.shapes[l, others])
+            rows.append(j + k * one.count)
+            columns.append(jj + l * other.count)
+    shape = (len(one.tensors) * one.count, len(other.tensors) * other.count)
+    return sps.csr_array((np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))), shape=shape)

@@ -19,35 +19,23 @@ from study.ledger.errors import UsageError
 
 
 def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
-    """The object with a name.
-
-    Raises:
-        UsageError: there is none; lists those there are.
-    """
+    """The object with a name; UsageError, which lists those there are, if there is none."""
     for item in known:
         if item.name == name:
             return item
     raise UsageError(f"unknown {kind} {name!r}; known: {', '.join(item.name for item in known)}")
 
 
-SEEDED = re.compile(r"shaken-(\d+)")
-"""Shaken meshes with another seed than the study's."""
-
-
 def family_named(name: str) -> MeshFamily:
     """The mesh family with a name, shaken-7 for shaken meshes with the seed 7; UsageError if there is none."""
-    if seeded := SEEDED.fullmatch(name):
+    if seeded := re.fullmatch(r"shaken-(\d+)", name):
         return Shaken(seed=int(seeded[1]), name=name)
     return choose("mesh family", name, FAMILIES)  # type: ignore[no-any-return]
 
 
 @lru_cache
 def resolve(reference: str) -> Case:
-    """The case behind a catalogue name or FILE.py:NAME, where NAME is a Case or a function making one.
-
-    Raises:
-        UsageError: no such case, file or name, or it is not a case.
-    """
+    """The case behind a catalogue name or FILE.py:NAME, NAME a Case or a function making one; UsageError if none is."""
     found = _from_file(reference) if ":" in reference else choose("case", reference, catalogue())
     if not isinstance(found, Case):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected a manufactured.Case")
@@ -56,13 +44,10 @@ def resolve(reference: str) -> Case:
 
 @lru_cache
 def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
-    """Name, data and, where the solution is known, the case behind a name or FILE.py:NAME.
+    """Name, data and, where the solution is known, the case behind a name or FILE.py:NAME; UsageError if none are.
 
     NAME is a ``manufactured.Data``, a Case, or a function making one; names are those of the catalogue and of
     ``manufactured.problems``.
-
-    Raises:
-        UsageError: no such name or file, or neither data nor a case.
     """
     name = reference.rpartition(":")[2]
     found = _from_file(reference) if ":" in reference else choose("problem", reference, (*catalogue(), *problems()))

@@ -1,13 +1,15 @@
-"""V^h, K^h, Π^h: continuous P1 displacements that vanish on Γ1, with v_ν ≤ 0 at the vertices of Γ3.
+"""Displacements on a mesh that vanish on Γ1: what those of degree 1 and 2 have in common, and V^h, K^h, Π^h of P1.
 
-A function v ∈ V^h is its vector of free nodal values (n_dofs,). Its strain is constant on every
-cell, so one sparse matrix E of Mandel strains carries the whole discretisation:
+A function is the vector of its free coefficients (dofs,): d for every scalar basis function that vanishes on Γ1. Its
+strains are stored at some points of every cell, at which products of two are integrated exactly, so that one sparse
+matrix E of Mandel strains carries the whole discretisation: with the weights w of the points
 
-    ε(v)|_T = (E v)_T,   (C ε(u), ε(v))_Q = uᵀ Eᵀ diag(|T| C) E v,   (σ, ε(v))_Q = Eᵀ(|T| mean_T σ)·v.
+    ε(v) = E v,   (C ε(u), ε(v))_Q = uᵀ Eᵀ diag(w C) E v,   (σ, ε(v))_Q = Eᵀ(w σ)·v.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -17,14 +19,115 @@ from skfem import Mesh
 
 from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Tensors, Vectors, basis
-from manufactured.tensors import size as tensor_size
-from study.fem.mesh import barycentric_gradients, boundary_parts, cell_volumes
+from study.fem.mesh import MeshedBody, barycentric_gradients
 from study.fem.mesh import size as mesh_size
 
 
+class Displacements(MeshedBody, ABC):
+    """What displacements of degree 1 (``Space``) and of degree 2 (``Quadratic``) have in common."""
+
+    @property
+    @abstractmethod
+    def numbers(self) -> Array:
+        """The numbers of the scalar basis functions of the cells, (k, cells)."""
+
+    @abstractmethod
+    def numbers_on(self, part: Part) -> Array:
+        """Those of the functions that do not vanish on a closed part, (n,)."""
+
+    @property
+    @abstractmethod
+    def weights(self) -> Array:
+        """w, (cells,) or (cells, points)."""
+
+    @property
+    @abstractmethod
+    def E(self) -> sps.csr_array:
+        """Strains of the basis functions, (cells · points · D, dofs)."""
+
+    @property
+    def dim(self) -> int:
+        return int(self.mesh.dim())
+
+    @cached_property
+    def count(self) -> int:
+        """The number of scalar basis functions."""
+        return int(self.numbers.max()) + 1
+
+    @cached_property
+    def free(self) -> Array:
+        """Positions of the free coefficients in the vector of all, d for each basis function."""
+        fixed = np.zeros(self.count, dtype=bool)
+        for part in self.body.of(Kind.CLAMPED):
+            fixed[self.numbers_on(part)] = True
+        return np.flatnonzero(np.repeat(~fixed, self.dim))
+
+    @property
+    def dofs(self) -> int:
+        return len(self.free)
+
+    def coefficients(self, v: Array) -> Array:
+        """All coefficients of a function, zero on Γ1: (dofs,) → (count, d)."""
+        full = np.zeros(self.dim * self.count)
+        full[self.free] = v
+        return full.reshape(-1, self.dim)
+
+    def strain(self, v: Array) -> Tensors:
+        """ε(v), (D, cells) or (D, cells, points)."""
+        return np.moveaxis((self.E @ v).reshape(*self.weights.shape, -1), -1, 0)
+
+    def functional(self, stress: Tensors) -> Array:
+        """(σ, ε(·))_Q for the means of a stress on the cells, or its values at the points, → (dofs,)."""
+        return self.E.T @ np.moveaxis(self.weights * stress, 0, -1).ravel()
+
+    def form(self, C: Array, factor: Array | float = 1.0) -> sps.csc_array:
+        """The matrix of (α C ε(u), ε(v))_Q for a tensor C, Mandel (D, D), and α as in ``weights``."""
+        weighted = sps.kron(sps.diags_array((self.weights * factor).ravel()), C, format="csr")
+        matrix = sps.csc_array(self.E.T @ (weighted @ self.E))
+        return sps.csc_array((matrix + matrix.T) / 2)
+
+    @cached_property
+    def contact(self) -> list[tuple[Part, Array]]:
+        """Each piece Γ3,i with its basis functions off Γ1, in the order of the rows of ``N``.
+
+        A function on two pieces of the same normal belongs to the first: one constraint is one row.
+        """
+        fixed = np.setdiff1d(np.arange(self.count), self.free[:: self.dim] // self.dim)
+        found: list[tuple[Part, Array]] = []
+        for part in self.body.of(Kind.CONTACT):
+            same = [numbers for other, numbers in found if np.allclose(other.normal, part.normal)]
+            found.append((part, np.setdiff1d(self.numbers_on(part), np.concatenate([fixed, *same]))))
+        return found
+
+    @cached_property
+    def N(self) -> sps.csr_array:
+        """v ↦ ν·c for the coefficients on Γ3, (m, dofs): admissible are the v with N v ≤ 0.
+
+        One row per piece and function: a function on two pieces has both constraints.
+        """
+        normals = np.concatenate([np.tile(part.normal, (len(numbers), 1)) for part, numbers in self.contact])
+        numbers = np.concatenate([numbers for _, numbers in self.contact])
+        return sps.csr_array(self._rows(normals[:, None], numbers[:, None])[:, self.free])
+
+    def _matrix(self, values: Array) -> sps.csr_array:
+        """The matrix on the free coefficients with the same number of rows in every cell, (cells, rows, k, d)."""
+        full = self._rows(values, self.numbers.T[:, None])
+        full.eliminate_zeros()
+        return sps.csr_array(full[:, self.free])
+
+    def _rows(self, values: Array, numbers: Array) -> sps.csr_array:
+        """The matrix on all coefficients, with rows of the values (..., k, d) at those of k functions (..., k)."""
+        columns = np.broadcast_to(self.dim * numbers[..., None] + np.arange(self.dim), values.shape)
+        width = values.shape[-2] * values.shape[-1]
+        starts = np.arange(0, values.size + 1, width)
+        return sps.csr_array((values.ravel(), columns.ravel(), starts), shape=(len(starts) - 1, self.dim * self.count))
+
+
 @dataclass(frozen=True, eq=False)
-class Space:
-    """The finite element space of Problem 5.1 on one mesh.
+class Space(Displacements):
+    """V^h of Problem 5.1: continuous P1 displacements, given by d values at every vertex; K^h = {v : N v ≤ 0}.
+
+    Strains are constant on every cell, so (σ, ε(v))_Q needs the means of σ alone and (α C ε(u), ε(v))_Q those of α.
 
     Raises:
         MeshError: the mesh does not fit the parts of the body (from ``boundary_parts``).
@@ -36,73 +139,34 @@ class Space:
     def __post_init__(self) -> None:
         self.parts  # refuse a mesh that does not fit before anything is built on it  # noqa: B018
 
-    @property
-    def dim(self) -> int:
-        return self.body.dim
-
     @cached_property
     def h(self) -> float:
         return mesh_size(self.mesh)
 
-    @cached_property
-    def parts(self) -> list[Array]:
-        """Facets of each part of the body."""
-        return boundary_parts(self.mesh, self.body)
+    @property
+    def numbers(self) -> Array:
+        return self.mesh.t
 
-    @cached_property
-    def volumes(self) -> Array:
-        """|T|, (cells,)."""
-        return cell_volumes(self.mesh)
-
-    def facets(self, part: Part) -> Array:
-        return self.parts[self.body.parts.index(part)]
+    def numbers_on(self, part: Part) -> Array:
+        return self.vertices(part)
 
     def vertices(self, part: Part) -> Array:
         """Vertices on a closed part."""
         return np.unique(self.mesh.facets[:, self.facets(part)])
 
-    @cached_property
-    def free(self) -> Array:
-        """Positions of the free values in the nodal vector (vertex-major: d values a vertex)."""
-        fixed = np.zeros(self.mesh.p.shape[1], dtype=bool)
-        for part in self.body.of(Kind.CLAMPED):
-            fixed[self.vertices(part)] = True
-        return np.flatnonzero(np.repeat(~fixed, self.dim))
-
     @property
-    def dofs(self) -> int:
-        return len(self.free)
+    def weights(self) -> Array:
+        return self.volumes
 
     @cached_property
     def E(self) -> sps.csr_array:
-        """Mandel strains of the nodal basis, (D·cells, n_dofs), cell-major."""
-        D, dim, cells = tensor_size(self.dim), self.dim, self.mesh.t.shape[1]
-        # ε(φ e_j)_I = E_I : sym(e_j ⊗ ∇φ) = (E_I ∇φ)_j.
-        values = np.einsum("Ijk,cik->cIij", basis(dim), barycentric_gradients(self.mesh), optimize=True)
-        columns = np.broadcast_to(dim * self.mesh.t.T[:, None, :, None] + np.arange(dim), values.shape)
-        starts = (dim + 1) * dim * np.arange(D * cells + 1)
-        full = sps.csr_array((values.ravel(), columns.ravel(), starts), shape=(D * cells, dim * self.mesh.p.shape[1]))
-        full.eliminate_zeros()
-        return sps.csr_array(full[:, self.free])
-
-    def form(self, C: Array, factor: Array | float = 1.0) -> sps.csc_array:
-        """The matrix of (α C ε(u), ε(v))_Q for a tensor C, Mandel (D, D), and the means of α on the cells."""
-        weighted = sps.kron(sps.diags_array(self.volumes * factor), C, format="csr")
-        matrix = sps.csc_array(self.E.T @ (weighted @ self.E))
-        return sps.csc_array((matrix + matrix.T) / 2)
-
-    def strain(self, v: Array) -> Tensors:
-        """ε(v) on every cell, (D, cells)."""
-        return (self.E @ v).reshape(-1, tensor_size(self.dim)).T
-
-    def functional(self, stress: Tensors) -> Array:
-        """(σ, ε(·))_Q for the cell means of a stress, (D, cells) → (n_dofs,)."""
-        return self.E.T @ (self.volumes * stress).T.ravel()
+        """Mandel strains of the nodal basis, (D·cells, n_dofs), cell-major: ε(φ e_j)_I = E_I : sym(e_j ⊗ ∇φ)."""
+        gradients = barycentric_gradients(self.mesh)
+        return self._matrix(np.einsum("Ijk,cik->cIij", basis(self.dim), gradients, optimize=True))
 
     def scatter(self, vertices: Array, values: Vectors) -> Vectors:
         """Sum local vectors into nodal ones: indices (k, n) and values (d, k, n) → (d, vertices)."""
-        count = self.mesh.p.shape[1]
-        return np.array([np.bincount(vertices.ravel(), component.ravel(), count) for component in values])
+        return np.array([np.bincount(vertices.ravel(), component.ravel(), self.count) for component in values])
 
     def interpolate(self, values: Vectors) -> Array:
         """Π^h: nodal values (d, vertices) → free values (n_dofs,)."""
@@ -110,38 +174,4 @@ class Space:
 
     def nodal(self, v: Array) -> Vectors:
         """Free values → nodal values (d, vertices), zero on Γ1."""
-        nodal = np.zeros(self.dim * self.mesh.p.shape[1])
-        nodal[self.free] = v
-        return nodal.reshape(-1, self.dim).T
-
-    @cached_property
-    def contact(self) -> list[tuple[Part, Array]]:
-        """Each piece Γ3,i with its vertices off Γ1, in the order of the rows of ``N``.
-
-        A vertex between two pieces of the same normal belongs to the first: one constraint is one row.
-        """
-        fixed = np.setdiff1d(np.arange(self.mesh.p.shape[1]), self.free[:: self.dim] // self.dim)
-        found: list[tuple[Part, Array]] = []
-        for part in self.body.of(Kind.CONTACT):
-            same = [vertices for other, vertices in found if np.allclose(other.normal, part.normal)]
-            found.append((part, np.setdiff1d(self.vertices(part), np.concatenate([fixed, *same]))))
-        return found
-
-    @cached_property
-    def N(self) -> sps.csr_array:
-        """v ↦ v_ν at the vertices of Γ3, (m, n_dofs), so that K^h = {v : N v ≤ 0}.
-
-        One row per piece and vertex: a vertex between two pieces has both constraints.
-        """
-        rows = []
-        for part, vertices in self.contact:
-            columns = (self.dim * vertices[:, None] + np.arange(self.dim)).ravel()
-            block = sps.coo_array(
-                (
-                    np.tile(part.normal, len(vertices)),
-                    (np.repeat(np.arange(len(vertices)), self.dim), columns),
-                ),
-                shape=(len(vertices), self.dim * self.mesh.p.shape[1]),
-            )
-            rows.append(block)
-        return sps.csr_array(sps.csr_array(sps.vstack(rows))[:, self.free])
+        return self.coefficients(v).T

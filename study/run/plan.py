@@ -9,10 +9,9 @@ from typing import Any
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.self_proof import Finding, SelfProofError, examine
-from study.fem.line import Line
 from study.fem.mesh import MeshError, boundary_parts
 from study.fem.naming import family_named, resolve
-from study.fem.quadrature import rough_cells
+from study.fem.quadrature import Line, rough_cells
 from study.ledger.datafiles import CsvFile
 from study.run.job import Job
 from study.statements import STATEMENTS

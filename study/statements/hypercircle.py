@@ -44,8 +44,8 @@ from study.solve.signorini import Signorini
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.stresses.bernstein import interval_mass
 from study.stresses.hybrid import Equilibrium
+from study.stresses.loads import ProjectedLoads
 from study.stresses.oscillation import Oscillation
-from study.stresses.projection import ProjectedLoads
 from study.stresses.stress_space import StressSpace
 
 FROZEN = Rational(1, 3)

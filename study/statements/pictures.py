@@ -12,9 +12,8 @@ from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array
-from study.fem.mesh import MeshFamily, OneDiagonal, Unstructured, facet_measures
+from study.fem.mesh import MeshFamily, OneDiagonal, Skin, Unstructured, facet_measures
 from study.fem.naming import resolve
-from study.fem.skin import Skin
 from study.fem.space import Space
 from study.ledger.datafiles import JsonFiles
 from study.ledger.facets import Facets

@@ -63,42 +63,31 @@ class CompositeElement:
                     found[third, row, :, third, place[alpha]] += k * np.einsum("Iij,j->iI", basis(2), gradient)
         return found
 
-    def on_edge(self, third: int, first: int, second: int) -> list[int]:
-        """The Bernstein polynomials of a third that do not vanish on the edge between two of its vertices, in order."""
+    def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
+        """|e| σν on the edge e between two vertices of a third in Bernstein form, (k + 1, 2; 3, polynomials, 3)."""
         place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
-        found = []
+        found = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
         for step in range(self.degree + 1):
             alpha = [0, 0, 0]
             alpha[first], alpha[second] = self.degree - step, step
-            found.append(place[tuple(alpha)])
+            normal = np.array([along[1], -along[0]])
+            found[step, :, third, place[tuple(alpha)]] = np.einsum("Iij,j->iI", basis(2), normal)
         return found
 
     @cached_property
     def jumps(self) -> Array:
         """The jump of the traction across the inner edges, (equations; 3, polynomials, 3)."""
         rows = []
-        centre = CORNERS.mean(axis=1)
         for vertex in range(3):
-            along = CORNERS[:, vertex] - centre
-            normal = np.array([along[1], -along[0]])
-            equations = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
-            for third, sign in (((vertex + 1) % 3, 1.0), ((vertex + 2) % 3, -1.0)):
-                corner = SIDES[third].index(vertex)
-                for row, polynomial in enumerate(self.on_edge(third, corner, 2)):
-                    equations[row, :, third, polynomial] += sign * np.einsum("Iij,j->iI", basis(2), normal)
-            rows.append(equations.reshape(-1, 3, self.polynomials, 3))
-        return np.concatenate(rows)
+            along = CORNERS[:, vertex] - CORNERS.mean(axis=1)
+            sides = ((vertex + 1) % 3, 1.0), ((vertex + 2) % 3, -1.0)
+            rows.append(sum(sign * self._on_edge(side, SIDES[side].index(vertex), 2, along) for side, sign in sides))
+        return np.concatenate(rows).reshape(-1, 3, self.polynomials, 3)
 
     @cached_property
     def tractions(self) -> Array:
         """|ê| σ̂ν̂ on the sides in Bernstein form, from a to b of SIDES, (3 sides, k + 1, 2; 3, polynomials, 3)."""
-        found = np.zeros((3, self.degree + 1, 2, 3, self.polynomials, 3))
-        for side, (a, b) in enumerate(SIDES):
-            along = CORNERS[:, b] - CORNERS[:, a]
-            normal = np.array([along[1], -along[0]])
-            for row, polynomial in enumerate(self.on_edge(side, 0, 1)):
-                found[side, row, :, side, polynomial] = np.einsum("Iij,j->iI", basis(2), normal)
-        return found
+        return np.array([self._on_edge(i, 0, 1, CORNERS[:, b] - CORNERS[:, a]) for i, (a, b) in enumerate(SIDES)])
 
     @cached_property
     def space(self) -> Array:

@@ -11,20 +11,19 @@ displacement u^h. That they are strains of a displacement in K is what Theorem 4
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from manufactured.data import Data
-from manufactured.law import KelvinVoigt, Linear
+from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors
 from study.solve.signorini import Signorini
 from study.solve.tableau import Tableau
 from study.stresses.hybrid import EquilibratedStress, Equilibrium
-from study.stresses.loads import Loads
-from study.stresses.projection import ProjectedLoads
+from study.stresses.loads import Loads, ProjectedLoads
 from study.stresses.stress_space import StressSpace
 
 
@@ -54,26 +53,9 @@ def tensor_at(C: Linear, x: Array) -> Array:
     return np.multiply.outer(C.factor(x), C.matrix)
 
 
-def linear(law: KelvinVoigt) -> tuple[Linear, Linear]:
-    """A and G of a linear law.
-
-    Raises:
-        EquilibriumError: G is not linear.
-    """
-    if not isinstance(law.G, Linear):
-        raise EquilibriumError(f"Problem 3.2 is solved on composite stresses for linear G, not for {law.name}")
-    return law.A, law.G
-
-
 @dataclass(frozen=True, eq=False)
 class StressEvolution:
-    """Problem 3.2 in time on composite stresses.
-
-    Attributes:
-        data: A, G, f_0, f_2, u_0 and T.
-        space: the stresses.
-        solver: (S, N) ↦ the contact solve of one step.
-    """
+    """Problem 3.2 in time: A, G, f_0, f_2, u_0 and T, the stresses, and (S, N) ↦ the contact solve of one step."""
 
     data: Data
     space: StressSpace
@@ -85,7 +67,6 @@ class StressEvolution:
 
     @cached_property
     def loads(self) -> ProjectedLoads:
-        """t ↦ P f_0 and P f_2."""
         return ProjectedLoads(self.data, self.space)
 
     def initial(self) -> DualState:
@@ -95,32 +76,28 @@ class StressEvolution:
         stress = EquilibratedStress(np.full_like(strain, np.nan), edges[space.edges], edges)
         return DualState(0.0, stress, strain, self.loads(0.0))
 
-    def stepper(self, scheme: Tableau, k: float) -> _DualStep:
+    def stepper(self, scheme: Tableau, k: float) -> Callable[[int, Sequence[DualState]], DualState]:
         """(n, the states before) ↦ the state at t_n.
 
         Raises:
-            EquilibriumError: a law whose G is not linear, or a scheme that takes G at another time than t_n.
+            EquilibriumError: a scheme that takes G at another time than t_n, or a law whose G is not linear.
         """
+        law, points = self.data.law, self.space.points
         if scheme.theta != 1:
             raise EquilibriumError(f"Problem 3.2 is solved at t_n, which {scheme.name} does not do: take bdf2")
-        return _DualStep(self, scheme, k)
+        if not isinstance(law.G, Linear):
+            raise EquilibriumError(f"Problem 3.2 is solved on composite stresses for linear G, not for {law.name}")
+        viscous = tensor_at(law.A, points) / k
+        compliance = np.linalg.inv(scheme.newest * viscous + tensor_at(law.G, points))
+        equilibrium = Equilibrium(self.space, compliance, self.solver)
 
+        def step(n: int, past: Sequence[DualState]) -> DualState:
+            known = scheme.known([state.strain for state in past])
+            rate = np.einsum("cqIJ,Jcq->Icq", viscous, known, optimize=True)
+            released = np.einsum("cqIJ,Jcq->Icq", compliance, rate, optimize=True)
+            loads = self.loads(n * k)
+            stress = equilibrium(loads, released)
+            strain = released + np.einsum("cqIJ,Jcq->Icq", compliance, stress.values, optimize=True)
+            return DualState(n * k, stress, strain, loads)
 
-class _DualStep:
-    """The steps of one scheme with one k."""
-
-    def __init__(self, problem: StressEvolution, scheme: Tableau, k: float) -> None:
-        self.problem, self.scheme, self.k = problem, scheme, k
-        A, G = linear(problem.data.law)
-        self.viscous = tensor_at(A, problem.space.points) / k
-        self.compliance = np.linalg.inv(scheme.newest * self.viscous + tensor_at(G, problem.space.points))
-        self.equilibrium = Equilibrium(problem.space, self.compliance, problem.solver)
-
-    def __call__(self, n: int, past: Sequence[DualState]) -> DualState:
-        known = self.scheme.known([state.strain for state in past])
-        rate = np.einsum("cqIJ,Jcq->Icq", self.viscous, known, optimize=True)
-        released = np.einsum("cqIJ,Jcq->Icq", self.compliance, rate, optimize=True)
-        loads = self.problem.loads(n * self.k)
-        stress = self.equilibrium(loads, released)
-        strain = released + np.einsum("cqIJ,Jcq->Icq", self.compliance, stress.values, optimize=True)
-        return DualState(n * self.k, stress, strain, loads)
+        return step

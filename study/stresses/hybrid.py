@@ -65,14 +65,13 @@ class Equilibrium:
         weighted = (space.weights[..., None, None] * (compliance @ space.basis)).reshape(self.basis.shape)
         self.stiffness = np.linalg.inv(self.basis.swapaxes(1, 2) @ weighted)
         # (cells, 3 sides · n · 2, p)
-        self.R = space.tractions.reshape(space.cells, -1, space.tractions.shape[-1])
+        self.R = space.tractions.reshape(cells, -1, p)
         self.RT = self.R.swapaxes(1, 2)
         self._number()
         local = self.R @ self.stiffness @ self.RT
         rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
-        full = sps.coo_array(
-            (local.ravel(), (rows.ravel(), rows.swapaxes(1, 2).ravel())), shape=(self.total, self.total)
-        ).tocsc()
+        places = rows.ravel(), rows.swapaxes(1, 2).ravel()
+        full = sps.coo_array((local.ravel(), places), shape=(self.total, self.total)).tocsc()
         S = sps.csc_array(full[self.free][:, self.free])
         self.S = sps.csc_array((S + S.T) / 2)
         self.solve = solver(self.S, self.N)
@@ -90,9 +89,8 @@ class Equilibrium:
         self.contact = np.concatenate([mine for _, mine in space.on(Kind.CONTACT)])
         normal = (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel()
         columns = np.searchsorted(self.free, normal)
-        self.N = sps.csr_array(
-            (np.ones(len(columns)), (np.arange(len(columns)), columns)), shape=(len(columns), len(self.free))
-        )
+        places = np.arange(len(columns)), columns
+        self.N = sps.csr_array((np.ones(len(columns)), places), shape=(len(columns), len(self.free)))
 
     def __call__(self, loads: Loads, strain: Tensors, normal: Array | None = None) -> EquilibratedStress:
         """The minimiser.

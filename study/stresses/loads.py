@@ -1,24 +1,37 @@
-"""The loads a stress of Σ^h balances, P f_0 and P f_2, and what the projection P leaves out of the data.
+"""The loads a stress of Σ^h balances, P f_0 and P f_2, at any time, and what the projection P leaves out of the data.
 
 P is the L² projection: of f_0 onto polynomials of degree k − 1 on the thirds of cells, of f_2 onto polynomials of
-degree k on the edges of Γ2, for stresses of degree k.
+degree k on the edges of Γ2, for stresses of degree k. Thirds and edges are cut along the lines at which the data are
+rough (``study.fem.quadrature``).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
+from manufactured.body import Kind, Part
+from manufactured.data import Data
 from manufactured.tensors import Array
+from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
+from study.stresses.alfeld import alfeld_split, barycentric
+from study.stresses.bernstein import bernstein, triangle_mass
+from study.stresses.stress_space import StressSpace
+
+DEGREE = 4
+"""Degree of the rule for f_0 on a third, at least; 2k if that is more."""
+EDGE_POINTS = 6
+"""Gauss points for f_2 on an edge."""
+GRADED_POINTS = 28
+"""Where edges are cut and their rules graded with the power 8: exact to degree 6, for products of two of degree 3."""
+PARALLEL = 1e-9
+"""Sine of an angle below which a line is parallel to a part."""
 
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """The loads of one time in Bernstein form.
-
-    Attributes:
-        force: coefficients of P f_0, (cells, 3 thirds, lower, 2).
-        surface: coefficients of P f_2 on Γ2, zero on other edges, (edges, n, 2).
-    """
+    """P f_0, (cells, 3 thirds, lower, 2), and P f_2, zero off Γ2, (edges, n, 2), of one time in Bernstein form."""
 
     force: Array
     surface: Array
@@ -45,3 +58,101 @@ class Snapshot:
     low_order: Array
     high_order: Array
     on_edges: Array
+
+
+class ProjectedLoads:
+    """t ↦ P f_0 and P f_2 for a space of stresses."""
+
+    def __init__(self, data: Data, space: StressSpace) -> None:
+        self.space = space
+        mesh, corners = alfeld_split(space.mesh)
+        lines = [Line(direction, offset) for direction, offset in data.lines]
+        cells = np.repeat(space.mesh.p[:, space.mesh.t], 3, axis=2)
+        self._blocks = []
+        for rule in cell_rules(mesh, max(DEGREE, 2 * space.degree), lines, data.points):
+            local, full = (barycentric(c[:, :, rule.cells], rule.points) for c in (corners, cells))
+            shapes, whole = bernstein(space.degree - 1, local), bernstein(space.degree, full)
+            self._blocks.append(_Block(data, rule, shapes, whole))
+        self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
+
+    def __call__(self, time: float) -> Loads:
+        return self.at(time).loads
+
+    def at(self, time: float) -> Snapshot:
+        """P f_0, P f_2 and the norms of what P leaves out."""
+        space, mass = self.space, triangle_mass(self.space.degree)
+        lower = space.degree * (space.degree + 1) // 2
+        force, squares = np.empty((3 * space.cells, lower, 2)), np.empty(3 * space.cells)
+        moments = np.empty((3 * space.cells, len(mass), 2))
+        for block in self._blocks:
+            force[block.cells], squares[block.cells], moments[block.cells] = block(time)
+        surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
+        on_edges = np.zeros(len(surface))
+        for part in self._parts:
+            surface[part.edges], on_edges[part.edges] = part(time)
+        total = squares.reshape(-1, 3).sum(axis=1)
+        of_cells = moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
+        low_order = np.einsum("cad,ab,cbd->c", of_cells, np.linalg.inv(mass), of_cells) / space.volumes
+        return Snapshot(
+            Loads(force.reshape(space.cells, 3, lower, 2), surface),
+            np.sqrt(np.maximum(low_order, 0.0)),
+            np.sqrt(np.maximum(total - low_order, 0.0)),
+            on_edges,
+        )
+
+
+class _Block:
+    """Some thirds with one quadrature rule and f_0 at its points.
+
+    ``shapes`` are the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q), and ``whole``
+    those of degree k of their cells, (more, n, q).
+    """
+
+    def __init__(self, data: Data, rule: CellRule, shapes: Array, whole: Array) -> None:
+        self.cells, self.weights = rule.cells, rule.weights
+        self.shapes, self.whole = shapes, whole
+        self.force = data.body_force(rule.points)
+        gram = np.einsum("anq,bnq,nq->nab", shapes, shapes, rule.weights, optimize=True)
+        self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), shapes, rule.weights, optimize=True)
+
+    def __call__(self, time: float) -> tuple[Array, Array, Array]:
+        """P f_0, (n, lower, 2), and for g = f_0 − P f_0: ‖g‖² on the thirds, (n,), ∫ g B_α, (n, more, 2)."""
+        force = self.force(time)
+        coefficients = np.einsum("naq,dnq->nad", self.projection, force, optimize=True)
+        rest = force - np.einsum("nad,anq->dnq", coefficients, self.shapes, optimize=True)
+        weighted = rest * self.weights
+        return (
+            coefficients,
+            np.einsum("dnq,dnq->n", rest, weighted),
+            np.einsum("dnq,anq->nad", weighted, self.whole, optimize=True),
+        )
+
+
+class _Edges:
+    """The edges of one part of Γ2 with their quadrature and f_2 at its points."""
+
+    def __init__(self, data: Data, space: StressSpace, part: Part, edges: Array) -> None:
+        crossings = _crossings(data, part)
+        rule = facet_rule(space.mesh, edges, part, crossings, GRADED_POINTS if crossings else EDGE_POINTS)
+        self.edges, self.weights = edges, rule.weights
+        self.shapes = bernstein(space.degree, rule.shapes)
+        self.load = data.surface_load(part, part.point(rule.s))
+        gram = np.einsum("anq,bnq,nq->nab", self.shapes, self.shapes, rule.weights)
+        self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), self.shapes, rule.weights)
+
+    def __call__(self, time: float) -> tuple[Array, Array]:
+        """P f_2, (n, k + 1, 2), and ‖f_2 − P f_2‖_e, (n,)."""
+        values = self.load(time)
+        coefficients = np.einsum("naq,dnq->nad", self.projection, values)
+        rest = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)
+        return coefficients, np.sqrt(np.einsum("dnq,dnq,nq->n", rest, rest, self.weights))
+
+
+def _crossings(data: Data, part: Part) -> tuple[float, ...]:
+    """Coordinates along a part at which lines of the data meet it."""
+    found = []
+    for direction, offset in data.lines:
+        slope, start = np.dot(direction, part.tangent), np.dot(direction, part.start)
+        if abs(slope) > PARALLEL and 0 < (offset - start) / slope < part.measure:
+            found.append(float((offset - start) / slope))
+    return tuple(sorted(found))

@@ -13,21 +13,23 @@ from functools import cached_property
 import numpy as np
 from skfem import Mesh
 
-from manufactured.body import Body
+from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors, Vectors, basis
+from study.fem.mesh import MeshedBody, MeshError
 from study.fem.quadrature import simplex_rule
 from study.stresses.alfeld import SIDES, thirds
 from study.stresses.bernstein import bernstein
 from study.stresses.composite import CompositeElement, composite
-from study.stresses.triangulated_body import TriangulatedBody
 
 LEAST_DEGREE = 4
 """Degree of the rule on the thirds, at least: errors of linear stresses are quadratic."""
+FACETS = (1, 2, 0)
+"""Facet i of a cell, in the order of the mesh, joins its vertices i and i + 1 modulo 3; side i is opposite vertex i."""
 
 
 @dataclass(frozen=True, eq=False)
-class StressSpace(TriangulatedBody):
-    """Composite stresses of degree k on a triangulation of a body.
+class StressSpace(MeshedBody):
+    """Composite stresses of degree k on a triangulation of a body, whose cells are x = F x̂ + b.
 
     Shapes: Q points a cell (all thirds together), p basis functions with Div σ = 0 a cell, n = k + 1 Bernstein
     polynomials an edge.
@@ -40,6 +42,47 @@ class StressSpace(TriangulatedBody):
     body: Body
     degree: int = 1
 
+    def __post_init__(self) -> None:
+        if self.mesh.dim() != 2:
+            raise MeshError(f"composite stresses are made for triangles, got a mesh of dimension {self.mesh.dim()}")
+        self.parts  # refuse a mesh that does not fit before anything is built on it  # noqa: B018
+
+    @cached_property
+    def map(self) -> Array:
+        """F, (cells, 2, 2)."""
+        corners = self.mesh.p[:, self.mesh.t]
+        return np.moveaxis(np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=1), 2, 0)
+
+    @cached_property
+    def determinant(self) -> Array:
+        """det F, negative for a reflected cell, (cells,)."""
+        return np.linalg.det(self.map)
+
+    @cached_property
+    def edges(self) -> Array:
+        """The edge on each side of the cells, (cells, 3)."""
+        return self.mesh.t2f[list(FACETS)].T
+
+    @cached_property
+    def lengths(self) -> Array:
+        """|e|, (edges,)."""
+        ends = self.mesh.p[:, self.mesh.facets]
+        return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=0)
+
+    @cached_property
+    def frames(self) -> Array:
+        """Rows: the axes of tractions, (ν, τ) on Γ3, Cartesian elsewhere, (edges, 2, 2)."""
+        found = np.tile(np.eye(2), (self.mesh.facets.shape[1], 1, 1))
+        for part, edges in self.on(Kind.CONTACT):
+            found[edges] = np.array([part.normal, part.tangent])
+        return found
+
+    def boundary_tractions(self, edges: Array, tractions: Array) -> Array:
+        """Tractions on edges of the boundary, with the outward normal: (cells, 3, n, 2) → (edges, n, 2)."""
+        found = np.empty((len(self.lengths), *tractions.shape[2:]))
+        found[self.edges] = tractions
+        return found[edges]
+
     @property
     def element(self) -> CompositeElement:
         return composite(self.degree)
@@ -47,8 +90,7 @@ class StressSpace(TriangulatedBody):
     @cached_property
     def _piola(self) -> Array:
         """σ̂ ↦ F σ̂ Fᵀ / det F in Mandel form, (cells, 3, 3)."""
-        F = self.map
-        E = basis(2)
+        F, E = self.map, basis(2)
         pushed = np.einsum("cij,Jjk,clk->cJil", F, E, F) / self.determinant[:, None, None, None]
         return np.einsum("Iil,cJil->cIJ", E, pushed)
 
@@ -61,10 +103,7 @@ class StressSpace(TriangulatedBody):
     def _values(self) -> Array:
         """Coefficients ↦ Mandel values at the points of the reference triangle, (Q, 3 thirds, polynomials)."""
         at = bernstein(self.degree, self._rule[0]).T
-        found = np.zeros((3, *at.shape[:1], 3, at.shape[1]))
-        for third in range(3):
-            found[third, :, third] = at
-        return found.reshape(-1, 3, at.shape[1])
+        return np.kron(np.eye(3), at).reshape(-1, 3, at.shape[1])
 
     @cached_property
     def points(self) -> Points:

@@ -45,20 +45,15 @@ from manufactured.cases.laws import not_proportional
 from manufactured.data import Data
 from manufactured.tensors import Array, Points, Tensors
 from study.bound.bounded import known_error
-from study.bound.discrete_solution import DiscreteSolution, compute
+from study.bound.discrete_solution import DiscreteSolution, compute, prolongation
 from study.bound.discretisation import Discretisation
-from study.bound.embedding import prolongation
-from study.bound.enclosing import enclose
+from study.bound.enclosing import Enclosure, enclose, order
 from study.bound.equilibration import Equilibration, LawResidual
-from study.bound.gronwall import Interval
-from study.bound.majorant import Majorant
+from study.bound.majorant import Interval, Majorant
 from study.bound.refusal import BoundError
-from study.bound.spline import Parabola, spline
-from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, quadratic_problem
-from study.bound.two_sided import Enclosure, order
-from study.fem.line import Line
+from study.bound.trajectory import Parabola, Refined, SmoothedInTime, Trajectory, quadratic_problem, spline
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
-from study.fem.quadrature import cell_rules
+from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 from study.solve.evolution import Scheme
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES

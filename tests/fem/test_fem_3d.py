@@ -14,7 +14,6 @@ from manufactured import Body, BodyError, Kind, Part, box, catalogue, isotropic,
 from manufactured.tensors import mandel
 from study.fem.gauge import Gauge
 from study.fem.independent import LeadingTerm, load_from_forces
-from study.fem.line import Line
 from study.fem.mesh import (
     FAMILIES,
     CrissCross,
@@ -26,7 +25,7 @@ from study.fem.mesh import (
     boundary_parts,
     facet_measures,
 )
-from study.fem.quadrature import cell_rules, facet_rule, simplex_rule
+from study.fem.quadrature import Line, cell_rules, facet_rule, simplex_rule
 from study.fem.space import Space
 from study.statements.pictures import contact_weights
 

@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 
 from manufactured.catalogue import catalogue
 from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
-from study.fem.line import Line
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
-from study.fem.quadrature import facet_rule, simplex_rule
-from study.fem.quadrature.sharing import shared
+from study.fem.quadrature import Line, facet_rule, simplex_rule
+from study.fem.quadrature.cells import shared
 from study.fem.space import Space
 
 PLANE = [case for case in catalogue() if case.solution.body.dim == 2]

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from manufactured import Kind, box
 from manufactured.body import Body, Part
 from manufactured.catalogue import catalogue
-from study.fem.mesh import MeshError, Unstructured, boundary_parts
+from study.fem.mesh import MeshError, Skin, Unstructured, boundary_parts
 from study.fem.naming import resolve
-from study.fem.skin import Skin
 from study.ledger.facets import Facets
 from study.ledger.packing import FINE
 from study.present.picture.picture import Picture

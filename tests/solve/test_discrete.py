@@ -16,9 +16,8 @@ from skfem.helpers import ddot, sym_grad, trace
 from manufactured import Kind, catalogue, polygon, unit_square
 from study.fem.gauge import Gauge
 from study.fem.independent import LeadingTerm, load_from_forces
-from study.fem.line import Line
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshError, OneDiagonal, Shaken, Unstructured
-from study.fem.quadrature import cell_rules
+from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 from study.solve import signorini
 from study.solve.contact_step import EvolutionError

@@ -37,8 +37,7 @@ from study.stresses.bernstein import bernstein, indices
 from study.stresses.composite import composite
 from study.stresses.dual import EquilibriumError, StressEvolution, tensor_at
 from study.stresses.hybrid import EquilibratedStress, Equilibrium
-from study.stresses.loads import Loads
-from study.stresses.projection import ProjectedLoads
+from study.stresses.loads import Loads, ProjectedLoads
 from study.stresses.stress_space import StressSpace
 
 BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entrant", "junction")

@@ -5,13 +5,10 @@ begins or ends. Every point at which the boundary condition changes must be a ve
 interface a union of facets; a mesh that violates this is refused.
 """
 
-from study.fem.mesh.boundary_facets import boundary_parts
-from study.fem.mesh.family import MeshError, MeshFamily
-from study.fem.mesh.geometry import barycentric_gradients, cell_volumes, facet_measures, size
-from study.fem.mesh.graded import Graded
-from study.fem.mesh.shaken import Shaken
-from study.fem.mesh.structured import CrissCross, OneDiagonal
-from study.fem.mesh.unstructured import Unstructured
+from study.fem.mesh.geometry import Skin, barycentric_gradients, cell_volumes, facet_measures, size
+from study.fem.mesh.meshed_body import MeshedBody, MeshError, MeshFamily, boundary_parts
+from study.fem.mesh.structured import CrissCross, OneDiagonal, Shaken
+from study.fem.mesh.unstructured import Graded, Unstructured
 
 FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured(), Graded())
 """The mesh families of the study, each with its default parameters."""
@@ -22,8 +19,10 @@ __all__ = [
     "Graded",
     "MeshError",
     "MeshFamily",
+    "MeshedBody",
     "OneDiagonal",
     "Shaken",
+    "Skin",
     "Unstructured",
     "barycentric_gradients",
     "boundary_parts",

@@ -1,7 +1,8 @@
-"""Volumes, measures and gradients of the simplices of a mesh."""
+"""The simplices of a mesh, their volumes and gradients, distances to a segment, and the visible surface of a mesh."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
@@ -19,8 +20,8 @@ def simplicial_mesh(points: Points, cells: Array) -> Mesh:
 def size(mesh: Mesh) -> float:
     """h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
 
-    In a quasi-uniform family it is equivalent to the largest diameter, whose random part on shaken
-    meshes would otherwise bend every observed order.
+    In a quasi-uniform family it is equivalent to the largest diameter, whose random part on shaken meshes would
+    otherwise bend every observed order.
     """
     return float((factorial(mesh.dim()) * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** (1 / mesh.dim()))
 
@@ -52,3 +53,49 @@ def _edges(points: Points, simplices: Array) -> Array:
     """The edges from the first vertex of simplices (k+1, n), (n, k, d)."""
     corners = points[:, simplices]
     return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0).swapaxes(1, 2)
+
+
+def nearest(points: Points, segment: Array) -> Array:
+    """Where on a segment (d, 2), from 0 at its start to 1 at its end, the nearest points to others (d, n) lie, (n,)."""
+    along = segment[:, 1] - segment[:, 0]
+    return np.clip(along @ (points - segment[:, :1]) / (along @ along), 0, 1)
+
+
+def distance(points: Points, segment: Array) -> Array:
+    """Distances of points (d, n) to a segment (d, 2), (n,)."""
+    foot = segment[:, :1] + np.multiply.outer(segment[:, 1] - segment[:, 0], nearest(points, segment))
+    return np.linalg.norm(points - foot, axis=0)
+
+
+def on_segment(points: Points, segment: Array) -> Array:
+    """Whether points (d, n) lie on a segment (d, 2) up to rounding, (n,)."""
+    return distance(points, segment) <= 1e-9 * np.linalg.norm(segment[:, 1] - segment[:, 0])
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """The visible surface of a mesh, for pictures: the triangles of all cells in 2D, of the boundary facets in 3D.
+
+    Attributes:
+        vertices: the vertices of the mesh that they use, (v,).
+        triangles: their corners as positions in ``vertices``, (3, k); in 3D counter-clockwise seen from outside.
+        cells: the cell of the mesh behind each, (k,).
+    """
+
+    vertices: Array
+    triangles: Array
+    cells: Array
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> Skin:
+        if mesh.dim() == 2:
+            return cls(np.arange(mesh.p.shape[1]), mesh.t, np.arange(mesh.t.shape[1]))
+        facets = mesh.boundary_facets()
+        cells, corners = mesh.f2t[0, facets], mesh.facets[:, facets]
+        fourth = mesh.t[:, cells].sum(axis=0) - corners.sum(axis=0)
+        a, b, c, d = (mesh.p[:, vertex].T for vertex in (*corners, fourth))
+        # The fourth vertex lies behind a facet whose corners run counter-clockwise.
+        seen_from_inside = np.linalg.det(np.stack([b - a, c - a, d - a], axis=1)) > 0
+        outer = np.where(seen_from_inside, corners[[0, 2, 1]], corners)
+        vertices, triangles = np.unique(outer, return_inverse=True)
+        return cls(vertices, triangles.reshape(outer.shape), cells)

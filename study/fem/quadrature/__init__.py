@@ -6,9 +6,7 @@ other cells a standard rule.
 """
 
 from study.fem.quadrature.cells import cell_rules
-from study.fem.quadrature.facet_rules import facet_rule
-from study.fem.quadrature.reference_rules import simplex_rule
-from study.fem.quadrature.rules import CellRule, FacetRule
-from study.fem.quadrature.singular_cells import rough_cells
+from study.fem.quadrature.rough_cells import Line, rough_cells
+from study.fem.quadrature.rules import CellRule, FacetRule, facet_rule, simplex_rule
 
-__all__ = ["CellRule", "FacetRule", "cell_rules", "facet_rule", "rough_cells", "simplex_rule"]
+__all__ = ["CellRule", "FacetRule", "Line", "cell_rules", "facet_rule", "rough_cells", "simplex_rule"]

@@ -14,10 +14,9 @@ from manufactured.problems import OpenProblem, problems
 from study.bound.bounded import known_error
 from study.bound.discrete_solution import compute
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import enclose
+from study.bound.enclosing import Enclosure, enclose
 from study.bound.refusal import check_force
 from study.bound.trajectory import Trajectory
-from study.bound.two_sided import Enclosure
 from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve
 from study.solve.evolution import Scheme

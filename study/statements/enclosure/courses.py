@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from manufactured.case import Case
+from study.bound.enclosing import Enclosure
 from study.bound.trajectory import Refined, SmoothedInTime, Trajectory
-from study.bound.two_sided import Enclosure
 from study.fem.naming import choose, family_named
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.solve.steps import rate_steps

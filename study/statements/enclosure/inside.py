@@ -6,7 +6,7 @@ import math
 
 import pandas as pd
 
-from study.bound.observed_order import order_interval
+from study.bound.enclosing import order_interval
 from study.ledger.criterion import Observation, Rule
 from study.ledger.measures import every, largest
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
