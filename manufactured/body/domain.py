@@ -7,8 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from manufactured.body.domain_checks import check
-from manufactured.body.part import ROUNDING, Kind, NDBool, Part, scattered
+from manufactured.body.part import ROUNDING, BodyError, Kind, NDBool, Part, fan_vector, scattered
 from manufactured.tensors import Points
 
 
@@ -87,3 +86,104 @@ class Body:
     def sample(self, rng: np.random.Generator, count: int) -> Points:
         """Random points of Ω, (d, count)."""
         return scattered(rng, self.vertices, self.contains, count)
+
+
+def check(body: Body) -> None:
+    """Refuse what is no body of the problem.
+
+    Raises:
+        BodyError: for the reasons listed in ``Body``.
+    """
+    _check_parts(body)
+    _check_closed(body)
+    for kind, why in ((Kind.CLAMPED, "Korn's inequality (2.17)"), (Kind.CONTACT, "the Signorini condition (2.5)")):
+        if not body.of(kind):
+            raise BodyError(f"the body has no part {kind.value}, which {why} needs")
+    if not (np.isfinite(body.T) and body.T > 0):
+        raise BodyError(f"the final time must be positive, got T = {body.T}")
+    for point in body.refine:
+        _check_refined(body, point)
+    for i, interface in enumerate(body.interfaces):
+        _check_interface(body, interface)
+        for other in body.interfaces[:i]:
+            _check_apart(interface, other)
+
+
+def _check_parts(body: Body) -> None:
+    """Refuse parts of different dimensions, too few, with gaps between them, or with inward normals."""
+    if len({part.dim for part in body.parts}) > 1:
+        raise BodyError(f"parts of the dimensions {[part.dim for part in body.parts]} bound no body")
+    if any(part.kind is Kind.INTERFACE for part in body.parts):
+        raise BodyError("an interface lies inside the body: give it as one of `interfaces`, not of the parts")
+    if len(body.parts) < 3 or len(body.parts) <= body.dim:
+        raise BodyError(
+            "a polygon needs three boundary parts or more, a polyhedron four or more, "
+            f"got {len(body.parts)} in {body.dim if body.parts else 'no'} dimensions"
+        )
+    if body.dim == 2:
+        for i, (part, after) in enumerate(zip(body.parts, body.parts[1:] + body.parts[:1], strict=True)):
+            if not np.allclose(part.end, after.start):
+                ends, starts = part.end.tolist(), after.start.tolist()
+                raise BodyError(f"part {i} ends at {ends} but the next starts at {starts}")
+    if body.measure <= 0:
+        raise BodyError(
+            f"the parts enclose {'the area' if body.dim == 2 else 'the volume'} {body.measure:.6g}; "
+            "list corners counter-clockwise, in 3D seen from outside"
+        )
+
+
+def _check_closed(body: Body) -> None:
+    """Refuse parts that violate ∫ ν = 0 or ∫ x ⊗ ν = |Ω| 1, the divergence theorem for constant and linear fields."""
+    total = np.sum([part.vector for part in body.parts], axis=0)
+    fans = [simplex for part in body.parts for simplex in part.fan]
+    moments = np.sum([np.outer(simplex.mean(axis=1), fan_vector(simplex)) for simplex in fans], axis=0)
+    scale = float(np.ptp(body.vertices, axis=1).max())
+    surface = sum(part.measure for part in body.parts)
+    if (
+        abs(total).max() > ROUNDING * surface
+        or abs(moments - body.measure * np.eye(body.dim)).max() > ROUNDING * surface * scale
+    ):
+        raise BodyError(
+            f"the parts do not enclose the body: ∫ν over all of them is {np.round(total, 9).tolist()} and ∫x⊗ν is "
+            f"{np.round(moments, 9).tolist()}, expected 0 and |Ω| times the unit matrix; a part is missing, "
+            "doubled or has its corners clockwise seen from outside"
+        )
+
+
+def _check_refined(body: Body, point: tuple[float, ...]) -> None:
+    """Refuse a point of ``refine`` that is no vertex."""
+    given = np.array(point, dtype=float)
+    scale = float(np.ptp(body.vertices, axis=1).max())
+    if given.shape != (body.dim,) or abs(body.vertices - given[:, None]).max(axis=0).min() > ROUNDING * scale:
+        raise BodyError(
+            f"meshes cannot be refined towards {tuple(point)}: it is none of the vertices "
+            f"{[tuple(v) for v in body.vertices.T.tolist()]} of the body; list it as one"
+        )
+
+
+def _check_interface(body: Body, interface: Part) -> None:
+    """Refuse an interface that does not cut Ω from boundary to boundary."""
+    if interface.kind is not Kind.INTERFACE:
+        raise BodyError(f"an interface has the kind {Kind.INTERFACE}, got {interface.kind}")
+    if body.dim != 2 or interface.dim != 2:
+        raise BodyError("interfaces are segments in a 2D body; a 3D body has none")
+    tolerance = ROUNDING * interface.measure
+    for end in interface.corners.T:
+        if not any(part.contains(end, tolerance) for part in body.parts):
+            raise BodyError(f"the interface ends at {end.tolist()}, expected a point of the boundary")
+    inner = interface.point(interface.measure * np.linspace(0, 1, 101)[None, 1:-1])
+    if not body.contains(inner).all() or any(part.contains(inner, tolerance).any() for part in body.parts):
+        raise BodyError(
+            f"the interface from {interface.start.tolist()} to {interface.end.tolist()} leaves the body or touches "
+            "its boundary between its ends; cut it there"
+        )
+
+
+def _check_apart(interface: Part, other: Part) -> None:
+    """Refuse interfaces that cross: each has its ends on different sides of the other."""
+    sides = [one.coordinates(two.corners)[1] for one, two in ((interface, other), (other, interface))]
+    if all(np.prod(side) < -ROUNDING * abs(side).max() ** 2 for side in sides):
+        raise BodyError(
+            f"the interfaces from {interface.start.tolist()} and from {other.start.tolist()} cross; "
+            "they may meet on the boundary only"
+        )

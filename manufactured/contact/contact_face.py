@@ -9,12 +9,13 @@ import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
-from manufactured.contact.lifting import Lifting
-from manufactured.face_strain import Coupled, FaceStrain, Memory, relaxation_rate
+from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus, strain_terms
+from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, relaxation_rate
 from manufactured.law import KelvinVoigt, LawError, Linear
-from manufactured.profile import Profile, cutoff
-from manufactured.symbols import FormulaError, Jet, s, s1, s2
-from manufactured.tensors import Points
+from manufactured.modes import Modes
+from manufactured.profile import ZERO, Profile, cutoff
+from manufactured.symbols import FormulaError, Jet, Values, s, s1, s2
+from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
 
 VARIABLES = {2: (s,), 3: (s1, s2)}
 """The coordinates along a face of a body of dimension d."""
@@ -115,3 +116,142 @@ class ContactFace:
     def at(self, x: Points) -> Lifting:
         """The lifted fields at fixed points of Ω̄, (d, ...)."""
         return Lifting(self, x)
+
+
+class _Traces:
+    """(w, (q, r)), or its rate, at fixed places along a face, with derivatives: w up to order+1, (q, r) up to order."""
+
+    def __init__(self, face: ContactFace, s: Array) -> None:
+        self.face, self.s, self.strain = face, s, face.strain.at(s)
+
+    def __call__(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
+        gap = self.face.gap_rate_jet if rate else self.face.gap_jet
+        return gap(self.s, time, order + 1), self.strain(time, order)[rate]
+
+
+class Lifting:
+    """u, u̇, ε, ε̇ and their gradients at fixed points; what time does not change is kept.
+
+    Structured meshes have far fewer coordinates s than points: formulas are evaluated once for each. Points
+    deeper than the profile are left out.
+    """
+
+    def __init__(self, face: ContactFace, x: Points) -> None:
+        self.face = face
+        self.frame = face.part.frame
+        turned = rotation(self.frame)
+        self.rotation = None if np.array_equal(turned, np.eye(len(turned))) else turned
+        places, self.y = face.part.coordinates(x)
+        self.reach = np.real(self.y) < face.profile.depth
+        if not self.reach.all():
+            places, self.y = places[:, self.reach], self.y[self.reach]
+        self.s, self.where = _distinct(places)
+        self.on_face = _Traces(face, self.s)
+        self._functions: dict[tuple[str, int], Array] = {}
+
+    def _profile(self, name: str, derivative: int) -> Array:
+        """The derivative of a function of y at the points, computed once."""
+        if (name, derivative) not in self._functions:
+            self._functions[name, derivative] = sum(
+                getattr(self.face.profile, f)(self.y, derivative + k) for f, k in COMBINATIONS[name]
+            )
+        return self._functions[name, derivative]
+
+    def traces(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
+        """(w, (q, r)), or its rate, with derivatives along the face: w up to order+1, (q, r) up to order."""
+        w, strain = self.on_face(time, rate, order)
+        return self._spread(w), tuple(self._spread(values) for values in strain)
+
+    def _spread(self, values: Values) -> Values:
+        return values if self.where is None else {index: v[self.where] for index, v in values.items()}
+
+    def displacement(self, time: complex, rate: bool = False) -> Vectors:
+        """u (or u̇) in global axes, (d, ...)."""
+        deep = self._deep
+        w, (q, *shear) = self.traces(time, rate, int(deep))
+        zero, first = first_indices(len(self.s))
+        local = []
+        for i, index in enumerate(first):
+            component = w[index] * self._profile("a", 0)
+            if deep:
+                component = component + q[index] * self._profile("e", 0)
+            if shear:
+                component = component + shear[i][zero] * self._profile("c", 0)
+            local.append(component)
+        local.append(w[zero] * self._profile("b", 0) + q[zero] * self._profile("d", 0))
+        return self._everywhere(np.tensordot(self.frame, np.array(local), axes=1))
+
+    def _everywhere(self, values: Array) -> Array:
+        """Values at the points within reach → at all points, zero beyond."""
+        if self.y.shape == self.reach.shape:
+            return values
+        found = np.zeros((*values.shape[:-1], *self.reach.shape), dtype=values.dtype)
+        found[..., self.reach] = values
+        return found
+
+    def strain(self, time: complex, rate: bool = False) -> Tensors:
+        """ε(u) (or ε(u̇)) in global axes, Mandel (D, ...)."""
+        w, strain = self.traces(time, rate, 1 + self._deep)
+        local = self._local(w, strain, (0,) * len(self.s), 0)
+        return self._everywhere(local if self.rotation is None else np.tensordot(self.rotation, local, axes=1))
+
+    def strain_gradient(self, time: complex, rate: bool = False) -> Array:
+        """∂_j ε(u) (or of u̇) in global axes, (D, d, ...); exists almost everywhere."""
+        w, strain = self.traces(time, rate, 2 + self._deep)
+        zero, first = first_indices(len(self.s))
+        local = np.array([self._local(w, strain, i, 0) for i in first] + [self._local(w, strain, zero, 1)])
+        if self.rotation is not None:
+            local = np.moveaxis(np.tensordot(self.rotation, local, axes=([1], [1])), 0, 1)
+        return self._everywhere(np.moveaxis(np.tensordot(self.frame, local, axes=1), 0, 1))
+
+    def modes(self) -> Modes:
+        """ε(u) as a sum of products, one for each term of the local strain."""
+        # The amplitudes keep what they need, not the points.
+        on_face, order = self.on_face, 1 + self._deep
+        terms = strain_terms(len(self.s), self._deep, len(on_face(0.0, False, 0)[1]) - 1)
+        axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
+
+        def amplitudes(time: float, rate: bool) -> Array:
+            w, strain = on_face(time, rate, order)
+            return np.array([(w, *strain)[term.source][term.along].ravel() for term in terms])
+
+        return Modes(
+            tensors=np.array([axes[:, term.row] for term in terms]),
+            points=np.flatnonzero(self.reach),
+            shapes=np.array([term.factor * self._profile(term.profile, 0).ravel() for term in terms]),
+            places=np.arange(self.y.size) if self.where is None else self.where.ravel(),
+            count=self.s[0].size,
+            amplitudes=amplitudes,
+        )
+
+    @property
+    def _deep(self) -> bool:
+        """Whether the profile has an e, and so the strain second derivatives of q."""
+        return self.face.profile.e is not ZERO
+
+    def _local(self, w: Values, strain: Components, along: tuple[int, ...], into: int) -> Tensors:
+        """∂_s^along ∂_y^into of the local strain, for into ∈ {0, 1}, in the axes (s, n)."""
+        n, traces = len(self.s), (w, *strain)
+        dtype = np.result_type(w[along], strain[0][along], self.y)
+        components = np.zeros((len(pairs(n + 1)), *self.y.shape), dtype=dtype)
+        for term in strain_terms(n, self._deep, len(strain) - 1):
+            trace = traces[term.source][plus(term.along, along)]
+            components[term.row] += term.factor * trace * self._profile(term.profile, into)
+        return components
+
+
+def _distinct(places: Array) -> tuple[Array, Array | None]:
+    """Different coordinates and where each point finds its own; (places, None) if few repeat.
+
+    Coordinates that differ by rounding count as one.
+    """
+    if np.iscomplexobj(places) or places[0].size < 64:
+        return places, None
+    rounded = np.round(places.reshape(len(places), -1), 13)
+    # A pair of coordinates is ordered as one complex number is.
+    keys = rounded[0] if len(rounded) == 1 else rounded[0] + 1j * rounded[1]
+    distinct = np.unique(keys)
+    if 2 * len(distinct) > len(keys):
+        return places, None
+    where = np.searchsorted(distinct, keys).reshape(places.shape[1:])
+    return np.array([distinct.real, distinct.imag])[: len(places)], where

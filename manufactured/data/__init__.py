@@ -4,7 +4,6 @@ What is computed from ``Data`` alone can serve a problem whose solution nobody k
 by ``Data.of``; formulas of x1, x2 and t by ``Data.formulas``.
 """
 
-from manufactured.data.data_checks import LoadError
-from manufactured.data.problem_data import Data, ForceInTime
+from manufactured.data.problem_data import Data, ForceInTime, LoadError
 
 __all__ = ["Data", "ForceInTime", "LoadError"]

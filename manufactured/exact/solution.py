@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from manufactured.body import Body, Kind
+import numpy as np
+
+from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
-from manufactured.exact.contribution import Contribution, Face
-from manufactured.exact.fields import FaceFields, Fields
+from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
 from manufactured.law import KelvinVoigt
-from manufactured.tensors import Array, Hyperplane, Points
+from manufactured.modes import Modes
+from manufactured.symbols import Values
+from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, basis, traction
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,3 +67,118 @@ class ExactSolution:
     def on(self, face: Face, s: Array) -> FaceFields:
         """The solution at fixed points of a contact face."""
         return FaceFields(self, face, s)
+
+
+class Fields:
+    """The fields of an exact solution at fixed points x (d, ...), as functions of time."""
+
+    def __init__(self, solution: ExactSolution, x: Points) -> None:
+        self.law = solution.law.at(x)
+        self._parts: list[ContributionAtPoints] = [part.at(x) for part in (*solution.faces, *solution.others)]
+
+    def displacement(self, time: complex) -> Vectors:
+        """u, (d, ...)."""
+        return _sum([part.displacement(time) for part in self._parts])
+
+    def velocity(self, time: complex) -> Vectors:
+        """u̇, (d, ...)."""
+        return _sum([part.displacement(time, rate=True) for part in self._parts])
+
+    def strain(self, time: complex) -> Tensors:
+        """ε(u), (D, ...)."""
+        return _sum([part.strain(time) for part in self._parts])
+
+    def strain_rate(self, time: complex) -> Tensors:
+        """ε(u̇), (D, ...)."""
+        return _sum([part.strain(time, rate=True) for part in self._parts])
+
+    def modes(self) -> list[Modes]:
+        """ε(u) as sums of products, one for each contribution; points are counted through in the order of ``x``."""
+        return [part.modes() for part in self._parts]
+
+    def strain_gradient(self, time: complex) -> Array:
+        """∂_j ε(u), (D, d, ...)."""
+        return _sum([part.strain_gradient(time) for part in self._parts])
+
+    def stress(self, time: complex) -> Tensors:
+        """σ = A ε(u̇) + G ε(u), (2.1), (D, ...)."""
+        return self.law.stress(self.strain_rate(time), self.strain(time))
+
+    def body_force(self, time: complex) -> Vectors:
+        """f_0 = −Div σ, (2.2): −∂_j σ_ij with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
+        strain, gradient = self.strain(time), self.strain_gradient(time)
+        rate_gradient = _sum([part.strain_gradient(time, rate=True) for part in self._parts])
+        A, G = self.law.A, self.law.G
+        slope = A.drift(self.strain_rate(time)) + G.drift(strain)
+        slope = slope + np.stack(
+            [
+                A(rate) + G.derivative(strain, change)
+                for rate, change in zip(_each(rate_gradient), _each(gradient), strict=True)
+            ],
+            axis=1,
+        )
+        return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
+
+    def surface_load(self, part: Part, time: complex) -> Vectors:
+        """f_2 = σν, (2.4), for points on ``part``, (d, ...)."""
+        return traction(self.stress(time), part.normal)
+
+
+class FaceFields:
+    """w, p and the contact zone at fixed points s (d−1, ...) of one face."""
+
+    def __init__(self, solution: ExactSolution, face: Face, s: Array) -> None:
+        self.solution, self.face, self.s = solution, face, s
+        self._fields = solution.at(face.part.point(s))
+
+    def pressure(self, time: float) -> Array:
+        """p = −σ_ν from the stress of all fields together, (...)."""
+        normal = self.face.part.normal
+        return -np.tensordot(normal, traction(self._fields.stress(time), normal), axes=1)
+
+    def stated_pressure(self, time: float) -> Array:
+        """p as it was prescribed, where it was; else as the law gives it, (...)."""
+        jet = self.face.pressure_jet
+        return self.pressure(time) if jet is None else jet(self.s, time)[(0,) * len(self.s)]
+
+    def stress_scale(self) -> float:
+        """The size of stresses that the largest strains and gaps on the face would cause, for tolerances."""
+        instants = np.linspace(0, self.solution.body.T, 9)
+        sizes = [abs(part).max() for t in instants for part in (self._fields.strain(t), self.gap(t))]
+        return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
+
+    def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
+        """What must be continuous along a face, with its derivative along an axis: w, ∇_s w, (q, r) of a lifting."""
+        unit = np.eye(len(self.s), dtype=int)
+
+        def pair(values: Values, *index: int) -> tuple[Array, Array]:
+            base = unit[list(index)].sum(axis=0)
+            return values[tuple(map(int, base))], values[tuple(map(int, base + unit[axis]))]
+
+        w = self.face.gap_jet(self.s, time, 2)
+        found = {"w": pair(w)}
+        if isinstance(self.face, ContactFace):
+            strain = self.face.strain.at(self.s)(time, 1)[0]
+            found |= {f"∂_{i + 1} w": pair(w, i) for i in range(len(self.s))}
+            found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
+        return found
+
+    def gap(self, time: float) -> Array:
+        """w = −u_ν, (...)."""
+        return self.face.gap_jet(self.s, time)[(0,) * len(self.s)]
+
+    def level(self, time: float) -> Array:
+        """ψ, (...): the contact zone is {ψ ≥ 0}."""
+        return self.face.level_jet(self.s, time)[(0,) * len(self.s)]
+
+
+def _each(gradient: Array) -> Array:
+    """The derivatives ∂_j of tensors, one after the other: (D, d, ...) → (d, D, ...)."""
+    return np.moveaxis(gradient, 1, 0)
+
+
+def _sum(terms: list[Array]) -> Array:
+    total = terms[0]
+    for term in terms[1:]:
+        total = total + term
+    return total

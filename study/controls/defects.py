@@ -18,8 +18,7 @@ from manufactured.tensors import Array
 from study.fem.gauge import DEGREE, Gauge, Sample
 from study.fem.moments import Amplitudes
 from study.fem.space import Space
-from study.solve.contact_step import State
-from study.solve.evolution import Scheme, SemiDiscrete
+from study.solve.evolution import Scheme, SemiDiscrete, State
 from study.solve.signorini import ContactSolver, Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment

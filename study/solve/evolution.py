@@ -1,11 +1,17 @@
 """Problem 5.1, continuous in time on one mesh: M u̇ + G(u) + N_{K^h}(u) ∋ F.
 
 G is bounded relative to M uniformly in h, (5.5), so the system is not stiff: no step restriction links k to h.
+
+One time step of Problem 5.1: (w/k) M u + G(θu + (1 − θ)u_{n−1}) + N_{K^h}(u) ∋ b for u = u_n.
+
+S = (w/k) M + θ G_ref is factorised once for all steps with the same w/k. G_ref is the constant reference tensor of the
+law; what G differs from it is treated by a fixed-point iteration that contracts like k ‖G − G_ref‖/m_A, and vanishes
+for a linear law.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,9 +22,9 @@ from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array
 from study.fem.material import form, means
 from study.fem.space import Space
-from study.solve.contact_step import ContactStep, State
+from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.signorini import ContactSolver, Signorini
-from study.solve.solver_choice import contact_solver
+from study.solve.solver_choice import ROUNDING, contact_solver
 from study.solve.steps import step_size
 from study.solve.tableau import Tableau
 
@@ -106,3 +112,101 @@ class Scheme(Protocol):
     def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
         """The states at t_0, t_1, …, t_steps."""
         ...
+
+
+FIXED_POINT = ROUNDING / 10
+"""Relative distance in ‖·‖_M to the fixed point of a nonlinear law at which its iteration stops. The residual
+that this leaves is measured in another norm and reaches five times as much in the sweeps: half of what is allowed."""
+ITERATIONS = 60
+TINY = 1e-150
+"""Stands for zero in denominators; its square is still positive."""
+
+
+class EvolutionError(RuntimeError):
+    """A time step could not be solved."""
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """One time node of a trajectory.
+
+    Attributes:
+        time: t_n.
+        u: u_n ∈ K^h, (n,).
+        multipliers: λ_n ≥ 0, nodal contact forces, (m,).
+        residual: the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u)_+ and |λ·N u| and λ_−, relative to the
+            size of u and λ: zero for an exact contact solve.
+        iterations: contact solves spent.
+    """
+
+    time: float
+    u: Array
+    multipliers: Array
+    residual: float
+    iterations: int
+
+
+class ContactStep:
+    """The steps of one scheme with one k."""
+
+    def __init__(self, problem: SemiDiscrete, scheme: Tableau, k: float) -> None:
+        self.problem, self.scheme, self.k = problem, scheme, k
+        self.S = sps.csc_array(scheme.newest / k * problem.M + scheme.theta * problem.reference)
+        self.solve = problem.solver(self.S, problem.N)
+
+    def __call__(self, n: int, past: Sequence[State]) -> State:
+        """The state at t_n.
+
+        Raises:
+            EvolutionError: the iteration of a nonlinear law did not settle, or values are not finite.
+        """
+        problem, theta = self.problem, self.scheme.theta
+        before = [state.u for state in past]
+        base = (1 - theta) * before[-1]
+        b = problem.load((n - 1 + theta) * self.k) + problem.M @ (self.scheme.known(before) / self.k)
+        if base.any():
+            b = b - problem.reference @ base
+        if problem.remainder is None:
+            return self._state(n * self.k, *self.solve(b), b, 1)
+        return self._nonlinear(n * self.k, b, base, _extrapolated(before))
+
+    def _nonlinear(self, time: float, constant: Array, base: Array, guess: Array) -> State:
+        """The fixed point of v ↦ u with S u + Nᵀλ = constant − remainder(θv + base)."""
+        problem, theta = self.problem, self.scheme.theta
+        remainder = problem.remainder
+        assert remainder is not None
+        multipliers = np.zeros(problem.N.shape[0])
+
+        def image(v: Array) -> Array:
+            nonlocal multipliers
+            u, multipliers = self.solve(constant - remainder(theta * v + base))
+            return u
+
+        try:
+            u, taken = fixed_point(image, guess, lambda w: problem.M @ w, FIXED_POINT, ITERATIONS)
+        except FixedPointError as error:
+            raise EvolutionError(
+                f"step to t = {time:.6g}: {error}; it contracts like k L_G/m_A, so take more steps"
+            ) from error
+        return self._state(time, u, multipliers, constant - remainder(theta * u + base), taken)
+
+    def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
+        defect = self.S @ u + self.problem.N.T @ multipliers - b
+        normal = self.problem.N @ u
+        size = max(float(abs(u).max()), TINY)
+        force = max(float(abs(multipliers).max(initial=0.0)), TINY)
+        residual = max(
+            float(np.linalg.norm(defect)) / max(float(np.linalg.norm(b)), TINY),
+            float(normal.max(initial=0.0)) / size,
+            float(-multipliers.min(initial=0.0)) / force,
+            float(abs(normal * multipliers).max(initial=0.0)) / (size * force),
+        )
+        if not np.isfinite(residual):
+            raise EvolutionError(f"the step to t = {time:.6g} produced values that are not finite")
+        return State(time, u, multipliers, residual, iterations)
+
+
+def _extrapolated(before: Sequence[Array]) -> Array:
+    """The next value of the polynomial through the last three at equal steps, or as many as there are."""
+    weights = {1: (1,), 2: (-1, 2), 3: (1, -3, 3)}[len(before)]
+    return sum((weight * u for weight, u in zip(weights, before, strict=True)), np.zeros_like(before[0]))

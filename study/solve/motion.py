@@ -21,9 +21,8 @@ from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
-from study.solve.contact_step import State
 from study.solve.energy_balance import Power, balance, density
-from study.solve.evolution import SemiDiscrete, velocities
+from study.solve.evolution import SemiDiscrete, State, velocities
 from study.solve.tableau import BDF2
 
 

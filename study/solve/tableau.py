@@ -5,7 +5,7 @@ A step of size k finds u_n from
     M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + N_{K^h}(u_n) ∋ F(t_{n−1+θ}),     δu_n = (w u_n − Σ_{j≥1} w_j u_{n−j})/k.
 
 Multistep schemes, which have no u_{n−j} at first, take their first steps by a one-step scheme. How a step is solved is
-a matter of the problem: ``study.solve.contact_step`` for Problem 5.1, ``study.stresses.dual`` for Problem 3.2.
+a matter of the problem: ``study.solve.evolution`` for Problem 5.1, ``study.stresses.dual`` for Problem 3.2.
 """
 
 from __future__ import annotations

@@ -19,8 +19,7 @@ from study.fem.space import Space
 from study.ledger.measures import largest
 from study.ledger.window import at_most
 from study.solve.cholesky.factorisation import Cholesky
-from study.solve.contact_step import FIXED_POINT
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h

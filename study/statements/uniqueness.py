@@ -15,8 +15,7 @@ from manufactured.tensors import Array, Tensors
 from study.fem.mesh import size as mesh_size
 from study.ledger.measures import largest
 from study.ledger.window import at_most
-from study.solve.contact_step import FIXED_POINT
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Tolerance, settings
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER

@@ -16,8 +16,7 @@ from study.fem.space import Space
 from study.ledger.measures import every, finest, largest
 from study.ledger.window import Window, around, at_most
 from study.solve.cholesky.factorisation import Cholesky
-from study.solve.contact_step import FIXED_POINT, State
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment

@@ -20,8 +20,7 @@ from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshError, OneDiagonal,
 from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 from study.solve import signorini
-from study.solve.contact_step import EvolutionError
-from study.solve.evolution import SemiDiscrete
+from study.solve.evolution import EvolutionError, SemiDiscrete
 from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT

@@ -18,8 +18,7 @@ from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import MeshFamily
-from study.solve.contact_step import State
-from study.solve.evolution import Scheme
+from study.solve.evolution import Scheme, State
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
