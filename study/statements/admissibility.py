@@ -22,14 +22,12 @@ from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, ListedNumbers, Setting, grid, with_h
 from study.statements.thm_4_2.gaps import beyond
 
-CASES = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 STEPS = 12
 SAMPLES = 8
 """Random v ∈ K^h and τ ∈ Σ^h(t) at every step."""
-SEED = 2002
 
 ROUND_OFF = at_most(1e-10, f"round-off at every step, and for law (3.3) a fixed point stopped at {FIXED_POINT:g}")
 
@@ -46,10 +44,10 @@ class Admissibility(ListedNumbers):
         largest("displacements", "(3.10): violation for random v ∈ K^h", ROUND_OFF, "displacements"),
         largest("stresses", "(3.11): violation for random τ ∈ Σ^h(t_n)", ROUND_OFF, "stresses"),
     )
-    quick = grid(CASES, ("shaken",), (8,))
+    quick = grid(EVOLVING, ("shaken",), (8,))
     full = (
-        *grid(CASES, ("one-diagonal", "criss-cross", "shaken"), (8, 16, 32)),
-        *grid((*CASES, "heterogeneous", "corner", "hexagon"), ("unstructured",), (8, 16)),
+        *grid(EVOLVING, ("one-diagonal", "criss-cross", "shaken"), (8, 16, 32)),
+        *grid((*EVOLVING, "heterogeneous", "corner", "hexagon"), ("unstructured",), (8, 16)),
         *grid(("cube-disc", "cube-two-faces"), ("shaken",), (3,)),
     )
 

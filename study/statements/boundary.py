@@ -34,9 +34,8 @@ from study.ledger.measures import order
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
 
-SEED = 2002
 INSTANTS = 8
 """Norms in time are those of the midpoint rule with so many nodes."""
 FIELDS = 3

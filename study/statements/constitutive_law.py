@@ -22,10 +22,9 @@ from study.fem.space import Space
 from study.ledger.criterion import Observation
 from study.ledger.measures import BOUND, ROUNDING, Constant, largest
 from study.ledger.window import at_most
-from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.places import FIRST, different, material, place, space_of
 
-SEED = 2002
 SCALES = (-3.0, 3.0)
 """Decimal logarithms of the sizes of generated tensors: both sides of any yield point."""
 SKEW = "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)"

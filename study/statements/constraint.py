@@ -21,10 +21,9 @@ from study.fem.space import Space
 from study.ledger.measures import every, largest
 from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
-from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.places import EVERY, LAST, different, place, shape, space_of
 
-SEED = 2002
 SAMPLES = 40
 """Random members, extreme rays, strangers and smooth fields."""
 INSTANTS = 33

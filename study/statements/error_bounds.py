@@ -62,10 +62,9 @@ from study.ledger.window import Window, around, at_most
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.instants import Velocity, midpoints
 
-MOSTLY_SMOOTH = "full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part"
 ROUGH = "fixed-front-off-vertex", "rough-1.75", "rough-2", "rough-2.25"
 INSTANTS = 64
 """Nodes of the midpoint rule for the norms in time."""
@@ -87,8 +86,8 @@ class ErrorBounds(ListedNumbers):
     claim = "‖u − u^h‖_{L∞(0,T;V)} ≤ c (‖u_0 − v_0^h‖_V + ‖u̇ − v̇^h‖_{L²(0,T;V)} + ‖R‖^{1/2}) + c ‖u_0 − u_0^h‖_V"
     quick = grid(("full-contact", "advance-recede", "rough-2"), ("shaken",), (6, 12, 24))
     full = (
-        *grid((*MOSTLY_SMOOTH, *ROUGH), ("one-diagonal",), (8, 16, 32)),
-        *grid((*MOSTLY_SMOOTH, *ROUGH, "heterogeneous", "corner"), ("unstructured",), (8, 16, 32)),
+        *grid((*EVOLVING, *ROUGH), ("one-diagonal",), (8, 16, 32)),
+        *grid((*EVOLVING, *ROUGH, "heterogeneous", "corner"), ("unstructured",), (8, 16, 32)),
         *grid(("natural-front", "rough-trace"), ("one-diagonal",), (16, 36, 81)),
         *grid(("moving-rough",), ("one-diagonal",), (64, 128, 256)),
     )

@@ -50,7 +50,6 @@ SECOND = between(1.5, 2, 0.1, 0.1, "3/2 where vertices change contact")
 ORDERS = {"backward-euler": FIRST, "bdf2": SECOND, "midpoint": SECOND}
 IN_H = around(1, 0.15)
 NOT_STIFF = around(0, 0.1)
-BETTER = at_most(1.0)
 OPEN = "the source leaves it open (no number: not to be seen; undecided: a wide interval)"
 
 
@@ -162,7 +161,7 @@ def lines(scheme: Scheme) -> Iterator[Rule]:
         ("time-in-h", f"order s of {in_time} in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
         ("error-in-h", f"order p of {error} in h", IN_H, lambda table: table.jointly().parameter(1)),
         ("error-in-k", f"order q of {error} in k", order, lambda table: table.order_in_k()),
-        ("misfit", "misfit of the root of squares / misfit of C_h h^p + C_k k^q", BETTER, ErrorTable.misfits),
+        ("misfit", "misfit of the root of squares / misfit of C_h h^p + C_k k^q", at_most(1.0), ErrorTable.misfits),
         ("sum-in-h", f"order p of {fitted}", IN_H, lambda table: table.jointly(1.0).parameter(1)),
         ("sum-in-k", f"order q of {fitted}", order, lambda table: table.order_in_k(1.0)),
     ]

@@ -29,10 +29,9 @@ from study.ledger.measures import ENOUGH, between_levels, consecutive, order
 from study.ledger.verdict import Verdict
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
-from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.places import EVERY, different, material, named, place, shape, space_of
 
-SEED = 2002
 TIMES = (0.23, 0.61)
 """Fractions of T, at which no case begins or ends anything."""
 RAISED = 2

@@ -2,8 +2,7 @@
 
     C_K² = inf_{v ∈ V} ‖ε(v)‖_Q² / ‖v‖_{H_1}² ≤ min_{v ∈ V^h} ‖ε(v)‖_Q² / ‖v‖_{H_1}²,
 
-so the right side falls under refinement; with nested spaces it cannot rise. That it falls to a
-positive limit is what (2.17) says.
+so the right side falls under refinement; with nested spaces it cannot rise. (2.17) says that its limit is positive.
 """
 
 from __future__ import annotations
@@ -19,28 +18,25 @@ from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, smallest, strain_product
 from study.statements.shared.places import FIRST, different, place, shape, space_of
 
-FALLING = at_most(1 + ROUNDING, "on every level")
+VALUE = "smallest eigenvalue"
 LIMIT = Window(0.7, 1.0, "of the finest value")
 """Values that tend to zero leave the window: those like h^p extrapolate to 0, those like 1/(c + |log h|), the slowest
 that come up (Γ1 a point), to m/(2m − 2) < 0.7 of the last one if that is 1/m times the unit of log 2."""
 
 
-def consecutive_ratio(table: pd.DataFrame) -> Measured:
+def ratio(table: pd.DataFrame) -> Measured:
     """The largest ratio of the values on consecutive levels."""
-    values = table["smallest eigenvalue"].to_numpy()
+    values = table[VALUE].to_numpy()
     found = values[1:] / values[:-1]
     return float(found.max()), (float(found.min()), float(found.max()))
 
 
 def extrapolated(table: pd.DataFrame) -> Measured:
     """Aitken's limit of the last three values over the last one; −∞ if their differences do not shrink."""
-    first, second, last = table["smallest eigenvalue"].to_numpy()[-3:]
+    first, second, last = table[VALUE].to_numpy()[-3:]
     before, drop = first - second, second - last
     limit = float((last - drop**2 / (before - drop)) / last) if before > drop else -math.inf
     return exactly(limit)
-
-
-COLUMNS = ("smallest eigenvalue",)
 
 
 class Korn(ListedNumbers):
@@ -49,8 +45,8 @@ class Korn(ListedNumbers):
     label = "(2.17)"
     claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
     rules = (
-        Criterion("falling", "smallest eigenvalue, level over level", FALLING, consecutive_ratio, COLUMNS, 2),
-        Criterion("limit", "limit of the smallest eigenvalue for h → 0", LIMIT, extrapolated, COLUMNS, ENOUGH),
+        Criterion("falling", f"{VALUE}, level over level", at_most(1 + ROUNDING, "on every level"), ratio, (VALUE,), 2),
+        Criterion("limit", f"limit of the {VALUE} for h → 0", LIMIT, extrapolated, (VALUE,), ENOUGH),
     )
 
     def places(self, full: bool) -> list[Setting]:
@@ -59,4 +55,4 @@ class Korn(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space = space_of(setting)
-        return with_h(space.h, {"smallest eigenvalue": smallest(strain_product(space), h1_product(space))})
+        return with_h(space.h, {VALUE: smallest(strain_product(space), h1_product(space))})

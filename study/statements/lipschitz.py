@@ -32,11 +32,10 @@ from study.ledger.window import at_least, at_most
 from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
 from study.statements.constitutive_law import derivative, points, tensors
-from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import largest, unloaded
 from study.statements.shared.places import EVERY, FIRST, different, material, place, shape, space_of
 
-SEED = 2002
 STRAINS = (1e-2, 1.0, 1e2, 1e4)
 """Sizes of the strains of generated functions: both sides of any yield point."""
 CLIMBS = 30

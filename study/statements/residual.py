@@ -56,11 +56,10 @@ from study.statements.green import (
     smooth_off_lines,
     square_integrable,
 )
-from study.statements.shared.base import ListedNumbers, Setting, with_h
+from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.instants import midpoints
 from study.statements.shared.places import FIRST, LAST, named, place, space_of
 
-SEED = 2002
 FIELDS = 3
 """Smooth fields v."""
 POINTS = 20

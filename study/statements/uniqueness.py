@@ -20,12 +20,10 @@ from study.solve.interior_point import Tolerance, settings
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.instants import norm
 from study.statements.thm_4_2.stress_errors import StressExperiment
 
-SEED = 2002
-CASES = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 STEPS = 12
 EXACTLY = at_most(1e-9, f"exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step")
 INTERIOR = at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
@@ -47,10 +45,10 @@ class OneTrajectory(ListedNumbers):
         largest("fixed-point", "by a fixed point with all of G on the right", EXACTLY, "fixed point"),
         largest("interior-point", "by an interior point method on the whole programme", INTERIOR, "interior point"),
     )
-    quick = grid(CASES, ("shaken",), (6,))
+    quick = grid(EVOLVING, ("shaken",), (6,))
     full = (
-        *grid(CASES, ("one-diagonal",), (6, 12)),
-        *grid((*CASES, "heterogeneous", "corner"), ("unstructured",), (6, 12)),
+        *grid(EVOLVING, ("one-diagonal",), (6, 12)),
+        *grid((*EVOLVING, "heterogeneous", "corner"), ("unstructured",), (6, 12)),
         *grid(("cube-disc",), ("shaken",), (3,)),
     )
 

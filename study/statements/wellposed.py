@@ -20,11 +20,9 @@ from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.instants import Velocity, norm
 
-SEED = 2002
-CASES = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 FEW = ("advance-recede", "yield-on-a-part")
 """Linear law and law (3.3), for the quick study."""
 
@@ -51,7 +49,7 @@ class BoundedVelocity(ListedNumbers):
         finest("limit", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", LIMIT, list(STEPS)[-1]),
     )
     quick = grid(FEW, ("shaken",), (8, 16))
-    full = grid((*CASES, "lift-and-land"), ("unstructured",), (8, 16, 32))
+    full = grid((*EVOLVING, "lift-and-land"), ("unstructured",), (8, 16, 32))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, BACKWARD_EULER, 1)
@@ -107,7 +105,7 @@ class Dependence(ListedNumbers):
     )
     quick = grid(FEW, ("unstructured",), (6,))
     full = (
-        *grid((*CASES, "heterogeneous", "corner"), ("unstructured",), (6, 12)),
+        *grid((*EVOLVING, "heterogeneous", "corner"), ("unstructured",), (6, 12)),
         *grid(("cube-disc",), ("shaken",), (3,)),
     )
 

@@ -14,8 +14,6 @@ from study.ledger.window import Window, at_most
 from study.statements.enclosure.courses import CHECKED, CHECKED_LEVEL, Bounds
 
 INSIDE = at_most(1.0, "at every sampled time")
-TIGHT_ABOVE = Window(1.0, 1.15, "over [T/2, T]")
-TIGHT_BELOW = Window(0.85, 1.0, "over [T/2, T]")
 WIDTH = 0.2
 """Width of an interval for the order that says something."""
 KNOWN = "no claim: it contains the order of the errors whenever these lie within their bounds, the row above"
@@ -26,9 +24,10 @@ REACH = Observation(
     largest("upper", "upper bound / error over [T/2, T], largest", Window(), "upper"),
     "how far an end is from the error; what is claimed is that it never crosses it",
 )
+HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
-    every("tight-above", f"upper bound / error at n = {CHECKED_LEVEL}", TIGHT_ABOVE, "upper"),
-    every("tight-below", f"lower bound / error at n = {CHECKED_LEVEL}", TIGHT_BELOW, "lower"),
+    every("tight-above", f"upper bound / error {HERE}", Window(1.0, 1.15, "over [T/2, T]"), "upper"),
+    every("tight-below", f"lower bound / error {HERE}", Window(0.85, 1.0, "over [T/2, T]"), "lower"),
 )
 
 

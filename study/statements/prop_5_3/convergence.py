@@ -18,11 +18,9 @@ from study.statements.prop_5_4.sweep import Rates
 
 LEVELS = ENOUGH + 1
 """Two refinements twice."""
-FALLING = at_most(0.999, "on every level")
 LIMIT = at_most(0.1, "of the two finest errors", low=-math.inf)
 """Over two refinements an order s − δ instead of s looks like e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}): for s = 1/4
 the window answers to δ = 0.02, as sharp as the place of a front within its cell lets orders be."""
-ROOM = 0.15
 
 
 class Convergence(Rates):
@@ -44,7 +42,8 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Criterion, Group
     """What is judged of a case with a predicted order, and on which mesh families."""
     uniform = {name: group for name, group in groups.items() if name != GRADED}
     graded = {name: group for name, group in groups.items() if name == GRADED}
-    yield Criterion("falling", "ratio of consecutive errors", FALLING, _ratios, ("error",), LEVELS), groups
+    falling = at_most(0.999, "on every level")
+    yield Criterion("falling", "ratio of consecutive errors", falling, _ratios, ("error",), LEVELS), groups
     yield _limit(expected), uniform
     yield _order("order", "order seen", expected), uniform
     if graded:
@@ -67,5 +66,5 @@ def _limit(expected: float) -> Criterion:
 
 
 def _order(key: str, quantity: str, expected: float) -> Criterion:
-    window = around(expected, ROOM, "over two refinements (no rate is claimed)")
+    window = around(expected, 0.15, "over two refinements (no rate is claimed)")
     return between_levels(key, quantity, window, "error", 2, LEVELS)

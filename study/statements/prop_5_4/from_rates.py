@@ -15,8 +15,8 @@ GRADED = "graded"
 ON_EQUAL_MESHES = ["family", "scheme", "level"]
 WITH_AXES = (GRADED, "unstructured")
 """Families with meshes that depend on the axes."""
-EXACT = at_most(1e-10)
-DIFFERENCE = at_most(1e-7, "round-off times the condition of the matrices, of order h⁻², in a small difference")
+AXES = at_most(1e-10)
+AXES_DISCRETE = at_most(1e-7, "round-off times the condition of the matrices, of order h⁻², in a small difference")
 
 
 def _over_leading_term(group: pd.DataFrame) -> Measured:
@@ -71,11 +71,11 @@ class Turned(Statement):
         largest(
             "errors",
             "relative difference of ‖u − u^h‖_V, ‖u − Π^h u‖_V",
-            EXACT,
+            AXES,
             "error",
             "interpolation_error",
         ),
-        largest("discrete-error", "relative difference of ‖Π^h u − u^h‖_V", DIFFERENCE, "discrete_error"),
+        largest("discrete-error", "relative difference of ‖Π^h u − u^h‖_V", AXES_DISCRETE, "discrete_error"),
     )
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:

@@ -87,6 +87,10 @@ class Statement:
         return hash(type(self))
 
 
+SEED = 2002
+"""Of whatever is random in a measurement."""
+EVOLVING = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
+"""Cases that stand for others where something is measured of trajectories: linear laws, moving fronts, law (3.3)."""
 LISTED = CsvFile(
     "statements.csv",
     ("label", "case", "family", "level"),

@@ -10,8 +10,8 @@ from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array, size
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
+from study.statements.shared.base import SEED
 
-SEED = 2002
 SMALLEST, LARGEST = 1e-9, 1e-4
 """Relative residuals of eigenvectors. The largest eigenvalues lie in clusters, where vectors do not settle; the value
 is a quotient that is attained, and its error is about the square."""
