@@ -21,13 +21,7 @@ from study.solve.evolution import Scheme
 
 @dataclass(frozen=True, eq=False)
 class BoundedSolution:
-    """u_h with two bounds of its error.
-
-    Attributes:
-        computed: u_h.
-        plain: the bound from u_h alone.
-        enclosure: the two-sided bound by a trajectory closer to u.
-    """
+    """u_h, the bound of its error from u_h alone, and the two-sided one by a trajectory closer to u."""
 
     computed: DiscreteSolution
     plain: Enclosure

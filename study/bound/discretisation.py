@@ -139,10 +139,7 @@ class Discretisation:
 def monotonicity(law: KelvinVoigt) -> float:
     """m with (G ε₁ − G ε₂)·(ε₁ − ε₂) ≥ m A(ε₁ − ε₂)·(ε₁ − ε₂).
 
-    For a linear G the least eigenvalue of A⁻¹G; else from G's own constant and the bounds of A.
-
-    Raises:
-        BoundError: that constant is not finite.
+    For a linear G the least eigenvalue of A⁻¹G; else from G's own constant, if it is finite, and the bounds of A.
     """
     A, G = law.A, law.G
     if not np.isfinite(G.monotonicity):

@@ -88,12 +88,9 @@ def enclose(
     error: Callable[[float, Array], float] | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> Enclosure:
-    """The bounds for one computed displacement.
+    """The bounds for one computed displacement, on whose mesh ``coarse`` is.
 
     Args:
-        coarse: the discretisation on the mesh of u_h.
-        computed: u_h.
-        trajectory: ũ.
         error: (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, where the exact solution is known.
         progress: told every time that is done.
 
@@ -105,6 +102,7 @@ def enclose(
     pieces = spline(trajectory.nodes(fine, computed))
     first = next(pieces)
     start = _initial_error(fine, first.start)
+    at_0 = start + fine.norm(first.start - J @ computed.nodes[0])
     intervals, knots = [], []
     for piece, interval in Majorant(fine)(chain([first], pieces), start):
         u = computed.at(piece.b)
@@ -113,9 +111,8 @@ def enclose(
         knots.append((piece.b, fine.norm(piece.end - J @ u), interval.at_b, true, between))
         intervals.append(interval)
         progress(piece.b)
-    times, distance, bound, errors, between_knots = np.array(knots).T.copy()
-    at_0 = start + fine.norm(first.start - J @ computed.nodes[0])
-    return Enclosure(computed.space.h, times, distance, bound, errors, tuple(intervals), at_0, between_knots)
+    times, distances, bounds, errors, all_between = np.array(knots).T.copy()
+    return Enclosure(computed.space.h, times, distances, bounds, errors, tuple(intervals), at_0, all_between)
 
 
 def _largest_distance(
@@ -125,11 +122,10 @@ def _largest_distance(
 
     A node of u_h can only lie in the middle of a piece, where the parabola is cut.
     """
-    middle = piece.at((piece.a + piece.b) / 2)
-    ends = [piece.start, middle, piece.end]
+    middle = (piece.a + piece.b) / 2
+    ends = [piece.start, piece.at(middle), piece.end]
     controls = [(piece.start + piece.control) / 2, (piece.control + piece.end) / 2]
-    times = [piece.a, (piece.a + piece.b) / 2, piece.b]
-    values = [J @ computed.at(time) for time in times]
+    values = [J @ computed.at(time) for time in (piece.a, middle, piece.b)]
     differences = [v - w for v, w in zip(ends, values, strict=True)]
     differences += [c - (v + w) / 2 for c, (v, w) in zip(controls, pairwise(values), strict=True)]
     return max(discretisation.norm(d) for d in differences)
@@ -154,14 +150,11 @@ def order(coarse: Enclosure, fine: Enclosure) -> tuple[float, float]:
 
 
 def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio: float) -> tuple[float, float]:
-    """The interval of log(E/E')/ratio.
+    """The interval of log(E/E')/ratio, with infinite ends where a lower bound is 0.
 
     Args:
         coarse, fine: intervals of E and E' ≥ 0 on two meshes of sizes h > h'.
         ratio: log(h/h').
-
-    Returns:
-        Its ends, infinite where a lower bound is 0.
     """
     low = math.log(coarse[0] / fine[1]) / ratio if coarse[0] > 0 else -math.inf
     high = math.log(coarse[1] / fine[0]) / ratio if fine[0] > 0 else math.inf

@@ -44,12 +44,8 @@ class Equilibration:
         self._compliance = np.linalg.inv(data.law.A.matrix)
         self._weights = stresses.weights * discretisation.inverse_viscosity
 
-    def viscous(self, rate: Array) -> Tensors:
-        """Aε(v) at the points of the stresses, (dofs,) → (3, cells, Q)."""
-        return self._A(self.discretisation.strain(rate))
-
     def elastic(self, u: Array) -> Tensors:
-        """Gε(v) at the points of the stresses, (dofs,) → (3, cells, Q)."""
+        """Gε(u) at the points of the stresses, (dofs,) → (3, cells, Q)."""
         return self._G(self.discretisation.strain(u))
 
     def products(self, stress: Tensors, other: Tensors) -> Array:
@@ -59,10 +55,7 @@ class Equilibration:
     def residual(self, loads: Loads, target: Tensors, u: Array) -> LawResidual:
         """ρ for the σ̃ with the least ‖σ̃ − target‖²_{A⁻¹} + 2 ∫_{Γ3} σ̃_ν u_ν among those that balance the loads.
 
-        Args:
-            loads: P f_0 and P f_2.
-            target: Aε(ũ̇) + Gε(ũ), (3, cells, Q).
-            u: ũ ∈ K, (dofs,).
+        The target Aε(ũ̇) + Gε(ũ) is (3, cells, Q), u = ũ ∈ K is (dofs,).
         """
         discretisation = self.discretisation
         strain = -discretisation.inverse_viscosity * np.tensordot(self._compliance, target, axes=1)
@@ -72,7 +65,7 @@ class Equilibration:
     def knot(self, time: float, u: Array, rate: Array) -> Knot:
         """The knot with ũ = u and ũ̇ = rate."""
         snapshot = self.discretisation.snapshot(time)
-        viscous, elastic = self.viscous(rate), self.elastic(u)
+        viscous, elastic = self._A(self.discretisation.strain(rate)), self.elastic(u)
         return Knot(snapshot, viscous, elastic, self.residual(snapshot.loads, viscous + elastic, u))
 
     def unbalanced(self, loads: Loads) -> float:

@@ -5,13 +5,13 @@ Let ũ(t) ∈ K, e = u − ũ, and σ̃(t) balance f̃(t) with σ̃_τ = 0, σ̃
 
     (σ̃, ε(e))_Q = (f̃, e)_V + ∫_{Γ3} σ̃_ν e_ν ≥ (f̃, e)_V − c,     c = ∫_{Γ3} σ̃_ν ũ_ν ≥ 0.
 
-Subtracting, with r the norm of ρ in A⁻¹ and that of f − f̃ in the dual of V, and m the monotonicity of G,
+Subtracting, with r = ‖ρ‖_{A⁻¹}, the norm η of f − f̃ in the dual of V and m of ``study.bound.discretisation``,
 
-    ½ d/dt ‖e‖_V² + m ‖e‖_V² ≤ r ‖e‖_V + c.
+    ½ d/dt ‖e‖_V² + m ‖e‖_V² ≤ (r + η) ‖e‖_V + c.
 
-From knot to knot a < b of the spline ũ (``study.bound.trajectory``) this gives, for m ≥ 0,
+From knot to knot of the spline ũ (``study.bound.trajectory``) this gives, for m ≥ 0,
 
-    ‖e(b)‖_V ≤ (e^{−2m(b−a)} ‖e(a)‖_V² + 2 ∫_a^b c)^{1/2} + ∫_a^b r,
+    ‖e(b)‖_V ≤ (e^{−2m(b−a)} ‖e(a)‖_V² + 2 ∫_a^b c)^{1/2} + ∫_a^b (r + η),
 
 and for m < 0 the right side with m = 0 times e^{|m|(b−a)}: d/dt of its square is at least what is needed. (Proof:
 ``paper/bound.tex``.)
@@ -82,11 +82,7 @@ class Majorant:
         self.discretisation, self.equilibration = discretisation, Equilibration(discretisation)
 
     def __call__(self, pieces: Iterable[Parabola], start: float) -> Iterator[tuple[Parabola, Interval]]:
-        """The bound on every piece of ũ, from a bound of ‖u_0 − ũ(0)‖_V.
-
-        Raises:
-            BoundError: ũ̇ jumps at a knot.
-        """
+        """The bound on every piece of ũ, from a bound of ‖u_0 − ũ(0)‖_V; BoundError if ũ̇ jumps at a knot."""
         y, left, before = start, None, None
         for piece in pieces:
             rate = piece.rate(end=False)
@@ -118,17 +114,8 @@ class Majorant:
         added = k * (float(np.linalg.norm(np.sqrt(squares) + np.sqrt(oscillation))) + curvature) + bending
         contact = k * self._contact(piece, every)
         at_b, inside = grown(y, discretisation.monotonicity, k, contact, added)
-        return Interval(
-            a=piece.a,
-            b=piece.b,
-            at_a=y,
-            at_b=at_b,
-            inside=inside,
-            residual=k * (float(np.sqrt(squares.sum())) + curvature),
-            contact=contact,
-            oscillation=k * float(np.sqrt(oscillation.sum())),
-            bending=bending,
-        )
+        residual, left_out = k * (float(np.sqrt(squares.sum())) + curvature), k * float(np.sqrt(oscillation.sum()))
+        return Interval(piece.a, piece.b, y, at_b, inside, residual, contact, left_out, bending)
 
     def _contact(self, piece: Parabola, residuals: tuple[LawResidual, ...]) -> float:
         """The mean of c."""
@@ -162,14 +149,9 @@ class Majorant:
 
 
 def grown(y: float, m: float, k: float, contact: float, added: float) -> tuple[float, float]:
-    """Bounds of ‖e‖_V at the end of an interval and at any time of it.
+    """Bounds of ‖e‖_V at the end of an interval of length k and at any time of it.
 
-    Args:
-        y: bound at its start.
-        m: constant of monotonicity.
-        k: length.
-        contact: ∫ c.
-        added: ∫ r.
+    They follow from the bound y at its start, ``contact`` = ∫ c and ``added`` = ∫ (r + η).
     """
     growth, decay = np.exp(max(-m, 0.0) * k), np.exp(-max(m, 0.0) * k)
     return (

@@ -55,11 +55,9 @@ class SmoothedInTime:
 
 @dataclass(frozen=True)
 class Refined:
-    """ũ solves Problem 5.1 in degree 2 on a refined mesh by the midpoint scheme with shorter steps.
+    """ũ solves Problem 5.1 in degree 2 by the midpoint scheme.
 
-    Attributes:
-        refinements: uniform refinements of the mesh of u_h.
-        shorter: steps in each step of u_h.
+    Its mesh is that of u_h with some uniform refinements, its steps are so many times shorter.
     """
 
     refinements: int = 1
@@ -105,12 +103,7 @@ def _nearest_start(discretisation: Discretisation) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Parabola:
-    """ũ between two knots a < b: Bernstein coefficients (start, control, end) in time.
-
-    Attributes:
-        a, b: the knots.
-        start, control, end: coefficients of ũ, (dofs,) each.
-    """
+    """ũ between two knots a < b, by its Bernstein coefficients in time, (dofs,) each."""
 
     a: float
     b: float
