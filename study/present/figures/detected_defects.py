@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from study.present.charts.palette import BLUE, VERMILLION
-from study.present.figures.canvas import PAGE, legend
-from study.present.figures.mathtext import mathtext
+from study.present.figures.drawing import PAGE, legend, mathtext
 
 NONE = "none"
 """Stands for the measurements without a defect."""

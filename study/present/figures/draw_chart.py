@@ -16,11 +16,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter
 
-from study.present.charts.axis import Axis
-from study.present.charts.chart import Chart, LegendEntry, SlopeTriangle, Style, Subplot
+from study.present.charts.chart import Axis, Chart, LegendEntry, SlopeTriangle, Style, Subplot
 from study.present.charts.palette import GREY
-from study.present.figures.canvas import COLUMN, legend
-from study.present.figures.mathtext import mathtext
+from study.present.figures.drawing import COLUMN, legend, mathtext
 
 HEIGHTS = {1: (1,), 2: (3, 2)}
 """Of subplots one above the other, in relation to each other."""

@@ -1,22 +1,49 @@
-"""A figure that is not drawn yet, and how it is drawn and saved with its caption."""
+"""What all figures share: style, widths, texts and legend; and how one is drawn and saved with its caption."""
 
 from __future__ import annotations
 
 import gc
+import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 
 from study.ledger.files import write_text, write_whole
-from study.present.figures.canvas import in_style
+from study.present.latex import encode
+
+STYLE = Path(__file__).parent / "style.mplstyle"
+COLUMN, PAGE = 3.5, 7.0
+"""Width of a column and of a page in inches."""
+
+
+def in_style() -> AbstractContextManager[None]:
+    """The style of the study, and nothing of the user's, for figures made and saved inside the context."""
+    return rc_context(fname=STYLE)
+
+
+def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower") -> None:
+    """A legend under (or, with ``side`` "upper", over) the axes, outside them."""
+    figure.legend(handles=handles, loc=f"outside {side} center", ncols=columns)
+
+
+def mathtext(text: str) -> str:
+    """Mathematics between dollar signs, the rest as it stands."""
+    pieces = re.split(r"\\\((.*?)\\\)", encode(text))
+    prose = [re.sub(r"\\([&%_#{}])", r"\1", piece.replace(r"\textasciitilde{}", "~")) for piece in pieces[::2]]
+    # Of the commands of LaTeX that are in use, this one is unknown to Matplotlib; the character is known.
+    formulas = [f"${piece}$".replace(r"\surd", "√") for piece in pieces[1::2]]
+    return "".join(piece for pair in zip(prose, [*formulas, ""], strict=True) for piece in pair)
+
 
 _ANONYMOUS: dict[str, dict[str, None]] = {
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, VERMILLION, Look
-from study.present.figures.canvas import PAGE, legend
+from study.present.figures.drawing import PAGE, legend
 
 SCHEMES = {
     "backward-euler": Look(VERMILLION, "s"),

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from study.present.charts.palette import BLACK, BLUE, GREEN, GREY, VERMILLION
-from study.present.figures.canvas import COLUMN, legend
+from study.present.figures.drawing import COLUMN, legend
 from study.present.picture.picture import Energy, Picture
 from study.present.picture.wording import heading, place
 

@@ -12,10 +12,10 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from study.ledger.datafiles import DataError
-from study.present.charts.axis import logarithmic_ticks
+from study.present.charts.chart import logarithmic_ticks
 from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Look
-from study.present.figures.canvas import COLUMN, legend
 from study.present.figures.draw_chart import set_ticks
+from study.present.figures.drawing import COLUMN, legend
 
 COLUMNS = ("n", "dofs", "factor_seconds", "step_seconds", "level_seconds", "peak_bytes", "dim", "solver")
 PARTS = {"level_seconds": ("a level", "-"), "factor_seconds": ("factorisation", "--"), "step_seconds": ("a step", ":")}

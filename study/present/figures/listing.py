@@ -11,20 +11,17 @@ import pandas as pd
 
 from study.ledger.datafiles import DataError, read_csv, read_rates
 from study.present.charts.chart import Chart
-from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.convergence_chart import convergence_chart, overview_chart
 from study.present.charts.enclosure_chart import enclosure_chart, enclosure_charts
-from study.present.charts.overview_chart import overview_chart
-from study.present.figures.contact_maps import caption_maps, draw_maps
+from study.present.figures.contact_lines import caption_profiles, caption_zone, draw_profiles, draw_zone
+from study.present.figures.contact_maps import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.figures.deformed_body import caption_body, draw_body
 from study.present.figures.detected_defects import caption_defects, draw_defects
 from study.present.figures.draw_chart import draw_chart, draw_grid
 from study.present.figures.drawing import Drawing
 from study.present.figures.effectivity import caption_effectivity, draw_effectivity
 from study.present.figures.energy import caption_energy, draw_energy
-from study.present.figures.front_maps import caption_fronts, draw_fronts
 from study.present.figures.growth import caption_growth, draw_growth, read_growth
-from study.present.figures.profiles import caption_profiles, draw_profiles
-from study.present.figures.zone import caption_zone, draw_zone
 from study.present.picture.picture import Picture, read_pictures
 
 

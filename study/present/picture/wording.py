@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from study.present.picture.face_history import Array, FaceHistory
+from study.present.picture.faces import Array, FaceHistory
 from study.present.picture.picture import Picture
 
 ROUND_OFF = 1e-9

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,14 +11,50 @@ import pandas as pd
 
 from study.ledger.datafiles import DataError, read_csv, read_rates
 from study.ledger.verdict import VERDICTS
-from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.convergence_chart import convergence_chart, finest_orders
 from study.present.charts.enclosure_chart import enclosure_charts
-from study.present.charts.finest_orders import finest_orders
+from study.present.charts.palette import looks
 from study.present.report.film import read_film
-from study.present.report.order_strip import OrderStrip
-from study.present.report.rows import Rows
 from study.present.report.svg_chart import SvgChart
-from study.present.tables import bounds_table, equivalence_table, rates_table, stress_table
+from study.present.tables import Column, Table, bounds_table, equivalence_table, rates_table, stress_table
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A table of texts."""
+
+    caption: str
+    columns: list[Column]
+    cells: list[list[str]]
+
+    @classmethod
+    def of(cls, table: Table, caption: str, case: str | None = None, without: Sequence[str] = ()) -> Rows:
+        """The rows of a table of the study, of one case or of all, without some columns."""
+        shown = table.cells if case is None else table.cells[table.cells["case"] == case]
+        columns = [column for column in table.columns if column.name not in without]
+        return cls(caption, columns, shown[[column.name for column in columns]].to_numpy().tolist())
+
+
+@dataclass(frozen=True)
+class OrderStrip:
+    """Orders from 0 to ``HIGHEST`` as coordinates from 0 to ``WIDTH``: the predicted one, and those observed."""
+
+    HIGHEST = 1.5
+    WIDTH = 150
+
+    predicted: float
+    observed: list[tuple[float, str]]
+
+    @classmethod
+    def of(cls, rates: pd.DataFrame, expected: float, orders: dict[str, float]) -> OrderStrip:
+        """From the order on every mesh family, in the colour of the family."""
+        look = looks(rates["family"])
+        return cls(cls._at(expected), [(cls._at(order), look[family].colour) for family, order in orders.items()])
+
+    @classmethod
+    def _at(cls, order: float) -> float:
+        return round(cls.WIDTH * min(max(order / cls.HIGHEST, 0.0), 1.0), 1)
+
 
 CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
 ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]

@@ -12,13 +12,9 @@ from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError
 from study.ledger.packing import short
-from study.present.picture.face_history import FaceHistory
-from study.present.picture.over_time import OverTime
-from study.present.picture.picture import Picture
-from study.present.picture.polygon import Polygon
-from study.present.picture.proportions import ARROW, FOUNDATION, magnification
-from study.present.picture.segment import Segment
-from study.present.picture.view import View
+from study.present.picture.faces import FaceHistory, Polygon, Segment
+from study.present.picture.picture import OverTime, Picture
+from study.present.picture.view import ARROW, FOUNDATION, View, magnification
 
 SHADES = 255
 BRIGHTEST = 0.95

@@ -14,12 +14,11 @@ from PIL import Image
 
 from study.ledger.files import write_whole
 from study.present.charts.palette import BLACK, SKY, VERMILLION
-from study.present.figures.body_legend import body_handles, draw_colour_bars
-from study.present.figures.body_scale import BodyScale
-from study.present.figures.canvas import PAGE, legend
-from study.present.figures.deformed_mesh import draw_deformed_mesh
+from study.present.figures.deformed_body import body_handles, draw_colour_bars
+from study.present.figures.deformed_mesh import BodyScale, draw_deformed_mesh
+from study.present.figures.drawing import PAGE, legend
+from study.present.picture.faces import Segment
 from study.present.picture.picture import Picture
-from study.present.picture.segment import Segment
 from study.present.picture.wording import face_symbol, heading
 from study.present.picture.zone_history import exact_zone
 

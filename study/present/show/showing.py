@@ -3,17 +3,51 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+
+from study.ledger.files import write_whole
 from study.ledger.mesh_series import MeshSeries
-from study.present.figures.canvas import in_style
-from study.present.picture.over_time import with_every_shape
-from study.present.picture.picture import Picture
+from study.present.figures.deformed_body import body_handles, draw_colour_bars
+from study.present.figures.deformed_mesh import BodyScale, draw_deformed_mesh
+from study.present.figures.drawing import PAGE, in_style, legend
+from study.present.picture.picture import Picture, with_every_shape
+from study.present.picture.wording import heading
 from study.present.show.animation import write_gif, write_mp4
-from study.present.show.storyboard import draw_storyboard, write_png
 from study.present.show.vtk import write_vtk
+
+MOMENTS, COLUMNS = 6, 3
+DPI = 200
+
+
+def draw_storyboard(picture: Picture) -> Figure:
+    """Six of the shapes of a picture, from the first to the last: the deformed body with stress and contact."""
+    chosen = np.linspace(0, len(picture.shapes) - 1, MOMENTS).round().astype(int)
+    picture = replace(picture, shapes=[picture.shapes[n] for n in chosen])
+    scale = BodyScale.of(picture)
+    rows, width = MOMENTS // COLUMNS, (PAGE - 0.8) / COLUMNS
+    figure = Figure(figsize=(PAGE, 0.8 + rows * (0.2 + width * scale.aspect)))
+    panels = figure.subplots(rows, COLUMNS)
+    for axes, shape in zip(panels.flat, picture.shapes, strict=True):
+        draw_deformed_mesh(axes, picture, shape, scale, width)
+        axes.set_title(f"$t={shape.time:.3g}$")
+    draw_colour_bars(figure, list(panels.flat), picture, scale, fraction=0.04, shrink=0.8)
+    figure.suptitle(heading(picture))
+    legend(figure, body_handles(picture, scale), columns=4)
+    return figure
+
+
+def write_png(path: Path, figure: Figure) -> Path:
+    """A figure in pixels, without dates or versions."""
+    figure.set_dpi(DPI)
+    metadata = {"Software": None}
+    return write_whole(path, partial(FigureCanvasAgg(figure).print_png, metadata=metadata))
 
 
 @dataclass(frozen=True)
