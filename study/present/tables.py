@@ -17,14 +17,12 @@ from study.ledger.datafiles import DataError, read_claims, read_csv, read_rates,
 from study.ledger.files import write_text
 from study.ledger.rounding import cell
 from study.present.article.fragments import write_article
-from study.present.latex import encode, longtable, prose
+from study.present.latex import encode, folding, longtable, prose
 from study.present.terminal import ledger_text, rates_text
 
 __all__ = ["DataError", "ledger_text", "rates_text", "write_tables"]
 
 ORDER = "{:.3f}"
-FOLDING = r">{{\raggedright\arraybackslash}}p{{{}\linewidth}}"
-"""How LaTeX aligns a column of text that is folded at a part of the width of the line."""
 
 
 def write_tables(directory: Path) -> list[Path]:
@@ -140,9 +138,9 @@ def ledger_table(directory: Path) -> Table:
     """Every verdict with its expectation and interval, grouped by statement, from ``claims.csv``."""
     columns = [
         *words(label="statement", statement="what it says"),
-        Column("case", "case", FOLDING.format(0.17), names=True),
-        Column("quantity", "quantity", FOLDING.format(0.26)),
-        Column("expected", "expected", FOLDING.format(0.14)),
+        Column("case", "case", folding(0.17), names=True),
+        Column("quantity", "quantity", folding(0.26)),
+        Column("expected", "expected", folding(0.14)),
         *numbers(observed="observed", low="low", high="high"),
         *words(verdict="verdict"),
     ]

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,30 +18,9 @@ MARGIN = 0.06
 _MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 7, 8, 9))
 
 
-class Axis(Protocol):
-    """An axis from ``low`` to ``high``; its label is a text and perhaps a symbol after it, in italics."""
-
-    scale: ClassVar[str]
-
-    @property
-    def label(self) -> str: ...
-    @property
-    def low(self) -> float: ...
-    @property
-    def high(self) -> float: ...
-    @property
-    def symbol(self) -> str: ...
-
-    def position(self, value: float) -> float:
-        """0 at the lower end, 1 at the upper one."""
-
-    def ticks(self) -> list[tuple[float, str]]:
-        """Values with their texts."""
-
-
 @dataclass(frozen=True)
 class LogAxis:
-    """A logarithmic axis; ``least`` is the number of labelled ticks that it has at least."""
+    """A logarithmic axis with at least ``least`` labelled ticks; its label is a text and a symbol in italics."""
 
     scale: ClassVar[str] = "log"
     label: str
@@ -58,16 +37,17 @@ class LogAxis:
         return cls(label, low / margin, high * margin, symbol, least)
 
     def position(self, value: float) -> float:
-        """What is not positive lies far below the axis."""
+        """0 at the lower end, 1 at the upper one; what is not positive lies far below the axis."""
         return math.log10(max(value / self.low, 1e-9)) / math.log10(self.high / self.low)
 
     def ticks(self) -> list[tuple[float, str]]:
+        """Values with their texts."""
         return logarithmic_ticks(self.low, self.high, self.least)
 
 
 @dataclass(frozen=True)
 class LinearAxis:
-    """An axis of equal steps."""
+    """An axis of equal steps, otherwise like a logarithmic one."""
 
     scale: ClassVar[str] = "linear"
     label: str
@@ -90,6 +70,9 @@ class LinearAxis:
         step = next(unit * m for m in (1, 2, 5, 10, 20) if (self.high - self.low) / (unit * m) <= 6)
         multiples = np.arange(math.ceil(self.low / step - 1e-9), math.floor(self.high / step + 1e-9) + 1)
         return [(float(step * n), f"{step * n:.4g}") for n in multiples]
+
+
+Axis = LogAxis | LinearAxis
 
 
 def logarithmic_ticks(low: float, high: float, least: int = 3) -> list[tuple[float, str]]:

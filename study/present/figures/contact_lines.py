@@ -18,23 +18,16 @@ from study.present.charts.palette import BLACK, BLUE, GREEN, GREY, PURPLE, SKY, 
 from study.present.figures.drawing import COLUMN, legend
 from study.present.picture.faces import Array, Segment
 from study.present.picture.picture import Picture
-from study.present.picture.wording import (
-    HARMLESS,
-    ROUND_OFF,
-    face_name,
-    face_names,
-    face_symbol,
-    heading,
-    largest_differences,
-    place,
-    times_shown,
-)
 from study.present.picture.zone_history import caps, misplaced_length, strands
 
 ROWS = 40
 """At most about so many times are shown as dots: more would run into each other."""
 WIDTH = 0.4
 """Of the panel of errors, relative to one of a face."""
+ROUND_OFF = 1e-9
+"""Below this a gap or a pressure counts as zero; where they are not zero they are of order one."""
+HARMLESS = "where gap and pressure vanish to high order at a front, this hardly changes the error in the norm of V"
+"""What misplaced fronts mean for the error."""
 LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
 """Colour and marker for each face."""
 
@@ -50,10 +43,10 @@ def draw_zone(picture: Picture) -> Figure:
     *panels, beside = figure.subplots(1, count + 1, sharey=True, width_ratios=(*[1] * count, WIDTH))
     for axes, face in zip(panels, picture.segments, strict=True):
         _draw_face(axes, face, picture.times, faces=count)
-        axes.set_xlabel(rf"{'position $s$ along' if count < 3 else '$s$ on'} ${face_symbol(face, picture)}$")
+        axes.set_xlabel(rf"{'position $s$ along' if count < 3 else '$s$ on'} ${picture.symbol(face)}$")
     errors = _draw_misplaced(beside, picture)
     panels[0].set_ylabel(r"time $t$")
-    figure.suptitle(f"{heading(picture)}: contact zone")
+    figure.suptitle(f"{picture.heading}: contact zone")
     legend(figure, [*zone_handles(), *(errors if count > 1 else [])], columns=2 if count < 3 else 3)
     return figure
 
@@ -74,13 +67,13 @@ def caption_zone(picture: Picture) -> str:
     when = int(np.argmax(worst))
     seen = (
         f"computed fronts are off by {np.mean(errors):.2g} cells on average and by {worst[when]:.2g} at most, on "
-        f"{face_name(face, picture)} at t = {picture.times[1:][when]:.3g}, all fronts of a face added up; {HARMLESS}"
+        f"{picture.name(face)} at t = {picture.times[1:][when]:.3g}, all fronts of a face added up; {HARMLESS}"
         if worst[when] > 0
         else "no node is ever on the wrong side"
     )
     return (
-        f"Contact zone of {face_names(picture)} in space and time "
-        f"({place(picture)}): exact zone filled, dots are nodes with a positive computed pressure; on the right the "
+        f"Contact zone of {picture.names} in space and time "
+        f"({picture.place}): exact zone filled, dots are nodes with a positive computed pressure; on the right the "
         "length of their symmetric difference in cells, after t = 0, where nothing has been solved. What to see: "
         f"how closely the dots fill the exact zone; {seen}."
     )
@@ -115,7 +108,7 @@ def _draw_misplaced(axes: Axes, picture: Picture) -> list[Line2D]:
         error = misplaced_length(face, picture.times)
         largest = max(largest, 1.05 * float(error.max()))
         style: dict[str, Any] = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
-        lines += axes.plot(error, picture.times[1:], label=rf"fronts on ${face_symbol(face, picture)}$", **style)
+        lines += axes.plot(error, picture.times[1:], label=rf"fronts on ${picture.symbol(face)}$", **style)
     axes.set_xlim(0, largest)
     axes.set_xlabel("error in cells")
     axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
@@ -142,7 +135,7 @@ def draw_profiles(picture: Picture) -> Figure:
     figure = Figure(figsize=(COLUMN, 0.9 + 1.1 * rows))
     panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
     for i, face in enumerate(picture.segments):
-        s = rf"$s$ on ${face_symbol(face, picture)}$"
+        s = rf"$s$ on ${picture.symbol(face)}$"
         _draw_row(panels[2 * i], face, face.line_gap[instants], face.gap[instants], BLUE)
         _draw_row(panels[2 * i + 1], face, face.line_pressure[instants], face.pressure[instants], VERMILLION)
         panels[2 * i, 0].set_ylabel("gap $w$")
@@ -153,7 +146,7 @@ def draw_profiles(picture: Picture) -> Figure:
     for axes, instant in zip(panels[0], instants, strict=True):
         axes.set_title(f"$t={picture.times[instant]:.3g}$")
     figure.align_ylabels(panels[:, 0])
-    figure.suptitle(heading(picture))
+    figure.suptitle(picture.heading)
     legend(figure, _profile_handles(), columns=3)
     return figure
 
@@ -162,7 +155,7 @@ def caption_profiles(picture: Picture) -> str:
     """What to see."""
     gap, pressure = largest_differences(picture)
     return (
-        f"Gap and contact pressure along Γ3 at t = {times_shown(picture)} ({place(picture)}): lines are exact, markers "
+        f"Gap and contact pressure along Γ3 at t = {picture.times_shown} ({picture.place}): lines are exact, markers "
         "computed. What to see: nowhere are gap and pressure both positive, and markers lie on the lines: the error at "
         f"the nodes is at most {gap} for the gap and, for the pressure, a nodal force divided by the integral of its "
         f"shape function, at most {pressure}."
@@ -190,3 +183,22 @@ def _profile_handles() -> list[Line2D]:
         Line2D([], [], color=BLUE, label="computed gap", **style),
         Line2D([], [], color=VERMILLION, label="computed pressure", **style),
     ]
+
+
+def largest_differences(picture: Picture) -> tuple[str, str]:
+    """How far computed gaps and pressures are from the exact ones at the nodes, at the times of the shapes."""
+    at = picture.instants
+    gaps = [(face.gap[at], face.gap_exact[at]) for face in picture.faces]
+    pressures = [(face.pressure[at], face.pressure_exact[at]) for face in picture.faces]
+    return _largest_difference(gaps), _largest_difference(pressures)
+
+
+def _largest_difference(pairs: list[tuple[Array, Array]]) -> str:
+    """max |computed − exact|, in per cent of max |exact| where that is not round-off."""
+    difference = max(float(abs(computed - exact).max()) for computed, exact in pairs)
+    size = max(float(abs(exact).max()) for _, exact in pairs)
+    return (
+        f"{100 * difference / size:.2g} % of the largest"
+        if size > ROUND_OFF
+        else f"{difference:.1e}, the largest being 0"
+    )

@@ -15,21 +15,11 @@ from matplotlib.lines import Line2D
 from matplotlib.tri import Triangulation
 
 from study.present.charts.palette import BLUE, SKY, VERMILLION
-from study.present.figures.contact_lines import LINES, zone_handles
+from study.present.figures.contact_lines import HARMLESS, LINES, largest_differences, zone_handles
 from study.present.figures.deformed_mesh import PRESSURES
 from study.present.figures.drawing import COLUMN, legend
 from study.present.picture.faces import Array, Polygon
 from study.present.picture.picture import Picture
-from study.present.picture.wording import (
-    HARMLESS,
-    face_name,
-    face_names,
-    face_symbol,
-    heading,
-    largest_differences,
-    place,
-    times_shown,
-)
 from study.present.picture.zone_history import misplaced_nodes
 
 Paint = Callable[[Axes, int], Any]
@@ -43,7 +33,7 @@ def draw_maps_of(row: Array, picture: Picture, face: Polygon, paint: Paint) -> N
         paint(axes, instant)
         _draw_front(axes, face, instant)
         axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
-    row[0].set_ylabel(rf"$s_2$ on ${face_symbol(face, picture)}$")
+    row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")
 
 
 def label_maps(panels: Array, picture: Picture) -> None:
@@ -83,7 +73,7 @@ def draw_fronts(picture: Picture) -> Figure:
         draw_maps_of(row, picture, face, _zone(face))
     label_maps(panels, picture)
     _draw_counts(figure.add_subplot(grid[1]), picture)
-    figure.suptitle(f"{heading(picture)}: contact zone")
+    figure.suptitle(f"{picture.heading}: contact zone")
     legend(figure, zone_handles(), columns=2)
     return figure
 
@@ -95,13 +85,13 @@ def caption_fronts(picture: Picture) -> str:
     when = int(np.argmax(worst))
     seen = (
         f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on average and {worst[when]} of "
-        f"{len(face.nodes)} at most, on {face_name(face, picture)} at t = {picture.times[1:][when]:.3g}; {HARMLESS}"
+        f"{len(face.nodes)} at most, on {picture.name(face)} at t = {picture.times[1:][when]:.3g}; {HARMLESS}"
         if worst[when] > 0
         else f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
     )
     return (
-        f"Contact zone of {face_names(picture)} at t = {times_shown(picture)} "
-        f"({place(picture)}), seen from inside the body: exact zone filled, dots are nodes with a positive computed "
+        f"Contact zone of {picture.names} at t = {picture.times_shown} "
+        f"({picture.place}), seen from inside the body: exact zone filled, dots are nodes with a positive computed "
         "pressure; below, the number of nodes in the exact zone (lines) and in computed contact (markers) over time, "
         f"after t = 0, where nothing has been solved. What to see: how closely the dots fill the exact zone; {seen}."
     )
@@ -120,7 +110,7 @@ def _zone(face: Polygon) -> Paint:
 
 def _draw_counts(axes: Axes, picture: Picture) -> None:
     for face, (colour, marker) in zip(picture.polygons, cycle(LINES), strict=False):
-        times, label = picture.times[1:], f"${face_symbol(face, picture)}$"
+        times, label = picture.times[1:], f"${picture.symbol(face)}$"
         axes.plot(times, face.inside.sum(axis=1)[1:], color=colour, lw=0.8)
         axes.plot(times, face.touching.sum(axis=1)[1:], marker, color=colour, mfc="white", ms=2.6, label=label)
     axes.set(xlabel="time $t$", ylabel="nodes in contact", ylim=(0, max(len(face.nodes) for face in picture.polygons)))
@@ -152,7 +142,7 @@ def draw_maps(picture: Picture) -> Figure:
             bar = figure.colorbar(row[-1].collections[0], ax=list(row), fraction=0.05, ticks=[0, top], format="%.3g")
             bar.set_label(label)
     label_maps(panels, picture)
-    figure.suptitle(heading(picture))
+    figure.suptitle(picture.heading)
     legend(figure, _handles(), columns=3)
     return figure
 
@@ -161,8 +151,8 @@ def caption_maps(picture: Picture) -> str:
     """What to see."""
     gap, pressure = largest_differences(picture)
     return (
-        f"Gap and contact pressure on {face_names(picture)} at t = {times_shown(picture)} "
-        f"({place(picture)}), seen from inside the body: surfaces are exact, dots computed, in the same colours. What "
+        f"Gap and contact pressure on {picture.names} at t = {picture.times_shown} "
+        f"({picture.place}), seen from inside the body: surfaces are exact, dots computed, in the same colours. What "
         "to see: nowhere are gap and pressure both positive, and where a dot stands out there is an error: at most "
         f"{pressure} for the pressure, a nodal force divided by the integral of its shape function; at most {gap} for "
         f"the gap, which itself is at most {100 * _largest_gap(picture):.2g} % of the largest displacement."

@@ -14,7 +14,6 @@ from study.present.charts.palette import BLACK, VERMILLION
 from study.present.figures.deformed_mesh import CLIPPED, BodyScale, draw_deformed_mesh
 from study.present.figures.drawing import COLUMN, legend
 from study.present.picture.picture import Picture
-from study.present.picture.wording import heading, place, times_shown
 
 
 def draw_colour_bars(figure: Figure, panels: list[Axes], picture: Picture, scale: BodyScale, **layout: Any) -> None:
@@ -59,7 +58,7 @@ def draw_body(picture: Picture) -> Figure:
         axes.set_title(f"$t={shape.time:.3g}$")
     layout: dict[str, Any] = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.7, "pad": 0.02}
     draw_colour_bars(figure, list(panels), picture, scale, **layout)
-    figure.suptitle(heading(picture))
+    figure.suptitle(picture.heading)
     legend(figure, body_handles(picture, scale), columns=2)
     return figure
 
@@ -70,7 +69,7 @@ def caption_body(picture: Picture) -> str:
     shape = max(picture.shapes, key=lambda shape: float(shape.von_mises.max()))
     drawn, seen, deviator = _IN_SPACE if picture.polygons else _IN_THE_PLANE
     return (
-        f"The deformed body at t = {times_shown(picture)} ({place(picture)}): displacements times "
+        f"The deformed body at t = {picture.times_shown} ({picture.place}): displacements times "
         f"{scale.magnification:.2g}, cells coloured by the von Mises stress √(3/2) |dev σ| of the computed "
         f"stress A ε(δu) + G ε(u){deviator}; {drawn}, at most {scale.pressure:.3g}. What to see: where there is "
         f"contact ({_contact(picture)}), {seen}. The largest von Mises stress is {shape.von_mises.max():.3g}, at "

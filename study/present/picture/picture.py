@@ -116,6 +116,34 @@ class Picture:
         """The index of the time node nearest to a time."""
         return int(np.argmin(abs(self.times - time)))
 
+    @property
+    def heading(self) -> str:
+        """The case and the mesh it was computed on, as TeX."""
+        return f"{self.case} ({self.family}, $n={self.level}$)"
+
+    @property
+    def place(self) -> str:
+        """The same for captions."""
+        return f"{self.case}, {self.family} mesh with n = {self.level}"
+
+    @property
+    def times_shown(self) -> str:
+        """The times of the shapes, for captions."""
+        return ", ".join(f"{shape.time:.3g}" for shape in self.shapes)
+
+    @property
+    def names(self) -> str:
+        """All faces, for captions."""
+        return ", ".join(map(self.name, self.faces))
+
+    def name(self, face: FaceHistory) -> str:
+        """Γ3, or Γ3,i where there are several faces, for captions."""
+        return f"Γ3,{face.number}" if len(self.faces) > 1 else "Γ3"
+
+    def symbol(self, face: FaceHistory) -> str:
+        """The same as TeX mathematics."""
+        return rf"\Gamma_{{3,{face.number}}}" if len(self.faces) > 1 else r"\Gamma_3"
+
 
 def read_pictures(directory: Path) -> list[Picture]:
     """The pictures of the cases of ``cases.csv``, in that order; files of other runs are left alone.

@@ -19,7 +19,6 @@ from study.present.figures.deformed_mesh import BodyScale, draw_deformed_mesh
 from study.present.figures.drawing import PAGE, legend
 from study.present.picture.faces import Segment
 from study.present.picture.picture import Picture
-from study.present.picture.wording import face_symbol, heading
 from study.present.picture.zone_history import exact_zone
 
 DPI = 110
@@ -84,7 +83,7 @@ def played(figure: Figure, picture: Picture) -> Iterator[None]:
         draw_deformed_mesh(left, picture, shape, scale, 0.5 * PAGE)
         for axes, face in zip(right, picture.segments, strict=True):
             _draw_pressure(axes, face, picture, picture.nearest(shape.time))
-        figure.suptitle(f"{heading(picture)},  $t={shape.time:.2f}$")
+        figure.suptitle(f"{picture.heading},  $t={shape.time:.2f}$")
         if number == 0:
             # Later frames keep the layout of the first one: nothing may jump.
             figure.canvas.draw()
@@ -100,5 +99,5 @@ def _draw_pressure(axes: Axes, face: Segment, picture: Picture, instant: int) ->
     axes.plot(face.s, face.pressure[instant], "o", color=VERMILLION, mfc="white", ms=2.8, clip_on=False)
     top = max(float(face.pressure.max()), float(face.line_pressure.max()))
     axes.set(xlim=(face.line.min(), face.line.max()), ylim=(0, 1.08 * top if top > 0 else 1))
-    axes.set_xlabel(rf"$s$ on ${face_symbol(face, picture)}$")
+    axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
     axes.set_ylabel("pressure $p$")

@@ -18,7 +18,6 @@ from study.present.figures.deformed_body import body_handles, draw_colour_bars
 from study.present.figures.deformed_mesh import BodyScale, draw_deformed_mesh
 from study.present.figures.drawing import PAGE, in_style, legend
 from study.present.picture.picture import Picture, with_every_shape
-from study.present.picture.wording import heading
 from study.present.show.animation import write_gif, write_mp4
 from study.present.show.vtk import write_vtk
 
@@ -38,7 +37,7 @@ def draw_storyboard(picture: Picture) -> Figure:
         draw_deformed_mesh(axes, picture, shape, scale, width)
         axes.set_title(f"$t={shape.time:.3g}$")
     draw_colour_bars(figure, list(panels.flat), picture, scale, fraction=0.04, shrink=0.8)
-    figure.suptitle(heading(picture))
+    figure.suptitle(picture.heading)
     legend(figure, body_handles(picture, scale), columns=4)
     return figure
 
