@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import MaxNLocator
 
 from study.present.charts.palette import BLACK, BLUE, GREEN, GREY, PURPLE, SKY, VERMILLION
-from study.present.figures.drawing import COLUMN, legend
+from study.present.figures.drawing import COLUMN, dots, entry, legend
 from study.present.picture.faces import Array, Segment
 from study.present.picture.picture import Picture
 from study.present.picture.zone_history import caps, misplaced_length, strands
@@ -53,11 +53,8 @@ def draw_zone(picture: Picture) -> Figure:
 
 def zone_handles() -> list[Artist]:
     """Entries of the legend: the exact zone and the computed one."""
-    dot: dict[str, Any] = {"ls": "", "marker": "o", "ms": 2.5, "mew": 0, "color": BLUE}
-    return [
-        Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$"),
-        Line2D([], [], label=r"nodes in contact, $p^h>0$", **dot),
-    ]
+    exact = Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
+    return [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, mew=0, color=BLUE)]
 
 
 def caption_zone(picture: Picture) -> str:
@@ -91,7 +88,8 @@ def _draw_face(axes: Axes, face: Segment, times: Array, faces: int) -> None:
             axes.plot([left, right], [t, t], color=VERMILLION, lw=1.0, zorder=2)
     stride = max(1, round(len(times) / ROWS))
     when, where = np.nonzero(face.touching[::stride])
-    size = _dot_size(len(face.s) * faces, len(times) // stride)
+    # A diameter in points that leaves white between neighbouring dots.
+    size = float(np.clip(0.55 * min(200 / (len(face.s) * faces), 150 / (len(times) // stride)), 0.7, 2.5))
     if len(when):
         axes.plot(face.s[where], times[::stride][when], "o", color=BLUE, ms=size, mew=0, clip_on=False, zorder=3)
     elif not pieces:
@@ -114,11 +112,6 @@ def _draw_misplaced(axes: Axes, picture: Picture) -> list[Line2D]:
     axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
     axes.grid(True)
     return lines
-
-
-def _dot_size(columns: int, rows: int) -> float:
-    """A diameter in points that leaves white between neighbouring dots."""
-    return float(np.clip(0.55 * min(200 / columns, 150 / rows), 0.7, 2.5))
 
 
 MARKERS = 24
@@ -147,7 +140,9 @@ def draw_profiles(picture: Picture) -> Figure:
         axes.set_title(f"$t={picture.times[instant]:.3g}$")
     figure.align_ylabels(panels[:, 0])
     figure.suptitle(picture.heading)
-    legend(figure, _profile_handles(), columns=3)
+    kinds = (("computed gap", BLUE), ("computed pressure", VERMILLION))
+    computed = [dots(label, color=colour, mfc="white", ms=2.6) for label, colour in kinds]
+    legend(figure, [entry("exact", color=BLACK, lw=0.9), *computed], columns=3)
     return figure
 
 
@@ -164,9 +159,9 @@ def caption_profiles(picture: Picture) -> str:
 
 def _draw_row(panels: list[Axes], face: Segment, exact: Array, computed: Array, colour: str) -> None:
     every = max(1, round(len(face.s) / MARKERS))
-    for axes, line, dots in zip(panels, exact, computed, strict=True):
+    for axes, line, marks in zip(panels, exact, computed, strict=True):
         axes.plot(face.line, line, color=BLACK, lw=0.9)
-        axes.plot(face.s, dots, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
+        axes.plot(face.s, marks, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
         axes.set_xlim(face.line.min(), face.line.max())
         axes.grid(True)
     # From zero, so that round-off around a constant does not fill the panel.
@@ -174,15 +169,6 @@ def _draw_row(panels: list[Axes], face: Segment, exact: Array, computed: Array, 
     high = high if high > ROUND_OFF else 1.0
     room = 0.06 * (high - low)
     panels[0].set_ylim(low - room, high + room)
-
-
-def _profile_handles() -> list[Line2D]:
-    style: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "ms": 2.6}
-    return [
-        Line2D([], [], color=BLACK, lw=0.9, label="exact"),
-        Line2D([], [], color=BLUE, label="computed gap", **style),
-        Line2D([], [], color=VERMILLION, label="computed pressure", **style),
-    ]
 
 
 def largest_differences(picture: Picture) -> tuple[str, str]:

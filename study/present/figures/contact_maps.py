@@ -11,13 +11,12 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.tri import Triangulation
 
 from study.present.charts.palette import BLUE, SKY, VERMILLION
 from study.present.figures.contact_lines import HARMLESS, LINES, largest_differences, zone_handles
 from study.present.figures.deformed_mesh import PRESSURES
-from study.present.figures.drawing import COLUMN, legend
+from study.present.figures.drawing import COLUMN, dots, entry, legend
 from study.present.picture.faces import Array, Polygon
 from study.present.picture.picture import Picture
 from study.present.picture.zone_history import misplaced_nodes
@@ -27,11 +26,12 @@ Paint = Callable[[Axes, int], Any]
 
 
 def draw_maps_of(row: Array, picture: Picture, face: Polygon, paint: Paint) -> None:
-    """The maps of a face at the times of the shapes."""
-    for axes, shape in zip(row, picture.shapes, strict=True):
-        instant = picture.nearest(shape.time)
+    """The maps of a face with its exact front, at the times of the shapes."""
+    for axes, instant in zip(row, picture.instants, strict=True):
         paint(axes, instant)
-        _draw_front(axes, face, instant)
+        level = face.level[instant]
+        if level.min() < 0 <= level.max():
+            axes.tricontour(refined_triangulation(face), level, [0], colors=VERMILLION, linewidths=1.0)
         axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
     row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")
 
@@ -44,20 +44,9 @@ def label_maps(panels: Array, picture: Picture) -> None:
         axes.set_xlabel("$s_1$")
 
 
-def triangulation(face: Polygon) -> Triangulation:
-    """The triangles between the nodes."""
-    return Triangulation(*face.s, face.facets.corners.T)
-
-
 def refined_triangulation(face: Polygon) -> Triangulation:
     """The triangles between the points at which ψ is known."""
     return Triangulation(*face.facets.refined(face.s), face.facets.quarters.T)
-
-
-def _draw_front(axes: Axes, face: Polygon, instant: int) -> None:
-    level = face.level[instant]
-    if level.min() < 0 <= level.max():
-        axes.tricontour(refined_triangulation(face), level, [0], colors=VERMILLION, linewidths=1.0)
 
 
 def draw_fronts(picture: Picture) -> Figure:
@@ -143,27 +132,25 @@ def draw_maps(picture: Picture) -> Figure:
             bar.set_label(label)
     label_maps(panels, picture)
     figure.suptitle(picture.heading)
-    legend(figure, _handles(), columns=3)
+    computed = dots("computed", mfc="white", mec="0.4", mew=0.4, ms=2.6)
+    handles = entry("exact", color="0.6", lw=4), computed, entry("exact front", color=VERMILLION, lw=1.0)
+    legend(figure, handles, columns=3)
     return figure
 
 
 def caption_maps(picture: Picture) -> str:
     """What to see."""
     gap, pressure = largest_differences(picture)
+    displacement = max(float(np.linalg.norm(shape.displacement, axis=0).max()) for shape in picture.shapes)
+    largest_gap = max(float(face.gap_exact[picture.instants].max()) for face in picture.polygons)
     return (
         f"Gap and contact pressure on {picture.names} at t = {picture.times_shown} "
         f"({picture.place}), seen from inside the body: surfaces are exact, dots computed, in the same colours. What "
         "to see: nowhere are gap and pressure both positive, and where a dot stands out there is an error: at most "
         f"{pressure} for the pressure, a nodal force divided by the integral of its shape function; at most {gap} for "
-        f"the gap, which itself is at most {100 * _largest_gap(picture):.2g} % of the largest displacement."
+        f"the gap, which itself is at most {100 * largest_gap / (displacement or 1.0):.2g} % of the largest "
+        "displacement."
     )
-
-
-def _largest_gap(picture: Picture) -> float:
-    """The largest exact gap at the times of the shapes over the largest displacement."""
-    instants = picture.instants
-    displacement = max(float(np.linalg.norm(shape.displacement, axis=0).max()) for shape in picture.shapes)
-    return max(float(face.gap_exact[instants].max()) for face in picture.polygons) / (displacement or 1.0)
 
 
 def _values(face: Polygon, exact: Array, computed: Array, top: float, colours: str) -> Paint:
@@ -171,18 +158,8 @@ def _values(face: Polygon, exact: Array, computed: Array, top: float, colours: s
     style: dict[str, Any] = {"cmap": colormaps[colours], "norm": BoundaryNorm(levels, 256)}
 
     def paint(axes: Axes, instant: int) -> None:
-        axes.tricontourf(triangulation(face), exact[instant].clip(0), levels, **style)
-        axes.scatter(
-            face.s[0], face.s[1], s=5, c=computed[instant].clip(0), edgecolors="0.4", linewidths=0.2, zorder=2, **style
-        )
+        axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact[instant].clip(0), levels, **style)
+        rim: dict[str, Any] = {"edgecolors": "0.4", "linewidths": 0.2}
+        axes.scatter(*face.s, s=5, c=computed[instant].clip(0), zorder=2, **rim, **style)
 
     return paint
-
-
-def _handles() -> list[Line2D]:
-    dot: dict[str, Any] = {"ls": "", "marker": "o", "mfc": "white", "mec": "0.4", "mew": 0.4, "ms": 2.6}
-    return [
-        Line2D([], [], color="0.6", lw=4, label="exact"),
-        Line2D([], [], label="computed", **dot),
-        Line2D([], [], color=VERMILLION, lw=1.0, label="exact front"),
-    ]

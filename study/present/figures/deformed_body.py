@@ -8,11 +8,10 @@ from matplotlib import patches
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from study.present.charts.palette import BLACK, VERMILLION
 from study.present.figures.deformed_mesh import CLIPPED, BodyScale, draw_deformed_mesh
-from study.present.figures.drawing import COLUMN, legend
+from study.present.figures.drawing import COLUMN, dots, entry, legend
 from study.present.picture.picture import Picture
 
 
@@ -28,16 +27,15 @@ def draw_colour_bars(figure: Figure, panels: list[Axes], picture: Picture, scale
 
 def body_handles(picture: Picture, scale: BodyScale) -> list[Artist]:
     """Entries of the legend."""
-    body = Line2D([], [], color="0.35", lw=0.6, label=rf"body, displacement $\times\,{scale.magnification:.2g}$")
+    body = entry(rf"body, displacement $\times\,{scale.magnification:.2g}$", color="0.35", lw=0.6)
     if picture.polygons:
-        dot: dict[str, Any] = {"color": BLACK, "ls": "", "marker": "o", "ms": 2, "mew": 0}
-        return [body, Line2D([], [], label="vertices in contact", **dot)]
-    arrow: dict[str, Any] = {"color": VERMILLION, "ls": "", "marker": r"$\uparrow$", "ms": 6, "mew": 0.2}
+        return [body, dots("vertices in contact", color=BLACK, ms=2, mew=0)]
+    pressure = f"contact pressure, at most {scale.pressure:.3g}"
     return [
         body,
         patches.Patch(facecolor="0.82", edgecolor="0.25", label="foundation"),
-        Line2D([], [], label=f"contact pressure, at most {scale.pressure:.3g}", **arrow),
-        Line2D([], [], color=BLACK, lw=1.8, label="computed contact zone"),
+        dots(pressure, color=VERMILLION, marker=r"$\uparrow$", ms=6, mew=0.2),
+        entry("computed contact zone", color=BLACK, lw=1.8),
     ]
 
 
@@ -67,14 +65,16 @@ def caption_body(picture: Picture) -> str:
     """What to see."""
     scale = BodyScale.of(picture)
     shape = max(picture.shapes, key=lambda shape: float(shape.von_mises.max()))
+    touching = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.instants]
+    vertices = sum(face.pressure.shape[1] for face in picture.faces)
     drawn, seen, deviator = _IN_SPACE if picture.polygons else _IN_THE_PLANE
     return (
         f"The deformed body at t = {picture.times_shown} ({picture.place}): displacements times "
         f"{scale.magnification:.2g}, cells coloured by the von Mises stress √(3/2) |dev σ| of the computed "
         f"stress A ε(δu) + G ε(u){deviator}; {drawn}, at most {scale.pressure:.3g}. What to see: where there is "
-        f"contact ({_contact(picture)}), {seen}. The largest von Mises stress is {shape.von_mises.max():.3g}, at "
-        f"t = {shape.time:.3g}; one cell in {1 / CLIPPED:.0f} may lie beyond the end of the "
-        f"colours, {scale.stress:.3g}."
+        f"contact ({', '.join(map(str, touching))} of {vertices} vertices of Γ3), {seen}. The largest von Mises stress "
+        f"is {shape.von_mises.max():.3g}, at t = {shape.time:.3g}; one cell in {1 / CLIPPED:.0f} may lie beyond the "
+        f"end of the colours, {scale.stress:.3g}."
     )
 
 
@@ -88,10 +88,3 @@ _IN_SPACE = (
     "Γ3 is flat and there is pressure, elsewhere it has come off and there is none",
     "",
 )
-
-
-def _contact(picture: Picture) -> str:
-    """How many vertices of Γ3 are in contact at each time."""
-    counts = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.instants]
-    vertices = sum(face.pressure.shape[1] for face in picture.faces)
-    return f"{', '.join(map(str, counts))} of {vertices} vertices of Γ3"

@@ -37,9 +37,7 @@ def draw_energy(picture: Picture) -> Figure:
     for axes in (above, below):
         axes.grid(True)
     above.set_ylabel("energy since $t=0$")
-    below.set_ylabel("defect in %")
-    below.set_xlabel("time $t$")
-    below.set_xlim(energy.times[0], energy.times[-1])
+    below.set(xlabel="time $t$", ylabel="defect in %", xlim=(energy.times[0], energy.times[-1]))
     figure.align_ylabels()
     figure.suptitle(picture.heading)
     legend(figure, handles, columns=2)
