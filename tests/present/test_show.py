@@ -22,8 +22,7 @@ from study.present.charts.palette import VERMILLION
 from study.present.figures.drawing import in_style
 from study.present.picture.picture import Picture, with_every_shape
 from study.present.show import Shown, count_images, draw_show
-from study.present.show.animation import write_mp4
-from study.present.show.showing import MOMENTS, draw_storyboard
+from study.present.show.showing import MOMENTS, draw_storyboard, write_mp4
 from study.present.show.vtk import mesh_of
 from study.run.showcase import EVERY, mesh_series, solve_showcase
 from study.solve.motion import Motion

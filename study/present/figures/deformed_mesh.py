@@ -102,10 +102,6 @@ def draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) -
     axes.plot(*ends, color="0.25", lw=0.6, solid_capstyle="butt", zorder=2.5)
     for interval in face.computed_zone(instant):
         axes.plot(*face.point(np.array(interval)), color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)
-    _draw_arrows(axes, face, instant, scale)
-
-
-def _draw_arrows(axes: Axes, face: Segment, instant: int, scale: BodyScale) -> None:
     every = max(1, round(len(face.s) / ARROWS))
     shown = np.flatnonzero(face.touching[instant])
     shown = shown[shown % every == 0]
@@ -155,19 +151,15 @@ def _cells(
     """Triangles with the given corners, (cells, 3, 2), in the given order."""
     # One path for all cells of a shade in a row: a path for each cell takes three times as long to write.
     runs = np.split(order, np.flatnonzero(np.diff(shades[order])) + 1)
+    closed = [np.concatenate([corners[run], corners[run, :1]], axis=1).reshape(-1, 2) for run in runs]
+    triangle = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
     return PathCollection(
-        [_outlines(corners[run]) for run in runs],
+        [Path(points, np.tile(triangle, len(points) // 4)) for points in closed],
         facecolors=colours[[shades[run[0]] for run in runs]],
         edgecolors=(0, 0, 0, 0.4),
         linewidths=min(0.3, 0.04 * cell),
         zorder=2,
     )
-
-
-def _outlines(corners: Array) -> Path:
-    """Triangles, (n, 3, 2), as one path."""
-    codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(corners))
-    return Path(np.concatenate([corners, corners[:, :1]], axis=1).reshape(-1, 2), codes)
 
 
 def _steps(shares: Array) -> NDArray[np.int64]:

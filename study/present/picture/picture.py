@@ -165,35 +165,23 @@ def _read(path: Path) -> Picture:
         raise DataError(f"{path} is not a picture ({error!r}): make it again with `study run`") from error
 
 
-@dataclass(frozen=True, eq=False)
-class OverTime:
-    """Displacement of the vertices, (times, d, vertices), and von Mises stress of the cells, (times, cells)."""
+def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
+    """Displacement of the vertices, (times, d, vertices), and von Mises stress of the cells, (times, cells).
 
-    displacement: Packed
-    von_mises: Packed
-
-    @classmethod
-    def of(cls, record: Mapping[str, Any]) -> OverTime:
-        """From the content of a file.
-
-        Raises:
-            KeyError, TypeError, ValueError: it lacks them, or has them on another mesh.
-        """
-        times, vertices, cells = len(record["times"]), np.shape(record["vertices"]), np.shape(record["cells"])
-        return cls(
-            _packed(record["displacement"], (times, *vertices)),
-            _packed(record["von_mises"], (times, cells[1])),
-        )
+    Raises:
+        KeyError, TypeError, ValueError: the content of the file lacks them, or has them on another mesh.
+    """
+    times, vertices, cells = len(record["times"]), np.shape(record["vertices"]), np.shape(record["cells"])
+    return (
+        _packed(record["displacement"], (times, *vertices)),
+        _packed(record["von_mises"], (times, cells[1])),
+    )
 
 
 def with_every_shape(record: Mapping[str, Any]) -> Picture:
-    """The picture with a shape at each of its times.
-
-    Raises:
-        KeyError, TypeError, ValueError: as ``OverTime.of``.
-    """
-    picture, over_time = Picture.of(record), OverTime.of(record)
-    every = zip(picture.times, over_time.displacement.values, over_time.von_mises.values, strict=True)
+    """The picture with a shape at each of its times; errors as in ``over_time``."""
+    picture, (displacement, von_mises) = Picture.of(record), over_time(record)
+    every = zip(picture.times, displacement.values, von_mises.values, strict=True)
     return replace(picture, shapes=[Shape(float(time), u, stress) for time, u, stress in every])
 
 
