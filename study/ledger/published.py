@@ -8,20 +8,20 @@ from __future__ import annotations
 
 import csv
 import math
-from collections.abc import Iterable
+import textwrap
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from tabulate import tabulate
 
 from study.ledger.orders import Array, fit, orders
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
 CONSECUTIVE, FITTED = 0.15, 0.1
-"""How far consecutive orders and the fitted one may lie from the expected order; an order above it by more is too good,
-and where none is expected, one so far above the fitted order of its own column: a single pair of meshes that converges
-faster than the table as a whole."""
+"""How far consecutive orders and the fitted one may lie from the expected order. Without one, an order that is so far
+above the fitted order is too good: a single pair of meshes that converges faster than the table as a whole."""
 SETTLED = 0.1
 """Orders count as settled from the level on after which all lie this close to the last one."""
 EXACT = 1e-6
@@ -34,16 +34,13 @@ class TableError(ValueError):
 
 @dataclass(frozen=True)
 class Report:
-    """What one column of errors says.
+    """What one column of errors says, coarse to fine.
 
     Attributes:
-        name: the column.
-        h, errors: the data, coarse to fine.
-        orders: consecutive orders, one fewer.
+        orders: consecutive orders, one fewer than errors.
         order, low, high: least squares over the asymptotic range with its 95 % interval.
         asymptotic_from: h of the first level of the asymptotic range; None if orders never settle.
         too_good: for each order why it looks better than a measured one can, or None.
-        expected: the expected order, if one was given.
         verdict: holds, fails or undecided against the expected order; None without one.
     """
 
@@ -67,40 +64,43 @@ def read_table(path: Path) -> tuple[Array, dict[str, Array]]:
         TableError: no such file, no ``h`` or ``n``, no errors, fewer than two levels, or an entry that
             is missing, not a number, not positive or stands in its column twice; names the lines.
     """
+    rows = _read_lines(path)
+    (first, head), levels = rows[0], rows[1:]
+    names = [name for name in head if name not in ("h", "n")]
+    if len(head) - len(names) != 1 or not names or len(set(head)) < len(head):
+        raise TableError(
+            f"{path}, line {first}: the header is {', '.join(head)}; expected h or n, and one or more columns of errors"
+        )
+    for number, cells in levels:
+        if len(cells) != len(head):
+            raise TableError(f"{path}, line {number}: {len(cells)} entries, expected {len(head)} ({', '.join(head)})")
+    values = [[_positive(path, number, *entry) for entry in zip(head, cells, strict=True)] for number, cells in levels]
+    if len(values) < 2:
+        raise TableError(f"{path} has {len(values)} level(s); an order needs two or more")
+    columns = dict(zip(head, np.array(values).T, strict=True))
+    for name, column in columns.items():
+        _refuse_repeated(path, name, column, [number for number, _ in levels])
+    h = columns["h"] if "h" in columns else 1 / columns["n"]
+    coarse_first = np.argsort(-h)
+    return h[coarse_first], {name: columns[name][coarse_first] for name in names}
+
+
+def _read_lines(path: Path) -> list[tuple[int, list[str]]]:
+    """The number and the cells of every line with content."""
     if not path.is_file():
         raise TableError(f"there is no file {path}")
     try:
         lines = path.read_text(encoding="utf-8-sig").splitlines()
     except UnicodeDecodeError as error:
         raise TableError(f"{path} is not text in UTF-8 (byte {error.start}); save it as CSV in UTF-8") from error
-    numbered = [
-        (i, line) for i, line in enumerate(lines, start=1) if line.strip() and not line.lstrip().startswith("#")
+    rows = [
+        (number, [cell.strip() for cell in next(csv.reader([line]))])
+        for number, line in enumerate(lines, start=1)
+        if line.strip() and not line.lstrip().startswith("#")
     ]
-    if not numbered:
+    if not rows:
         raise TableError(f"{path} is empty; expected a header h,error or n,error and one line per level")
-    head = [name.strip() for name in next(csv.reader([numbered[0][1]]))]
-    sizes = [name for name in head if name in ("h", "n")]
-    names = [name for name in head if name not in ("h", "n")]
-    if len(sizes) != 1 or not names or len(set(head)) < len(head):
-        raise TableError(
-            f"{path}, line {numbered[0][0]}: the header is {', '.join(head)}; "
-            "expected h or n, and one or more columns of errors"
-        )
-    rows: list[tuple[int, list[float]]] = []
-    for number, line in numbered[1:]:
-        cells = [cell.strip() for cell in next(csv.reader([line]))]
-        if len(cells) != len(head):
-            raise TableError(f"{path}, line {number}: {len(cells)} entries, expected {len(head)} ({', '.join(head)})")
-        rows.append((number, [_positive(path, number, name, cell) for name, cell in zip(head, cells, strict=True)]))
-    if len(rows) < 2:
-        raise TableError(f"{path} has {len(rows)} level(s); an order needs two or more")
-    where = head.index(sizes[0])
-    for i, name in enumerate(head):
-        _refuse_repeated(path, name, [(number, row[i]) for number, row in rows])
-    values = np.array([row for _, row in rows])
-    h = values[:, where] if sizes[0] == "h" else 1 / values[:, where]
-    coarse_first = np.argsort(-h)
-    return h[coarse_first], {name: values[coarse_first, head.index(name)] for name in names}
+    return rows
 
 
 def _positive(path: Path, number: int, name: str, cell: str) -> float:
@@ -114,16 +114,15 @@ def _positive(path: Path, number: int, name: str, cell: str) -> float:
     return value
 
 
-def _refuse_repeated(path: Path, name: str, entries: Iterable[tuple[int, float]]) -> None:
+def _refuse_repeated(path: Path, name: str, values: Array, lines: list[int]) -> None:
     """Two meshes differ in their size, and errors on them in some digit."""
-    seen: dict[float, int] = {}
-    for number, value in entries:
-        if value in seen:
+    for i, value in enumerate(values):
+        if value in values[:i]:
+            before = lines[list(values).index(value)]
             raise TableError(
-                f"{path}, line {number}: {name} = {value:.12g} stands in line {seen[value]} already, expected another "
+                f"{path}, line {lines[i]}: {name} = {value:.12g} stands in line {before} already, expected another "
                 "value on every mesh: remove the row if it was copied, or give more digits"
             )
-        seen[value] = number
 
 
 def report(name: str, h: Array, errors: Array, expected: float | None = None) -> Report:
@@ -159,7 +158,7 @@ def _too_good(found: Array, fitted: float, expected: float | None) -> tuple[str 
 
 
 def _verdict(found: Array, fitted: float, asymptotic: int | None, expected: float) -> str:
-    if len(found) < 2 or asymptotic is None:
+    if asymptotic is None:
         return UNDECIDED
     inside = abs(found[asymptotic:] - expected).max() <= CONSECUTIVE and abs(fitted - expected) <= FITTED
     return HOLDS if inside else FAILS
@@ -167,31 +166,26 @@ def _verdict(found: Array, fitted: float, asymptotic: int | None, expected: floa
 
 def as_text(found: Report) -> str:
     """The report as lines for a terminal."""
-    lines = [f"{found.name}", f"  {'h':>12}{'error':>14}{'order':>9}"]
-    lines.append(f"  {found.h[0]:>12.5g}{found.errors[0]:>14.5g}")
-    for h, error, order, why in zip(found.h[1:], found.errors[1:], found.orders, found.too_good, strict=True):
-        lines.append(f"  {h:>12.5g}{error:>14.5g}{order:>9.3f}" + ("  too good" if why else ""))
-    interval = (
-        f" in [{found.low:.3f}, {found.high:.3f}] (95 %)"
-        if math.isfinite(found.low)
-        else ", no interval from two levels"
-    )
-    lines.append(f"  fitted order {found.order:.3f}{interval}")
-    lines.append(
-        f"  asymptotic from h = {found.asymptotic_from:.5g}"
-        if found.asymptotic_from is not None
-        else f"  orders have not settled to ± {SETTLED:g}: no asymptotic range yet"
-    )
-    lines += [f"  too good to be true? {why}" for why in dict.fromkeys(found.too_good) if why]
+    orders = ["", *(f"{order:.3f}" for order in found.orders)]
+    marks = ["", *("too good" if why else "" for why in found.too_good)]
+    sizes, errors = ([f"{value:.5g}" for value in values] for values in (found.h, found.errors))
+    rows = [("h", "error", "order", ""), *zip(sizes, errors, orders, marks, strict=True)]
+    table = tabulate(rows, tablefmt="plain", disable_numparse=True, colalign=("right", "right", "right", "left"))
+    interval = f" in [{found.low:.3f}, {found.high:.3f}] (95 %)"
+    lines = [
+        f"fitted order {found.order:.3f}{interval if math.isfinite(found.low) else ', no interval from two levels'}"
+    ]
+    if found.asymptotic_from is None:
+        lines.append(f"orders have not settled to ± {SETTLED:g}: no asymptotic range yet")
+    else:
+        lines.append(f"asymptotic from h = {found.asymptotic_from:.5g}")
+    lines += [f"too good to be true? {why}" for why in dict.fromkeys(found.too_good) if why]
     if found.verdict:
-        lines.append(f"  expected {found.expected:g} ± {CONSECUTIVE:g} (fitted ± {FITTED:g}): {found.verdict}")
-    return "\n".join(lines)
+        lines.append(f"expected {found.expected:g} ± {CONSECUTIVE:g} (fitted ± {FITTED:g}): {found.verdict}")
+    return found.name + "\n" + textwrap.indent("\n".join([table, *lines]), "  ")
 
 
 def as_json(found: Report) -> dict[str, Any]:
     """The report for machines; an interval that does not exist is null."""
     values = asdict(found)
-    for end in ("low", "high"):
-        if not math.isfinite(values[end]):
-            values[end] = None
-    return values
+    return values | {end: values[end] if math.isfinite(values[end]) else None for end in ("low", "high")}

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from itertools import groupby
 from operator import itemgetter
 
@@ -45,6 +45,11 @@ _TAIL = re.compile(r"[.,;:]+$")
 _NUMBER = re.compile(r"(-?[\d.]+)(?:e([+-]\d+))?|(-?)inf")
 _TOKEN = re.compile(r"[\^_]\{(?:[^{}]|\{[^{}]*\})*\}|[\^_].|[A-Za-z]{2,}|.", re.DOTALL)
 
+_SPELLINGS = {"u̇(t)": "u̇", "~": "∼", "ᵀ": "^{T}", "𝓛": "L", "½": "^{1/2}", "Nv": "N v", "(Nv)": "(N v)"}
+_EXPONENT = re.compile(r"\^(\d+(?:\.\d+)?)")
+_LETTER = re.compile(r"(?:[|(]*[A-HJ-Zb-z]|[|(]+a)(?:[(|);,:]+[A-Za-z0-9.]*)*|a[)|]+[;,]?|[|+/=a]|[0-9.]+")
+_WORD_OR_FORMULA = re.compile(r"\\\(.*?\\\)\S*|\S+")
+
 
 def encode(text: str) -> str:
     """LaTeX of a line of prose with Unicode mathematics in it."""
@@ -61,9 +66,35 @@ def encode(text: str) -> str:
     )
 
 
+def encode_letters(text: str) -> str:
+    """``encode`` for text in which single letters, too, are mathematics."""
+    for sign, plain in _SPELLINGS.items():
+        text = text.replace(sign, plain)
+    found = _WORD_OR_FORMULA.findall(encode(_EXPONENT.sub(r"^{\1}", text)))
+    words = [rf"\({word}\)" if _LETTER.fullmatch(word) else word for word in found]
+    for i, word in enumerate(words):
+        inner = word.removeprefix(r"\(").removesuffix(r"\)")
+        between = 0 < i < len(words) - 1 and words[i - 1].endswith(r"\)") and words[i + 1].startswith(r"\(")
+        # A sign, a number or the letter a stays prose unless it is between two formulas.
+        if re.fullmatch(r"[|+/=a]|[0-9.]+", inner) and not between:
+            words[i] = inner
+    return " ".join(words).replace(r"\) \(", " ")
+
+
 def prose(text: str) -> str:
     """LaTeX of text without mathematics, such as names; characters LaTeX cannot set appear by their code."""
     return "".join(_PROSE.get(c) or (c if _is_latin(c) else rf"\texttt{{U+{ord(c):04X}}}") for c in text)
+
+
+def folding(width: float) -> str:
+    """The alignment of a column of text that is folded at a part of the width of the line."""
+    return rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}"
+
+
+def tabular(headings: Sequence[str], alignment: str, rows: Iterable[Sequence[str]]) -> str:
+    """A fragment to \\input into a float, of cells that are LaTeX already; it needs booktabs and array."""
+    lines = [rf"\begin{{tabular}}{{@{{}}{alignment}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
+    return "\n".join([*lines, *map(_row, rows), r"\bottomrule", r"\end{tabular}", ""])
 
 
 def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequence[tuple[str, list[list[str]]]]) -> str:
@@ -71,16 +102,19 @@ def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequenc
 
     Headings, group titles and cells are LaTeX already; an empty title gives no line.
     """
-    head = " & ".join(headings) + r" \\"
     lines = ["% \\input this fragment; it needs the packages array, booktabs and longtable."]
-    lines += [rf"\begin{{longtable}}[l]{{@{{}}{''.join(alignment)}@{{}}}}", r"\toprule", head, r"\midrule", r"\endhead"]
-    lines += [r"\bottomrule", r"\endfoot"]
+    lines += [rf"\begin{{longtable}}[l]{{@{{}}{''.join(alignment)}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
+    lines += [r"\endhead", r"\bottomrule", r"\endfoot"]
     for i, (title, rows) in enumerate(groups):
         # The star keeps LaTeX from breaking the page between a title and its first row.
         lines += [r"\addlinespace"] if i and title else []
         lines += [rf"\multicolumn{{{len(headings)}}}{{@{{}}l@{{}}}}{{{_overlay(title)}}} \\*"] if title else []
-        lines += [" & ".join(row) + r" \\" for row in rows]
+        lines += map(_row, rows)
     return "\n".join([*lines, r"\end{longtable}", ""])
+
+
+def _row(cells: Sequence[str]) -> str:
+    return " & ".join(cells) + r" \\"
 
 
 def _overlay(title: str) -> str:

@@ -1,9 +1,7 @@
 """Tables from the data files: rates, ledger, equivalence, stresses and bounds as CSV, Markdown and LaTeX.
 
-Short ones for a terminal are in ``terminal``.
-
-Nothing is solved here. The files show numbers to four significant digits and all hold the same text, so
-that they agree digit for digit; orders have three decimals.
+The files show numbers to four significant digits and all hold the same text, so that they agree digit for digit;
+orders have three decimals.
 """
 
 from __future__ import annotations
@@ -16,18 +14,15 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.datafiles import DataError, read_claims, read_csv, read_rates, with_order
-from study.ledger.files import write_text, write_whole
+from study.ledger.files import write_text
 from study.ledger.rounding import cell
 from study.present.article.fragments import write_article
-from study.present.latex import encode, longtable, prose
+from study.present.latex import encode, folding, longtable, prose
 from study.present.terminal import ledger_text, rates_text
 
 __all__ = ["DataError", "ledger_text", "rates_text", "write_tables"]
 
-EQUIVALENCE = ["case", "form", "level", "h", "steps", "displacement_gap", "stress_gap", "admissibility", "energy_gap"]
-EQUIVALENCE += ["membership"]
-STRESSES = ["case", "family", "level", "h", "steps", "unknowns", "stress", "stress_sup", "best", "strain", "pressure"]
-STRESSES += ["displacement", "primal_stress", "primal_displacement", "time_share"]
+ORDER = "{:.3f}"
 
 
 def write_tables(directory: Path) -> list[Path]:
@@ -62,6 +57,25 @@ class Column:
         """The text of a cell of this column."""
         return self.form.format(value) if self.form and not pd.isna(value) else cell(value)
 
+    def latex(self, text: str) -> str:
+        """The text of a cell as LaTeX."""
+        return prose(text) if self.names else encode(text)
+
+
+def words(**headings: str) -> list[Column]:
+    """Columns of prose."""
+    return [Column(name, heading, "l") for name, heading in headings.items()]
+
+
+def names(**headings: str) -> list[Column]:
+    """Columns of identifiers."""
+    return [Column(name, heading, "l", names=True) for name, heading in headings.items()]
+
+
+def numbers(form: str = "", **headings: str) -> list[Column]:
+    """Columns of numbers."""
+    return [Column(name, heading, form=form) for name, heading in headings.items()]
+
 
 @dataclass(frozen=True)
 class Table:
@@ -72,15 +86,16 @@ class Table:
     cells: pd.DataFrame
     grouped: int
 
+    @classmethod
+    def of(cls, name: str, columns: Sequence[Column], frame: pd.DataFrame, grouped: int) -> Table:
+        """From data that have these columns."""
+        text = {column.name: [column.text(value) for value in frame[column.name]] for column in columns}
+        return cls(name, columns, pd.DataFrame(text, dtype=str), grouped)
+
     def write(self, directory: Path) -> list[Path]:
         """The three files."""
-        return [
-            write_whole(
-                directory / f"{self.name}.csv", lambda part: self.cells.to_csv(part, index=False, lineterminator="\n")
-            ),
-            write_text(directory / f"{self.name}.md", self.markdown()),
-            write_text(directory / f"{self.name}.tex", self.latex()),
-        ]
+        forms = {"csv": self.cells.to_csv(index=False, lineterminator="\n"), "md": self.markdown(), "tex": self.latex()}
+        return [write_text(directory / f"{self.name}.{form}", text) for form, text in forms.items()]
 
     def markdown(self) -> str:
         """A pipe table; characters with a meaning in Markdown are escaped."""
@@ -94,9 +109,9 @@ class Table:
         keys, rest = list(self.columns[: self.grouped]), list(self.columns[self.grouped :])
         groups: list[tuple[str, list[list[str]]]] = []
         for values, rows in self.cells.groupby([column.name for column in keys], sort=False):
-            title = ", ".join(_latex(column, value) for column, value in zip(keys, values, strict=True) if value)
+            title = ", ".join(column.latex(value) for column, value in zip(keys, values, strict=True) if value)
             body = rows[[column.name for column in rest]].to_numpy()
-            groups.append((title, [[_latex(c, cell) for c, cell in zip(rest, row, strict=True)] for row in body]))
+            groups.append((title, [[c.latex(cell) for c, cell in zip(rest, row, strict=True)] for row in body]))
         return longtable([encode(column.heading) for column in rest], [column.alignment for column in rest], groups)
 
 
@@ -108,110 +123,71 @@ def rates_table(directory: Path) -> Table:
     """
     rates = read_rates(directory)
     columns = [
-        Column("claim", "claim", "l"),
-        Column("case", "case", "l", names=True),
-        Column("family", "meshes", "l", names=True),
-        Column("scheme", "scheme", "l", names=True),
-        Column("level", "level"),
-        Column("h", "h"),
-        Column("dofs", "dofs"),
-        Column("steps", "steps"),
-        Column("error", "‖u − u^h‖_V"),
-        Column("order", "order", form="{:.3f}"),
-        Column("at", "at t ="),
-        Column("interpolation_error", "‖u − Π^h u‖_V"),
-        Column("discrete_error", "‖Π^h u − u^h‖_V"),
-        Column("discrete_order", "order", form="{:.3f}"),
-        Column("time_share_percent", "time, %"),
+        *words(claim="claim"),
+        *names(case="case", family="meshes", scheme="scheme"),
+        *numbers(level="level", h="h", dofs="dofs", steps="steps", error="‖u − u^h‖_V"),
+        *numbers(ORDER, order="order"),
+        *numbers(at="at t =", interpolation_error="‖u − Π^h u‖_V", discrete_error="‖Π^h u − u^h‖_V"),
+        *numbers(ORDER, discrete_order="order"),
+        *numbers(time_share_percent="time, %"),
     ]
-    shown = rates.assign(time_share_percent=100 * rates["time_share"])
-    return _table("rates", columns, shown, grouped=4)
+    return Table.of("rates", columns, rates.assign(time_share_percent=100 * rates["time_share"]), grouped=4)
 
 
 def ledger_table(directory: Path) -> Table:
     """Every verdict with its expectation and interval, grouped by statement, from ``claims.csv``."""
     columns = [
-        Column("label", "statement", "l"),
-        Column("statement", "what it says", "l"),
-        Column("case", "case", r">{\raggedright\arraybackslash}p{0.17\linewidth}", names=True),
-        Column("quantity", "quantity", r">{\raggedright\arraybackslash}p{0.26\linewidth}"),
-        Column("expected", "expected", r">{\raggedright\arraybackslash}p{0.14\linewidth}"),
-        Column("observed", "observed"),
-        Column("low", "low"),
-        Column("high", "high"),
-        Column("verdict", "verdict", "l"),
+        *words(label="statement", statement="what it says"),
+        Column("case", "case", folding(0.17), names=True),
+        Column("quantity", "quantity", folding(0.26)),
+        Column("expected", "expected", folding(0.14)),
+        *numbers(observed="observed", low="low", high="high"),
+        *words(verdict="verdict"),
     ]
-    return _table("ledger", columns, read_claims(directory), grouped=2)
+    return Table.of("ledger", columns, read_claims(directory), grouped=2)
 
 
 def equivalence_table(directory: Path) -> Table:
     """How far Problem 3.2 is from Problem 3.1, grouped by case and form, from ``equivalence.csv``."""
     columns = [
-        Column("case", "case", "l", names=True),
-        Column("form", "form of Problem 3.2", "l"),
-        Column("level", "level"),
-        Column("h", "h"),
-        Column("steps", "steps"),
-        Column("displacement_gap", "displacements"),
-        Column("stress_gap", "stresses"),
-        Column("admissibility", "admissibility"),
-        Column("energy_gap", "energy"),
-        Column("membership", "membership"),
-        Column("displacement_bound", "allowed displ."),
-        Column("stress_bound", "allowed stress"),
+        *names(case="case"),
+        *words(form="form of Problem 3.2"),
+        *numbers(level="level", h="h", steps="steps", displacement_gap="displacements", stress_gap="stresses"),
+        *numbers(admissibility="admissibility", energy_gap="energy", membership="membership"),
+        *numbers(displacement_bound="allowed displ.", stress_bound="allowed stress"),
     ]
-    return _table("equivalence", columns, read_csv(directory, "equivalence.csv", EQUIVALENCE), grouped=2)
+    return Table.of("equivalence", columns, _read(directory, "equivalence.csv", columns), grouped=2)
 
 
 def bounds_table(directory: Path) -> Table:
     """How close the guaranteed bounds are, grouped by kind and case, from ``bounds.csv``."""
     columns = [
-        Column("trajectory", "kind", "l"),
-        Column("case", "case", "l", names=True),
-        Column("family", "meshes", "l", names=True),
-        Column("scheme", "scheme", "l", names=True),
-        Column("level", "level"),
-        Column("lowest", "max error ≥"),
-        Column("error", "max error"),
-        Column("highest", "max error ≤"),
-        Column("upper", "upper / error", form="{:.3f}"),
-        Column("lower", "lower / error", form="{:.3f}"),
-        Column("residual", "∫ r"),
-        Column("oscillation", "∫ η"),
-        Column("contact", "∫ c"),
+        *words(trajectory="kind"),
+        *names(case="case", family="meshes", scheme="scheme"),
+        *numbers(level="level", lowest="max error ≥", error="max error", highest="max error ≤"),
+        *numbers(ORDER, upper="upper / error", lower="lower / error"),
+        *numbers(residual="∫ r", oscillation="∫ η", contact="∫ c"),
     ]
-    return _table("bounds", columns, read_csv(directory, "bounds.csv", [c.name for c in columns]), grouped=2)
+    return Table.of("bounds", columns, _read(directory, "bounds.csv", columns), grouped=2)
 
 
 def stress_table(directory: Path) -> Table:
     """Problem 3.2 on its own stress space, grouped by case and mesh family, from ``stresses.csv``; time in per cent."""
-    columns = [
-        Column("case", "case", "l", names=True),
-        Column("family", "meshes", "l", names=True),
-        Column("level", "level"),
-        Column("steps", "steps"),
-        Column("unknowns", "unknowns"),
-        Column("stress", "‖σ − σ^h‖_Q"),
-        Column("order", "order", form="{:.3f}"),
-        Column("stress_sup", "largest in t"),
-        Column("best", "best possible"),
-        Column("strain", "strains"),
-        Column("pressure", "pressure"),
-        Column("displacement", "multipliers"),
-        Column("primal_stress", "to σ(u^h)"),
-        Column("primal_displacement", "to u^h"),
-        Column("time_share_percent", "time, %"),
+    first = [
+        *names(case="case", family="meshes"),
+        *numbers(level="level", steps="steps", unknowns="unknowns", stress="‖σ − σ^h‖_Q"),
     ]
-    rows = read_csv(directory, "stresses.csv", STRESSES)
+    last = [
+        *numbers(stress_sup="largest in t", best="best possible", strain="strains", pressure="pressure"),
+        *numbers(displacement="multipliers", primal_stress="to σ(u^h)", primal_displacement="to u^h"),
+    ]
+    rows = _read(directory, "stresses.csv", [*first, *last, *numbers(h="h", time_share="time")])
     series = [with_order(frame, "stress") for _, frame in rows.groupby(["case", "family"], sort=False)]
     shown = pd.concat(series) if series else rows.assign(order=[])
-    return _table("stresses", columns, shown.assign(time_share_percent=100 * shown["time_share"]), grouped=2)
+    shown = shown.assign(time_share_percent=100 * shown["time_share"])
+    columns = [*first, *numbers(ORDER, order="order"), *last, *numbers(time_share_percent="time, %")]
+    return Table.of("stresses", columns, shown, grouped=2)
 
 
-def _table(name: str, columns: Sequence[Column], frame: pd.DataFrame, grouped: int) -> Table:
-    text = {column.name: [column.text(value) for value in frame[column.name]] for column in columns}
-    return Table(name, columns, pd.DataFrame(text, dtype=str), grouped)
-
-
-def _latex(column: Column, text: str) -> str:
-    return prose(text) if column.names else encode(text)
+def _read(directory: Path, name: str, columns: Sequence[Column]) -> pd.DataFrame:
+    return read_csv(directory, name, [column.name for column in columns])

@@ -12,15 +12,17 @@ from numpy.typing import NDArray
 from test_presentation import CASES, enclosures, rates
 
 from study.ledger.orders import orders
-from study.present.charts.axis import LinearAxis, LogAxis
-from study.present.charts.chart import Chart, Curve, Style
-from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.chart import Chart, Curve, LinearAxis, LogAxis, Style
+from study.present.charts.convergence_chart import (
+    convergence_chart,
+    finest_orders,
+    last_orders,
+    overview_chart,
+    slope_triangle,
+)
 from study.present.charts.enclosure_chart import enclosure_chart
-from study.present.charts.finest_orders import finest_orders, last_orders
-from study.present.charts.overview_chart import overview_chart
-from study.present.charts.slope_triangle import slope_triangle
-from study.present.figures.canvas import in_style
 from study.present.figures.draw_chart import draw_chart
+from study.present.figures.drawing import in_style
 from study.present.report.svg_chart import SvgChart
 
 Array = NDArray[np.float64]

@@ -19,15 +19,11 @@ from test_presentation import CASES, write_data
 
 from study.ledger.datafiles import DataError, read_rates
 from study.present.figures import drawings
-from study.present.figures.body_scale import CLIPPED, SHADES, BodyScale
-from study.present.figures.canvas import COLUMN, PAGE, STYLE, in_style
-from study.present.figures.contact_maps import caption_maps, draw_maps
+from study.present.figures.contact_maps import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.figures.deformed_body import caption_body, draw_body
-from study.present.figures.deformed_mesh import cell_shades
-from study.present.figures.drawing import Drawing
+from study.present.figures.deformed_mesh import CLIPPED, SHADES, BodyScale, cell_shades
+from study.present.figures.drawing import COLUMN, PAGE, STYLE, Drawing, in_style, mathtext
 from study.present.figures.energy import caption_energy
-from study.present.figures.front_maps import caption_fronts, draw_fronts
-from study.present.figures.mathtext import mathtext
 from study.present.picture.picture import Picture, read_pictures
 
 Array = NDArray[np.float64]

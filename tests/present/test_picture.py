@@ -9,10 +9,9 @@ import numpy as np
 import pytest
 from test_presentation import write_data
 
-from study.present.picture.face_history import FaceHistory
+from study.present.picture.faces import FaceHistory
 from study.present.picture.picture import Picture, read_pictures
-from study.present.picture.proportions import DISPLACEMENT, magnification
-from study.present.picture.view import View
+from study.present.picture.view import DISPLACEMENT, View, magnification
 from study.present.picture.zone_history import caps, exact_zone, misplaced_length, misplaced_nodes, strands
 
 

@@ -19,9 +19,9 @@ from study.cli.main import main
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError
 from study.ledger.packing import FINE, STEPS, Packed
-from study.present.picture.face_history import values
+from study.present.picture.faces import values
 from study.present.report import write_report
-from study.present.report.typeset import typeset, typeset_svg
+from study.present.report.svg_chart import typeset, typeset_svg
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
 from study.run.provenance import read_provenance
 from study.run.sources import ROOT, sources

@@ -98,7 +98,7 @@ def test_words_windows_and_figures_measure_nothing_anew(anew) -> None:
 
 
 def test_a_constant_of_a_quadrature_measures_all_anew_that_uses_it(anew, before: dict[str, str]) -> None:
-    found = anew(("study.fem.gauge", "\nDEGREE = 4", "\nDEGREE = 5"))
+    found = anew(("study.fem.gauge", "DEGREE, SOLID_DEGREE = 4", "DEGREE, SOLID_DEGREE = 5"))
     assert {key for key in before if key.startswith("rates__")} <= found
 
 

@@ -1,14 +1,12 @@
 """What ``paper/`` takes from the data files: its tables and the macros for every measured number in its text.
 
-Written to ``article/`` beside the other presentation, and only for a full run with its controls, which is what the
-article is about; nothing is solved here.
+Written to ``article/`` and only for a full run with its controls, which is what the article is about.
 """
 
 from __future__ import annotations
 
 import math
-import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 
 import pandas as pd
@@ -19,7 +17,7 @@ from study.ledger.margin import agreement, used, worst
 from study.ledger.rounding import down, up
 from study.present.article.numbers import DISCRETE, macros
 from study.present.article.source import FullRun
-from study.present.latex import encode, longtable, prose
+from study.present.latex import encode, encode_letters, folding, longtable, prose, tabular
 
 
 def _nearest(value: float, digits: int) -> str:
@@ -39,25 +37,15 @@ def write_article(directory: Path) -> list[Path]:
     data = FullRun.read(directory)
     if data is None:
         return []
-    parts: dict[str, Callable[[FullRun], str]] = {
-        "numbers": macros,
-        "ledger": ledger,
-        "catalogue": catalogue,
-        "smooth": smooth,
-        "rough": rough,
-        "stresses": stresses,
-        "enclosures": enclosures,
-        "discrete": discrete,
-        "slips": slips,
-    }
-    texts = {name: make(data) for name, make in parts.items()}
+    tables = (ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips)
+    texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
     return [write_text(directory / "article" / f"{name}.tex", text) for name, text in texts.items()]
 
 
 def ledger(data: FullRun) -> str:
     """One row per statement: how many verdicts of each kind, and the one that uses most of its window."""
     body = [_statement(str(label), rows) for label, rows in data.claims.groupby("label", sort=False)]
-    label, statement, quantity = (_folding(width) for width in (0.11, 0.215, 0.265))
+    label, statement, quantity = (folding(width) for width in (0.11, 0.215, 0.265))
     headings = ["no.", "what it says", "hold", "not", "rep.", "row nearest to the end of its window", "seen", "window"]
     return longtable(headings, [label, statement, "r", "r", "r", quantity, "r", "l"], [("", body)])
 
@@ -70,18 +58,20 @@ def _statement(label: str, rows: pd.DataFrame) -> list[str]:
     nearest = ["--", "", ""]
     if len(shares):
         row = judged.loc[shares.idxmax()]
-        nearest = [f"{_text(str(row['quantity']))} ({prose(str(row['case']))})", _number(worst(row)), window_ends(row)]
-    return [_text(label), _text(str(rows["statement"].iloc[0])), *counts, *nearest]
+        nearest = [
+            f"{encode_letters(str(row['quantity']))} ({prose(str(row['case']))})",
+            _number(worst(row)),
+            window_ends(row),
+        ]
+    return [encode_letters(label), encode_letters(str(rows["statement"].iloc[0])), *counts, *nearest]
 
 
 def catalogue(data: FullRun) -> str:
     """The exact solutions: name, what the zone does, law."""
     laws = data.cases["law"].str.removeprefix("linear, ")
-    body = [
-        [prose(row["case"]), _text(row["summary"]), _text(law)]
-        for (_, row), law in zip(data.cases.iterrows(), laws, strict=True)
-    ]
-    return tabular(["case", "what it does", "law (linear but for (3.3))"], f"l{_folding(0.5)}{_folding(0.27)}", body)
+    facts = zip(data.cases["case"], data.cases["summary"], laws, strict=True)
+    body = [[prose(case), encode_letters(summary), encode_letters(law)] for case, summary, law in facts]
+    return tabular(["case", "what it does", "law (linear but for (3.3))"], f"l{folding(0.5)}{folding(0.27)}", body)
 
 
 def smooth(data: FullRun) -> str:
@@ -104,21 +94,18 @@ def smooth(data: FullRun) -> str:
 
 def rough(data: FullRun) -> str:
     """Prop. 5.3, one row per case: the predicted order, what the proof of 5.4 gives, and what is seen."""
+    seen = (
+        ("(5.36)", "order", _range),
+        ("Prop. 5.3", "order-graded", _observed),
+        ("Prop. 5.3", "falling", _high),
+        ("Prop. 5.3", "limit", _high),
+    )
     body = []
     for case in data.rates.loc[data.rates["claim"] == "Prop. 5.3", "case"].drop_duplicates():
-        row = data.cases.set_index("case").loc[case]
-        body.append(
-            [
-                prose(case),
-                _regularity(data, case),
-                f"{row['expected_order']:.3g}",
-                f"{row['proved_order']:.3g}",
-                _cell(data, "(5.36)", "order", case, _range),
-                _cell(data, "Prop. 5.3", "order-graded", case, _observed),
-                _cell(data, "Prop. 5.3", "falling", case, _high),
-                _cell(data, "Prop. 5.3", "limit", case, _high),
-            ]
-        )
+        fact = data.cases.set_index("case").loc[case]
+        orders = [f"{fact[name]:.3g}" for name in ("expected_order", "proved_order")]
+        found = [_cell(data, label, key, case, form) for label, key, form in seen]
+        body.append([prose(case), _regularity(data, case), *orders, *found])
     headings = ["case", "regularity", "predicted", "proved", "seen", "graded", "ratio", r"\(e_\infty/e\)"]
     return tabular(headings, "llrrrrrr", body)
 
@@ -130,17 +117,14 @@ def stresses(data: FullRun) -> str:
     body = []
     for (case, family), part in rows.groupby(["case", "family"], sort=False):
         by_key = part.set_index("key")
-        found = [_seen(by_key.loc[key]) for key in ("order-stress", "order-displacement")]
-        plain = ("order-pressure", "order-primal_stress", "growth")
-        values = [_number(by_key.loc[key, "observed"]) for key in plain]
-        body.append([prose(str(case)), prose(str(family)), *found[0], *found[1], *values])
+        found = []
+        for key in ("order-stress", "order-displacement"):
+            found += [_number(by_key.loc[key, "observed"]), window_ends(by_key.loc[key])]
+        found += [_number(by_key.loc[key, "observed"]) for key in ("order-pressure", "order-primal_stress", "growth")]
+        body.append([prose(str(case)), prose(str(family)), *found])
     headings = ["case", "meshes", r"\(\sigma^h\)", "window", "multipliers", "window", "pressure"]
     headings += [r"\(\sigma(u^h)\)", "growth"]
     return tabular(headings, "llrlrlrrr", body)
-
-
-def _seen(row: pd.Series) -> list[str]:
-    return [_number(row["observed"]), window_ends(row)]
 
 
 def enclosures(data: FullRun) -> str:
@@ -177,31 +161,19 @@ def _marked(row: pd.Series) -> str:
     if pd.isna(row["observed"]):
         return "--"
     interval = rf"\([{row['low']:.2f}, {row['high']:.2f}]\)" if row["low"] < row["high"] else _range(row)
-    return (
-        interval + {"agrees": "", "undecided": r"\rlap{\(^{*}\)}", "differs": r"\rlap{\(^{\dagger}\)}"}[agreement(row)]
-    )
+    mark = {"agrees": "", "undecided": "*", "differs": r"\dagger"}[agreement(row)]
+    return interval + (rf"\rlap{{\(^{{{mark}}}\)}}" if mark else "")
 
 
 def slips(data: FullRun) -> str:
     """The slips in the text of the source: place, what is printed, how it has to be read."""
     rows = data.claims[data.claims["label"] == "slips"]
     body = [
-        [_text(str(row[name]).removeprefix("read: ")) for name in ("case", "quantity", "expected")]
+        [encode_letters(str(row[name]).removeprefix("read: ")) for name in ("case", "quantity", "expected")]
         for _, row in rows.iterrows()
     ]
     headings = ["place", "printed", "how it is read here, and why"]
-    return tabular(headings, "".join(_folding(width) for width in (0.14, 0.3, 0.5)), body)
-
-
-def tabular(headings: Sequence[str], alignment: str, rows: Iterable[Sequence[str]]) -> str:
-    """A fragment to \\input into a float, of cells that are LaTeX already; it needs booktabs and array."""
-    lines = [rf"\begin{{tabular}}{{@{{}}{alignment}@{{}}}}", r"\toprule", " & ".join(headings) + r" \\", r"\midrule"]
-    return "\n".join([*lines, *(" & ".join(row) + r" \\" for row in rows), r"\bottomrule", r"\end{tabular}", ""])
-
-
-def _folding(width: float) -> str:
-    """A column of text that is folded at a part of the width of the line."""
-    return rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}"
+    return tabular(headings, "".join(folding(width) for width in (0.14, 0.3, 0.5)), body)
 
 
 def _cell(data: FullRun, label: str, key: str, case: str, form: Callable[[pd.Series], str]) -> str:
@@ -236,7 +208,9 @@ def _signed(text: str) -> str:
 def _regularity(data: FullRun, case: str) -> str:
     """The exponents of a case, short enough for a column."""
     text = str(data.cases.set_index("case").loc[case, "regularity"])
-    return _text(text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", "))
+    return encode_letters(
+        text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", ")
+    )
 
 
 def _number(value: float, rounded: Callable[[float, int], str] = _nearest) -> str:
@@ -251,33 +225,3 @@ def window_ends(row: pd.Series) -> str:
     if ends[0] == 0 or math.isinf(ends[0]):
         return rf"\(\leq {high}\)"
     return rf"\(\geq {low}\)" if math.isinf(ends[1]) else rf"\([{low}, {high}]\)"
-
-
-_SIGNS = {"u̇(t)": "u̇", "~": "∼", "ᵀ": "^{T}", "𝓛": "L", "½": "^{1/2}", "Nv": "N v", "(Nv)": "(N v)"}
-_EXPONENT = re.compile(r"\^(\d+(?:\.\d+)?)")
-_LETTER = re.compile(r"(?:[|(]*[A-HJ-Zb-z]|[|(]+a)(?:[(|);,:]+[A-Za-z0-9.]*)*|a[)|]+[;,]?|[|+/=a]|[0-9.]+")
-
-
-def _text(text: str) -> str:
-    """Prose with mathematics in which single letters, too, are mathematics."""
-    for sign, plain in _SIGNS.items():
-        text = text.replace(sign, plain)
-    words = [
-        rf"\({word}\)" if _LETTER.fullmatch(word) else word for word in _words(encode(_EXPONENT.sub(r"^{\1}", text)))
-    ]
-    words = [_alone(words, i) for i in range(len(words))]
-    return " ".join(words).replace(r"\) \(", " ")
-
-
-def _words(latex: str) -> list[str]:
-    """Words and whole formulas."""
-    return re.findall(r"\\\(.*?\\\)\S*|\S+", latex)
-
-
-def _alone(words: Sequence[str], i: int) -> str:
-    """A sign, a number or the letter a stays prose unless it is between two formulas."""
-    inner = words[i].removeprefix(r"\(").removesuffix(r"\)")
-    if not re.fullmatch(r"[|+/=a]|[0-9.]+", inner):
-        return words[i]
-    between = 0 < i < len(words) - 1 and words[i - 1].endswith(r"\)") and words[i + 1].startswith(r"\(")
-    return words[i] if between else inner

@@ -8,8 +8,7 @@ from itertools import cycle
 import pandas as pd
 
 from study.ledger.rounding import interval
-from study.present.charts.axis import LinearAxis, LogAxis
-from study.present.charts.chart import Band, Chart, Curve, LegendEntry, Style, Subplot
+from study.present.charts.chart import Band, Chart, Curve, LegendEntry, LinearAxis, LogAxis, Style, Subplot
 from study.present.charts.palette import BLACK, COLOURS
 
 HIGHEST = 2.0

@@ -4,14 +4,39 @@ from __future__ import annotations
 
 from typing import Any
 
+from matplotlib import patches
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from study.present.figures.body_legend import body_handles, draw_colour_bars
-from study.present.figures.body_scale import CLIPPED, BodyScale
-from study.present.figures.canvas import COLUMN, legend
-from study.present.figures.deformed_mesh import draw_deformed_mesh
+from study.present.charts.palette import BLACK, VERMILLION
+from study.present.figures.deformed_mesh import CLIPPED, BodyScale, draw_deformed_mesh
+from study.present.figures.drawing import COLUMN, dots, entry, legend
 from study.present.picture.picture import Picture
-from study.present.picture.wording import heading, place, times_shown
+
+
+def draw_colour_bars(figure: Figure, panels: list[Axes], picture: Picture, scale: BodyScale, **layout: Any) -> None:
+    """The colours of the stress and, for a solid, of the pressure, beside or under some axes."""
+    bar = figure.colorbar(scale.stress_colours, ax=panels, extend="max", **layout)
+    bar.set_label(r"von Mises stress $\sqrt{3/2}\,|\mathrm{dev}\,\sigma|$")
+    bar.outline.set_linewidth(0.4)
+    if picture.polygons:
+        bar = figure.colorbar(scale.pressure_colours, ax=panels, **layout)
+        bar.set_label(r"contact pressure $p^h$ on $\Gamma_3$")
+
+
+def body_handles(picture: Picture, scale: BodyScale) -> list[Artist]:
+    """Entries of the legend."""
+    body = entry(rf"body, displacement $\times\,{scale.magnification:.2g}$", color="0.35", lw=0.6)
+    if picture.polygons:
+        return [body, dots("vertices in contact", color=BLACK, ms=2, mew=0)]
+    pressure = f"contact pressure, at most {scale.pressure:.3g}"
+    return [
+        body,
+        patches.Patch(facecolor="0.82", edgecolor="0.25", label="foundation"),
+        dots(pressure, color=VERMILLION, marker=r"$\uparrow$", ms=6, mew=0.2),
+        entry("computed contact zone", color=BLACK, lw=1.8),
+    ]
 
 
 def draw_body(picture: Picture) -> Figure:
@@ -31,7 +56,7 @@ def draw_body(picture: Picture) -> Figure:
         axes.set_title(f"$t={shape.time:.3g}$")
     layout: dict[str, Any] = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.7, "pad": 0.02}
     draw_colour_bars(figure, list(panels), picture, scale, **layout)
-    figure.suptitle(heading(picture))
+    figure.suptitle(picture.heading)
     legend(figure, body_handles(picture, scale), columns=2)
     return figure
 
@@ -40,14 +65,16 @@ def caption_body(picture: Picture) -> str:
     """What to see."""
     scale = BodyScale.of(picture)
     shape = max(picture.shapes, key=lambda shape: float(shape.von_mises.max()))
+    touching = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.instants]
+    vertices = sum(face.pressure.shape[1] for face in picture.faces)
     drawn, seen, deviator = _IN_SPACE if picture.polygons else _IN_THE_PLANE
     return (
-        f"The deformed body at t = {times_shown(picture)} ({place(picture)}): displacements times "
+        f"The deformed body at t = {picture.times_shown} ({picture.place}): displacements times "
         f"{scale.magnification:.2g}, cells coloured by the von Mises stress √(3/2) |dev σ| of the computed "
         f"stress A ε(δu) + G ε(u){deviator}; {drawn}, at most {scale.pressure:.3g}. What to see: where there is "
-        f"contact ({_contact(picture)}), {seen}. The largest von Mises stress is {shape.von_mises.max():.3g}, at "
-        f"t = {shape.time:.3g}; one cell in {1 / CLIPPED:.0f} may lie beyond the end of the "
-        f"colours, {scale.stress:.3g}."
+        f"contact ({', '.join(map(str, touching))} of {vertices} vertices of Γ3), {seen}. The largest von Mises stress "
+        f"is {shape.von_mises.max():.3g}, at t = {shape.time:.3g}; one cell in {1 / CLIPPED:.0f} may lie beyond the "
+        f"end of the colours, {scale.stress:.3g}."
     )
 
 
@@ -61,10 +88,3 @@ _IN_SPACE = (
     "Γ3 is flat and there is pressure, elsewhere it has come off and there is none",
     "",
 )
-
-
-def _contact(picture: Picture) -> str:
-    """How many vertices of Γ3 are in contact at each time."""
-    counts = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.instants]
-    vertices = sum(face.pressure.shape[1] for face in picture.faces)
-    return f"{', '.join(map(str, counts))} of {vertices} vertices of Γ3"

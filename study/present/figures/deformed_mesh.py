@@ -1,20 +1,114 @@
-"""The deformed mesh at one time, coloured by stress and pressure."""
+"""The deformed mesh at one time, coloured by stress and pressure, on its foundation."""
 
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+from matplotlib import colormaps, patches
 from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PathCollection
+from matplotlib.colors import Normalize
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from study.present.charts.palette import BLACK
-from study.present.figures.body_scale import SHADES, BodyScale
-from study.present.figures.foundation import draw_foundation
-from study.present.picture.face_history import Array
+from study.present.charts.palette import BLACK, VERMILLION
+from study.present.picture.faces import Array, Segment
 from study.present.picture.picture import Picture, Shape
+from study.present.picture.view import ARROW, FOUNDATION, View, magnification
+
+STRESSES = "YlGnBu"
+"""Colour map of the stress: light for small stresses, so that the mesh stays visible, and darker throughout."""
+PRESSURES = "OrRd"
+"""Colour map of the pressure on the faces of solids."""
+SHADES = 16
+CLIPPED = 0.005
+"""The fraction of cells, those at a singular corner, whose stress may lie beyond the end of the colours."""
+
+
+@dataclass(frozen=True, eq=False)
+class BodyScale:
+    """What all times of a picture are drawn to.
+
+    Attributes:
+        view: from the body to the drawing.
+        size: the body's longest side.
+        magnification: of displacements.
+        limits: of what is drawn to the right and upwards, (2, 2).
+        pressure: the largest one shown.
+        stress: the end of the colours.
+    """
+
+    view: View
+    size: float
+    magnification: float
+    limits: Array
+    pressure: float
+    stress: float
+
+    @classmethod
+    def of(cls, picture: Picture) -> BodyScale:
+        """Room for every shape and for arrows of full length."""
+        view = View.of(picture)
+        factor = magnification(picture.vertices, [shape.displacement for shape in picture.shapes])
+        pressures = [face.pressure[picture.instants].max() for face in picture.faces]
+        return cls(
+            view=view,
+            size=picture.size,
+            magnification=factor,
+            limits=_limits(picture, view, factor),
+            pressure=float(max(pressures, default=0.0)),
+            stress=float(np.quantile([shape.von_mises for shape in picture.shapes], 1 - CLIPPED)) or 1.0,
+        )
+
+    @property
+    def aspect(self) -> float:
+        """Height over width."""
+        return float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
+
+    @property
+    def stress_colours(self) -> ScalarMappable:
+        """From 0 to the end of the colours."""
+        return ScalarMappable(Normalize(0, self.stress), colormaps[STRESSES].resampled(SHADES))
+
+    @property
+    def pressure_colours(self) -> ScalarMappable:
+        """From 0 to the largest pressure."""
+        return ScalarMappable(Normalize(0, self.pressure or 1.0), colormaps[PRESSURES].resampled(SHADES))
+
+
+def _limits(picture: Picture, view: View, factor: float) -> Array:
+    points = [picture.vertices] + [picture.vertices + factor * shape.displacement for shape in picture.shapes]
+    points += [face.x + ARROW * picture.size * face.normal[:, None] for face in picture.segments]
+    everything = view.flat(np.hstack(points))
+    margin = 0.02 * picture.size * np.array([-1, 1])
+    return np.column_stack([everything.min(axis=1), everything.max(axis=1)]) + margin
+
+
+ARROWS = 16
+"""At most about so many on a face."""
+
+
+def draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) -> None:
+    """Grey, with a thick black line where the body lies on it, and arrows that end on it where it presses."""
+    ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
+    depth = FOUNDATION * scale.size * face.normal[:, None]
+    axes.add_patch(
+        patches.Polygon(np.hstack([ends, ends[:, ::-1] + depth]).T, facecolor="0.82", edgecolor="none", zorder=0.5)
+    )
+    axes.plot(*ends, color="0.25", lw=0.6, solid_capstyle="butt", zorder=2.5)
+    for interval in face.computed_zone(instant):
+        axes.plot(*face.point(np.array(interval)), color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)
+    every = max(1, round(len(face.s) / ARROWS))
+    shown = np.flatnonzero(face.touching[instant])
+    shown = shown[shown % every == 0]
+    length = ARROW * scale.size * face.pressure[instant, shown] / (scale.pressure or 1.0)
+    arrows = -face.normal[:, None] * length
+    style: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1, "pivot": "tip", "units": "xy"}
+    axes.quiver(*face.x[:, shown], *arrows, color=VERMILLION, width=0.012 * scale.size, minlength=0, zorder=3, **style)
 
 
 def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodyScale, width: float) -> None:
@@ -57,19 +151,15 @@ def _cells(
     """Triangles with the given corners, (cells, 3, 2), in the given order."""
     # One path for all cells of a shade in a row: a path for each cell takes three times as long to write.
     runs = np.split(order, np.flatnonzero(np.diff(shades[order])) + 1)
+    closed = [np.concatenate([corners[run], corners[run, :1]], axis=1).reshape(-1, 2) for run in runs]
+    triangle = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
     return PathCollection(
-        [_outlines(corners[run]) for run in runs],
+        [Path(points, np.tile(triangle, len(points) // 4)) for points in closed],
         facecolors=colours[[shades[run[0]] for run in runs]],
         edgecolors=(0, 0, 0, 0.4),
         linewidths=min(0.3, 0.04 * cell),
         zorder=2,
     )
-
-
-def _outlines(corners: Array) -> Path:
-    """Triangles, (n, 3, 2), as one path."""
-    codes = np.tile([Path.MOVETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY], len(corners))
-    return Path(np.concatenate([corners, corners[:, :1]], axis=1).reshape(-1, 2), codes)
 
 
 def _steps(shares: Array) -> NDArray[np.int64]:

@@ -6,11 +6,9 @@ from string import ascii_uppercase
 
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from study.present.charts.palette import BLUE, VERMILLION
-from study.present.figures.canvas import PAGE, legend
-from study.present.figures.mathtext import mathtext
+from study.present.figures.drawing import PAGE, dots, legend, mathtext
 
 NONE = "none"
 """Stands for the measurements without a defect."""
@@ -23,14 +21,14 @@ def draw_defects(controls: pd.DataFrame) -> Figure:
     have letters, which are explained below.
     """
     injected = _injected(controls)
-    rows = list(dict.fromkeys(map(_row, _records(injected))))
+    rows = list(dict.fromkeys(map(_row, injected)))
     lines = len(injected), len(rows)
     figure = Figure(figsize=(PAGE, 0.6 + 0.165 * sum(lines)))
     axes, key = figure.subplots(2, height_ratios=lines)
-    for line, record in enumerate(_records(injected)):
+    for line, record in enumerate(injected):
         colour, marker = (BLUE, "o") if record["caught"] == "yes" else (VERMILLION, "X")
         axes.plot(rows.index(_row(record)), line, ls="", marker=marker, ms=5.5, color=colour, zorder=3)
-    names = [f"{mathtext(record['defect'])}: {mathtext(record['what'])}" for record in _records(injected)]
+    names = [f"{mathtext(record['defect'])}: {mathtext(record['what'])}" for record in injected]
     axes.set_yticks(range(len(injected)), names)
     axes.set_xticks(range(len(rows)), ascii_uppercase[: len(rows)])
     axes.xaxis.tick_top()
@@ -43,8 +41,8 @@ def draw_defects(controls: pd.DataFrame) -> Figure:
     key.set(xlim=(0, 1), ylim=(len(rows), -0.5))
     key.axis("off")
     handles = [
-        Line2D([], [], ls="", marker="o", ms=5.5, color=BLUE, label="this row of the ledger fails: caught"),
-        Line2D([], [], ls="", marker="X", ms=5.5, color=VERMILLION, label="no row fails: missed"),
+        dots("this row of the ledger fails: caught", ms=5.5, color=BLUE),
+        dots("no row fails: missed", marker="X", ms=5.5, color=VERMILLION),
     ]
     legend(figure, handles, columns=2, side="upper")
     return figure
@@ -53,8 +51,8 @@ def draw_defects(controls: pd.DataFrame) -> Figure:
 def caption_defects(controls: pd.DataFrame) -> str:
     """What to see."""
     injected, baselines = _injected(controls), controls[controls["defect"] == NONE]
-    caught = int((injected["caught"] == "yes").sum())
-    counts = pd.Series([_row(record) for record in _records(injected)]).value_counts()
+    caught = sum(record["caught"] == "yes" for record in injected)
+    counts = pd.Series([_row(record) for record in injected]).value_counts()
     return (
         f"{len(injected)} deliberate defects (lines) against the rows of the ledger that have to fail under them "
         f"(columns). What to see: a disc for each of the {caught} of {len(injected)} defects that make a row fail; "
@@ -64,12 +62,9 @@ def caption_defects(controls: pd.DataFrame) -> str:
     )
 
 
-def _injected(controls: pd.DataFrame) -> pd.DataFrame:
-    return controls[controls["defect"] != NONE]
-
-
-def _records(controls: pd.DataFrame) -> list[dict[str, str]]:
-    return controls.to_dict("records")
+def _injected(controls: pd.DataFrame) -> list[dict[str, str]]:
+    found: list[dict[str, str]] = controls[controls["defect"] != NONE].to_dict("records")
+    return found
 
 
 def _row(record: dict[str, str]) -> str:

@@ -12,15 +12,12 @@ from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis as MatplotlibAxis
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, NullFormatter
 
-from study.present.charts.axis import Axis
-from study.present.charts.chart import Chart, LegendEntry, SlopeTriangle, Style, Subplot
+from study.present.charts.chart import Axis, Chart, LegendEntry, SlopeTriangle, Style, Subplot
 from study.present.charts.palette import GREY
-from study.present.figures.canvas import COLUMN, legend
-from study.present.figures.mathtext import mathtext
+from study.present.figures.drawing import COLUMN, entry, legend, mathtext
 
 HEIGHTS = {1: (1,), 2: (3, 2)}
 """Of subplots one above the other, in relation to each other."""
@@ -65,7 +62,7 @@ def draw_grid(chart: Chart) -> Figure:
         axes.set_visible(False)
     figure.supxlabel(_label(chart.subplots[0].x))
     figure.supylabel(mathtext(chart.subplots[0].y.label))
-    handles = [_handle(entry) for column in chart.legend for entry in column]
+    handles = [_handle(one) for column in chart.legend for one in column]
     legend(figure, handles, columns=max(2, int(width / ENTRY)), side="upper")
     return figure
 
@@ -112,15 +109,15 @@ def _line(style: Style) -> dict[str, Any]:
 def _filled(columns: Sequence[Sequence[LegendEntry]]) -> list[Artist]:
     """Handles column by column, as Matplotlib takes them, with shorter columns filled up with blanks."""
     longest = max(map(len, columns))
-    blank = Line2D([], [], ls="", label=" ")
+    blank = entry(" ", ls="")
     return [handle for column in columns for handle in [*map(_handle, column), *[blank] * (longest - len(column))]]
 
 
-def _handle(entry: LegendEntry) -> Artist:
-    label = mathtext(entry.text)
-    if entry.style.stroke == "band":
-        return Patch(color=entry.style.colour, alpha=SHADE, label=label)
-    return Line2D([], [], label=label, **_line(entry.style))
+def _handle(of: LegendEntry) -> Artist:
+    label = mathtext(of.text)
+    if of.style.stroke == "band":
+        return Patch(color=of.style.colour, alpha=SHADE, label=label)
+    return entry(label, **_line(of.style))
 
 
 def _label(axis: Axis) -> str:

@@ -1,22 +1,61 @@
-"""A figure that is not drawn yet, and how it is drawn and saved with its caption."""
+"""What all figures share: style, widths, texts and legend; and how one is drawn and saved with its caption."""
 
 from __future__ import annotations
 
 import gc
+import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
+from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_pdf import FigureCanvasPdf
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from study.ledger.files import write_text, write_whole
-from study.present.figures.canvas import in_style
+from study.present.latex import encode
+
+STYLE = Path(__file__).parent / "style.mplstyle"
+COLUMN, PAGE = 3.5, 7.0
+"""Width of a column and of a page in inches."""
+
+
+def in_style() -> AbstractContextManager[None]:
+    """The style of the study, and nothing of the user's, for figures made and saved inside the context."""
+    return rc_context(fname=STYLE)
+
+
+def legend(figure: Figure, handles: Sequence[Artist], columns: int, side: str = "lower") -> None:
+    """A legend under (or, with ``side`` "upper", over) the axes, outside them."""
+    figure.legend(handles=handles, loc=f"outside {side} center", ncols=columns)
+
+
+def entry(label: str, **style: Any) -> Line2D:
+    """A line of the legend."""
+    return Line2D([], [], label=label, **style)
+
+
+def dots(label: str, **style: Any) -> Line2D:
+    """Markers of the legend, round unless the style has others."""
+    return entry(label, **{"ls": "", "marker": "o", **style})
+
+
+def mathtext(text: str) -> str:
+    """Mathematics between dollar signs, the rest as it stands."""
+    pieces = re.split(r"\\\((.*?)\\\)", encode(text))
+    prose = [re.sub(r"\\([&%_#{}])", r"\1", piece.replace(r"\textasciitilde{}", "~")) for piece in pieces[::2]]
+    # Of the commands of LaTeX that are in use, this one is unknown to Matplotlib; the character is known.
+    formulas = [f"${piece}$".replace(r"\surd", "√") for piece in pieces[1::2]]
+    return "".join(piece for pair in zip(prose, [*formulas, ""], strict=True) for piece in pair)
+
 
 _ANONYMOUS: dict[str, dict[str, None]] = {
     "pdf": {"CreationDate": None, "Creator": None, "Producer": None},
@@ -32,13 +71,7 @@ Spread = Callable[..., Iterable[list[Path]]]
 
 @dataclass(frozen=True)
 class Drawing:
-    """A figure that can be drawn from data alone.
-
-    Attributes:
-        name: the name of its files.
-        draw: makes the figure, in the style of the study (``in_style``).
-        caption: says what is shown and what to see, with numbers from the same data.
-    """
+    """A figure that can be drawn from data alone: the name of its files, how it is drawn, its caption."""
 
     name: str
     draw: Callable[[], Figure]
@@ -67,15 +100,11 @@ def draw_figures(
 
 
 def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
-    """Draw one figure in the style of the study and save it as pdf, png and svg, with its caption."""
+    """Draw one figure in the style of the study and save it as pdf, png and svg, and its caption in lines."""
     # The many small objects of a figure all live until it is saved: looking for garbage before finds nothing.
     with in_style(), _uncollected():
-        return [*_save(drawing.draw(), directory, drawing.name), _save_caption(drawing, directory)]
-
-
-def _save_caption(drawing: Drawing, directory: Path) -> Path:
-    """Write ``directory/name.txt``: the caption in lines of 100 characters."""
-    return write_text(directory / f"{drawing.name}.txt", textwrap.fill(drawing.caption, 100) + "\n")
+        written = _save(drawing.draw(), directory, drawing.name)
+    return [*written, write_text(directory / f"{drawing.name}.txt", textwrap.fill(drawing.caption, 100) + "\n")]
 
 
 def _save(figure: Figure, directory: Path, name: str) -> list[Path]:

@@ -8,16 +8,11 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, VERMILLION, Look
-from study.present.figures.canvas import PAGE, legend
+from study.present.figures.drawing import PAGE, dots, entry, legend
 
-SCHEMES = {
-    "backward-euler": Look(VERMILLION, "s"),
-    "bdf2": Look(GREEN, "^"),
-    "midpoint": Look(BLUE, "o"),
-}
+SCHEMES = {"backward-euler": Look(VERMILLION, "s"), "bdf2": Look(GREEN, "^"), "midpoint": Look(BLUE, "o")}
 
 
 def draw_effectivity(bounds: pd.DataFrame) -> Figure:
@@ -36,7 +31,7 @@ def draw_effectivity(bounds: pd.DataFrame) -> Figure:
         for scheme, look in SCHEMES.items():
             of_scheme = mine[mine["scheme"] == scheme]
             # Schemes side by side where their markers would hide each other.
-            y = of_scheme["case"].map(row) + _shift(scheme)
+            y = of_scheme["case"].map(row) + 0.22 * (list(SCHEMES).index(scheme) - 1)
             for column in columns:
                 _draw_markers(axes, of_scheme[column], y, of_scheme["level"], look, filled=column == "upper")
         axes.axvline(1, color=BLACK, lw=0.7)
@@ -50,7 +45,10 @@ def draw_effectivity(bounds: pd.DataFrame) -> Figure:
     left.set_xlabel("bound from $u_h$ alone / error")
     right.set_xlim(left=0)
     right.set_xlabel("ends of the enclosure / error")
-    legend(figure, _handles(known), columns=6)
+    used = [(scheme, look) for scheme, look in SCHEMES.items() if (known["scheme"] == scheme).any()]
+    handles = [dots(scheme, color=look.colour, marker=look.marker) for scheme, look in used]
+    handles += [dots(f"{end} end", color=DARK, mfc=fill) for end, fill in (("upper", DARK), ("lower", "white"))]
+    legend(figure, [*handles, entry("larger: finer mesh", ls="")], columns=6)
     return figure
 
 
@@ -82,22 +80,6 @@ def _known(bounds: pd.DataFrame) -> pd.DataFrame:
     return bounds[bounds["upper"].notna()]
 
 
-def _shift(scheme: str) -> float:
-    return 0.22 * (list(SCHEMES).index(scheme) - 1)
-
-
 def _draw_markers(axes: Axes, x: pd.Series, y: pd.Series, levels: pd.Series, look: Look, filled: bool) -> None:
     style: dict[str, Any] = {"edgecolor": look.colour, "facecolor": look.colour if filled else "white"}
-    sizes = 5.0 * np.log2(levels) - 8
-    axes.scatter(x, y, s=sizes, marker=look.marker, linewidth=0.6, zorder=3, **style)
-
-
-def _handles(known: pd.DataFrame) -> list[Line2D]:
-    found = [
-        Line2D([], [], ls="", color=look.colour, marker=look.marker, label=scheme)
-        for scheme, look in SCHEMES.items()
-        if (known["scheme"] == scheme).any()
-    ]
-    kinds = (("upper end", DARK), ("lower end", "white"))
-    found += [Line2D([], [], ls="", color=DARK, marker="o", mfc=fill, label=label) for label, fill in kinds]
-    return [*found, Line2D([], [], ls="", label="larger: finer mesh")]
+    axes.scatter(x, y, s=5.0 * np.log2(levels) - 8, marker=look.marker, linewidth=0.6, zorder=3, **style)

@@ -6,9 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from study.present.charts.palette import BLACK, BLUE, GREEN, GREY, VERMILLION
-from study.present.figures.canvas import COLUMN, legend
+from study.present.figures.drawing import COLUMN, legend
 from study.present.picture.picture import Energy, Picture
-from study.present.picture.wording import heading, place
 
 CURVES = (
     ("work", r"work of the load", BLACK, "-"),
@@ -38,11 +37,9 @@ def draw_energy(picture: Picture) -> Figure:
     for axes in (above, below):
         axes.grid(True)
     above.set_ylabel("energy since $t=0$")
-    below.set_ylabel("defect in %")
-    below.set_xlabel("time $t$")
-    below.set_xlim(energy.times[0], energy.times[-1])
+    below.set(xlabel="time $t$", ylabel="defect in %", xlim=(energy.times[0], energy.times[-1]))
     figure.align_ylabels()
-    figure.suptitle(heading(picture))
+    figure.suptitle(picture.heading)
     legend(figure, handles, columns=2)
     return figure
 
@@ -53,7 +50,7 @@ def caption_energy(picture: Picture) -> str:
     worst = int(np.argmax(abs(energy.defect)))
     scale = largest(energy)
     return (
-        f"Balance of energy ({place(picture)}, BDF2). Up to t = {energy.times[-1]:.3g} the load has done the work "
+        f"Balance of energy ({picture.place}, BDF2). Up to t = {energy.times[-1]:.3g} the load has done the work "
         f"{energy.work[-1]:.3g}; {energy.dissipated[-1]:.3g} is dissipated by the viscosity, the stored energy has "
         f"changed by {_or_zero(energy.stored[-1] - energy.stored[0], scale)} and contact has done the work "
         f"{_or_zero(energy.contact[-1], scale)}. What to see: the parts add up to the work of the load but for a "

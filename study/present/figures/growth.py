@@ -9,13 +9,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from study.ledger.datafiles import DataError
-from study.present.charts.axis import logarithmic_ticks
+from study.present.charts.chart import logarithmic_ticks
 from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Look
-from study.present.figures.canvas import COLUMN, legend
 from study.present.figures.draw_chart import set_ticks
+from study.present.figures.drawing import COLUMN, entry, legend
 
 COLUMNS = ("n", "dofs", "factor_seconds", "step_seconds", "level_seconds", "peak_bytes", "dim", "solver")
 PARTS = {"level_seconds": ("a level", "-"), "factor_seconds": ("factorisation", "--"), "step_seconds": ("a step", ":")}
@@ -54,26 +53,24 @@ def draw_growth(growth: pd.DataFrame) -> Figure:
         for column, (_, line) in PARTS.items():
             above.plot(mine["dofs"], mine[column], ls=line, lw=0.9, **style)
         below.plot(mine["dofs"], mine["peak_bytes"] / mine["dofs"] / KIB, **style)
-        handles.append(Line2D([], [], label=name, **style))
+        handles.append(entry(name, **style))
     seconds = growth[list(PARTS)].to_numpy()
     seconds = seconds[seconds > 0]
+    # The line of slope 1 starts above the curves.
     ends = np.array([growth["dofs"].min(), growth["dofs"].max()], dtype=float)
-    above.plot(ends, 1.6 * _highest_ratio(growth) * ends, color=BLACK, lw=0.6)
+    ratio = float((growth["level_seconds"] / growth["dofs"])[growth["dofs"] == ends[0]].max())
+    above.plot(ends, 1.6 * ratio * ends, color=BLACK, lw=0.6)
     for axes in (above, below):
-        axes.set_xscale("log")
-        axes.set_yscale("log")
+        axes.set(xscale="log", yscale="log")
         axes.grid(True)
-    above.set_ylim(seconds.min() / 2, None)
-    above.set_ylabel("seconds")
-    below.set_ylabel("KiB per unknown")
-    below.set_xlabel("unknowns")
+    above.set(ylim=(seconds.min() / 2, None), ylabel="seconds")
+    below.set(xlabel="unknowns", ylabel="KiB per unknown")
     for axis in (below.xaxis, above.yaxis, below.yaxis):
         low, high = axis.get_view_interval()
         set_ticks(axis, logarithmic_ticks(low, high, least=2))
     above.tick_params(labelbottom=False)
-    handles += [Line2D([], [], color=DARK, ls=line, label=name) for name, line in PARTS.values()]
-    handles.append(Line2D([], [], color=BLACK, lw=0.6, label="slope 1"))
-    legend(figure, handles, columns=2)
+    handles += [entry(name, color=DARK, ls=line) for name, line in PARTS.values()]
+    legend(figure, [*handles, entry("slope 1", color=BLACK, lw=0.6)], columns=2)
     return figure
 
 
@@ -99,9 +96,3 @@ def caption_growth(growth: pd.DataFrame) -> str:
 def _by_solver(growth: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
     for (dim, solver), mine in growth.groupby(["dim", "solver"], sort=False):
         yield f"{dim}D, {solver}", mine.sort_values("dofs")
-
-
-def _highest_ratio(growth: pd.DataFrame) -> float:
-    """max level_seconds/dofs at the smallest sizes, so that the line of slope 1 starts above the curves."""
-    smallest = growth[growth["dofs"] == growth["dofs"].min()]
-    return float((smallest["level_seconds"] / smallest["dofs"]).max())

@@ -3,28 +3,26 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
 import pandas as pd
+from matplotlib.figure import Figure
 
 from study.ledger.datafiles import DataError, read_csv, read_rates
 from study.present.charts.chart import Chart
-from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.convergence_chart import convergence_chart, overview_chart
 from study.present.charts.enclosure_chart import enclosure_chart, enclosure_charts
-from study.present.charts.overview_chart import overview_chart
-from study.present.figures.contact_maps import caption_maps, draw_maps
+from study.present.figures.contact_lines import caption_profiles, caption_zone, draw_profiles, draw_zone
+from study.present.figures.contact_maps import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.figures.deformed_body import caption_body, draw_body
 from study.present.figures.detected_defects import caption_defects, draw_defects
 from study.present.figures.draw_chart import draw_chart, draw_grid
 from study.present.figures.drawing import Drawing
 from study.present.figures.effectivity import caption_effectivity, draw_effectivity
 from study.present.figures.energy import caption_energy, draw_energy
-from study.present.figures.front_maps import caption_fronts, draw_fronts
 from study.present.figures.growth import caption_growth, draw_growth, read_growth
-from study.present.figures.profiles import caption_profiles, draw_profiles
-from study.present.figures.zone import caption_zone, draw_zone
 from study.present.picture.picture import Picture, read_pictures
 
 
@@ -37,13 +35,15 @@ def drawings(directory: Path) -> list[Drawing]:
     Raises:
         DataError: a data file is missing or damaged.
     """
-    rates = read_rates(directory)
-    return [
-        *overview(directory),
-        *_by_case(rates, _expected_orders(directory, rates)),
-        *_enclosures(directory),
-        *_of_pictures(read_pictures(directory)),
-    ]
+    found, rates = overview(directory), read_rates(directory)
+    orders = _expected_orders(directory, rates)
+    for suffix, of_scheme in _schemes(rates):
+        for case, mine in of_scheme.groupby("case", sort=False):
+            found.append(_chart(f"convergence-{case}{suffix}", convergence_chart(mine, orders[str(case)])))
+    columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
+    for name, chart in enclosure_charts(read_csv(directory, "enclosures.csv", columns)):
+        found.append(_chart(f"enclosure-{name}", chart))
+    return found + [drawing for picture in read_pictures(directory) for drawing in _of_picture(picture)]
 
 
 def overview(directory: Path) -> list[Drawing]:
@@ -56,21 +56,38 @@ def overview(directory: Path) -> list[Drawing]:
     Raises:
         DataError: a data file is missing or damaged.
     """
-    rates = read_rates(directory)
-    return [
-        *_by_claim(rates, _expected_orders(directory, rates)),
-        *_effectivity(directory),
-        *_defects(directory),
-        *_growth(directory),
-    ]
+    found, rates = [], read_rates(directory)
+    orders = _expected_orders(directory, rates)
+    for suffix, of_scheme in _schemes(rates):
+        for claim, mine in of_scheme.groupby("claim", sort=False):
+            name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
+            found.append(_chart(f"convergence{name}{suffix}", overview_chart(mine, orders), draw_grid))
+    bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
+    if bounds["upper"].notna().any():
+        found.append(Drawing("effectivity", partial(draw_effectivity, bounds), caption_effectivity(bounds)))
+    if (directory / "data" / "controls.csv").is_file():
+        controls = read_csv(directory, "controls.csv", ("defect", "what", "label", "quantity", "verdict", "caught"))
+        found.append(Drawing("defects", partial(draw_defects, controls), caption_defects(controls)))
+    growth = read_growth(directory)
+    if growth is not None:
+        found.append(Drawing("growth", partial(draw_growth, growth), caption_growth(growth)))
+    return found
+
+
+def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
+    """The enclosure of an error over time, ``enclosure_chart``."""
+    return _chart(name, enclosure_chart(series, title))
+
+
+def _chart(name: str, chart: Chart, draw: Callable[[Chart], Figure] = draw_chart) -> Drawing:
+    return Drawing(name, partial(draw, chart), chart.caption)
 
 
 def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
     """``expected_order`` of every case with a rate."""
     cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
     orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
-    unknown = sorted(set(rates["case"]) - set(orders))
-    if unknown:
+    if unknown := sorted(set(rates["case"]) - set(orders)):
         path = directory / "data" / "cases.csv"
         raise DataError(
             f"{path} lacks the cases {', '.join(unknown)}: make it again with `study run --out {directory}`"
@@ -85,62 +102,10 @@ def _schemes(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
         yield f"-{scheme}" if several else "", mine
 
 
-def _by_case(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
-    """Errors, one figure per case."""
-    for suffix, of_scheme in _schemes(rates):
-        for case, mine in of_scheme.groupby("case", sort=False):
-            yield _chart(f"convergence-{case}{suffix}", convergence_chart(mine, orders[str(case)]))
-
-
-def _by_claim(rates: pd.DataFrame, orders: dict[str, float]) -> Iterator[Drawing]:
-    """Errors of all cases, one figure per claim: convergence for Prop. 5.4, convergence-prop-5-3 for Prop. 5.3."""
-    for suffix, of_scheme in _schemes(rates):
-        for claim, mine in of_scheme.groupby("claim", sort=False):
-            name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
-            chart = overview_chart(mine, orders)
-            yield Drawing(f"convergence{name}{suffix}", partial(draw_grid, chart), chart.caption)
-
-
-def _effectivity(directory: Path) -> Iterator[Drawing]:
-    bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
-    if bounds["upper"].notna().any():
-        yield Drawing("effectivity", partial(draw_effectivity, bounds), caption_effectivity(bounds))
-
-
-def _enclosures(directory: Path) -> Iterator[Drawing]:
-    """One figure per case with an enclosure."""
-    columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
-    for case, chart in enclosure_charts(read_csv(directory, "enclosures.csv", columns)):
-        yield _chart(f"enclosure-{case}", chart)
-
-
-def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
-    """The enclosure of an error over time, ``enclosure_chart``."""
-    return _chart(name, enclosure_chart(series, title))
-
-
-def _chart(name: str, chart: Chart) -> Drawing:
-    return Drawing(name, partial(draw_chart, chart), chart.caption)
-
-
-def _defects(directory: Path) -> Iterator[Drawing]:
-    """The defects, where `study controls` has measured them."""
-    if (directory / "data" / "controls.csv").is_file():
-        controls = read_csv(directory, "controls.csv", ("defect", "what", "label", "quantity", "verdict", "caught"))
-        yield Drawing("defects", partial(draw_defects, controls), caption_defects(controls))
-
-
-def _growth(directory: Path) -> Iterator[Drawing]:
-    growth = read_growth(directory)
-    if growth is not None:
-        yield Drawing("growth", partial(draw_growth, growth), caption_growth(growth))
-
-
-def _of_pictures(pictures: list[Picture]) -> Iterator[Drawing]:
-    """The figures of every picture; contact faces are lines in the plane and maps in space."""
-    everywhere = {"body": (draw_body, caption_body), "energy": (draw_energy, caption_energy)}
+def _of_picture(picture: Picture) -> Iterator[Drawing]:
+    """The figures of a picture; contact faces are lines in the plane and maps in space."""
     plane = {"zone": (draw_zone, caption_zone), "profiles": (draw_profiles, caption_profiles)}
     space = {"zone": (draw_fronts, caption_fronts), "profiles": (draw_maps, caption_maps)}
-    for picture in pictures:
-        for kind, (draw, caption) in (everywhere | (plane if picture.segments else space)).items():
-            yield Drawing(f"{kind}-{picture.case}", partial(draw, picture), caption(picture))
+    everywhere = {"body": (draw_body, caption_body), "energy": (draw_energy, caption_energy)}
+    for kind, (draw, caption) in (everywhere | (plane if picture.segments else space)).items():
+        yield Drawing(f"{kind}-{picture.case}", partial(draw, picture), caption(picture))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +13,7 @@ from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, read_csv
 from study.ledger.packing import Packed
-from study.present.picture.face_history import Array, FaceHistory, values
-from study.present.picture.polygon import Polygon
-from study.present.picture.segment import Segment
+from study.present.picture.faces import Array, FaceHistory, Polygon, Segment, values
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,6 +116,34 @@ class Picture:
         """The index of the time node nearest to a time."""
         return int(np.argmin(abs(self.times - time)))
 
+    @property
+    def heading(self) -> str:
+        """The case and the mesh it was computed on, as TeX."""
+        return f"{self.case} ({self.family}, $n={self.level}$)"
+
+    @property
+    def place(self) -> str:
+        """The same for captions."""
+        return f"{self.case}, {self.family} mesh with n = {self.level}"
+
+    @property
+    def times_shown(self) -> str:
+        """The times of the shapes, for captions."""
+        return ", ".join(f"{shape.time:.3g}" for shape in self.shapes)
+
+    @property
+    def names(self) -> str:
+        """All faces, for captions."""
+        return ", ".join(map(self.name, self.faces))
+
+    def name(self, face: FaceHistory) -> str:
+        """Γ3, or Γ3,i where there are several faces, for captions."""
+        return f"Γ3,{face.number}" if len(self.faces) > 1 else "Γ3"
+
+    def symbol(self, face: FaceHistory) -> str:
+        """The same as TeX mathematics."""
+        return rf"\Gamma_{{3,{face.number}}}" if len(self.faces) > 1 else r"\Gamma_3"
+
 
 def read_pictures(directory: Path) -> list[Picture]:
     """The pictures of the cases of ``cases.csv``, in that order; files of other runs are left alone.
@@ -137,3 +163,30 @@ def _read(path: Path) -> Picture:
         return Picture.of(json.loads(path.read_text(encoding="utf-8")))
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(f"{path} is not a picture ({error!r}): make it again with `study run`") from error
+
+
+def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
+    """Displacement of the vertices, (times, d, vertices), and von Mises stress of the cells, (times, cells).
+
+    Raises:
+        KeyError, TypeError, ValueError: the content of the file lacks them, or has them on another mesh.
+    """
+    times, vertices, cells = len(record["times"]), np.shape(record["vertices"]), np.shape(record["cells"])
+    return (
+        _packed(record["displacement"], (times, *vertices)),
+        _packed(record["von_mises"], (times, cells[1])),
+    )
+
+
+def with_every_shape(record: Mapping[str, Any]) -> Picture:
+    """The picture with a shape at each of its times; errors as in ``over_time``."""
+    picture, (displacement, von_mises) = Picture.of(record), over_time(record)
+    every = zip(picture.times, displacement.values, von_mises.values, strict=True)
+    return replace(picture, shapes=[Shape(float(time), u, stress) for time, u, stress in every])
+
+
+def _packed(entry: Mapping[str, Any], shape: tuple[int, ...]) -> Packed:
+    found = Packed.read(entry)
+    if found.multiples.shape != shape:
+        raise ValueError(f"shape {found.multiples.shape}, expected {shape}")
+    return found

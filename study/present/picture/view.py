@@ -1,14 +1,37 @@
-"""From coordinates of the body to those of a drawing: the identity in the plane, a parallel projection in space."""
+"""How a body is seen: projected onto the drawing, and how large displacements, pressures and the foundation are."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from study.present.picture.face_history import Array
+from study.present.picture.faces import Array
 from study.present.picture.picture import Picture
+
+DISPLACEMENT = 0.12
+"""The largest displacement."""
+ARROW = 0.2
+"""The arrow of the largest pressure."""
+FOUNDATION = 0.05
+"""The thickness of the foundation."""
+
+
+def magnification(vertices: Array, displacements: Iterable[Array]) -> float:
+    """The factor of displacements, rounded down to two digits so that it can be stated.
+
+    From vertices and displacements, (d, vertices) each.
+    """
+    largest = max(float(np.linalg.norm(displacement, axis=0).max()) for displacement in displacements)
+    if largest == 0:
+        return 1.0
+    exact = DISPLACEMENT * float(np.ptp(vertices, axis=1).max()) / largest
+    unit = 10.0 ** (math.floor(math.log10(exact)) - 1)
+    return float(f"{math.floor(exact / unit) * unit:.2g}")
+
 
 ASIDE = np.array([0.35, 0.55, 0.25])
 """By how much: so that three sides of a box are seen."""

@@ -11,9 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from study.present.picture.face_history import Array
-from study.present.picture.polygon import Polygon
-from study.present.picture.segment import Segment
+from study.present.picture.faces import Array, Polygon, Segment
 
 Ends = tuple[float, float]
 """Of an interval."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -11,17 +11,52 @@ import pandas as pd
 
 from study.ledger.datafiles import DataError, read_csv, read_rates
 from study.ledger.verdict import VERDICTS
-from study.present.charts.convergence_chart import convergence_chart
+from study.present.charts.convergence_chart import convergence_chart, finest_orders
 from study.present.charts.enclosure_chart import enclosure_charts
-from study.present.charts.finest_orders import finest_orders
+from study.present.charts.palette import looks
 from study.present.report.film import read_film
-from study.present.report.order_strip import OrderStrip
-from study.present.report.rows import Rows
 from study.present.report.svg_chart import SvgChart
-from study.present.tables import bounds_table, equivalence_table, rates_table, stress_table
+from study.present.tables import Column, Table, bounds_table, equivalence_table, rates_table, stress_table
 
 CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
 ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
+
+
+@dataclass(frozen=True)
+class Rows:
+    """A table of texts."""
+
+    caption: str
+    columns: list[Column]
+    cells: list[list[str]]
+
+    @classmethod
+    def of(cls, table: Table, caption: str, case: str | None = None, without: Sequence[str] = ()) -> Rows:
+        """The rows of a table of the study, of one case or of all, without some columns."""
+        shown = table.cells if case is None else table.cells[table.cells["case"] == case]
+        columns = [column for column in table.columns if column.name not in without]
+        return cls(caption, columns, shown[[column.name for column in columns]].to_numpy().tolist())
+
+
+@dataclass(frozen=True)
+class OrderStrip:
+    """Orders from 0 to ``HIGHEST`` as coordinates from 0 to ``WIDTH``: the predicted one, and those observed."""
+
+    HIGHEST = 1.5
+    WIDTH = 150
+
+    predicted: float
+    observed: list[tuple[float, str]]
+
+    @classmethod
+    def of(cls, rates: pd.DataFrame, expected: float, orders: dict[str, float]) -> OrderStrip:
+        """From the order on every mesh family, in the colour of the family."""
+        look = looks(rates["family"])
+        return cls(cls._at(expected), [(cls._at(order), look[family].colour) for family, order in orders.items()])
+
+    @classmethod
+    def _at(cls, order: float) -> float:
+        return round(cls.WIDTH * min(max(order / cls.HIGHEST, 0.0), 1.0), 1)
 
 
 @dataclass(frozen=True)
@@ -41,31 +76,22 @@ class CasePage:
 
 
 def case_pages(directory: Path, claims: pd.DataFrame) -> list[CasePage]:
-    """The cases in the order of ``cases.csv``.
-
-    Raises:
-        DataError: a data file is missing or damaged.
-    """
-    listed = read_csv(directory, "cases.csv", CASES)
-    rates = read_rates(directory)
-    series = read_csv(directory, "enclosures.csv", ENCLOSURES)
+    """The cases in the order of ``cases.csv``; DataError for a data file that is missing or damaged."""
+    listed = read_csv(directory, "cases.csv", CASES).to_dict("records")
+    rates, enclosures = read_rates(directory), read_csv(directory, "enclosures.csv", ENCLOSURES)
     tables = [
         (rates_table(directory), "Errors on every mesh", ["case", "claim"]),
         (stress_table(directory), "The stress problem on its own space", ["case"]),
         (equivalence_table(directory), "The stress problem on the strains of V^h", ["case"]),
         (bounds_table(directory), "Guaranteed bounds of the error", ["case"]),
     ]
-    return [
-        _case_page(
-            fact,
-            claims[claims["case"] == fact["case"]],
-            rates[rates["case"] == fact["case"]],
-            series[series["case"] == fact["case"]],
-            _film(directory, str(fact["case"])),
-            [Rows.of(table, caption, fact["case"], without) for table, caption, without in tables],
-        )
-        for fact in listed.to_dict("records")
-    ]
+    pages = []
+    for fact in listed:
+        name = fact["case"]
+        measured = (frame[frame["case"] == name] for frame in (claims, rates, enclosures))
+        rows = [Rows.of(table, caption, name, without) for table, caption, without in tables]
+        pages.append(_case_page(fact, *measured, film=_film(directory, name), tables=rows))
+    return pages
 
 
 def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
@@ -77,45 +103,35 @@ def _case_page(
     fact: dict[Any, Any],
     claims: pd.DataFrame,
     rates: pd.DataFrame,
-    series: pd.DataFrame,
+    enclosures: pd.DataFrame,
     film: dict[str, Any],
     tables: list[Rows],
 ) -> CasePage:
     expected = float(fact["expected_order"])
     found = finest_orders(rates, refinements=2)
     orders = sorted(found.values())
+    charts = [convergence_chart(rates, expected)] if len(rates) else []
+    charts += [chart for _, chart in enclosure_charts(enclosures)]
     return CasePage(
-        name=str(fact["case"]),
-        summary=str(fact["summary"]),
-        facts=_facts(fact),
+        name=fact["case"],
+        summary=fact["summary"],
+        facts={
+            "law": fact["law"],
+            "contact zone": fact["zone"],
+            "regularity": fact["regularity"],
+            "dimension": str(fact["dimension"]),
+            "predicted order": f"{expected:.4g}",
+            "proved order": "" if pd.isna(fact["proved_order"]) else f"{float(fact['proved_order']):.4g}",
+            "why": fact["reason"],
+        },
         counts=count_verdicts(claims),
         predicted=f"{expected:.4g}",
         observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
         strip=OrderStrip.of(rates, expected, found) if orders else None,
-        charts=list(_charts(rates, expected, series)),
+        charts=list(map(SvgChart, charts)),
         film=film,
         tables=[table for table in tables if table.cells],
     )
-
-
-def _facts(fact: dict[Any, Any]) -> dict[str, str]:
-    return {
-        "law": str(fact["law"]),
-        "contact zone": str(fact["zone"]),
-        "regularity": str(fact["regularity"]),
-        "dimension": str(fact["dimension"]),
-        "predicted order": f"{float(fact['expected_order']):.4g}",
-        "proved order": "" if pd.isna(fact["proved_order"]) else f"{float(fact['proved_order']):.4g}",
-        "why": str(fact["reason"]),
-    }
-
-
-def _charts(rates: pd.DataFrame, expected: float, series: pd.DataFrame) -> Iterator[SvgChart]:
-    """The charts of what was measured of a case."""
-    if len(rates):
-        yield SvgChart(convergence_chart(rates, expected))
-    for _, chart in enclosure_charts(series):
-        yield SvgChart(chart)
 
 
 def _film(directory: Path, name: str) -> dict[str, Any]:

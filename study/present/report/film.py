@@ -12,13 +12,9 @@ from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError
 from study.ledger.packing import short
-from study.present.picture.face_history import FaceHistory
-from study.present.picture.over_time import OverTime
-from study.present.picture.picture import Picture
-from study.present.picture.polygon import Polygon
-from study.present.picture.proportions import ARROW, FOUNDATION, magnification
-from study.present.picture.segment import Segment
-from study.present.picture.view import View
+from study.present.picture.faces import FaceHistory, Polygon, Segment
+from study.present.picture.picture import Picture, over_time
+from study.present.picture.view import ARROW, FOUNDATION, View, magnification
 
 SHADES = 255
 BRIGHTEST = 0.95
@@ -38,13 +34,13 @@ def read_film(path: Path) -> dict[str, Any]:
     """
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
-        over_time, picture = OverTime.of(record), Picture.of(record)
+        (displacement, von_mises), picture = over_time(record), Picture.of(record)
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(
             f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
             "version wrote it, make it anew with the same `study run`"
         ) from error
-    displacement, stress = over_time.displacement, over_time.von_mises.values
+    stress = von_mises.values
     brightest = float(np.quantile(stress, BRIGHTEST)) or float(stress.max()) or 1.0
     return {
         "times": picture.times.tolist(),

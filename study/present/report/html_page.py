@@ -1,16 +1,40 @@
-"""The page from its template."""
+"""The page: the data files set by its template."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from study.ledger.datafiles import read_claims, read_csv
 from study.ledger.files import write_text
-from study.ledger.rounding import significant
-from study.present.report.content import read_content
-from study.present.report.typeset import typeset
+from study.ledger.rounding import cell, significant
+from study.present.report.case_page import Rows, case_pages, count_verdicts
+from study.present.report.svg_chart import typeset
+from study.present.tables import bounds_table, ledger_table, names, numbers, words
+
+CONTROLS = [
+    *names(defect="defect"),
+    *words(what="what is wrong"),
+    *names(setting="measured on"),
+    *words(label="statement", quantity="row", expected="expected"),
+    *numbers(observed="observed"),
+    *words(verdict="verdict", caught="caught"),
+]
+
+
+@dataclass(frozen=True)
+class LedgerGroup:
+    """A statement: its rows of the ledger (case, quantity, expected, observed, low, high, verdict) and their judge."""
+
+    label: str
+    says: str
+    counts: dict[str, int]
+    judges: list[str]
+    rows: list[list[str]]
 
 
 def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
@@ -29,5 +53,58 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         trim_blocks=True,
     )
     environment.filters |= {"typeset": typeset, "number": significant}
-    content = read_content(directory, provenance)
-    return write_text(directory / "report.html", environment.get_template("page.html").render(content=content) + "\n")
+    page = environment.get_template("page.html").render(content=_content(directory, provenance))
+    return write_text(directory / "report.html", page + "\n")
+
+
+def _content(directory: Path, provenance: dict[str, Any]) -> dict[str, Any]:
+    """What the template sets."""
+    claims = read_claims(directory)
+    groups, cases = _groups(directory, provenance.get("statements", {})), case_pages(directory, claims)
+    return {
+        "counts": count_verdicts(claims),
+        "rows": len(claims),
+        "groups": groups,
+        "labels": list(dict.fromkeys(group.label for group in groups)),
+        # What rows are about: cases, and where in the paper there are slips.
+        "places": list(dict.fromkeys(row[0] for group in groups for row in group.rows if row[0])),
+        "cases": cases,
+        "names": {case.name for case in cases},
+        "bounds": Rows.of(bounds_table(directory), "Enclosures of errors, of cases and of problems without a solution"),
+        "controls": _controls(directory),
+        "provenance": provenance,
+        "files": _files(directory),
+    }
+
+
+def _groups(directory: Path, made: dict[str, dict[str, Any]]) -> list[LedgerGroup]:
+    """The ledger by statement, in its order; a label that stands for two statements makes two groups."""
+    cells = ledger_table(directory).cells
+    columns = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
+    code = {label: list(statement["code"]) for label, statement in made.items()}
+    return [
+        LedgerGroup(label, says, count_verdicts(rows), code.get(label, []), rows[columns].to_numpy().tolist())
+        for (label, says), rows in cells.groupby(["label", "statement"], sort=False)
+    ]
+
+
+def _controls(directory: Path) -> Rows | None:
+    """The deliberate defects, where there are data of them."""
+    if not (directory / "data" / "controls.csv").is_file():
+        return None
+    needed = [column.name for column in CONTROLS]
+    frame = read_csv(directory, "controls.csv", needed)
+    cells = [[cell(value) for value in row] for row in frame[needed].to_numpy()]
+    return Rows("Deliberate defects and the row of the ledger that has to fail", CONTROLS, cells)
+
+
+def _files(directory: Path) -> Rows:
+    """The data files that the page was made from, by what is in them."""
+    data = directory / "data"
+    paths = sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json")])
+    contents = {path.relative_to(data).as_posix(): path.read_bytes() for path in paths}
+    cells = [
+        [name, significant(len(content) / 1000), sha256(content).hexdigest()] for name, content in contents.items()
+    ]
+    columns = [*names(file="file"), *numbers(size="kB"), *names(sha="SHA-256")]
+    return Rows("The data files behind this page", columns, cells)

@@ -111,7 +111,7 @@ def start_share(carried: bool) -> Criterion:
     says whether they do.
     """
     window = (
-        at_most(1.0, "may sit at t = 0, as the rows of ‖Π^h u − u^h‖_V hold")
+        at_least(0.0, "also at t = 0, as the rows of ‖Π^h u − u^h‖_V hold and carry it")
         if carried
         else at_most(NOT_AT_START, "after t = 0, as a row of ‖Π^h u − u^h‖_V does not hold")
     )
