@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -11,18 +12,13 @@ from study.ledger.verdict import FAILS, HOLDS, Verdict
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:
     """One test case per verdict; fails is a failure, undecided and reported are skipped."""
-    count = {v: sum(verdict.verdict == v for verdict in verdicts) for v in (HOLDS, FAILS)}
-    suite = ElementTree.Element(
-        "testsuite",
-        name="ledger",
-        tests=str(len(verdicts)),
-        failures=str(count[FAILS]),
-        skipped=str(len(verdicts) - count[HOLDS] - count[FAILS]),
-    )
+    count = Counter(verdict.verdict for verdict in verdicts)
+    skipped = len(verdicts) - count[HOLDS] - count[FAILS]
+    totals = {"tests": str(len(verdicts)), "failures": str(count[FAILS]), "skipped": str(skipped)}
+    suite = ElementTree.Element("testsuite", name="ledger", **totals)
     for verdict in verdicts:
-        case = ElementTree.SubElement(
-            suite, "testcase", classname=f"{verdict.label}.{verdict.case}", name=verdict.quantity
-        )
+        names = {"classname": f"{verdict.label}.{verdict.case}", "name": verdict.quantity}
+        case = ElementTree.SubElement(suite, "testcase", names)
         message = (
             f"expected {verdict.expected}, observed {verdict.observed:.6g} in [{verdict.low:.6g}, {verdict.high:.6g}]"
         )

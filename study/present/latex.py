@@ -108,18 +108,15 @@ def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequenc
     for i, (title, rows) in enumerate(groups):
         # The star keeps LaTeX from breaking the page between a title and its first row.
         lines += [r"\addlinespace"] if i and title else []
-        lines += [rf"\multicolumn{{{len(headings)}}}{{@{{}}l@{{}}}}{{{_overlay(title)}}} \\*"] if title else []
+        # A title folds at the width of the line but does not widen the columns under it.
+        box = rf"\makebox[0pt][l]{{\parbox[t]{{\linewidth}}{{\raggedright {title}\strut}}}}"
+        lines += [rf"\multicolumn{{{len(headings)}}}{{@{{}}l@{{}}}}{{{box}}} \\*"] if title else []
         lines += map(_row, rows)
     return "\n".join([*lines, r"\end{longtable}", ""])
 
 
 def _row(cells: Sequence[str]) -> str:
     return " & ".join(cells) + r" \\"
-
-
-def _overlay(title: str) -> str:
-    """A title that folds at the width of the line but does not widen the columns under it."""
-    return rf"\makebox[0pt][l]{{\parbox[t]{{\linewidth}}{{\raggedright {title}\strut}}}}"
 
 
 def _number(mantissa: str | None, exponent: str | None, sign_of_infinity: str | None) -> str:

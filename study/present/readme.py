@@ -20,10 +20,7 @@ from study.ledger.verdict import REPORTED, VERDICTS
 class Headlines:
     """The data behind the rows.
 
-    Attributes:
-        directory: of the run.
-        claims: its ledger.
-        expected, proved: the order that is predicted for a case, and the one that the proof of Prop. 5.4 gives.
+    ``expected`` is the order that is predicted for a case, ``proved`` the one that the proof of Prop. 5.4 gives.
     """
 
     directory: Path
@@ -40,16 +37,8 @@ class Headlines:
 
     def lines(self) -> list[list[str]]:
         """All rows; DataError if the ledger lacks those of one."""
-        return [
-            self.prop_5_4(),
-            self.prop_5_3(),
-            self.same_mesh(),
-            self.own_space(),
-            self.bound(),
-            self.regularity(),
-            self.defects(),
-            self.seeds(),
-        ]
+        proved = [self.prop_5_4(), self.prop_5_3(), self.same_mesh(), self.own_space()]
+        return [*proved, self.bound(), self.regularity(), self.defects(), self.seeds()]
 
     def prop_5_4(self) -> list[str]:
         fitted = self._rows("Prop. 5.4", "order-fitted")
@@ -171,13 +160,7 @@ def refresh(readme: Path, directory: Path) -> bool:
 
 
 def headline(directory: Path) -> str:
-    """What is claimed, what was predicted and seen, and the verdict, in Markdown.
-
-    Numbers that were seen are rounded outwards, so that no row says more than the data.
-
-    Raises:
-        DataError: a file is missing, or ``claims.csv`` lacks the rows of a line.
-    """
+    """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if data lack."""
     return _markdown(["claim", "predicted", "observed", "verdict"], Headlines.read(directory).lines())
 
 

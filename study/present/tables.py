@@ -28,9 +28,6 @@ ORDER = "{:.3f}"
 def write_tables(directory: Path) -> list[Path]:
     """Write every table as csv, md and tex under ``directory/tables``, and what the article takes from a full run.
 
-    Returns the files. The LaTeX files are longtables to \\input outside any float; they need the
-    packages array, booktabs and longtable.
-
     Raises:
         DataError: a data file is missing or lacks a column; nothing is written then.
     """
@@ -43,8 +40,7 @@ def write_tables(directory: Path) -> list[Path]:
 class Column:
     """A column of a table: its name in the CSV file, its heading in the others, how LaTeX aligns it.
 
-    ``names`` marks identifiers, in which LaTeX must not look for mathematics; ``form`` formats numbers
-    that are not shown to four significant digits.
+    LaTeX must not look for mathematics in identifiers, ``names``; ``form`` is that of numbers other than of four digits.
     """
 
     name: str

@@ -20,12 +20,7 @@ SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cub
 
 @dataclass(frozen=True)
 class FullRun:
-    """The data files of a full run.
-
-    Attributes:
-        rates, claims, cases, bounds, equivalence, controls, seeds: the CSV files of these names.
-        provenance: what the run was made with.
-    """
+    """The data files of a full run, and what it was made with."""
 
     rates: pd.DataFrame
     claims: pd.DataFrame

@@ -132,12 +132,9 @@ class Band:
 
 @dataclass(frozen=True, eq=False)
 class SlopeTriangle:
-    """A triangle whose hypotenuse has the expected slope and whose right angle is at its upper left.
+    """A triangle with the expected slope and a right angle at its upper left, up to ``top`` with its texts.
 
-    Attributes:
-        corners: lower left, upper right, upper left, (3, 2).
-        beside, above: texts at the middle of the left and of the upper side.
-        top: how high the triangle and its texts reach.
+    ``corners`` are lower left, upper right and upper left, (3, 2); texts are beside the left and above the upper side.
     """
 
     corners: Array
@@ -148,16 +145,7 @@ class SlopeTriangle:
 
 @dataclass(frozen=True, eq=False)
 class Subplot:
-    """One pair of axes.
-
-    Attributes:
-        title: above the axes.
-        x, y: the axes.
-        curves: in the order in which they are drawn.
-        bands: drawn under the curves.
-        triangle: shows the expected slope.
-        rules: values of y with a horizontal line.
-    """
+    """One pair of axes: bands under curves, the expected slope, and values of y with a horizontal line."""
 
     title: str
     x: Axis
@@ -178,14 +166,9 @@ class LegendEntry:
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """Subplots, one above the other or in a grid, with one legend.
+    """Subplots, one above the other or row by row in a grid of so many columns, with one legend, column by column.
 
-    Attributes:
-        summary: one line for those who cannot see the chart.
-        subplots: row by row.
-        legend: its columns.
-        caption: what is shown and what to see, with numbers from the same data.
-        columns: of the grid.
+    ``summary`` is one line for those who cannot see the chart, ``caption`` says what to see, with numbers.
     """
 
     summary: str

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import suppress
 
 import numpy as np
 import pandas as pd
@@ -29,11 +30,9 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
     for family, rows in by_family(rates):
         ends = rows.tail(refinements + 1).iloc[[0, -1]]
         if len(rows) > 1:
-            try:
-                (found[family],) = orders(ends["h"].to_numpy(), ends["error"].to_numpy())
-            except RatesError:
-                continue
-    return {family: float(order) for family, order in found.items()}
+            with suppress(RatesError):
+                found[family] = float(orders(ends["h"].to_numpy(), ends["error"].to_numpy())[0])
+    return found
 
 
 def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
@@ -113,15 +112,12 @@ def family_legend(look: Mapping[str, Look]) -> list[LegendEntry]:
     return [LegendEntry(family, Style(mine.colour, marker=mine.marker)) for family, mine in look.items()]
 
 
-def _part_curves(rates: pd.DataFrame, look: Mapping[str, Look]) -> Sequence[Curve]:
+def _part_curves(rates: pd.DataFrame, look: Mapping[str, Look]) -> Iterator[Curve]:
     """The discrete error, and the contribution of discretisation in time."""
-    found = []
     for family, rows in by_family(rates):
         h, mine = rows["h"].to_numpy(), look[family]
-        time = (rows["time_share"] * rows["error"]).to_numpy()
-        found.append(Curve(h, time, Style(mine.colour, "dotted")))
-        found.append(Curve(h, rows["discrete_error"].to_numpy(), Style(mine.colour, "dashed", mine.marker, True)))
-    return found
+        yield Curve(h, (rows["time_share"] * rows["error"]).to_numpy(), Style(mine.colour, "dotted"))
+        yield Curve(h, rows["discrete_error"].to_numpy(), Style(mine.colour, "dashed", mine.marker, True))
 
 
 _KINDS = (
@@ -162,7 +158,9 @@ def overview_chart(rates: pd.DataFrame, orders: Mapping[str, float]) -> Chart:
     All share the horizontal axis and those of one row the vertical one.
     """
     cases = list(dict.fromkeys(rates["case"]))
-    columns = _columns(len(cases))
+    # Near the square root, with few places left empty.
+    nearest = math.ceil(math.sqrt(len(cases)))
+    columns = min((min(nearest, MOST), min(nearest + 1, MOST)), key=lambda columns: -len(cases) % columns)
     rows = [cases[start : start + columns] for start in range(0, len(cases), columns)]
     subplots = [subplot for row in rows for subplot in _row_of_cases(rates, row, orders)]
     summary = "error of every case against the mesh size, both logarithmic"
@@ -179,12 +177,6 @@ def _row_of_cases(rates: pd.DataFrame, cases: Sequence[str], orders: Mapping[str
     x = LogAxis.around("mesh size", rates["h"].min(), rates["h"].max(), "h", least=2)
     y = LogAxis.around("max_t ‖u − u^h‖_V", low, max(high, top), least=2)
     return [Subplot(case, x, y, curves[case], triangle=triangles[case]) for case in cases]
-
-
-def _columns(subplots: int) -> int:
-    """A number of columns near the square root that leaves few places empty."""
-    nearest = math.ceil(math.sqrt(subplots))
-    return min((min(nearest, MOST), min(nearest + 1, MOST)), key=lambda columns: -subplots % columns)
 
 
 def _caption_of_all(rates: pd.DataFrame, orders: Mapping[str, float]) -> str:

@@ -31,15 +31,9 @@ CLIPPED = 0.005
 
 @dataclass(frozen=True, eq=False)
 class BodyScale:
-    """What all times of a picture are drawn to.
+    """What all times of a picture are drawn to: ``limits`` are those of the drawing, (2, 2), to the right and upwards.
 
-    Attributes:
-        view: from the body to the drawing.
-        size: the body's longest side.
-        magnification: of displacements.
-        limits: of what is drawn to the right and upwards, (2, 2).
-        pressure: the largest one shown.
-        stress: the end of the colours.
+    ``size`` is the body's longest side, ``pressure`` the largest one shown, ``stress`` the end of the colours.
     """
 
     view: View

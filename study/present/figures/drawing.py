@@ -118,18 +118,16 @@ def _save(figure: Figure, directory: Path, name: str) -> list[Path]:
     assert layout is not None
     layout.execute(figure)
     figure.set_layout_engine("none")
-    written = {
+    draws = {
         "png": raster.print_png,
         "pdf": FigureCanvasPdf(figure).print_pdf,
         "svg": FigureCanvasSVG(figure).print_svg,
     }
-
-    def write(form: str) -> Path:
-        # A name may hold dots of its own (rough-1.75), so a suffix is appended, not replaced.
-        path = directory / f"{name}.{form}"
-        return write_whole(path, lambda part: written[form](part, metadata=_ANONYMOUS[form]))
-
-    return [write(form) for form in written]
+    # A name may hold dots of its own (rough-1.75), so a suffix is appended, not replaced.
+    return [
+        write_whole(directory / f"{name}.{form}", partial(draw, metadata=_ANONYMOUS[form]))
+        for form, draw in draws.items()
+    ]
 
 
 @contextmanager

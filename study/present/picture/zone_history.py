@@ -26,12 +26,11 @@ def misplaced_length(face: Segment, times: Array) -> Array:
     Z^h is ``Segment.computed_zone``. The measure of the symmetric difference is defined through all events, and no
     node on the wrong side is overlooked. Clamped ends of a face, which have no node, do not count.
     """
-    free = float(face.s.min()), float(face.s.max())
-    differences = [
-        _difference(_within(free, exact_zone(face, float(time))), face.computed_zone(instant))
-        for instant, time in enumerate(times)
-        if instant
-    ]
+    low, high = float(face.s.min()), float(face.s.max())
+    differences = []
+    for instant, time in list(enumerate(times))[1:]:
+        exact = [(max(a, low), min(b, high)) for a, b in exact_zone(face, float(time)) if a < high and b > low]
+        differences.append(_difference(exact, face.computed_zone(instant)))
     return np.array(differences) / face.spacing
 
 
@@ -98,16 +97,9 @@ def _continues(before: Intervals, after: Intervals) -> bool:
     return len(before) == len(after) and all(_meet(a, b) for a, b in zip(before, after, strict=True))
 
 
-def _within(limits: Ends, zone: Intervals) -> list[Ends]:
-    low, high = limits
-    return [(max(a, low), min(b, high)) for a, b in zone if a < high and b > low]
-
-
 def _difference(one: Intervals, other: Intervals) -> float:
     """The length of the symmetric difference of two unions of intervals."""
     ends = sorted({end for interval in (*one, *other) for end in interval})
-    return float(sum(b - a for a, b in pairwise(ends) if _inside((a + b) / 2, one) != _inside((a + b) / 2, other)))
-
-
-def _inside(s: float, zone: Intervals) -> bool:
-    return any(a <= s <= b for a, b in zone)
+    pieces = [(b - a, (a + b) / 2) for a, b in pairwise(ends)]
+    inside = [[any(a <= middle <= b for a, b in zone) for zone in (one, other)] for _, middle in pieces]
+    return float(sum(length for (length, _), (here, there) in zip(pieces, inside, strict=True) if here != there))

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from markupsafe import Markup, escape
 
-from study.present.charts.chart import Array, Axis, Band, Chart, Style, Subplot
+from study.present.charts.chart import Array, Axis, Chart, Style, Subplot
 from study.present.charts.palette import BLACK, DARK
 
 _SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|\w)")
@@ -106,7 +106,8 @@ class SvgSubplot:
     @property
     def bands(self) -> list[tuple[str, str]]:
         """Path and colour of each."""
-        return [(self._band(band), band.colour) for band in self.subplot.bands]
+        found = [(self._points(band.x, band.high), self._points(band.x, band.low), band) for band in self.subplot.bands]
+        return [(path([*above, *reversed(below)]) + "Z", band.colour) for above, below, band in found]
 
     @property
     def curves(self) -> list[tuple[str, Points, dict[str, str]]]:
@@ -124,9 +125,6 @@ class SvgSubplot:
         """Corners of the triangle with the expected slope, or none."""
         found = self.subplot.triangle
         return self._points(*found.corners.T) if found else []
-
-    def _band(self, band: Band) -> str:
-        return path([*self._points(band.x, band.high), *reversed(self._points(band.x, band.low))]) + "Z"
 
     def _points(self, x: Array, y: Array) -> Points:
         return [(self.x(a), self.y(b)) for a, b in zip(x, y, strict=True) if np.isfinite(b)]
