@@ -22,7 +22,7 @@ NO_DEFECT = "none"
 
 
 @dataclass(frozen=True)
-class Finding:
+class Outcome:
     """What the ledger says to one control, or to a setting without a defect.
 
     Attributes:
@@ -46,7 +46,7 @@ class Finding:
         return self.row.verdict == HOLDS if self.caught is None else self.caught
 
     @classmethod
-    def of_control(cls, control: Control[Any], verdicts: list[Verdict]) -> Finding:
+    def of_control(cls, control: Control[Any], verdicts: list[Verdict]) -> Outcome:
         """Whether a defect is caught.
 
         Raises:
@@ -58,7 +58,7 @@ class Finding:
         return cls(control.name, control.what, str(control.setting), row, bool(failing))
 
     @classmethod
-    def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict]) -> Finding:
+    def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict]) -> Outcome:
         """Whether every row holds without a defect."""
         row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
         return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None)
@@ -74,7 +74,7 @@ def settings(controls: Sequence[Control[Any]]) -> list[Baseline[Any]]:
     return list(dict.fromkeys(control.setting for control in controls))
 
 
-def run_controls(controls: Sequence[Control[Any]], executor: Executor, notify: Callable[[], object]) -> list[Finding]:
+def run_controls(controls: Sequence[Control[Any]], executor: Executor, notify: Callable[[], object]) -> list[Outcome]:
     """Findings of the baselines, one per setting, and of the controls, in this order.
 
     ``notify`` is called after every measurement, of a baseline or of a control.
@@ -85,8 +85,8 @@ def run_controls(controls: Sequence[Control[Any]], executor: Executor, notify: C
     for _ in as_completed(baselines + defective):
         notify()
     return [
-        *(Finding.of_baseline(setting, future.result()) for setting, future in zip(places, baselines, strict=True)),
-        *(Finding.of_control(control, future.result()) for control, future in zip(controls, defective, strict=True)),
+        *(Outcome.of_baseline(setting, future.result()) for setting, future in zip(places, baselines, strict=True)),
+        *(Outcome.of_control(control, future.result()) for control, future in zip(controls, defective, strict=True)),
     ]
 
 
@@ -96,7 +96,7 @@ def work(setting: Baseline[S], defect: Callable[[S], S]) -> list[Verdict]:
         return setting.verdicts(defect)
 
 
-def write_controls(directory: Path, findings: Sequence[Finding]) -> Path:
+def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
     """``controls.csv``: one line per finding."""
     table = pd.DataFrame(
         {
@@ -116,7 +116,7 @@ def write_controls(directory: Path, findings: Sequence[Finding]) -> Path:
     return write_text(directory / "data" / "controls.csv", text)
 
 
-def controls_text(findings: Sequence[Finding]) -> str:
+def controls_text(findings: Sequence[Outcome]) -> str:
     """The settings without a defect, the defects with the row that caught each, and how many did their duty."""
     baselines = [finding for finding in findings if finding.caught is None]
     controls = [finding for finding in findings if finding.caught is not None]
@@ -136,14 +136,14 @@ def _table(head: list[str], rows: list[tuple[str, ...]]) -> str:
     return tabulate(rows, head, "simple", disable_numparse=True, maxcolwidths=[48, 31, 17, 9][: len(head)])
 
 
-def _baseline_line(finding: Finding) -> tuple[str, ...]:
+def _baseline_line(finding: Outcome) -> tuple[str, ...]:
     if finding.passes:
         return finding.setting, finding.what, HOLDS
     row = finding.row
     return finding.setting, f"{row.label}: {row.quantity}: {cell(row.observed)}", row.verdict
 
 
-def _control_line(finding: Finding) -> tuple[str, ...]:
+def _control_line(finding: Outcome) -> tuple[str, ...]:
     row = finding.row
     by = f"{row.label}: {row.quantity}" if finding.caught else f"NOT CAUGHT, nor by {row.label}: {row.quantity}"
     return f"{finding.defect}: {finding.what}\n({finding.setting})", by, row.expected, cell(row.observed)

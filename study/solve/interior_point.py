@@ -13,7 +13,7 @@ REFINEMENT = 1e-16
 SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
 
 
-class Tolerance(NamedTuple):
+class Accuracy(NamedTuple):
     """When a programme counts as solved.
 
     Attributes:
@@ -25,7 +25,7 @@ class Tolerance(NamedTuple):
     feasibility: float
 
 
-def settings(aim: Tolerance, enough: Tolerance) -> clarabel.DefaultSettings:
+def settings(aim: Accuracy, enough: Accuracy) -> clarabel.DefaultSettings:
     """What the solver aims at, and what is enough where rounding stops it short of that."""
     found = clarabel.DefaultSettings()
     found.verbose = False

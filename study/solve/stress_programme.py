@@ -11,12 +11,12 @@ import scipy.sparse as sps
 
 from manufactured.tensors import Array, Tensors
 from study.fem.space import Space
-from study.solve.interior_point import SOLVED, Tolerance, settings
+from study.solve.interior_point import SOLVED, Accuracy, settings
 from study.solve.stress_potential import LinearPotential, StressError, YieldPotential
 
-AIM = Tolerance(gap=1e-15, feasibility=1e-11)
+AIM = Accuracy(gap=1e-15, feasibility=1e-11)
 """At the limit of the arithmetic: where a vertex touches with next to no force the error is the root of the gap."""
-ENOUGH = Tolerance(gap=1e-12, feasibility=1e-9)
+ENOUGH = Accuracy(gap=1e-12, feasibility=1e-9)
 """Where rounding stops the solver short of its aim. The verdict does not rest on it: it compares the two problems."""
 
 
@@ -81,7 +81,7 @@ class Programme:
         self.b = np.zeros(constraints.shape[0])
         P, A = sps.csc_matrix(sps.triu(hessian)), sps.csc_matrix(constraints)
 
-        def solver(aim: Tolerance) -> clarabel.DefaultSolver:
+        def solver(aim: Accuracy) -> clarabel.DefaultSolver:
             return clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(aim, ENOUGH))
 
         self.solver = solver(AIM)

@@ -16,7 +16,7 @@ from study.fem.mesh import size as mesh_size
 from study.ledger.measures import largest
 from study.ledger.window import at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
-from study.solve.interior_point import Tolerance, settings
+from study.solve.interior_point import Accuracy, settings
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
@@ -115,7 +115,7 @@ class InteriorPoint:
         rows, self.q = N.shape[0], np.zeros(N.shape[1])
         self.unit = float(abs(S.diagonal()).max())
         P, cones = sps.csc_matrix(sps.triu(S / self.unit)), [clarabel.NonnegativeConeT(rows)]
-        how = settings(aim=Tolerance(gap=1e-15, feasibility=1e-14), enough=Tolerance(gap=1e-11, feasibility=1e-11))
+        how = settings(aim=Accuracy(gap=1e-15, feasibility=1e-14), enough=Accuracy(gap=1e-11, feasibility=1e-11))
         self.solver = clarabel.DefaultSolver(P, self.q, sps.csc_matrix(N), np.zeros(rows), cones, how)
 
     def __call__(self, b: Array) -> tuple[Array, Array]:

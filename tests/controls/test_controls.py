@@ -24,7 +24,7 @@ from study.cli.main import main
 from study.controls import defects
 from study.controls.baselines import Equivalence, Sweep, turned
 from study.controls.register import ALONE, CONTROLS, FULL, MOVING, ORDER, Control
-from study.controls.run_controls import NO_DEFECT, Finding, controls_text, settings, unchanged, work
+from study.controls.run_controls import NO_DEFECT, Outcome, controls_text, settings, unchanged, work
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
@@ -125,23 +125,23 @@ def verdict(key: str, state: str, observed: float = 0.5) -> Verdict:
 
 def test_the_named_row_is_shown_and_any_other_one_that_fails_counts_as_well() -> None:
     control = Control("wrong", "something", Sweep("full-contact"), copy.copy, "named")
-    by_name = Finding.of_control(control, [verdict("other", FAILS), verdict("named", FAILS)])
-    by_other = Finding.of_control(control, [verdict("other", FAILS), verdict("named", HOLDS)])
-    by_none = Finding.of_control(control, [verdict("other", UNDECIDED), verdict("named", HOLDS)])
+    by_name = Outcome.of_control(control, [verdict("other", FAILS), verdict("named", FAILS)])
+    by_other = Outcome.of_control(control, [verdict("other", FAILS), verdict("named", HOLDS)])
+    by_none = Outcome.of_control(control, [verdict("other", UNDECIDED), verdict("named", HOLDS)])
     assert [(f.row.key, f.caught) for f in (by_name, by_other, by_none)] == [
         ("named", True),
         ("other", True),
         ("named", False),
     ]
     with pytest.raises(KeyError, match="named"):
-        Finding.of_control(control, [verdict("other", FAILS)])
+        Outcome.of_control(control, [verdict("other", FAILS)])
 
 
 @pytest.mark.parametrize("state", [FAILS, UNDECIDED])
 def test_a_baseline_that_does_not_hold_is_no_proof(state: str) -> None:
     sweep = Sweep("full-contact")
-    good = Finding.of_baseline(sweep, [verdict("a", HOLDS), verdict("b", HOLDS)])
-    bad = Finding.of_baseline(sweep, [verdict("a", HOLDS), verdict("b", state)])
+    good = Outcome.of_baseline(sweep, [verdict("a", HOLDS), verdict("b", HOLDS)])
+    bad = Outcome.of_baseline(sweep, [verdict("a", HOLDS), verdict("b", state)])
     assert (good.passes, bad.passes, bad.row.key) == (True, False, "b")
     assert "in 1 every row holds" in controls_text([good, bad])
 

@@ -11,7 +11,7 @@ from manufactured import catalogue
 from study.fem.mesh import OneDiagonal, Shaken
 from study.solve import stress_programme
 from study.solve.evolution import SemiDiscrete
-from study.solve.interior_point import Tolerance
+from study.solve.interior_point import Accuracy
 from study.solve.steps import StepsError
 from study.solve.stress_potential import StressError
 from study.solve.stress_problem import StressProblem
@@ -39,7 +39,7 @@ def test_both_problems_have_one_solution_at_every_step(name: str, family) -> Non
 @pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
 def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name: str, monkeypatch) -> None:
     """With gaps of 1e-4 the solutions differ by 1e-6 and more of their size, and by no more than the gap allows."""
-    monkeypatch.setattr(stress_programme, "AIM", Tolerance(1e-4, stress_programme.AIM.feasibility))
+    monkeypatch.setattr(stress_programme, "AIM", Accuracy(1e-4, stress_programme.AIM.feasibility))
     found = gaps(*case_on(name, Shaken(), 6), steps=12)
     assert 1e-6 <= found.displacement_gap <= found.displacement_bound
     assert 1e-6 <= found.stress_gap <= found.stress_bound

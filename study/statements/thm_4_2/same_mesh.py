@@ -7,7 +7,7 @@ import pandas as pd
 from study.ledger.criterion import Criterion, Measured
 from study.ledger.measures import largest
 from study.ledger.window import at_most
-from study.statements.thm_4_2.gaps import Comparison
+from study.statements.thm_4_2.gaps import OnOneMesh
 
 AGREEMENT = at_most(1e-7, "at every step")
 SHARP = at_most(1e-5, "32 steps, each the root of a gap of 1e-15, and norms 10 apart")
@@ -33,7 +33,7 @@ def sharp(group: pd.DataFrame) -> Measured:
     return float(bounds.max()), (float(bounds.min()), float(bounds.max()))
 
 
-class SameMesh(Comparison):
+class SameMesh(OnOneMesh):
     """The gaps over what is allowed, and what of Problem 3.2 is never imposed."""
 
     label = "Thm 4.2"
