@@ -68,7 +68,7 @@ COLUMNS = ("case", "form", "level", "h", "steps", *Gaps._fields, "family")
 EQUIVALENCE = CsvFile("equivalence.csv", ("case", "family", "level"), COLUMNS)
 
 
-class Comparison(Statement):
+class OnOneMesh(Statement):
     """Problem 3.2 on the strains of V^h against Problem 3.1, by backward Euler with k ~ h/2."""
 
     file = EQUIVALENCE
