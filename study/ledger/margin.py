@@ -37,7 +37,7 @@ def _judged(row: pd.Series) -> list[float]:
     """The values that were compared with the window: the ends of the range, but for a row that holds with a range
     beyond it. Such a row is judged by its observed value, or in another way if that lies outside, too."""
     low, high = float(row["window_low"]), float(row["window_high"])
-    if not low < high or (math.isinf(low) and math.isinf(high)):
+    if not low < high or (low <= 0 and math.isinf(high)):
         return []
     ends, observed = [float(row["low"]), float(row["high"])], float(row["observed"])
     if row["verdict"] != HOLDS or all(low <= value <= high for value in ends):

@@ -239,7 +239,6 @@ from study.solve.tableau import BACKWARD_EULER
                 "multigrid",
                 "solver_choice",
                 "evolution",
-                "contact_step",
                 "tableau",
                 "fixed_point",
                 "cholesky",

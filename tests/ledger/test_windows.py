@@ -93,8 +93,9 @@ def test_an_observation_says_whether_its_prediction_agrees_and_claims_nothing() 
         (at_least(0.5), (1.0, 1.0, 2.0), 0.5),
         (around(1, 0.1), (1.05, 0.2, 1.9), 0.5),
         (around(1, 0.1), (1.3, 1.3, 1.3), math.nan),
+        (at_least(0), (1.0, 0.0, 1.0), math.nan),
     ],
-    ids=["two-sided", "upper end", "lower end", "judged by its value", "judged in another way"],
+    ids=["two-sided", "upper end", "lower end", "judged by its value", "judged in another way", "any value"],
 )
 def test_the_share_of_a_window_that_a_row_which_holds_uses(window: Window, values: tuple, share: float) -> None:
     ends = {"window_low": window.low, "window_high": window.high, "verdict": HOLDS}
