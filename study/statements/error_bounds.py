@@ -5,8 +5,8 @@ With e = u − u^h and η = u − Π^h u the right sides without their constants
     (5.21):  ‖η_0‖_V + ‖η̇‖_{L²(0,T;V)} + ‖R(·; −η)‖_{L¹(0,T)}^{1/2} + ‖e_0‖_V,
     (5.42):  the same with (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2} for the third term,
 
-where R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), which ``residual`` compares with the definition of R. The source hides
-‖σ_ν‖ in its c; here it is part of the bound, so that (5.41) makes the second bound the larger one.
+where R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), which ``residual`` compares with the definition of R. The source hides ‖σ_ν‖ in
+its c; here it is part of the bound, so that (5.41) makes the second bound the larger one.
 
 **The constant.** With χ = Π^h u − u^h = e − η and the operator B of (4.2), (5.12) says
 
@@ -22,9 +22,8 @@ and with e = η + χ, ‖χ_0‖_V ≤ ‖e_0‖_V + ‖η_0‖_V and ‖η(s)�
     ‖e‖_V ≤ e^{ωT} ((2 + LT) ‖η_0‖_V + ∫_0^T (2 + L(T − s)) ‖η̇(s)‖_V ds + ‖e_0‖_V + (2‖R‖_{L¹})^{1/2})
           ≤ c · (right side),   c = e^{ωT} max(2 + LT, ‖2 + L(T − ·)‖_{L²(0,T)}).
 
-This does without (5.15) and (5.16), whose 2‖e‖_V ‖η‖_V would make c twice as large. What room is left is that of
-one constant for a sum of terms, and of L, which takes G at its steepest and A at its weakest. ((5.14) as printed
-has L_G for L: its norm carries A.)
+This does without (5.15) and (5.16), whose 2‖e‖_V ‖η‖_V would make c twice as large. What room is left is that of one
+constant for a sum of terms, and of L, which takes G at its steepest and A at its weakest.
 
 **What becomes of the ratio.** The error has the order min(1, s). The right side has that of its least term
 (``manufactured.regularity``): min(1, s') from η̇ in both bounds, and in (5.42) min(1, τ/2) from ‖η_ν‖^{1/2}, while
@@ -36,14 +35,14 @@ has L_G for L: its norm carries A.)
   0 and 2γ. Smoother parts, of a relative size h^{1/2}, raise or lower γ on coarse meshes; the place of a fixed front
   within its cell changes the term by a tenth. So the meshes are fine, structured, and with the front, at 2/5 of the
   side, at 2/5 of a cell on all of them; a front that moves passes all places.
-* τ = 2, where ‖η_ν‖ ~ h² |log h|^{1/2} (``natural-front``): the term grows like |log h|^{1/4}, no power of h. That no
-  few meshes tell from a constant, so the change is reported and no bound is claimed.
+* τ = 2, where ‖η_ν‖ ~ h² |log h|^{1/2} (``natural-front``): the term grows like |log h|^{1/4}, no power of h. No few
+  meshes tell that from a constant: the change is reported and no bound is claimed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -164,9 +163,9 @@ def sides(setup: Experiment) -> dict[str, float]:
     gauge, problem, T = setup.gauge, setup.problem, setup.problem.T
     error = max(gauge.distance(gauge.sample(state.time), state.u) for state in setup.scheme.march(problem, setup.steps))
     start, velocity = gauge.sample(0.0), Velocity(setup.solution, setup.space)
-    contact = [ContactTerms(setup, face) for face in setup.solution.faces]
+    contact = [contact_terms(setup, face) for face in setup.solution.faces]
     times, k = midpoints(T, INSTANTS), T / INSTANTS
-    works, squares, pressures = np.array([np.sum([face(t) for face in contact], axis=0) for t in times]).T
+    works, squares, pressures = np.array([np.sum([terms(t) for terms in contact], axis=0) for t in times]).T
     rate = math.sqrt(k * np.sum(np.square([velocity.interpolation_error(t) for t in times])))
     common = gauge.distance(start, start.interpolant) + rate + gauge.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))
@@ -178,22 +177,17 @@ def sides(setup: Experiment) -> dict[str, float]:
     }
 
 
-class ContactTerms:
-    """σ_ν and η_ν = u_ν − Π^h u_ν on one piece of Γ3."""
+def contact_terms(setup: Experiment, face: Face) -> Callable[[float], list[float]]:
+    """t ↦ ∫ σ_ν (Π^hu_ν − u_ν), ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² on one piece of Γ3."""
+    mesh, facets = setup.space.mesh, setup.space.facets(face.part)
+    rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
+    exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
+    tiny = ROUND_OFF * exact.stress_scale()
 
-    def __init__(self, setup: Experiment, face: Face) -> None:
-        mesh, facets = setup.space.mesh, setup.space.facets(face.part)
-        self.rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
-        self.exact = setup.solution.on(face, self.rule.s)
-        self.tiny = ROUND_OFF * self.exact.stress_scale()
-        self.nodes = setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
-        self.normal = face.part.normal
+    def terms(time: float) -> list[float]:
+        nodal = np.tensordot(face.part.normal, nodes.displacement(time), axes=1)
+        eta, pressure = -exact.gap(time) - np.einsum("an,anq->nq", nodal, rule.shapes), exact.pressure(time)
+        pressure = np.where(abs(pressure) > tiny, pressure, 0.0)
+        return [float(np.sum(values * rule.weights)) for values in (pressure * eta, eta**2, pressure**2)]
 
-    def __call__(self, time: float) -> tuple[float, float, float]:
-        """∫ σ_ν (Π^hu_ν − u_ν), ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|²."""
-        nodal = np.tensordot(self.normal, self.nodes.displacement(time), axes=1)
-        eta = -self.exact.gap(time) - np.einsum("an,anq->nq", nodal, self.rule.shapes)
-        pressure, weights = self.exact.pressure(time), self.rule.weights
-        pressure = np.where(abs(pressure) > self.tiny, pressure, 0.0)
-        work, trace, square = (float(np.sum(values * weights)) for values in (pressure * eta, eta**2, pressure**2))
-        return work, trace, square
+    return terms

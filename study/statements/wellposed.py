@@ -26,7 +26,6 @@ from study.statements.shared.instants import Velocity, norm
 FEW = ("advance-recede", "yield-on-a-part")
 """Linear law and law (3.3), for the quick study."""
 
-
 # u ∈ W^{1,∞}(0,T;V).
 
 STEPS = {"k": 24, "k/2": 48, "k/4": 96}
@@ -114,8 +113,7 @@ class Dependence(ListedNumbers):
         omega = growth(solution.law)
         steps = max(12, math.ceil(4 * omega * solution.body.T))
         setup = Experiment.at(setting, BACKWARD_EULER, steps)
-        trajectory = list(setup.scheme.march(setup.problem, steps))
-        others = perturbations(setup.problem, setup.space)
+        trajectory, others = list(setup.scheme.march(setup.problem, steps)), perturbations(setup.problem, setup.space)
         found = np.array([quotients(setup.problem, trajectory, other) for other in others])
         damped = found * np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
         return with_h(setup.space.h, {"bound": damped.max(), "monotone": found.max(), "first step": damped[0, 0]})
@@ -130,8 +128,7 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbatio
     """‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) at n = 1, 2, …"""
     steps, riesz = len(trajectory) - 1, Cholesky(problem.M)
     changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
-    bound = norm(problem, problem.u0 - other.start)
-    found = []
+    bound, found = norm(problem, problem.u0 - other.start), []
     for u, v in zip(trajectory[1:], islice(BACKWARD_EULER.march(changed, steps), 1, None), strict=True):
         F = other.change(u.time)
         bound += problem.T / steps * math.sqrt(F @ riesz(F))
@@ -147,8 +144,7 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]
     for relative in SIZES:
         fields = along_the_contact(problem, smooth(space, rng)), smooth(space, rng), pressing, -pressing
         for field, frequency in zip(fields, (0.0, 7.0, 7.0, 0.0), strict=True):
-            force = problem.M @ field * (relative * load / norm(problem, field))
-            yield Perturbation(force, frequency, problem.u0)
+            yield Perturbation(problem.M @ field * (relative * load / norm(problem, field)), frequency, problem.u0)
         field = smooth(space, rng)
         start, _ = onto(problem.M @ (problem.u0 + field * (relative * load / norm(problem, field))))
         yield Perturbation(np.zeros(space.dofs), 0.0, start)

@@ -7,12 +7,21 @@ import pandas as pd
 
 from study.ledger.criterion import Criterion, Measured
 from study.ledger.measures import exactly, largest
-from study.ledger.window import around, at_most
+from study.ledger.window import Window, around, at_most
 from study.solve.solver_choice import ROUNDING, SHARE, residual
 
 RESIDUAL = at_most(1.0, f"{ROUNDING:g} of a factorisation, {SHARE:g} h² of multigrid")
 SIZE = around(1, 0.1, "Pythagoras")
 PARALLELOGRAM = at_most(1e-3, "exact but for rounding and two quadratures of A's factor")
+
+
+def over(key: str, quantity: str, window: Window, above: str, below: str) -> Criterion:
+    """A column over another one on the finest level."""
+
+    def measure(group: pd.DataFrame) -> Measured:
+        return exactly(group[above].iloc[-1] / group[below].iloc[-1])
+
+    return Criterion(key, quantity, window, measure, (above, below))
 
 
 def _size(group: pd.DataFrame) -> Measured:

@@ -4,24 +4,22 @@ from __future__ import annotations
 
 import pandas as pd
 
-from study.ledger.criterion import Criterion, Measured, Observation, by_family
-from study.ledger.measures import ENOUGH, between_levels, exactly, largest
+from study.ledger.criterion import Observation, by_family
+from study.ledger.measures import ENOUGH, between_levels, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import around, at_least, at_most
+from study.statements.prop_5_4.evidence import over
 from study.statements.prop_5_4.sweep import RATES
 from study.statements.shared.base import Statement
 
+NEAR = around(1, 0.05, "on the finest level")
 GRADED = "graded"
 ON_EQUAL_MESHES = ["family", "scheme", "level"]
 WITH_AXES = (GRADED, "unstructured")
 """Families with meshes that depend on the axes."""
+DIFFERENCE = "relative difference of"
 AXES = at_most(1e-10)
 AXES_DISCRETE = at_most(1e-7, "round-off times the condition of the matrices, of order h⁻², in a small difference")
-
-
-def _over_leading_term(group: pd.DataFrame) -> Measured:
-    last = group.iloc[-1]
-    return exactly(last["interpolation_error"] / last["predicted_interpolation"])
 
 
 class SizeOfInterpolation(Statement):
@@ -31,13 +29,7 @@ class SizeOfInterpolation(Statement):
     claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
     file = RATES
     rules = (
-        Criterion(
-            "leading-term",
-            "‖u − Π^h u‖_V / leading term",
-            around(1, 0.05, "on the finest level"),
-            _over_leading_term,
-            ("interpolation_error", "predicted_interpolation"),
-        ),
+        over("leading-term", "‖u − Π^h u‖_V / leading term", NEAR, "interpolation_error", "predicted_interpolation"),
     )
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -68,14 +60,8 @@ class Turned(Statement):
     claim = "nothing depends on the axes: a turned body has the errors of the unturned one"
     file = RATES
     rules = (
-        largest(
-            "errors",
-            "relative difference of ‖u − u^h‖_V, ‖u − Π^h u‖_V",
-            AXES,
-            "error",
-            "interpolation_error",
-        ),
-        largest("discrete-error", "relative difference of ‖Π^h u − u^h‖_V", AXES_DISCRETE, "discrete_error"),
+        largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", AXES, "error", "interpolation_error"),
+        largest("discrete-error", f"{DIFFERENCE} ‖Π^h u − u^h‖_V", AXES_DISCRETE, "discrete_error"),
     )
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:

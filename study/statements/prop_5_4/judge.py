@@ -11,7 +11,7 @@ from study.ledger.criterion import Criterion, Groups, Measured, by_family
 from study.ledger.measures import ENOUGH, between_levels, consecutive, exactly, fitted, largest, order
 from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_least, at_most, between
-from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
+from study.statements.prop_5_4.evidence import EVIDENCE, SIZES, over
 from study.statements.prop_5_4.sweep import Rates
 
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
@@ -86,22 +86,16 @@ def discrete_errors(groups: Groups) -> Iterator[tuple[Criterion, Groups]]:
     """
     superclose = {name: group for name, group in groups.items() if name == "one-diagonal"}
     others = {name: group for name, group in groups.items() if name != "one-diagonal"}
-    for key, which, window, chosen in (
-        ("superclose", "superclose", SUPERCLOSE, superclose),
-        ("others", "other families", OTHERS, others),
-    ):
-        if chosen:
-            quantity = f"order of ‖Π^h u − u^h‖_V, {which}"
-            yield order(f"discrete-order-{key}", quantity, window, "discrete_error", ENOUGH), chosen
-    columns = "discrete_error", "interpolation_error"
-    yield Criterion("discrete-share", "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", DISCRETE_SHARE, _share, columns), groups
+    quantity = "order of ‖Π^h u − u^h‖_V,"
+    if superclose:
+        rule = order("discrete-order-superclose", f"{quantity} superclose", SUPERCLOSE, "discrete_error", ENOUGH)
+        yield rule, superclose
+    if others:
+        yield order("discrete-order-others", f"{quantity} other families", OTHERS, "discrete_error", ENOUGH), others
+    share = "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V"
+    yield over("discrete-share", share, DISCRETE_SHARE, "discrete_error", "interpolation_error"), groups
     time = largest("discrete-time-share", "time share of ‖Π^h u − u^h‖_V", DISCRETE_TIME, "discrete_time_share")
     yield time, groups
-
-
-def _share(group: pd.DataFrame) -> Measured:
-    last = group.iloc[-1]
-    return exactly(last["discrete_error"] / last["interpolation_error"])
 
 
 def start_share(carried: bool) -> Criterion:
@@ -110,13 +104,11 @@ def start_share(carried: bool) -> Criterion:
     Where it sits at t = 0 the case says nothing but through its discrete error, whose rows must then hold: ``carried``
     says whether they do.
     """
-    window = (
-        at_least(0.0, "also at t = 0, as the rows of ‖Π^h u − u^h‖_V hold and carry it")
-        if carried
-        else at_most(NOT_AT_START, "after t = 0, as a row of ‖Π^h u − u^h‖_V does not hold")
-    )
+    may = at_least(0.0, "also at t = 0, as the rows of ‖Π^h u − u^h‖_V hold and carry it")
+    must_not = at_most(NOT_AT_START, "after t = 0, as a row of ‖Π^h u − u^h‖_V does not hold")
+    columns = "initial_error", "error"
 
     def measure(group: pd.DataFrame) -> Measured:
         return exactly(np.max((group["initial_error"] / group["error"]).to_numpy()))
 
-    return Criterion("start-share", "error at t = 0 / largest error", window, measure, ("initial_error", "error"))
+    return Criterion("start-share", "error at t = 0 / largest error", may if carried else must_not, measure, columns)
