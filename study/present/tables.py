@@ -40,7 +40,7 @@ def write_tables(directory: Path) -> list[Path]:
 class Column:
     """A column of a table: its name in the CSV file, its heading in the others, how LaTeX aligns it.
 
-    LaTeX must not look for mathematics in identifiers, ``names``; ``form`` is that of numbers other than of four digits.
+    LaTeX must not look for mathematics in identifiers, ``names``; ``form`` is that of numbers without four digits.
     """
 
     name: str

@@ -132,8 +132,8 @@ def draw_maps(picture: Picture) -> Figure:
             bar.set_label(label)
     label_maps(panels, picture)
     figure.suptitle(picture.heading)
-    computed = dots("computed", mfc="white", mec="0.4", mew=0.4, ms=2.6)
-    handles = entry("exact", color="0.6", lw=4), computed, entry("exact front", color=VERMILLION, lw=1.0)
+    nodes = dots("computed", mfc="white", mec="0.4", mew=0.4, ms=2.6)
+    handles = entry("exact", color="0.6", lw=4), nodes, entry("exact front", color=VERMILLION, lw=1.0)
     legend(figure, handles, columns=3)
     return figure
 
@@ -160,6 +160,6 @@ def _values(face: Polygon, exact: Array, computed: Array, top: float, colours: s
     def paint(axes: Axes, instant: int) -> None:
         axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact[instant].clip(0), levels, **style)
         rim: dict[str, Any] = {"edgecolors": "0.4", "linewidths": 0.2}
-        axes.scatter(*face.s, s=5, c=computed[instant].clip(0), zorder=2, **rim, **style)
+        axes.scatter(face.s[0], face.s[1], s=5, c=computed[instant].clip(0), zorder=2, **rim, **style)
 
     return paint

@@ -88,9 +88,9 @@ def case_pages(directory: Path, claims: pd.DataFrame) -> list[CasePage]:
     pages = []
     for fact in listed:
         name = fact["case"]
-        measured = (frame[frame["case"] == name] for frame in (claims, rates, enclosures))
+        judged, errors, enclosed = (frame[frame["case"] == name] for frame in (claims, rates, enclosures))
         rows = [Rows.of(table, caption, name, without) for table, caption, without in tables]
-        pages.append(_case_page(fact, *measured, film=_film(directory, name), tables=rows))
+        pages.append(_case_page(fact, judged, errors, enclosed, _film(directory, name), rows))
     return pages
 
 
