@@ -57,12 +57,8 @@ def prove(case: Case) -> None:
 
 def progress_bar(total: int) -> tqdm:
     """Progress on standard error, with fewer lines where nobody watches."""
-    return tqdm(
-        total=total,
-        unit="",
-        bar_format="{l_bar}{bar}| {elapsed}<{remaining}",
-        mininterval=0.5 if sys.stderr.isatty() else 10,
-    )
+    pause = 0.5 if sys.stderr.isatty() else 10
+    return tqdm(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{remaining}", mininterval=pause)
 
 
 def measure(plan: Plan, store: Store, pool: Pool) -> list[Verdict]:

@@ -15,21 +15,14 @@ from study.run.store import Store
 
 def add(commands: Commands) -> None:
     """The command and its options."""
-    differ = commands.add_parser(
-        "compare", help="which numbers and verdicts of two result directories differ, and by how much"
-    )
+    purpose = "which numbers and verdicts of two result directories differ, and by how much"
+    differ = commands.add_parser("compare", help=purpose)
     differ.add_argument("old", type=Path, metavar="OLD", help="directory of a run, its --out")
     differ.add_argument("new", type=Path, metavar="NEW", help="another one")
-    differ.add_argument(
-        "--tolerance",
-        type=float,
-        default=Tolerance.relative,
-        metavar="X",
-        help=f"numbers a, b are equal if |a - b| <= Y + X max(|a|, |b|) (default {Tolerance.relative:g})",
-    )
-    differ.add_argument(
-        "--absolute", type=float, default=Tolerance.absolute, metavar="Y", help="(default 0) for numbers near round-off"
-    )
+    relative = f"numbers a, b are equal if |a - b| <= Y + X max(|a|, |b|) (default {Tolerance.relative:g})"
+    differ.add_argument("--tolerance", type=float, default=Tolerance.relative, metavar="X", help=relative)
+    absolute = "(default 0) for numbers near round-off"
+    differ.add_argument("--absolute", type=float, default=Tolerance.absolute, metavar="Y", help=absolute)
     differ.add_argument("--json", action="store_true", help="as JSON")
     differ.set_defaults(command=do_compare)
 

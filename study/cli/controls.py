@@ -1,24 +1,33 @@
-"""``study controls``: deliberate defects that the verdicts must catch."""
+"""What the verdicts are worth: ``study controls`` with deliberate defects, ``study seeds`` on other random meshes."""
 
 from __future__ import annotations
 
 import argparse
 
-from study.cli.common import FAILED, OK, Commands, check_jobs, jobs_option, out_option, progress_bar
+from study.cli.common import FAILED, OK, Commands, check_jobs, jobs_option, measure, out_option, progress_bar
 from study.controls import register
+from study.controls.alarms import SEEDS, seeded, tally, text, write_seeds
 from study.controls.run_controls import controls_text, run_controls, settings, write_controls
+from study.ledger.errors import UsageError
+from study.run.execute import Pool
 from study.run.processes import Processes
 from study.run.store import Store
 
 
 def add(commands: Commands) -> None:
-    """The command and its options."""
+    """The commands and their options."""
     controls = commands.add_parser(
         "controls", help="deliberate defects that the verdicts must catch; exit 0 all caught"
     )
     jobs_option(controls)
     out_option(controls)
     controls.set_defaults(command=do_controls)
+
+    seeds = commands.add_parser("seeds", help="the verdicts on other random meshes; exit 0 all hold on all of them")
+    seeds.add_argument("--seeds", type=int, default=SEEDS, metavar="N", help=f"how many (default {SEEDS})")
+    jobs_option(seeds)
+    out_option(seeds)
+    seeds.set_defaults(command=do_seeds)
 
 
 def do_controls(options: argparse.Namespace) -> int:
@@ -35,3 +44,22 @@ def do_controls(options: argparse.Namespace) -> int:
     print(f"\n{controls_text(findings)}")
     print(f"data: {written}")
     return OK if all(finding.passes for finding in findings) else FAILED
+
+
+def do_seeds(options: argparse.Namespace) -> int:
+    """``study seeds``: the quick study on shaken meshes of other seeds, and how often a row does not hold."""
+    check_jobs(options.jobs)
+    if options.seeds < 1:
+        raise UsageError(f"--seeds must be 1 or more, got {options.seeds}")
+    found = {}
+    with Processes(options.jobs) as processes:
+        pool = Pool.of(processes)
+        for seed in range(options.seeds):
+            store = Store(options.out / "seeds" / str(seed))
+            with store.locked():
+                found[seed] = measure(seeded(seed), store, pool)
+    table = tally(found)
+    written = write_seeds(options.out, table)
+    print(f"\n{text(table)}")
+    print(f"data: {written}")
+    return FAILED if table.loc[table["claimed"] == "yes", "alarms"].any() else OK

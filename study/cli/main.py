@@ -14,7 +14,7 @@ from manufactured.law import LawError
 from manufactured.self_proof import SelfProofError
 from manufactured.symbols import FormulaError
 from study.bound.refusal import BoundError
-from study.cli import bound, cases, check, compare, controls, present, rates, run, seeds, show
+from study.cli import bound, cases, compare, controls, present, rates, run, show
 from study.cli.common import FAILED, USAGE
 from study.fem.mesh import MeshError
 from study.ledger.datafiles import DataError
@@ -24,24 +24,17 @@ from study.ledger.orders import RatesError
 from study.ledger.published import TableError
 from study.run.execute import JobsError
 
-COMMANDS = (cases, run, check, compare, controls, seeds, rates, bound, show, present)
+COMMANDS = (cases, run, compare, controls, rates, bound, show, present)
 
-REFUSALS = (
-    UsageError,
-    SelfProofError,
-    BodyError,
-    BoundError,
-    CaseError,
-    LoadError,
-    LawError,
-    FormulaError,
-    MeshError,
-    StoreError,
-    DataError,
-    TableError,
-    RatesError,
-)
+OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
+OF_FILES = (DataError, RatesError, StoreError, TableError)
+REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, UsageError)
 """Errors that say what was given, what was expected and how to mend it: printed without a traceback."""
+
+KILLED = (
+    "a worker process was killed, perhaps for want of memory: run the same command again, with fewer --jobs if it does "
+    "not help; what is finished is kept"
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -56,11 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"study: {error}", file=sys.stderr)
         return FAILED
     except BrokenExecutor:
-        print(
-            "study: a worker process was killed, perhaps for want of memory: run the same command again, with fewer "
-            "--jobs if it does not help; what is finished is kept",
-            file=sys.stderr,
-        )
+        print(f"study: {KILLED}", file=sys.stderr)
         return FAILED
     except KeyboardInterrupt:
         print("study: interrupted; finished jobs are kept, the same command does the rest", file=sys.stderr)

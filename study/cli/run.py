@@ -1,18 +1,21 @@
-"""``study run``: refuse bad input, compute, write data, judge, present."""
+"""``study run``: refuse bad input, compute, write data, judge, present; ``study check``: judge the data on disk."""
 
 from __future__ import annotations
 
 import argparse
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
+from pathlib import Path
 
 from study.cli.common import Commands, check_jobs, draw, exit_code, jobs_option, measure, out_option
 from study.fem.naming import absolute, choose
 from study.present.figures import drawings, overview
+from study.present.junit import write_junit
 from study.present.tables import write_tables
 from study.present.terminal import ledger_text, rates_text
 from study.run.cluster import connected
 from study.run.execute import Pool, refuse_too_large, unfinished
+from study.run.judgement import check as judge
 from study.run.plan import Plan, full, quick
 from study.run.processes import Processes
 from study.run.store import Store
@@ -21,7 +24,7 @@ from study.statements.shared.scope import Levels, Scope
 
 
 def add(commands: Commands) -> None:
-    """The command and its options."""
+    """The commands and their options."""
     sweep = commands.add_parser("run", help="measure, judge, write tables and figures; resumes where it was stopped")
     size = sweep.add_mutually_exclusive_group()
     size.add_argument("--quick", dest="plan", action="store_const", const=quick, help="about a minute (default)")
@@ -36,6 +39,11 @@ def add(commands: Commands) -> None:
     )
     out_option(sweep)
     sweep.set_defaults(command=do_run, plan=quick)
+
+    check = commands.add_parser("check", help="judge the data on disk; nothing is solved")
+    check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
+    out_option(check)
+    check.set_defaults(command=do_check)
 
 
 def do_run(options: argparse.Namespace) -> int:
@@ -83,3 +91,13 @@ def chosen(options: argparse.Namespace) -> Scope:
 
 def _pool(cluster: str | None, plan: Plan, processes: Processes) -> AbstractContextManager[Pool]:
     return connected(cluster, plan.scope.cases) if cluster else nullcontext(Pool.of(processes))
+
+
+def do_check(options: argparse.Namespace) -> int:
+    """``study check``."""
+    with Store(options.out).steady():
+        verdicts = judge(options.out)
+    if options.junit:
+        write_junit(options.junit, verdicts)
+    print(ledger_text(options.out))
+    return exit_code(verdicts)

@@ -118,15 +118,11 @@ def _save(figure: Figure, directory: Path, name: str) -> list[Path]:
     assert layout is not None
     layout.execute(figure)
     figure.set_layout_engine("none")
-    draws = {
-        "png": raster.print_png,
-        "pdf": FigureCanvasPdf(figure).print_pdf,
-        "svg": FigureCanvasSVG(figure).print_svg,
-    }
+    vector = {"pdf": FigureCanvasPdf(figure).print_pdf, "svg": FigureCanvasSVG(figure).print_svg}
     # A name may hold dots of its own (rough-1.75), so a suffix is appended, not replaced.
     return [
         write_whole(directory / f"{name}.{form}", partial(draw, metadata=_ANONYMOUS[form]))
-        for form, draw in draws.items()
+        for form, draw in {"png": raster.print_png, **vector}.items()
     ]
 
 
