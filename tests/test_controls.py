@@ -218,7 +218,11 @@ from study.solve.evolution import BackwardEuler, Problem
 @pytest.mark.parametrize(
     ("march", "solver", "others"),
     [
-        (STRESSES, "clarabel", {"signorini", "multigrid", "choice", "evolution", "fixed_point", "factor", "sweeps"}),
+        (
+            STRESSES,
+            "clarabel",
+            {"signorini", "multigrid", "vertices", "choice", "evolution", "fixed_point", "factor", "sweeps"},
+        ),
         (DISPLACEMENTS, "study.solve.signorini", {"stress"}),
     ],
     ids=["stresses", "displacements"],
