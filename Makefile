@@ -54,7 +54,7 @@ lint: $(READY)  ## style, types, and that imports run down
 docs: $(READY)  ## the API as HTML, build/docs/index.html
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
-		'!study\.solve\.(cholesky|multigrid|hierarchy)' '!study\.statements\.thm_4_2\.stands_alone' \
+		'!study\.solve\.(cholesky|multigrid|vertices)' '!study\.statements\.thm_4_2\.stands_alone' \
 		'!study\.controls\.alarms'
 
 paper: $(READY)  ## the article from the data of the full study, paper/build/article.pdf; needs latexmk

@@ -4,36 +4,47 @@ Coordinates. At a vertex with rows n_1, …, n_r of N its d unknowns are replace
 orthonormal basis of the rest, all scaled so that the matrix A of the quadratic form has a diagonal of ones. Then K^h
 is {w : w_i ≤ 0 for the bounded i}, whatever the normals are.
 
-One iteration (C. Gräser, U. Sack, O. Sander, Truncated nonsmooth Newton multigrid methods for convex minimization
-problems, in Domain Decomposition Methods in Science and Engineering XVIII (2009) 129–136), with f for b:
+As in ``signorini``, a primal–dual active set tells which unknowns are held at their bound. A correction, with f for b,
 
-1. a projected step of Jacobi's method, w ← P_K(w + R (f − A w)), decides which unknowns are held at their bound;
-2. conjugate gradients, preconditioned by a V-cycle without the unknowns that are held, correct all others;
-3. w moves towards the projection of the corrected w on K^h, or to where the way there leaves K^h, by the energy.
+1. solves A z ≈ f − A w for z on the unknowns that are not held, z = 0 on the others, by conjugate gradients;
+2. finds the unknowns that are held although nothing presses, (f − A(w + z))_i ≤ 0, and those that are not held although
+   they pass their bound, w_i + z_i > 0;
+3. projects w + z on K^h, lets go of the former and holds the latter.
 
-No step raises the energy and the first one alone would converge, so the iteration does, from any start and for any N;
-once the right unknowns are held it is a linear solve.
+Active sets may go in circles. When that is suspected z is made exact and the set changes by one unknown at a time, the
+last of those found, which ends after finitely many corrections (J. J. Júdice, F. M. Pires, A block principal pivoting
+algorithm for large-scale strictly monotone linear complementarity problems, Comput. Oper. Res. 21 (1994) 587–596).
+
+The preconditioner is a V-cycle of smoothed aggregation, with the rigid motions as near kernel (P. Vaněk, J. Mandel,
+M. Brezina, Algebraic multigrid by smoothed aggregation for second and fourth order elliptic problems, Computing 56
+(1996) 179–196), by pyamg. It is made once: what is held is cut out of the finest matrix and out of what the coarse
+levels return. Coarse matrices for every set would halve the iterations, but take the time that this saves.
 """
 
 from __future__ import annotations
 
-from itertools import combinations
+from collections.abc import Callable
 
 import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
+from pyamg import MultilevelSolver, smoothed_aggregation_solver
+from pyamg.util.utils import get_block_diag
 from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured.tensors import Array, Points
-from study.solve.cholesky.dissection import Integers
-from study.solve.hierarchy import Hierarchy
+from study.solve.vertices import block_diagonal, local_bases, rigid_motions
 
 REDUCTION = 0.02
 """Residual after a correction over the one before: no more, since other unknowns may have to be held."""
-CORRECTIONS, ITERATIONS = 100, 300
+CORRECTIONS, ITERATIONS = 200, 300
 """Corrections in a solve and iterations of conjugate gradients in a correction before either is given up."""
-INDEPENDENT = 1e-8
-"""Sine of the angle between normals at a vertex below which they are refused as the same one."""
+PATIENCE = 5
+"""Corrections, none of which finds fewer unknowns to change than ever before, until sets are said to go in circles."""
+SMOOTHER = ("chebyshev", {"degree": 2, "lower_bound": 1 / 20})
+"""1 − λ p(λ) is Chebyshev's polynomial for the spectrum above λ_max/20; more products with the matrix do not pay."""
+COARSEST = 100
+"""Aggregates that are not aggregated any further: the inverse is dense there."""
 
 
 class MultigridError(RuntimeError):
@@ -41,7 +52,7 @@ class MultigridError(RuntimeError):
 
 
 class Multigrid:
-    """The contact solve with a fixed S and N; starts from its last solution.
+    """The contact solve with a fixed S and N; starts from its last solution and active set.
 
     N u ≤ 0, λ ≥ 0 and λ·N u = 0 hold to rounding, S u + Nᵀλ = b up to the tolerance.
 
@@ -65,16 +76,16 @@ class Multigrid:
         blocks, self.bounded = local_bases(N, len(x))
         inverse = np.linalg.inv(blocks)
         S = sps.bsr_array(S, blocksize=(len(x), len(x)))
-        scale = np.sqrt(np.einsum("vai,vab,vbi->vi", inverse, _diagonal_blocks(S), inverse))
+        diagonal = get_block_diag(S, len(x), inv_flag=False)
+        scale = np.sqrt(np.einsum("vai,vab,vbi->vi", inverse, diagonal, inverse))
         # u = basis w and w = coordinates u.
-        self.basis = _block_diagonal(inverse / scale[:, None, :])
-        self.coordinates = _block_diagonal(blocks * scale[:, :, None])
+        self.basis = block_diagonal(inverse / scale[:, None, :])
+        self.coordinates = block_diagonal(blocks * scale[:, :, None])
         self.forces = scale.ravel()[self.bounded]
-        A = sps.bsr_array(self.basis.T @ S @ self.basis)
-        self.hierarchy = Hierarchy(A, self.coordinates @ rigid_motions(x))
+        self.A = sps.bsr_array(self.basis.T @ S @ self.basis)
+        self.finest, self.coarse = levels(self.A, self.coordinates @ rigid_motions(x))
         self.w = np.zeros(S.shape[0])
-        self.held = self._at_bound(self.w)
-        self.cycle = self.hierarchy.without(self.held)
+        self.hold(np.zeros(N.shape[0], dtype=bool))
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
         """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,).
@@ -82,124 +93,76 @@ class Multigrid:
         Raises:
             MultigridError: the tolerance was not reached.
         """
-        if not b.any():
-            self.w = np.zeros_like(self.w)
-            return self.basis @ self.w, np.zeros_like(self.forces)
-        A, f, w = self.hierarchy.A, self.basis.T @ b, self.w
-        aim = self.tolerance * float(np.linalg.norm(b))
+        f, aim = self.basis.T @ b, self.tolerance * float(np.linalg.norm(b))
+        w = self.w if b.any() else np.zeros_like(b)
+        wrong, fewest, patience = np.zeros_like(self.held), len(self.held) + 1, PATIENCE
         for _ in range(CORRECTIONS):
-            r = f - A @ w
-            forces = np.where(self._at_bound(w), np.maximum(r, 0), 0)
+            r = f - self.A @ w
+            forces = np.maximum(r, 0) * (self.free == 0)
             defect = float(np.linalg.norm(self.coordinates.T @ (r - forces)))
             if defect <= aim:
                 self.w = w
                 return self.basis @ w, self.forces * forces[self.bounded]
-            w = self._projected(w + self.hierarchy.jacobi * r)
-            r = f - A @ w
-            w = self._moved(w, r, self._correction(w, r, max(REDUCTION, aim / defect / 2)))
+            if wrong.any():
+                fewest, patience = (wrong.sum(), PATIENCE) if wrong.sum() < fewest else (fewest, patience - 1)
+                if patience <= 0:
+                    wrong[: np.flatnonzero(wrong)[-1]] = False
+                self.hold(self.held ^ wrong)
+            w, wrong = self._corrected(w, r, max(REDUCTION if patience > 0 else 0, aim / defect / 2))
         raise MultigridError(
             f"a contact solve has a relative residual of {defect / aim * self.tolerance:.2g} after {CORRECTIONS} "
             f"corrections, {self.tolerance:g} was asked for: rounding may allow no less, so ask for less"
         )
 
-    def _correction(self, w: Array, r: Array, reduction: float) -> Array:
-        """z ≈ A⁻¹ r on the unknowns that are not held, 0 on the others."""
-        held = self._at_bound(w)
-        if (held != self.held).any():
-            self.held, self.cycle = held, self.hierarchy.without(held)
-        preconditioner = LinearOperator(self.cycle.A.shape, matvec=self.cycle, dtype=float)
-        z, _ = cg(self.cycle.A, np.where(held, 0, r), rtol=reduction, maxiter=ITERATIONS, M=preconditioner)
-        return np.where(held, 0, z)
+    def hold(self, held: NDArray[np.bool_]) -> None:
+        """Solve for the other unknowns alone from now on; one flag for each row of N, (m,)."""
+        self.held, self.free = held, np.ones(self.A.shape[0])
+        self.free[self.bounded[held]] = 0
+        self.cut = without(self.A, self.free)
 
-    def _moved(self, w: Array, r: Array, z: Array) -> Array:
-        """w moved towards the projection of w + z, or along z up to the first bound, whichever gains more energy.
+    def _corrected(self, w: Array, r: Array, reduction: float) -> tuple[Array, NDArray[np.bool_]]:
+        """w after a correction, and which unknowns are held or not held by mistake, (n,) and (m,)."""
+        preconditioner = LinearOperator(self.A.shape, matvec=self.cycle, dtype=float)
+        z, _ = cg(self.cut, self.free * r, rtol=reduction, maxiter=ITERATIONS, M=preconditioner)
+        w = w + z
+        values = w[self.bounded]
+        w[self.bounded] = np.minimum(values, 0)
+        return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > 0)
 
-        The former brings many unknowns to their bounds at a time; the latter always gains, unless z = 0.
-        """
-        step = self._projected(w + z) - w
-        if not step.any():
-            return w
-        slope, curvature = float(r @ step), float(step @ (self.hierarchy.A @ step))
-        length = min(max(slope / curvature, 0.0), 1.0)
-        rising = self.bounded[z[self.bounded] > 0]
-        lengths = -w[rising] / z[rising]
-        first = min(float(lengths.min(initial=1.0)), 1.0)
-        # Conjugate gradients from 0 leave z·Az = r·z.
-        if (first - first**2 / 2) * float(r @ z) <= length * slope - length**2 / 2 * curvature:
-            return self._projected(w + length * step)
-        w = self._projected(w + first * z)
-        w[rising[lengths <= first]] = 0
-        return w
-
-    def _projected(self, w: Array) -> Array:
-        w = w.copy()
-        w[self.bounded] = np.minimum(w[self.bounded], 0)
-        return w
-
-    def _at_bound(self, w: Array) -> NDArray[np.bool_]:
-        bound = np.zeros(len(w), dtype=bool)
-        bound[self.bounded] = w[self.bounded] == 0
-        return bound
+    def cycle(self, r: Array) -> Array:
+        """A symmetric V-cycle r ↦ B r, B ≈ A⁻¹ on the unknowns that are not held, for an r that vanishes elsewhere."""
+        if self.coarse is None:
+            return r
+        x = np.zeros_like(r)
+        self.finest.presmoother(self.cut, x, r)
+        x += self.free * (self.finest.P @ self.coarse(self.finest.R @ (r - self.cut @ x)))
+        self.finest.postsmoother(self.cut, x, r)
+        return x
 
 
-def rigid_motions(x: Points) -> Array:
-    """Translations and infinitesimal rotations at points x, (d, vertices) → (d·vertices, d(d + 1)/2)."""
-    d, count = x.shape
-    motions = [np.tile(unit[:, None], count) for unit in np.eye(d)]
-    centred = x - x.mean(axis=1, keepdims=True)
-    for i, j in combinations(range(d), 2):
-        rotation = np.zeros((d, count))
-        rotation[i], rotation[j] = -centred[j], centred[i]
-        motions.append(rotation)
-    return np.array([motion.T.ravel() for motion in motions]).T
+def levels(A: sps.bsr_array, modes: Array) -> tuple[MultilevelSolver.Level, Callable[[Array], Array] | None]:
+    """The finest level of smoothed aggregation, and a V-cycle on the others; None without others.
 
-
-def local_bases(N: sps.csr_array, d: int) -> tuple[Array, Integers]:
-    """For each vertex a regular matrix that begins with its rows of N, and which unknown a row of N becomes.
-
-    Returns:
-        (n/d, d, d) and (m,): row i of N is row ``unknown[i] % d`` of the matrix of vertex ``unknown[i] // d``.
-
-    Raises:
-        ValueError: a row has entries at several vertices or none, or the rows of a vertex are not linearly independent.
+    Args:
+        A: symmetric positive definite, in blocks of the unknowns of a vertex, with a diagonal of ones, (n, n).
+        modes: near kernel, (n, count).
     """
-    N = sps.csr_array(N)
-    vertices = np.full(N.shape[0], -1)
-    for i, (start, end) in enumerate(zip(N.indptr[:-1], N.indptr[1:], strict=True)):
-        at = np.unique(N.indices[start:end][N.data[start:end] != 0] // d)
-        if len(at) != 1:
-            raise ValueError(
-                f"row {i} of N has entries at {len(at)} vertices: give one normal at one vertex in each row"
-            )
-        vertices[i] = at[0]
-    blocks = np.tile(np.eye(d), (N.shape[1] // d, 1, 1))
-    unknowns = np.empty(N.shape[0], dtype=np.int64)
-    for vertex in np.unique(vertices):
-        rows = np.flatnonzero(vertices == vertex)
-        normals = N[rows][:, d * vertex : d * (vertex + 1)].toarray()
-        blocks[vertex] = _completed(normals)
-        unknowns[rows] = d * vertex + np.arange(len(rows))
-    return blocks, unknowns
+    state = np.random.get_state()
+    # pyamg estimates λ_max with numpy's global generator: the same matrix is to have the same levels every time.
+    np.random.seed(0)
+    smoothers = {"presmoother": SMOOTHER, "postsmoother": SMOOTHER}
+    made = smoothed_aggregation_solver(A, modes, max_coarse=COARSEST, improve_candidates=None, **smoothers).levels
+    np.random.set_state(state)
+    coarse = MultilevelSolver(made[1:], coarse_solver="pinv").aspreconditioner().matvec if made[1:] else None
+    return made[0], coarse
 
 
-def _completed(normals: Array) -> Array:
-    """The rows with an orthonormal basis of what is orthogonal to them, (r, d) → (d, d)."""
-    count = len(normals)
-    units = normals / np.linalg.norm(normals, axis=1, keepdims=True)
-    _, sizes, orthonormal = np.linalg.svd(units)
-    if count > normals.shape[1] or sizes.min() < INDEPENDENT:
-        raise ValueError(f"the normals {units.tolist()} at a vertex are linearly dependent: keep one row for each")
-    return np.vstack([normals, orthonormal[count:]])
-
-
-def _diagonal_blocks(S: sps.bsr_array) -> Array:
-    """(n/d, d, d)."""
-    row = np.repeat(np.arange(len(S.indptr) - 1), np.diff(S.indptr))
-    found = np.zeros((len(S.indptr) - 1, *S.blocksize))
-    found[row[row == S.indices]] = S.data[row == S.indices]
-    return found
-
-
-def _block_diagonal(blocks: Array) -> sps.bsr_array:
-    count = len(blocks)
-    return sps.bsr_array((blocks, np.arange(count), np.arange(count + 1)))
+def without(A: sps.bsr_array, free: Array) -> sps.bsr_array:
+    """A with zeros in the rows and columns where ``free``, of zeros and ones, is zero."""
+    free = free.reshape(-1, A.blocksize[0])
+    row = np.repeat(np.arange(len(free)), np.diff(A.indptr))
+    met = free.min(axis=1) == 0
+    touched = np.flatnonzero(met[row] | met[A.indices])
+    data = A.data.copy()
+    data[touched] *= free[row[touched], :, None] * free[A.indices[touched], None, :]
+    return sps.bsr_array((data, A.indices, A.indptr), shape=A.shape)

@@ -237,6 +237,7 @@ from study.solve.tableau import BACKWARD_EULER
             {
                 "signorini",
                 "multigrid",
+                "vertices",
                 "solver_choice",
                 "evolution",
                 "tableau",

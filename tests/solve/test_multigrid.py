@@ -17,11 +17,11 @@ from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
-from study.solve.hierarchy import COARSEST, Hierarchy
-from study.solve.multigrid import Multigrid, MultigridError, local_bases, rigid_motions
+from study.solve.multigrid import COARSEST, Multigrid, MultigridError
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import FACTORED, SHARE, contact_solver, free_vertices, residual
 from study.solve.tableau import MIDPOINT
+from study.solve.vertices import local_bases, rigid_motions
 
 CASES = {case.name: case for case in catalogue()}
 EXACT = 1e-10
@@ -56,7 +56,7 @@ def setting(request):
     name, family, n = request.param
     body = CASES[name].solution.body
     space = Space(family(body, n), body)
-    assert space.dofs > COARSEST
+    assert space.dofs > COARSEST * space.dim
     return of_a_step(name, space), space.N, free_vertices(space)
 
 
@@ -157,55 +157,80 @@ def test_without_constraints_the_solve_is_the_linear_one(setting) -> None:
     assert np.linalg.norm(S @ u - b) <= 1e-10 * np.linalg.norm(b)
 
 
-def iterations(name: str, n: int, held: str) -> int:
+def holding(S: sps.csc_array, N: sps.csr_array, x, every: int | None) -> Multigrid:
+    """Multigrid that holds one in so many unknowns at their bound, or none."""
+    solve = Multigrid(S, N, x, EXACT)
+    solve.hold(np.arange(N.shape[0]) % every == 0 if every else np.zeros(N.shape[0], dtype=bool))
+    return solve
+
+
+def iterations(name: str, n: int, every: int | None) -> int:
     """Conjugate gradients from 1 to 1e-8 where none, some or all unknowns of N are held."""
     body = CASES[name].solution.body
     space = Space(OneDiagonal()(body, n), body)
-    A = sps.bsr_array(of_a_step(name, space), blocksize=(space.dim, space.dim))
-    constrained = space.N.indices
-    chosen = {"none": constrained[:0], "some": constrained[::3], "all": constrained}[held]
-    mask = np.isin(np.arange(space.dofs), chosen)
-    cycle = Hierarchy(A, rigid_motions(free_vertices(space))).without(mask)
-    b = np.where(mask, 0, np.random.default_rng(2).standard_normal(space.dofs))
-    count = []
-    cg(cycle.A, b, rtol=1e-8, M=LinearOperator(A.shape, matvec=cycle, dtype=float), callback=count.append)
+    solve = holding(of_a_step(name, space), space.N, free_vertices(space), every)
+    b, count = solve.free * np.random.default_rng(2).standard_normal(space.dofs), []
+    preconditioner = LinearOperator(solve.cut.shape, matvec=solve.cycle, dtype=float)
+    cg(solve.cut, b, rtol=1e-8, M=preconditioner, callback=count.append)
     return len(count)
 
 
 @pytest.mark.parametrize(("name", "n"), [("cube-disc", 6), ("full-contact", 32)])
-def test_the_number_of_iterations_hardly_grows_whatever_is_held(name: str, n: int) -> None:
-    """It would grow by a half where h is halved, and with what is held, if only the finest matrix were cut."""
-    free = iterations(name, 2 * n, "none")
-    for held in ("some", "all"):
-        assert iterations(name, 2 * n, held) <= min(1.4 * iterations(name, n, held), free + 1)
+def test_iterations_grow_slowly_with_what_is_held_and_hardly_without(name: str, n: int) -> None:
+    """Coarse matrices that know nothing of what is held cost up to h^{-1/2}."""
+    assert iterations(name, 2 * n, None) <= 1.2 * iterations(name, n, None)
+    for every in (3, 1):
+        assert iterations(name, 2 * n, every) <= 2**0.5 * iterations(name, n, every)
 
 
 def test_the_cycle_is_symmetric_and_positive_on_what_is_free(setting) -> None:
     S, N, x = setting
-    mask = np.isin(np.arange(S.shape[0]), N.indices[::2])
-    cycle = Hierarchy(sps.bsr_array(S, blocksize=(len(x), len(x))), rigid_motions(x)).without(mask)
-    r, s = np.where(mask, 0, np.random.default_rng(1).standard_normal((2, S.shape[0])))
-    assert r @ cycle(s) == pytest.approx(s @ cycle(r), rel=1e-10)
-    assert r @ cycle(r) > 0
-    assert (cycle(r)[mask] == 0).all()
+    solve = holding(S, N, x, 2)
+    r, s = solve.free * np.random.default_rng(1).standard_normal((2, S.shape[0]))
+    assert r @ solve.cycle(s) == pytest.approx(s @ solve.cycle(r), rel=1e-10)
+    assert r @ solve.cycle(r) > 0
+    assert (solve.cycle(r)[solve.free == 0] == 0).all()
 
 
-def test_coarse_matrices_are_galerkin_products_without_what_is_held(setting) -> None:
+def test_what_is_held_is_cut_out_of_the_matrix(setting) -> None:
     S, N, x = setting
-    mask = np.isin(np.arange(S.shape[0]), N.indices[::2])
-    cycle = Hierarchy(sps.bsr_array(S, blocksize=(len(x), len(x))), rigid_motions(x)).without(mask)
-    free = sps.diags_array(1.0 - mask)
-    finest, *coarse = cycle._levels
-    assert abs(finest.A - free @ S @ free).max() == 0
-    assert abs(sps.diags_array(mask.astype(float)) @ finest.P).max() == 0
-    for fine, level in zip([finest, *coarse], coarse, strict=False):
-        assert abs(level.A - fine.P.T @ fine.A @ fine.P).max() <= 1e-13 * abs(level.A).max()
+    solve = holding(S, N, x, 2)
+    free = sps.diags_array(solve.free)
+    assert solve.held.sum() == np.count_nonzero(solve.free == 0) > 0
+    assert abs(solve.cut - free @ solve.A @ free).max() == 0
+
+
+def test_the_same_matrix_gives_the_same_solution_to_the_bit(setting) -> None:
+    """pyamg draws random numbers; nobody else's change."""
+    S, N, x = setting
+    b = disturbed(S, N)[1]
+    np.random.seed(3)
+    first, drawn = Multigrid(S, N, x, 1e-6)(b), np.random.random()
+    np.random.seed(4)
+    second = Multigrid(S, N, x, 1e-6)(b)
+    assert (first[0] == second[0]).all()
+    assert (first[1] == second[1]).all()
+    np.random.seed(3)
+    assert drawn == np.random.random()
+
+
+@pytest.mark.parametrize("seed", [33, 83, 122])
+def test_active_sets_that_go_in_circles_are_broken_up(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(seed)
+    root, normals = rng.standard_normal((18, 9)), sps.diags_array(rng.choice([-1.0, 1.0], 18), format="csr")
+    S, b, x = sps.csc_array(root @ root.T + 0.1 * np.eye(18)), rng.standard_normal(18), rng.standard_normal((3, 6))
+    (u, multipliers), (v, others) = Multigrid(S, normals, x, EXACT)(b), Signorini(S, normals)(b)
+    assert np.allclose(u, v, rtol=0, atol=1e-8 * np.linalg.norm(b))
+    assert np.allclose(multipliers, others, rtol=0, atol=1e-6 * np.linalg.norm(b))
+    monkeypatch.setattr("study.solve.multigrid.PATIENCE", 1000)
+    with pytest.raises(MultigridError):
+        Multigrid(S, normals, x, EXACT)(b)
 
 
 @st.composite
 def problems(draw):
     """Any positive definite S, and some rows at some vertices in any directions."""
-    d, vertices = draw(st.integers(2, 3)), draw(st.integers(1, 90))
+    d, vertices = draw(st.integers(2, 3)), draw(st.integers(1, 2 * COARSEST))
     rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
     n = d * vertices
     root = sps.random_array((n, n), density=draw(st.floats(0, 1)) * min(1, 4 / n), rng=rng)
