@@ -17,7 +17,7 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
     totals = {"tests": str(len(verdicts)), "failures": str(count[FAILS]), "skipped": str(skipped)}
     suite = ElementTree.Element("testsuite", {"name": "ledger", **totals})
     for verdict in verdicts:
-        names: dict[str, str] = {"classname": f"{verdict.label}.{verdict.case}", "name": verdict.quantity}
+        names = {"classname": f"{verdict.label}.{verdict.case}", "name": verdict.quantity}
         case = ElementTree.SubElement(suite, "testcase", names)
         message = (
             f"expected {verdict.expected}, observed {verdict.observed:.6g} in [{verdict.low:.6g}, {verdict.high:.6g}]"
