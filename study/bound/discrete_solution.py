@@ -20,13 +20,7 @@ from study.solve.evolution import Scheme, SemiDiscrete
 
 @dataclass(frozen=True, eq=False)
 class DiscreteSolution:
-    """u_h.
-
-    Attributes:
-        space: V^h of P1.
-        nodes: the values at equally spaced times from 0 to T, (steps + 1, n_dofs).
-        T: final time.
-    """
+    """u_h ∈ V^h of P1, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs)."""
 
     space: Space
     nodes: Array

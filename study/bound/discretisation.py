@@ -26,6 +26,8 @@ KEPT = 8
 """Times whose data are kept."""
 DEGREE = 3
 """Degree of stresses: P f_0 then has degree 2, rigid motions of the cells among them."""
+GRAM = interval_mass(2, DEGREE)
+"""∫_0^1 B_i B_j for displacements and stresses, (3, n)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +96,7 @@ class Discretisation:
         found = self._values @ force.ravel()
         full = np.zeros((V.count, 2))
         for _, edges in space.on(Kind.LOADED):
-            moments = np.einsum("ij,njd,n->ind", self._gram, loads.surface[edges], space.lengths[edges])
+            moments = np.einsum("ij,njd,n->ind", GRAM, loads.surface[edges], space.lengths[edges])
             np.add.at(full, V.on_edges(edges), moments)
         return found + full.ravel()[V.free]
 
@@ -121,25 +123,23 @@ class Discretisation:
         """v ↦ v at the points of the stresses, transposed."""
         return sps.csr_array(self.displacements.shapes(self.stresses.barycentric).T)
 
-    @cached_property
-    def _gram(self) -> Array:
-        """∫_0^1 B_i B_j for displacements and stresses, (3, n)."""
-        return interval_mass(2, DEGREE)
-
     def normal_moments(self, v: Array) -> Array:
         """∫_e v_ν B_i on the edges of Γ3, (edges of Γ3, n)."""
         coefficients = self.displacements.coefficients(v)
         found = []
         for part, edges in self.stresses.on(Kind.CONTACT):
             normal = coefficients[self.displacements.on_edges(edges)] @ part.normal
-            found.append((self._gram.T @ normal).T * self.stresses.lengths[edges][:, None])
+            found.append((GRAM.T @ normal).T * self.stresses.lengths[edges][:, None])
         return np.concatenate(found)
 
 
 def monotonicity(law: KelvinVoigt) -> float:
     """m with (G ε₁ − G ε₂)·(ε₁ − ε₂) ≥ m A(ε₁ − ε₂)·(ε₁ − ε₂).
 
-    For a linear G the least eigenvalue of A⁻¹G; else from G's own constant, if it is finite, and the bounds of A.
+    For a linear G the least eigenvalue of A⁻¹G; else from G's own constant and the bounds of A.
+
+    Raises:
+        BoundError: that constant is not finite.
     """
     A, G = law.A, law.G
     if not np.isfinite(G.monotonicity):

@@ -57,7 +57,7 @@ class SmoothedInTime:
 class Refined:
     """ũ solves Problem 5.1 in degree 2 by the midpoint scheme.
 
-    Its mesh is that of u_h with some uniform refinements, its steps are so many times shorter.
+    The mesh of u_h is refined uniformly ``refinements`` times, with ``shorter`` steps in each step of u_h.
     """
 
     refinements: int = 1
@@ -68,8 +68,11 @@ class Refined:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse
 
     def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
-        problem = quadratic_problem(fine, _nearest_start(fine))
-        for state in MIDPOINT.march(problem, self.shorter * computed.steps):
+        data, V = fine.data, fine.displacements
+        stress = data.law.A.at(V.points)(data.initial(V.points))
+        # The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0.
+        start, _ = Signorini(fine.M, V.N)(V.functional(stress))
+        for state in MIDPOINT.march(quadratic_problem(fine, start), self.shorter * computed.steps):
             yield state.time, state.u
 
 
@@ -92,13 +95,6 @@ def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete
         u0=u0,
         T=discretisation.data.body.T,
     )
-
-
-def _nearest_start(discretisation: Discretisation) -> Array:
-    """The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0."""
-    data, V = discretisation.data, discretisation.displacements
-    stress = data.law.A.at(V.points)(data.initial(V.points))
-    return Signorini(discretisation.M, V.N)(V.functional(stress))[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -45,10 +45,9 @@ from manufactured import (
 from manufactured.cases.laws import not_proportional
 from manufactured.data import Data
 from manufactured.tensors import Array, Points, Tensors
-from study.bound.bounded import known_error
 from study.bound.discrete_solution import DiscreteSolution, compute, prolongation
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose, order
+from study.bound.enclosing import Enclosure, enclose, known_error, order
 from study.bound.equilibration import Equilibration, LawResidual
 from study.bound.majorant import Interval, Majorant
 from study.bound.refusal import BoundError
