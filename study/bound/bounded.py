@@ -15,11 +15,9 @@ import pandas as pd
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.tensors import Array
-from study.bound.discrete_solution import DiscreteSolution, compute
-from study.bound.discretisation import Discretisation
+from study.bound.discretisation import BoundError, Discretisation, refuse_solids
 from study.bound.enclosing import Enclosure, enclose, known_error, order
-from study.bound.refusal import BoundError, refuse_solids
-from study.bound.trajectory import Refined, SmoothedInTime
+from study.bound.trajectory import DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
 from study.ledger.rounding import down, interval, up

@@ -18,10 +18,9 @@ import scipy.sparse as sps
 
 from manufactured.case import Case
 from manufactured.tensors import Array
-from study.bound.discrete_solution import DiscreteSolution, prolongation
 from study.bound.discretisation import Discretisation
 from study.bound.majorant import Interval, Majorant
-from study.bound.trajectory import Parabola, Trajectory, spline
+from study.bound.trajectory import DiscreteSolution, Parabola, Trajectory, prolongation, spline
 from study.fem.gauge import Gauge
 from study.fem.quadrature import Line, cell_rules
 

@@ -45,13 +45,11 @@ from manufactured import (
 from manufactured.cases.laws import not_proportional
 from manufactured.data import Data
 from manufactured.tensors import Array, Points, Tensors
-from study.bound.discrete_solution import DiscreteSolution, compute, prolongation
-from study.bound.discretisation import Discretisation
+from study.bound.discretisation import BoundError, Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error, order
 from study.bound.equilibration import Equilibration, LawResidual
 from study.bound.majorant import Interval, Majorant
-from study.bound.refusal import BoundError
-from study.bound.trajectory import Parabola, Refined, SmoothedInTime, Trajectory, quadratic_problem, spline
+from study.bound.trajectory import DiscreteSolution, Parabola, Refined, SmoothedInTime, Trajectory, compute, prolongation, quadratic_problem, spline
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
@@ -59,7 +57,7 @@ from study.solve.tableau import SCHEMES, BACKWARD_EULER, MIDPOINT
 from study.solve.evolution import Scheme
 from study.statements.enclosure.bound_rows import measure, posed
 from study.statements.enclosure.where import eligible
-from study.stresses.alfeld import SIDES, thirds
+from study.stresses.composite import SIDES, thirds
 from study.stresses.bernstein import bernstein
 
 CASES = {case.name: case for case in catalogue()}
