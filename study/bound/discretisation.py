@@ -1,4 +1,7 @@
-"""Everything the bound needs on one mesh: displacements of degree 2, stresses of degree 3, data, constants."""
+"""Everything the bound needs on one mesh: displacements of degree 2, stresses of degree 3, data, constants.
+
+What cannot be bounded is refused with the reason.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +14,10 @@ import scipy.sparse as sps
 from skfem import Mesh
 
 from manufactured.body import Kind
+from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Tensors
-from study.bound.refusal import BoundError, refuse_jumps_in_cells, refuse_solids
 from study.fem.quadratic import Quadratic
 from study.stresses.bernstein import interval_mass
 from study.stresses.hybrid import Equilibrium
@@ -26,6 +29,14 @@ KEPT = 8
 """Times whose data are kept."""
 DEGREE = 3
 """Degree of stresses: P f_0 then has degree 2, rigid motions of the cells among them."""
+GRAM = interval_mass(2, DEGREE)
+"""∫_0^1 B_i B_j for displacements and stresses, (3, n)."""
+ON_VERTEX = 1e-9
+"""Distance, relative to the cell, up to which a line on which the material changes counts as meeting a vertex."""
+
+
+class BoundError(ValueError):
+    """No bound can be given for the data."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +105,7 @@ class Discretisation:
         found = self._values @ force.ravel()
         full = np.zeros((V.count, 2))
         for _, edges in space.on(Kind.LOADED):
-            moments = np.einsum("ij,njd,n->ind", self._gram, loads.surface[edges], space.lengths[edges])
+            moments = np.einsum("ij,njd,n->ind", GRAM, loads.surface[edges], space.lengths[edges])
             np.add.at(full, V.on_edges(edges), moments)
         return found + full.ravel()[V.free]
 
@@ -121,25 +132,52 @@ class Discretisation:
         """v ↦ v at the points of the stresses, transposed."""
         return sps.csr_array(self.displacements.shapes(self.stresses.barycentric).T)
 
-    @cached_property
-    def _gram(self) -> Array:
-        """∫_0^1 B_i B_j for displacements and stresses, (3, n)."""
-        return interval_mass(2, DEGREE)
-
     def normal_moments(self, v: Array) -> Array:
         """∫_e v_ν B_i on the edges of Γ3, (edges of Γ3, n)."""
         coefficients = self.displacements.coefficients(v)
         found = []
         for part, edges in self.stresses.on(Kind.CONTACT):
             normal = coefficients[self.displacements.on_edges(edges)] @ part.normal
-            found.append((self._gram.T @ normal).T * self.stresses.lengths[edges][:, None])
+            found.append((GRAM.T @ normal).T * self.stresses.lengths[edges][:, None])
         return np.concatenate(found)
+
+
+def refuse_solids(data: Data) -> None:
+    """Raise BoundError unless the body is plane."""
+    if data.body.dim != 2:
+        raise BoundError(
+            f"the bound rests on composite triangles, the body has dimension {data.body.dim}; give a plane body"
+        )
+
+
+def refuse_jumps_in_cells(data: Data, mesh: Mesh) -> None:
+    """Raise BoundError unless A and G are smooth in every cell, as integrals of strains and stresses assume."""
+    for direction, offset in data.law.steps:
+        distance = (np.array(direction) @ mesh.p - offset)[mesh.t]
+        near = ON_VERTEX * np.ptp(distance, axis=0)
+        if ((distance.min(axis=0) < -near) & (distance.max(axis=0) > near)).any():
+            raise BoundError(
+                f"A or G jumps across the line {direction}·x = {offset:g}, which runs through cells of the mesh; "
+                "list it as an interface of the body, so that meshes follow it, or take a level that meets it"
+            )
+
+
+def check_force(case: Case | None) -> None:
+    """Raise BoundError if f_0 ∉ L²(Ω)²: its oscillation is infinite, and no composite stress balances it."""
+    if case is not None and not case.regularity.force_in_L2:
+        raise BoundError(
+            f"case {case.name}: {case.regularity} has f_0 ∉ L²(Ω)², and the bound needs stresses with Div σ = −P f_0; "
+            "take a case with f_0 in L²"
+        )
 
 
 def monotonicity(law: KelvinVoigt) -> float:
     """m with (G ε₁ − G ε₂)·(ε₁ − ε₂) ≥ m A(ε₁ − ε₂)·(ε₁ − ε₂).
 
-    For a linear G the least eigenvalue of A⁻¹G; else from G's own constant, if it is finite, and the bounds of A.
+    For a linear G the least eigenvalue of A⁻¹G; else from G's own constant and the bounds of A.
+
+    Raises:
+        BoundError: that constant is not finite.
     """
     A, G = law.A, law.G
     if not np.isfinite(G.monotonicity):

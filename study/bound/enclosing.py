@@ -16,11 +16,12 @@ from itertools import chain, pairwise
 import numpy as np
 import scipy.sparse as sps
 
+from manufactured.case import Case
 from manufactured.tensors import Array
-from study.bound.discrete_solution import DiscreteSolution, prolongation
 from study.bound.discretisation import Discretisation
 from study.bound.majorant import Interval, Majorant
-from study.bound.trajectory import Parabola, Trajectory, spline
+from study.bound.trajectory import DiscreteSolution, Parabola, Trajectory, prolongation, spline
+from study.fem.gauge import Gauge
 from study.fem.quadrature import Line, cell_rules
 
 INITIAL_DEGREE = 6
@@ -113,6 +114,14 @@ def enclose(
         progress(piece.b)
     times, distances, bounds, errors, all_between = np.array(knots).T.copy()
     return Enclosure(computed.space.h, times, distances, bounds, errors, tuple(intervals), at_0, all_between)
+
+
+def known_error(case: Case | None, computed: DiscreteSolution) -> Callable[[float, Array], float] | None:
+    """(t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, where there is an exact solution."""
+    if case is None:
+        return None
+    gauge = Gauge(case.solution, computed.space)
+    return lambda time, u: gauge.distance(gauge.sample(time), u)
 
 
 def _largest_distance(

@@ -13,11 +13,9 @@ from study.stresses.loads import Loads, Snapshot
 
 @dataclass(frozen=True, eq=False)
 class LawResidual:
-    """ρ and the normal tractions of σ̃, at one time or as coefficients of a parabola in time.
+    """ρ at the points of the stresses, (3, cells, Q), and the Bernstein coefficients of σ̃_ν on Γ3, (edges of Γ3, n).
 
-    Attributes:
-        values: ρ at the points of the stresses, (3, cells, Q).
-        normal: Bernstein coefficients of σ̃_ν on Γ3, (edges of Γ3, n).
+    Both are those of one time, or coefficients of a parabola in time.
     """
 
     values: Tensors

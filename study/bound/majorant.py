@@ -35,9 +35,8 @@ import numpy as np
 
 from manufactured.law import Linear, Yield
 from manufactured.tensors import Tensors
-from study.bound.discretisation import Discretisation
+from study.bound.discretisation import BoundError, Discretisation
 from study.bound.equilibration import Equilibration, Knot, LawResidual
-from study.bound.refusal import BoundError
 from study.bound.trajectory import Parabola
 from study.stresses.loads import Loads
 

@@ -1,6 +1,8 @@
-"""Trajectories ũ(t) ∈ K close to the solution and differentiable in time, from nodes of any time scheme.
+"""Displacements in time: u_h, whose error is bounded, and trajectories ũ(t) ∈ K that are close to the solution.
 
-The nodes d_0, …, d_N ∈ K are the control points of a quadratic B-spline with knots at the midpoints of the steps,
+u_h is P1 and linear in time between the nodes of a scheme. ũ has degree 2, on the same mesh or on a refinement of it,
+and is differentiable in time: nodes d_0, …, d_N ∈ K of any scheme are the control points of a quadratic B-spline with
+knots at the midpoints of the steps,
 
     ũ(t_{j−1/2}) = (d_{j−1} + d_j)/2,    ũ̇(t_{j−1/2}) = (d_j − d_{j−1})/k,    ũ̇ linear in between,
 
@@ -16,14 +18,70 @@ from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
+import scipy.sparse as sps
+from skfem import Mesh
 
 from manufactured.law import Linear
 from manufactured.tensors import Array
-from study.bound.discrete_solution import DiscreteSolution, prolongation
-from study.bound.discretisation import Discretisation
-from study.solve.evolution import SemiDiscrete
+from study.bound.discretisation import BoundError, Discretisation
+from study.fem.space import Space
+from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
+
+
+@dataclass(frozen=True, eq=False)
+class DiscreteSolution:
+    """u_h ∈ V^h of P1, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs)."""
+
+    space: Space
+    nodes: Array
+    T: float
+
+    @property
+    def steps(self) -> int:
+        return len(self.nodes) - 1
+
+    def at(self, time: float) -> Array:
+        """u_h(t), (n_dofs,)."""
+        place = time / self.T * self.steps
+        # The time of a node belongs to the interval after it, also where rounding puts it before.
+        low = min(int(place + 1e-9), self.steps - 1)
+        share = place - low
+        return (1 - share) * self.nodes[low] + share * self.nodes[low + 1]
+
+
+def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:
+    """Problem 5.1 from the data alone, with the load (P f, ·)_V and u_0^h = Π^h u_0."""
+    data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
+    J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
+    problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
+    return DiscreteSolution(space, np.array([state.u for state in scheme.march(problem, steps)]), data.body.T)
+
+
+def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
+    """The matrix from P1 to degree 2 on the same mesh or one that is uniformly refined some times, (dofs, n_dofs).
+
+    Raises:
+        BoundError: the mesh of degree 2 is another one.
+    """
+    mesh, refined = space.mesh, sps.csr_array(sps.eye_array(space.mesh.p.shape[1]))
+    while mesh.t.shape[1] < discretisation.mesh.t.shape[1]:
+        refined = sps.csr_array(_with_midpoints(mesh) @ refined)
+        mesh = mesh.refined()
+    if not np.array_equal(mesh.p, discretisation.mesh.p):
+        raise BoundError("the mesh of ũ is no refinement of the mesh of u_h")
+    scalar = _with_midpoints(discretisation.mesh) @ refined
+    full = sps.csr_array(sps.kron(scalar, sps.eye_array(2)))
+    return sps.csr_array(full[discretisation.displacements.free][:, space.free])
+
+
+def _with_midpoints(mesh: Mesh) -> sps.csr_array:
+    """Vertex values of a P1 function ↦ those at the vertices and the midpoints of the edges."""
+    count, edges = mesh.p.shape[1], mesh.facets.shape[1]
+    rows = np.repeat(np.arange(edges), 2)
+    midpoints = sps.csr_array((np.full(2 * edges, 0.5), (rows, mesh.facets.T.ravel())), shape=(edges, count))
+    return sps.csr_array(sps.vstack([sps.eye_array(count), midpoints]))
 
 
 class Trajectory(Protocol):
@@ -57,7 +115,7 @@ class SmoothedInTime:
 class Refined:
     """ũ solves Problem 5.1 in degree 2 by the midpoint scheme.
 
-    Its mesh is that of u_h with some uniform refinements, its steps are so many times shorter.
+    The mesh of u_h is refined uniformly ``refinements`` times, with ``shorter`` steps in each step of u_h.
     """
 
     refinements: int = 1
@@ -68,8 +126,11 @@ class Refined:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse
 
     def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
-        problem = quadratic_problem(fine, _nearest_start(fine))
-        for state in MIDPOINT.march(problem, self.shorter * computed.steps):
+        data, V = fine.data, fine.displacements
+        stress = data.law.A.at(V.points)(data.initial(V.points))
+        # The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0.
+        start, _ = Signorini(fine.M, V.N)(V.functional(stress))
+        for state in MIDPOINT.march(quadratic_problem(fine, start), self.shorter * computed.steps):
             yield state.time, state.u
 
 
@@ -92,13 +153,6 @@ def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete
         u0=u0,
         T=discretisation.data.body.T,
     )
-
-
-def _nearest_start(discretisation: Discretisation) -> Array:
-    """The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0."""
-    data, V = discretisation.data, discretisation.displacements
-    stress = data.law.A.at(V.points)(data.initial(V.points))
-    return Signorini(discretisation.M, V.N)(V.functional(stress))[0]
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,9 +8,8 @@ from pathlib import Path
 import pandas as pd
 from tqdm import tqdm
 
-from study.bound.bounded import BoundedSolution, bounded_solution, check_bound
-from study.bound.output import levels, series, text, write
-from study.bound.refusal import check_force
+from study.bound.bounded import BoundedSolution, bounded_solution, check_bound, levels, series, text, write
+from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.common import FAILED, OK, Commands, progress_bar, prove
 from study.fem.naming import choose, family_named, resolve_data

@@ -13,7 +13,7 @@ from manufactured.data import LoadError
 from manufactured.law import LawError
 from manufactured.self_proof import SelfProofError
 from manufactured.symbols import FormulaError
-from study.bound.refusal import BoundError
+from study.bound.discretisation import BoundError
 from study.cli import bound, cases, compare, controls, present, rates, run, show
 from study.cli.common import FAILED, USAGE
 from study.fem.mesh import MeshError

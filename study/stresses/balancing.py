@@ -18,9 +18,8 @@ from scipy.linalg import null_space
 
 from manufactured.tensors import Array, basis
 from study.fem.quadrature import simplex_rule
-from study.stresses.alfeld import SIDES, thirds
 from study.stresses.bernstein import bernstein, indices, triangle_mass
-from study.stresses.composite import composite
+from study.stresses.composite import SIDES, composite, thirds
 
 CHILDREN = np.stack([*((np.eye(3) + np.eye(3)[i]) / 2 for i in range(3)), (1 - np.eye(3)) / 2])
 """Vertices of the children in barycentric coordinates of the triangle, (4, 3 vertices, 3)."""

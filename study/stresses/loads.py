@@ -15,8 +15,8 @@ from manufactured.body import Kind, Part
 from manufactured.data import Data
 from manufactured.tensors import Array
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
-from study.stresses.alfeld import alfeld_split, barycentric
 from study.stresses.bernstein import bernstein, triangle_mass
+from study.stresses.composite import alfeld_split, barycentric
 from study.stresses.stress_space import StressSpace
 
 DEGREE = 4

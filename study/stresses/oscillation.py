@@ -26,8 +26,8 @@ import numpy as np
 
 from manufactured.body import Kind
 from manufactured.tensors import Array
-from study.stresses.alfeld import CORNERS, SIDES
 from study.stresses.balancing import balancing_in_cell, balancing_on_side
+from study.stresses.composite import CORNERS, SIDES
 from study.stresses.loads import Snapshot
 from study.stresses.stress_space import StressSpace
 

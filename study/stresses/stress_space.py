@@ -17,9 +17,8 @@ from manufactured.body import Body, Kind
 from manufactured.tensors import Array, Points, Tensors, Vectors, basis
 from study.fem.mesh import MeshedBody, MeshError
 from study.fem.quadrature import simplex_rule
-from study.stresses.alfeld import SIDES, thirds
 from study.stresses.bernstein import bernstein
-from study.stresses.composite import CompositeElement, composite
+from study.stresses.composite import SIDES, CompositeElement, composite, thirds
 
 LEAST_DEGREE = 4
 """Degree of the rule on the thirds, at least: errors of linear stresses are quadratic."""

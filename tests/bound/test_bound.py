@@ -44,14 +44,21 @@ from manufactured import (
 from manufactured.cases.laws import not_proportional
 from manufactured.data import Data
 from manufactured.tensors import Array, Points, Tensors
-from study.bound.bounded import known_error
-from study.bound.discrete_solution import DiscreteSolution, compute, prolongation
-from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose, order
+from study.bound.discretisation import BoundError, Discretisation
+from study.bound.enclosing import Enclosure, enclose, known_error, order
 from study.bound.equilibration import Equilibration, LawResidual
 from study.bound.majorant import Interval, Majorant
-from study.bound.refusal import BoundError
-from study.bound.trajectory import Parabola, Refined, SmoothedInTime, Trajectory, quadratic_problem, spline
+from study.bound.trajectory import (
+    DiscreteSolution,
+    Parabola,
+    Refined,
+    SmoothedInTime,
+    Trajectory,
+    compute,
+    prolongation,
+    quadratic_problem,
+    spline,
+)
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
@@ -59,8 +66,8 @@ from study.solve.evolution import Scheme
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
 from study.statements.enclosure.bound_rows import measure, posed
 from study.statements.enclosure.courses import eligible
-from study.stresses.alfeld import SIDES, thirds
 from study.stresses.bernstein import bernstein
+from study.stresses.composite import SIDES, thirds
 
 CASES = {case.name: case for case in catalogue()}
 BOUNDED = [case for case in catalogue() if eligible(case)]

@@ -32,9 +32,8 @@ from study.statements.shared.base import Setting
 from study.statements.thm_4_2.own_space import QUANTITIES, OwnSpace, rules_of
 from study.statements.thm_4_2.predicted_orders import predicted
 from study.statements.thm_4_2.stress_errors import Exact
-from study.stresses.alfeld import SIDES, alfeld_split, thirds
 from study.stresses.bernstein import bernstein, indices
-from study.stresses.composite import composite
+from study.stresses.composite import SIDES, alfeld_split, composite, thirds
 from study.stresses.dual import EquilibriumError, StressEvolution, tensor_at
 from study.stresses.hybrid import EquilibratedStress, Equilibrium
 from study.stresses.loads import Loads, ProjectedLoads

@@ -22,7 +22,7 @@ from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.tensors import Array, rotation
 from study.fem.quadratic import Quadratic
 from study.fem.quadrature import simplex_rule
-from study.stresses.alfeld import CORNERS, SIDES
+from study.stresses.composite import CORNERS, SIDES
 from study.stresses.oscillation import cell_constants, side_constants
 
 TRIANGLES = {

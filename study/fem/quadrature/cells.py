@@ -50,22 +50,16 @@ def cell_rules(
     rules = [rule(cells=cells) for cells, rule in zip(special, made, strict=True) if cells.size]
     ordinary = np.ones(mesh.t.shape[1], dtype=bool)
     ordinary[np.concatenate([*special, np.empty(0, dtype=int)])] = False
-    return rules + _standard(mesh, np.flatnonzero(ordinary), degree, along)
-
-
-def _standard(mesh: Mesh, cells: Array, degree: int, along: Sequence[Line]) -> list[CellRule]:
-    """The standard rule on ordinary cells."""
+    cells = np.flatnonzero(ordinary)
     barycentric, weights = simplex_rule(mesh.dim(), degree)
     volumes = cell_volumes(mesh)[:, None]
-    blocks = [cells[start : start + BLOCK] for start in range(0, cells.size, BLOCK)]
-    if not along:
-        return [CellRule(b, placed(mesh.p, mesh.t[:, b], barycentric), volumes[b] * weights) for b in blocks]
-    gradients = barycentric_gradients(mesh)
-    found = []
-    for b in blocks:
-        points, shares = shared(mesh.p[:, mesh.t[:, b]], gradients[b], barycentric, weights, along)
-        found.append(CellRule(b, points, volumes[b] * shares))
-    return found
+    gradients = barycentric_gradients(mesh) if along else None
+    for block in (cells[start : start + BLOCK] for start in range(0, cells.size, BLOCK)):
+        x, shares = placed(mesh.p, mesh.t[:, block], barycentric), weights
+        if gradients is not None:
+            x, shares = shared(mesh.p[:, mesh.t[:, block]], gradients[block], barycentric, weights, along)
+        rules.append(CellRule(block, x, volumes[block] * shares))
+    return rules
 
 
 def shared(

@@ -93,12 +93,8 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
         raise MeshError(f"facets are cut in 2D only, got the rough coordinates {rough} on a face of a 3D body")
     barycentric, weights = duffy(points, points)
     s, _ = part.coordinates(placed(mesh.p, mesh.facets[:, facets], barycentric))
-    return FacetRule(
-        facets,
-        s,
-        np.repeat(barycentric[:, None], len(facets), axis=1),
-        np.multiply.outer(facet_measures(mesh, facets), weights),
-    )
+    shapes = np.repeat(barycentric[:, None], len(facets), axis=1)
+    return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
 
 
 def _segment_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:

@@ -11,12 +11,9 @@ import numpy as np
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.problems import OpenProblem, problems
-from study.bound.bounded import known_error
-from study.bound.discrete_solution import compute
-from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure, enclose
-from study.bound.refusal import check_force
-from study.bound.trajectory import Trajectory
+from study.bound.discretisation import Discretisation, check_force
+from study.bound.enclosing import Enclosure, enclose, known_error
+from study.bound.trajectory import Trajectory, compute
 from study.fem.mesh import MeshFamily
 from study.fem.naming import resolve
 from study.solve.evolution import Scheme

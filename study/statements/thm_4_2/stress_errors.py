@@ -28,8 +28,8 @@ from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
 from study.solve.tableau import BDF2, Tableau
 from study.statements.shared.base import Setting
-from study.stresses.alfeld import alfeld_split, barycentric
 from study.stresses.bernstein import bernstein
+from study.stresses.composite import alfeld_split, barycentric
 from study.stresses.dual import DualState, StressEvolution, tensor_at
 from study.stresses.stress_space import StressSpace
 
