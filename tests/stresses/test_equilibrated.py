@@ -28,8 +28,7 @@ from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.statements.hypercircle import Hypercircle
 from study.statements.shared.base import Setting
 from study.statements.thm_4_2.own_space import Exact, places
-from study.statements.thm_4_2.own_space import ADMISSIBLE, QUANTITIES, RATIO, OwnSpace
-from study.statements.thm_4_2.predicted_orders import predicted
+from study.statements.thm_4_2.own_space import ADMISSIBLE, QUANTITIES, RATIO, OwnSpace, predicted
 from study.stresses.alfeld import SIDES, alfeld_split, thirds
 from study.stresses.bernstein import bernstein, indices
 from study.stresses.composite import composite
