@@ -25,7 +25,6 @@ QUICK = ("advance-recede", "yield-on-a-part", "hexagon")
 """Cases whose bounds the quick study computes, one with each scheme: memory, law (3.3), three faces."""
 CHECKED, CHECKED_LEVEL = "advance-recede", 32
 """The case with check values, and the level at which the enclosure is announced to be tight."""
-
 KEY = ("trajectory", "case", "family", "scheme", "level")
 BOUNDS = CsvFile("bounds.csv", KEY, COLUMNS)
 ENCLOSURES = CsvFile("enclosures.csv", KEY, (*KEY, "time", "error", "distance", "bound"))
@@ -121,11 +120,9 @@ class Bounds(Statement):
         return 220.0 * setting.level**2 * 4**setting.refinements * self.steps(setting) * shorter
 
     def memory(self, setting: BoundSetting) -> float:
-        """That of stresses on the mesh of ũ."""
         return estimates.bound(setting.level, setting.refinements, setting.family)
 
     def steps(self, setting: BoundSetting) -> int:
-        """Those of rates."""
         problem = posed(setting.case)
         return rate_steps(problem.data.body.T, setting.level, problem.pace)
 

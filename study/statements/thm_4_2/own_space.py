@@ -40,10 +40,8 @@ from study.statements.thm_4_2.stress_sweep import Stresses
 
 MARGIN, SMOOTH = 0.15, 0.3
 """Below a predicted order that is a singularity's; below 2, to which the boundary adds its own on coarse meshes."""
-JUDGED = 3
-"""Orders are taken over the last levels, up to so many."""
-PAIR = 2
-"""Fewer levels have no order."""
+JUDGED, PAIR = 3, 2
+"""Orders are taken over the last levels, up to so many; fewer levels than a pair have none."""
 TIME = at_most(1.0, "by the order 3/2 in k the error in time is then ≤ 0.55 of the error")
 RATIO = "‖σ − σ^h‖_Q / that of the best polynomials"
 ADMISSIBLE = "σ^hν continuous, P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3, strongly"
