@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from typing import Protocol, TypeVar
 
 import numpy as np
@@ -70,7 +70,7 @@ class Sweep:
         for level in self.levels:
             steps = rate_steps(solution.body.T, level, case.pace)
             setup = defect(Experiment.of(solution, family, level, MIDPOINT, steps))
-            rows.append(asdict(measure(setup).row(case.name, family.name, level)))
+            rows.append(measure(setup).row(case.name, family.name, level))
         table = pd.DataFrame(rows).assign(claim=FirstOrder.label)
         return [*FirstOrder().judge_case(case.name, table, case.order), *SizeOfInterpolation().judge(table)]
 

@@ -14,8 +14,7 @@ from study.run.completeness import Complete
 from study.run.provenance import read_provenance
 from study.statements import STATEMENTS
 from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
-from study.statements.shared.base import LISTED, Statement
-from study.statements.shared.listed import Listed
+from study.statements.shared.base import LISTED, Listed, Statement
 
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
 

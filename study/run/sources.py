@@ -8,7 +8,7 @@ from typing import Any
 
 from study.run.completeness import Complete
 from study.statements import STATEMENTS
-from study.statements.shared.listed import Listed
+from study.statements.shared.base import Listed
 
 ROOT = Path(__file__).parents[2]
 

@@ -21,12 +21,12 @@ from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpo
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.residual import Residual
 from study.statements.shared.base import Statement
-from study.statements.slips import SLIPS
+from study.statements.slips import Slips
 from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.same_mesh import SameMesh
 from study.statements.thm_4_2.stands_alone import StandsAlone
 from study.statements.uniqueness import OneStress, OneTrajectory
-from study.statements.untested import UNTESTED
+from study.statements.untested import Untested
 from study.statements.wellposed import BoundedVelocity, Dependence
 
 PROBLEM = Green(), Korn(), Dependence(), Viscosity(), ElasticityOperator(), Projection(), Norms(), Admissibility()
@@ -43,8 +43,8 @@ STATEMENTS: tuple[Statement, ...] = (
     *ESTIMATES,
     *CONVERGENCE,
     *BEYOND,
-    SLIPS,
-    UNTESTED,
+    Slips(),
+    Untested(),
     Pictures(),
 )
 """The only list of statements."""

@@ -38,9 +38,10 @@ from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, wit
 
 INSTANTS = 8
 """Norms in time are those of the midpoint rule with so many nodes."""
+Field = Callable[[Points], Vectors]
+"""A smooth field of displacements, analytic in x."""
 FIELDS = 3
 """Smooth fields for each of the two conditions."""
-
 STRONG = around(1, 0.25, "the error is spread evenly (1/2 is all that ‖σ − σ^h‖_Q = O(h) gives)")
 SUPERCLOSE = between(1, 2, 0.25, 0, "2 where triangles along Γ3 are symmetric")
 WEAK = around(2, 0.3, "O(h) in σ − σ^h times O(h) in v − Π^h v")
@@ -80,8 +81,8 @@ def tractions(setup: Experiment) -> dict[str, float]:
     """The norms relative to ‖σν‖ on Γ2 ∪ Γ3, the weak ones with fields of ‖v‖_V = 1."""
     sides = {kind: [Side(setup, part) for part in setup.space.body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT)}
     probes = {
-        "loaded, weakly": Probe(setup, into_the_load(setup.space.body)),
-        "tangential, weakly": Probe(setup, along_the_contact(setup.space.body)),
+        "loaded, weakly": probe(setup, into_the_load(setup.space.body)),
+        "tangential, weakly": probe(setup, along_the_contact(setup.space.body)),
     }
     squares = [
         {
@@ -89,7 +90,7 @@ def tractions(setup: Experiment) -> dict[str, float]:
             "contact": sum(side.difference(stress, time) for side in sides[Kind.CONTACT]),
             "loaded": sum(side.difference(stress, time) for side in sides[Kind.LOADED]),
             "size": sum(side.size(time) for kind in sides for side in sides[kind]),
-            **{name: probe(stress, time) for name, probe in probes.items()},
+            **{name: against(stress, time) for name, against in probes.items()},
         }
         for time, stress in discrete_stresses(setup)
     ]
@@ -132,31 +133,25 @@ class Side:
         return float(np.sum(self.exact.surface_load(self.part, time) ** 2 * self.rule.weights))
 
 
-Field = Callable[[Points], Vectors]
-"""A smooth field of displacements, analytic in x."""
-
-
-class Probe:
-    """Σ_v ((σ^h, ε(v))_Q − (f, v)_V)² over smooth fields v with ‖v‖_V = 1.
+def probe(setup: Experiment, fields: list[Field]) -> Callable[[Tensors, float], float]:
+    """(σ^h(t), t) ↦ Σ_v ((σ^h, ε(v))_Q − (f, v)_V)² over smooth fields v with ‖v‖_V = 1.
 
     (f, v)_V = (σ, ε(v))_Q for these fields, by Green's formula (2.14) with (2.2), (2.4) and (2.5).
     """
+    blocks, squares = [], np.zeros(len(fields))
+    for rule in rules(setup.solution, setup.space.mesh, DEGREE):
+        exact, strains = setup.solution.at(rule.points), [strain(field, rule.points) for field in fields]
+        squares += [float(np.sum(exact.law.A(e) * e * rule.weights)) for e in strains]
+        blocks.append((rule, exact, strains))
 
-    def __init__(self, setup: Experiment, fields: list[Field]) -> None:
-        self.blocks, squares = [], np.zeros(len(fields))
-        for rule in rules(setup.solution, setup.space.mesh, DEGREE):
-            exact = setup.solution.at(rule.points)
-            strains = [strain(field, rule.points) for field in fields]
-            squares += [float(np.sum(exact.law.A(e) * e * rule.weights)) for e in strains]
-            self.blocks.append((rule, exact, strains))
-        self.norms = np.sqrt(squares)
-
-    def __call__(self, stress: Tensors, time: float) -> float:
-        work = np.zeros(len(self.norms))
-        for rule, exact, strains in self.blocks:
+    def against(stress: Tensors, time: float) -> float:
+        work = np.zeros(len(fields))
+        for rule, exact, strains in blocks:
             difference = (stress[:, rule.cells, None] - exact.stress(time)) * rule.weights
             work += [float(np.sum(difference * e)) for e in strains]
-        return float(np.sum((work / self.norms) ** 2))
+        return float(np.sum((work / np.sqrt(squares)) ** 2))
+
+    return against
 
 
 def into_the_load(body: Body) -> list[Field]:
@@ -212,11 +207,7 @@ def waves(body: Body, rng: np.random.Generator) -> Field:
     return lambda x: np.cos(np.tensordot(directions, x, axes=1) + phases.reshape((-1,) + (1,) * (x.ndim - 1)))
 
 
-TINY = 1e-30
-"""Complex step."""
-
-
-def strain(field: Field, x: Points) -> Tensors:
+def strain(field: Field, x: Points, tiny: float = 1e-30) -> Tensors:
     """ε(v) by the complex step, (d, ...) → (D, ...)."""
-    steps = [1j * TINY * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
-    return mandel(np.stack([field(x + step).imag / TINY for step in steps], axis=1))
+    steps = [1j * tiny * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
+    return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))

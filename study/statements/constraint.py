@@ -28,13 +28,10 @@ SAMPLES = 40
 """Random members, extreme rays, strangers and smooth fields."""
 INSTANTS = 33
 """Times at which the exact solution is interpolated."""
-INSIDE = 24
-"""Random points on each facet, beside one near each of its vertices."""
-CORNER = 0.95
-"""The barycentric coordinate of the points near vertices."""
+INSIDE, CORNER = 24, 0.95
+"""Random points on each facet, beside one near each of its vertices with this barycentric coordinate."""
 TOLERANCE = 1e-8
 """Distance below which a vertex lies on a part of the boundary."""
-
 NEVER = at_most(1e-12, "never positive but for rounding", low=-math.inf)
 SEEN = Window(0.5, 1.0, "of that at the vertex")
 """With v_ν = 1 at a vertex and v_ν ≥ −1 at the others the points near it have 2 · 0.95 − 1 = 0.9 at least."""
@@ -89,8 +86,8 @@ class NormalTrace:
 
     def __init__(self, space: Space) -> None:
         self.space = space
-        dim, rng = space.dim, np.random.default_rng(SEED)
-        near = np.full((dim, dim), (1 - CORNER) / (dim - 1)) + np.eye(dim) * (CORNER - (1 - CORNER) / (dim - 1))
+        dim, rng, rest = space.dim, np.random.default_rng(SEED), (1 - CORNER) / (space.dim - 1)
+        near = np.full((dim, dim), rest) + np.eye(dim) * (CORNER - rest)
         self.barycentric = np.hstack([near, rng.dirichlet(np.ones(dim), INSIDE).T])
         self.facets = [(part.normal, self._on(part)) for part in space.body.of(Kind.CONTACT)]
 

@@ -44,12 +44,9 @@ ASYMPTOTIC = COUNTS[2:]
 """Steps from which the order of d is read."""
 VISIBLE = 0.5
 """An order in k is read from e only if d is this part of it for two numbers of steps."""
-
-FIRST = around(1, 0.1)
 SECOND = between(1.5, 2, 0.1, 0.1, "3/2 where vertices change contact")
-ORDERS = {"backward-euler": FIRST, "bdf2": SECOND, "midpoint": SECOND}
+ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND, "midpoint": SECOND}
 IN_H = around(1, 0.15)
-NOT_STIFF = around(0, 0.1)
 OPEN = "the source leaves it open (no number: not to be seen; undecided: a wide interval)"
 
 
@@ -158,7 +155,7 @@ def lines(scheme: Scheme) -> Iterator[Rule]:
     in_time, error, fitted = "‖u^h − u^{hk}‖", "‖u − u^{hk}‖", "C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖"
     found: list[tuple[str, str, Window, Callable[[ErrorTable], Measured | None]]] = [
         ("time-in-k", f"order q of {in_time} in k", order, lambda table: table.in_time().parameter(1)),
-        ("time-in-h", f"order s of {in_time} in h", NOT_STIFF, lambda table: table.in_time().parameter(2)),
+        ("time-in-h", f"order s of {in_time} in h", around(0, 0.1), lambda table: table.in_time().parameter(2)),
         ("error-in-h", f"order p of {error} in h", IN_H, lambda table: table.jointly().parameter(1)),
         ("error-in-k", f"order q of {error} in k", order, lambda table: table.order_in_k()),
         ("misfit", "misfit of the root of squares / misfit of C_h h^p + C_k k^q", at_most(1.0), ErrorTable.misfits),

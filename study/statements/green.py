@@ -57,13 +57,10 @@ from study.statements.shared.places import FIRST, named, place, space_of
 TIMES = (0.23, 0.61, 0.79)
 """Fractions of T at which no case has an event (0.3 and 0.7 are where ``lift-and-land`` lifts and lands): before,
 between and after those. The work of contact is 1/300 of the largest term or more, where it is not zero."""
-FINE = {2: 16, 3: 8}
-"""Degree of the rule on the cells themselves, by dimension."""
-COARSE = 4
-"""Degree of the rule on halved cells."""
+FINE, COARSE = {2: 16, 3: 8}, 4
+"""Degrees of the rules on the cells themselves, by dimension, and on halved cells."""
 HALVINGS = {2: 3, 3: 2}
 """How often cells are halved, by dimension."""
-
 SMOOTH = at_most(1e-10, "with the fine rule: f_0 is smooth off straight lines")
 KINKED = at_most(0.1, "f_0 jumps along curves, a term left out gives 1")
 SHRINKING = at_most(2.0, "times 2^{−k} for k halvings: 1 if all errors have one sign, 2 for their scatter")

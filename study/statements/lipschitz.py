@@ -38,10 +38,8 @@ from study.statements.shared.places import EVERY, FIRST, different, material, pl
 
 STRAINS = (1e-2, 1.0, 1e2, 1e4)
 """Sizes of the strains of generated functions: both sides of any yield point."""
-CLIMBS = 30
-"""Steps of the search for large quotients."""
-PAIRS = 10
-"""Random pairs of each size."""
+PAIRS, CLIMBS = 10, 30
+"""Random pairs of each size, and steps of the search for large quotients."""
 LARGE = 1e6
 """Size of strains beyond any yield point."""
 DIRECTIONS = 4000

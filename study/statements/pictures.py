@@ -29,10 +29,8 @@ SOLID_FAMILY, SOLID_LEVEL, SOLID_STEPS = OneDiagonal(), 9, 32
 INTERVALS = 16
 """Between the times that are kept."""
 SHAPES = (0.25, 0.5, 1.0)
-POINTS = 400
-"""Along a face in the plane, for its exact zone."""
-LINE = 80
-"""Intervals of the lines that exact gaps and pressures are along a face in the plane."""
+POINTS, LINE = 400, 80
+"""Intervals along a face in the plane, for its exact zone and for the lines of its exact gap and pressure."""
 HALVINGS = 10
 """Of the interval between two instants in which the number of pieces of an exact zone changes."""
 

@@ -761,18 +761,18 @@ def test_the_observed_order_lies_in_its_interval() -> None:
 def test_a_row_says_how_close_the_ends_came() -> None:
     case = CASES["advance-recede"]
     row, found = measure(posed(case.name), Shaken(), 4, MIDPOINT, 6, Refined(0, 2))
-    assert row.error == found.error.max()
-    assert row.above == pytest.approx((found.error / found.upper).max())
-    assert row.below == pytest.approx((found.lower / found.error).max())
+    assert row["error"] == found.error.max()
+    assert row["above"] == pytest.approx((found.error / found.upper).max())
+    assert row["below"] == pytest.approx((found.lower / found.error).max())
     late = found.times >= 0.5
-    assert row.upper == pytest.approx((found.upper / found.error)[late].max())
-    assert row.lowest <= row.error <= row.highest
+    assert row["upper"] == pytest.approx((found.upper / found.error)[late].max())
+    assert row["lowest"] <= row["error"] <= row["highest"]
     assert found.contains
     assert not replace(found, error=found.upper * 1.001).contains
     assert not replace(found, error=found.lower * 0.999).contains
-    parts = row.residual + row.oscillation + row.bending
+    parts = row["residual"] + row["oscillation"] + row["bending"]
     assert parts > 0
-    assert found.bound.max() <= parts + math.sqrt(2 * row.contact) + found.intervals[0].at_a
+    assert found.bound.max() <= parts + math.sqrt(2 * row["contact"]) + found.intervals[0].at_a
 
 
 def test_a_case_whose_force_is_not_square_integrable_is_refused() -> None:

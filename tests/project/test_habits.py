@@ -15,7 +15,6 @@ import textwrap
 import tomllib
 import zipfile
 from collections.abc import Iterator
-from dataclasses import asdict
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -228,7 +227,7 @@ def test_the_case_of_the_recipe_states_its_formulas_and_then_the_order_that_they
 
 def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:
     rows = [
-        asdict(measure_case(case, OneDiagonal(), n, MIDPOINT, rate_steps(case.solution.body.T, n, case.pace)))
+        measure_case(case, OneDiagonal(), n, MIDPOINT, rate_steps(case.solution.body.T, n, case.pace))
         for n in (8, 16, 32)
     ]
     table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
@@ -265,7 +264,7 @@ ENTRIES = {
             "from study.statements.untested",
             "from study.statements.trace import Trace\nfrom study.statements.untested",
         ),
-        ("    SLIPS,\n", "    Trace(),\n    SLIPS,\n"),
+        ("    Slips(),\n", "    Trace(),\n    Slips(),\n"),
     ],
 }
 """What the recipes tell to enter, as (before, after)."""

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 import pandas as pd
@@ -229,7 +229,7 @@ def alarms(case: Case) -> list[str]:
     """The rows of the ledger that do not hold at the levels of the quick study."""
     levels = quick().levels_of(case).all
     rows = [
-        asdict(measure_case(case, family, n, MIDPOINT, rate_steps(case.solution.body.T, n, case.pace)))
+        measure_case(case, family, n, MIDPOINT, rate_steps(case.solution.body.T, n, case.pace))
         for family in families_of(case)
         for n in levels
     ]
@@ -285,7 +285,7 @@ def test_the_constants_of_a_case_are_those_that_make_another_solution_of_it(name
 def test_every_constant_changes_what_is_measured(name: str) -> None:
     """Or it would prove nothing that the verdicts stay."""
     cases = [CASES[name], *(alone(name, constant) for constant in free(name))]
-    assert len({measure_case(case, OneDiagonal(), 4, MIDPOINT, 4).error for case in cases}) == len(cases)
+    assert len({measure_case(case, OneDiagonal(), 4, MIDPOINT, 4)["error"] for case in cases}) == len(cases)
 
 
 @pytest.mark.parametrize("name", ["fixed-front-off-vertex", "anisotropic", "natural-front"])

@@ -29,8 +29,7 @@ from study.solve.steps import StepsError
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, Tableau
 from study.statements.hypercircle import Hypercircle
 from study.statements.shared.base import Setting
-from study.statements.thm_4_2.own_space import QUANTITIES, OwnSpace, rules_of
-from study.statements.thm_4_2.predicted_orders import predicted
+from study.statements.thm_4_2.own_space import QUANTITIES, OwnSpace, predicted, rules_of
 from study.statements.thm_4_2.stress_errors import Exact
 from study.stresses.bernstein import bernstein, indices
 from study.stresses.composite import SIDES, alfeld_split, composite, thirds

@@ -1,10 +1,11 @@
-"""The rows of ``bounds.csv``: one computed displacement with its bounds."""
+"""One computed displacement with its bounds: a row of ``bounds.csv``."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 
@@ -19,42 +20,22 @@ from study.fem.naming import resolve
 from study.solve.evolution import Scheme
 from study.solve.steps import PACE
 
+COMPUTED = "case", "family", "scheme", "trajectory", "level", "h", "steps", "expected_order"
+BOUNDED = "error", "lowest", "highest", "above", "below", "upper", "lower"
+PARTS = "residual", "contact", "oscillation", "bending"
+COLUMNS = (*COMPUTED, *BOUNDED, *PARTS)
+"""``bounds.csv``.
 
-@dataclass(frozen=True)
-class BoundRow:
-    """One line of ``bounds.csv``.
-
-    Attributes:
-        case, family, scheme, level, h, steps: what was computed; u_h is P1.
-        expected_order: the predicted order, not a number where none is predicted.
-        trajectory: "bound" for ũ = u_h, "enclosure" for a better ũ.
-        error: max_t ‖u(t) − u_h(t)‖_V over the sampled times.
-        lowest, highest: what encloses it, the second over all times.
-        above: max_t error/(d + y); the error is below the bound iff this is ≤ 1.
-        below: max_t (d − y)_+/error; it is above the lower bound iff this is ≤ 1.
-        upper, lower: effectivities max (d + y)/error and min (d − y)_+/error over the times in [T/2, T].
-        residual, contact, oscillation, bending: what y is made of, integrals over [0, T].
-    """
-
-    case: str
-    family: str
-    scheme: str
-    trajectory: str
-    level: int
-    h: float
-    steps: int
-    expected_order: float
-    error: float
-    lowest: float
-    highest: float
-    above: float
-    below: float
-    upper: float
-    lower: float
-    residual: float
-    contact: float
-    oscillation: float
-    bending: float
+    case, family, scheme, level, h, steps: what was computed; u_h is P1.
+    expected_order: the predicted order, not a number where none is predicted.
+    trajectory: "bound" for ũ = u_h, "enclosure" for a better ũ.
+    error: max_t ‖u(t) − u_h(t)‖_V over the sampled times.
+    lowest, highest: what encloses it, the second over all times.
+    above: max_t error/(d + y); the error is below the bound iff this is ≤ 1.
+    below: max_t (d − y)_+/error; it is above the lower bound iff this is ≤ 1.
+    upper, lower: effectivities max (d + y)/error and min (d − y)_+/error over the times in [T/2, T].
+    residual, contact, oscillation, bending: what y is made of, integrals over [0, T].
+"""
 
 
 @dataclass(frozen=True)
@@ -94,7 +75,7 @@ def _without_solution() -> dict[str, OpenProblem]:
 
 def measure(
     problem: Posed, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
-) -> tuple[BoundRow, Enclosure]:
+) -> tuple[dict[str, Any], Enclosure]:
     """The row and the bounds over time; what compares with the error is not a number where it is unknown.
 
     Raises:
@@ -105,26 +86,22 @@ def measure(
     computed = compute(discretisation, scheme, steps)
     found = enclose(discretisation, computed, trajectory, known_error(problem.case, computed))
     late = found.times >= computed.T / 2
-    parts = {
-        part: float(np.sum([getattr(interval, part) for interval in found.intervals]))
-        for part in ("residual", "contact", "oscillation", "bending")
+    parts = {part: float(np.sum([getattr(interval, part) for interval in found.intervals])) for part in PARTS}
+    row = {
+        "case": problem.name,
+        "family": family.name,
+        "scheme": scheme.name,
+        "trajectory": trajectory.name,
+        "level": level,
+        "h": found.h,
+        "steps": computed.steps,
+        "expected_order": problem.order,
+        "error": float(found.error.max()),
+        "lowest": found.lowest,
+        "highest": found.highest,
+        "above": float((found.error / found.upper).max()),
+        "below": float((found.lower / found.error).max()),
+        "upper": float((found.upper / found.error)[late].max()),
+        "lower": float((found.lower / found.error)[late].min()),
     }
-    row = BoundRow(
-        case=problem.name,
-        family=family.name,
-        scheme=scheme.name,
-        trajectory=trajectory.name,
-        level=level,
-        h=found.h,
-        steps=computed.steps,
-        expected_order=problem.order,
-        error=float(found.error.max()),
-        lowest=found.lowest,
-        highest=found.highest,
-        above=float((found.error / found.upper).max()),
-        below=float((found.lower / found.error).max()),
-        upper=float((found.upper / found.error)[late].max()),
-        lower=float((found.lower / found.error)[late].min()),
-        **parts,
-    )
-    return row, found
+    return row | parts, found

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from study.fem.naming import choose, family_named
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
-from study.statements.enclosure.bound_rows import BoundRow, measure, posed
+from study.statements.enclosure.bound_rows import COLUMNS, measure, posed
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.places import families
@@ -25,9 +25,8 @@ QUICK = ("advance-recede", "yield-on-a-part", "hexagon")
 """Cases whose bounds the quick study computes, one with each scheme: memory, law (3.3), three faces."""
 CHECKED, CHECKED_LEVEL = "advance-recede", 32
 """The case with check values, and the level at which the enclosure is announced to be tight."""
-
 KEY = ("trajectory", "case", "family", "scheme", "level")
-BOUNDS = CsvFile("bounds.csv", KEY, tuple(field.name for field in fields(BoundRow)))
+BOUNDS = CsvFile("bounds.csv", KEY, COLUMNS)
 ENCLOSURES = CsvFile("enclosures.csv", KEY, (*KEY, "time", "error", "distance", "bound"))
 TIMES = 96
 """Times that are kept of one computation."""
@@ -106,7 +105,7 @@ class Bounds(Statement):
         """A row of ``bounds.csv``, and columns of ``enclosures.csv``."""
         family, scheme = family_named(setting.family), choose("scheme", setting.scheme, SCHEMES)
         row, found = measure(posed(setting.case), family, setting.level, scheme, self.steps(setting), setting.by)
-        return {"row": asdict(row), "times": over_time(found)}
+        return {"row": row, "times": over_time(found)}
 
     def records(self, setting: BoundSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
         """One row, and one for every time."""
@@ -121,11 +120,9 @@ class Bounds(Statement):
         return 220.0 * setting.level**2 * 4**setting.refinements * self.steps(setting) * shorter
 
     def memory(self, setting: BoundSetting) -> float:
-        """That of stresses on the mesh of ũ."""
         return estimates.bound(setting.level, setting.refinements, setting.family)
 
     def steps(self, setting: BoundSetting) -> int:
-        """Those of rates."""
         problem = posed(setting.case)
         return rate_steps(problem.data.body.T, setting.level, problem.pace)
 

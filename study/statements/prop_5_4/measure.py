@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -29,34 +30,12 @@ to step and averages out over more of them, so that few steps give more rather t
 NEGLIGIBLE = 0.01
 """A relative change up to which more steps are not worth their while."""
 
-
-@dataclass(frozen=True)
-class RateRow:
-    """One line of ``rates.csv`` but for the claim and the order; the columns are explained in the README."""
-
-    case: str
-    family: str
-    scheme: str
-    dim: int
-    level: int
-    h: float
-    dofs: int
-    steps: int
-    k: float
-    error: float
-    at: float
-    interpolation_error: float
-    discrete_error: float
-    time_share: float
-    interpolation_at: float
-    predicted_interpolation: float
-    discrete_at: float
-    initial_error: float
-    discrete_time_share: float
-    residual: float
-    quadrature_change: float
-    clamped: float
-    parallelogram: float
+WHERE = "case", "family", "scheme", "dim", "level", "h", "dofs", "steps", "k"
+ERRORS = "error", "at", "interpolation_error", "discrete_error", "time_share", "interpolation_at"
+OTHERS = "predicted_interpolation", "discrete_at", "initial_error", "discrete_time_share"
+EVIDENCE = "residual", "quadrature_change", "clamped", "parallelogram"
+COLUMNS = (*WHERE, *ERRORS, *OTHERS, *EVIDENCE)
+"""``rates.csv`` but for the claim and the order; the README explains them."""
 
 
 def measure(experiment: Experiment) -> Measurement:
@@ -97,36 +76,36 @@ class Measurement:
     residual: float
     worst: State
 
-    def row(self, case: str, family: str, level: int) -> RateRow:
+    def row(self, case: str, family: str, level: int) -> dict[str, Any]:
         """The line of the rate table."""
         experiment, space, drift = self.experiment, self.experiment.space, self.drift
         times, error, interpolation, discrete, _ = self.history
         first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
-        return RateRow(
-            case=case,
-            family=family,
-            scheme=experiment.scheme.name,
-            dim=space.dim,
-            level=level,
-            h=space.h,
-            dofs=space.dofs,
-            steps=experiment.steps,
-            k=experiment.problem.T / experiment.steps,
-            error=float(error[first]),
-            at=float(times[first]),
-            interpolation_error=float(interpolation[second]),
-            discrete_error=float(discrete[third]),
-            time_share=drift / float(error[first]),
-            interpolation_at=float(times[second]),
-            predicted_interpolation=LeadingTerm(experiment.solution, space).largest(),
-            discrete_at=float(times[third]),
-            initial_error=float(error[0]),
-            discrete_time_share=drift / float(discrete[third]),
-            residual=self.residual,
-            quadrature_change=self.quadrature_change(),
-            clamped=self.clamped(),
-            parallelogram=self.parallelogram(),
-        )
+        return {
+            "case": case,
+            "family": family,
+            "scheme": experiment.scheme.name,
+            "dim": space.dim,
+            "level": level,
+            "h": space.h,
+            "dofs": space.dofs,
+            "steps": experiment.steps,
+            "k": experiment.problem.T / experiment.steps,
+            "error": float(error[first]),
+            "at": float(times[first]),
+            "interpolation_error": float(interpolation[second]),
+            "discrete_error": float(discrete[third]),
+            "time_share": drift / float(error[first]),
+            "interpolation_at": float(times[second]),
+            "predicted_interpolation": LeadingTerm(experiment.solution, space).largest(),
+            "discrete_at": float(times[third]),
+            "initial_error": float(error[0]),
+            "discrete_time_share": drift / float(discrete[third]),
+            "residual": self.residual,
+            "quadrature_change": self.quadrature_change(),
+            "clamped": self.clamped(),
+            "parallelogram": self.parallelogram(),
+        }
 
     def clamped(self) -> float:
         """max |u^h| on Γ1 over max |u^h|, on the parts of the body: zero for u^h ∈ V."""
@@ -172,6 +151,6 @@ class Measurement:
         return first if first <= NEGLIGIBLE else relative(2 * experiment.steps)
 
 
-def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, steps: int) -> RateRow:
+def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, steps: int) -> dict[str, Any]:
     """The row of one (case, family, scheme, level) with steps of size T/steps."""
     return measure(Experiment.of(case.solution, family, level, scheme, steps)).row(case.name, family.name, level)

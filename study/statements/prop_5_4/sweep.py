@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 from study.fem.naming import choose, family_named, resolve
 from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
 from study.solve.tableau import SCHEMES
-from study.statements.prop_5_4.measure import RateRow, measure_case
+from study.statements.prop_5_4.measure import COLUMNS, measure_case
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.scope import Scope
 
-COLUMNS = ("claim", *(field.name for field in fields(RateRow)))
-RATES = CsvFile("rates.csv", ("case", "family", "scheme", "level"), COLUMNS, with_orders)
+RATES = CsvFile("rates.csv", ("case", "family", "scheme", "level"), ("claim", *COLUMNS), with_orders)
 
 
 @dataclass(frozen=True, order=True)
@@ -44,7 +43,7 @@ class Rates(Statement):
 
     def measure(self, setting: RateSetting) -> dict[str, Any]:
         case, scheme = resolve(setting.case), choose("scheme", setting.scheme, SCHEMES)
-        return asdict(measure_case(case, family_named(setting.family), setting.level, scheme, setting.steps))
+        return measure_case(case, family_named(setting.family), setting.level, scheme, setting.steps)
 
     def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
         """The row, for this proposition: what a case is a case of may change without measuring it again."""

@@ -7,5 +7,5 @@ by making one (``stands_alone``).
 
 **On a stress space of its own** (measured in ``stress_errors`` and ``stress_sweep``, judged in ``own_space``). Problem
 3.2 is solved on equilibrated stresses that know no displacement, and must converge to the same solution with the orders
-that its regularity predicts (``predicted_orders``).
+that its regularity predicts.
 """
