@@ -49,7 +49,17 @@ from study.bound.discretisation import BoundError, Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error, order
 from study.bound.equilibration import Equilibration, LawResidual
 from study.bound.majorant import Interval, Majorant
-from study.bound.trajectory import DiscreteSolution, Parabola, Refined, SmoothedInTime, Trajectory, compute, prolongation, quadratic_problem, spline
+from study.bound.trajectory import (
+    DiscreteSolution,
+    Parabola,
+    Refined,
+    SmoothedInTime,
+    Trajectory,
+    compute,
+    prolongation,
+    quadratic_problem,
+    spline,
+)
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
