@@ -57,8 +57,6 @@ class Gauge:
     Where A varies within a cell, ε̄ is the mean of the exact strain weighted by A's factor.
 
     Args:
-        solution: the exact solution.
-        space: V^h.
         raised: added to the degree of the cell rules and to the points of the facet rules.
         along: lines from which many quadrature points have the same distance (``study.fem.quadrature.cells``), which
             makes formulas cheap and rules exact to a lower degree; by default ``shared_lines``, () for the plain rules.

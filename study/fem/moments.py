@@ -32,13 +32,10 @@ MANY = 4
 
 @dataclass(frozen=True, eq=False)
 class QuadraturePoints:
-    """The points of a quadrature, one after the other, and the cell or vertex to whose sum each contributes.
+    """The points x of a quadrature, one after the other, (d, n), with their weights (n,).
 
-    Attributes:
-        x: (d, n).
-        sums: the number of the sum that a point belongs to, (n,).
-        weights: (n,).
-        count: how many sums there are.
+    Each contributes to the sum of a cell or a vertex: ``sums`` has the numbers of these sums, (n,), of which there are
+    ``count``.
     """
 
     x: Array

@@ -62,7 +62,8 @@ class CompositeElement:
         place = {alpha: row for row, alpha in enumerate(indices(k))}
         found = np.zeros((3, len(lower), 2, 3, self.polynomials, 3))
         for third, vertices in enumerate(np.moveaxis(thirds(CORNERS), 2, 0)):
-            for vertex, gradient in enumerate(_gradients(vertices)):
+            slopes = np.linalg.inv(np.vstack([np.ones(3), vertices]))[:, 1:]
+            for vertex, gradient in enumerate(slopes):
                 for row, beta in enumerate(lower):
                     alpha = tuple(b + (i == vertex) for i, b in enumerate(beta))
                     found[third, row, :, third, place[alpha]] += k * np.einsum("Iij,j->iI", basis(2), gradient)
@@ -71,11 +72,10 @@ class CompositeElement:
     def _on_edge(self, third: int, first: int, second: int, along: Array) -> Array:
         """|e| σν on the edge e between two vertices of a third in Bernstein form, (k + 1, 2; 3, polynomials, 3)."""
         place = {alpha: row for row, alpha in enumerate(indices(self.degree))}
-        found = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3))
+        found, normal = np.zeros((self.degree + 1, 2, 3, self.polynomials, 3)), np.array([along[1], -along[0]])
         for step in range(self.degree + 1):
             alpha = [0, 0, 0]
             alpha[first], alpha[second] = self.degree - step, step
-            normal = np.array([along[1], -along[0]])
             found[step, :, third, place[tuple(alpha)]] = np.einsum("Iij,j->iI", basis(2), normal)
         return found
 
@@ -85,8 +85,8 @@ class CompositeElement:
         rows = []
         for vertex in range(3):
             along = CORNERS[:, vertex] - CORNERS.mean(axis=1)
-            sides = ((vertex + 1) % 3, 1.0), ((vertex + 2) % 3, -1.0)
-            rows.append(sum(sign * self._on_edge(side, SIDES[side].index(vertex), 2, along) for side, sign in sides))
+            beside = ((vertex + 1) % 3, 1.0), ((vertex + 2) % 3, -1.0)
+            rows.append(sum(sign * self._on_edge(i, SIDES[i].index(vertex), 2, along) for i, sign in beside))
         return np.concatenate(rows).reshape(-1, 3, self.polynomials, 3)
 
     @cached_property
@@ -149,8 +149,3 @@ def barycentric(corners: Points, x: Points) -> Array:
     edges = np.moveaxis(corners[:, :2] - corners[:, 2:], 2, 0)
     found = np.einsum("nvd,dnq->vnq", np.linalg.inv(edges), x - corners[:, 2][..., None])
     return np.concatenate([found, 1 - found.sum(axis=0, keepdims=True)])
-
-
-def _gradients(vertices: Points) -> Array:
-    """∇λ_i of one triangle, (2, 3) → (3, 2)."""
-    return np.linalg.inv(np.vstack([np.ones(3), vertices]))[:, 1:]

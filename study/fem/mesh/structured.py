@@ -127,11 +127,7 @@ def has_grids(body: Body) -> bool:
 
 
 def mapped(body: Body, reference: Points) -> Points:
-    """Images of points of the unit cube, (d, ...) → (d, ...).
-
-    Raises:
-        MeshError: the body is neither a convex quadrilateral nor a parallelepiped.
-    """
+    """Images of points of the unit cube, (d, ...) → (d, ...); MeshError if the body is of neither kind."""
     images = _images(body)
     if images is None:
         wanted = "convex quadrilateral" if body.dim == 2 else "parallelepiped"
