@@ -9,7 +9,7 @@ from typing import Protocol
 
 import pandas as pd
 
-from study.ledger.verdict import FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Named, Span, Verdict, row
+from study.ledger.verdict import FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Named, Span, Verdict, row
 from study.ledger.window import Window
 
 Groups = dict[str, pd.DataFrame]
@@ -67,17 +67,13 @@ class Criterion:
 
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
         """The row for a case: undecided if the levels of one family cannot tell."""
-        values = [self._of(group) for group in groups.values()]
-        found = [value for value in values if value is not None]
-        decided = bool(found) and len(found) == len(values)
-        measured = self._judge(found) if decided else (math.nan, NOWHERE, UNDECIDED)
-        return row(of, self.key, self.quantity, self.window, *measured, case, family)
+        enough = [group for group in groups.values() if len(group) >= self.levels and set(self.needs) <= set(group)]
+        found = [value for group in enough if (value := self.measure(group)) is not None]
+        decided = bool(found) and len(found) == len(groups)
+        judged = self._judge(found) if decided else (math.nan, NOWHERE, UNDECIDED)
+        return row(of, self.key, self.quantity, self.window, judged, case, family)
 
-    def _of(self, group: pd.DataFrame) -> Measured | None:
-        enough = len(group) >= self.levels and set(self.needs) <= set(group)
-        return self.measure(group) if enough else None
-
-    def _judge(self, found: Sequence[Measured]) -> tuple[float, Span, str]:
+    def _judge(self, found: Sequence[Measured]) -> Found:
         values, spans = [value for value, _ in found], [span for _, span in found]
         span = min(low for low, _ in spans), max(high for _, high in spans)
         inside = (self.spread or self.window).contains(*span)
@@ -101,12 +97,9 @@ class Observation:
         """The row for a case, which says whether the prediction agrees."""
         found = self.criterion.verdict(of, case, groups, family)
         agreement = {HOLDS: "agrees", FAILS: "differs", UNDECIDED: "undecided"}[found.verdict]
-        predicted = self.criterion.window != Window()
-        expected = (
-            f"predicted {found.expected}; no claim, as {self.reason}: {agreement}"
-            if predicted
-            else f"no claim: {self.reason}"
-        )
+        expected = f"predicted {found.expected}; no claim, as {self.reason}: {agreement}"
+        if self.criterion.window == Window():
+            expected = f"no claim: {self.reason}"
         return replace(found, expected=expected, verdict=REPORTED)
 
 

@@ -9,14 +9,12 @@ import numpy as np
 import pandas as pd
 
 from study.ledger.criterion import Criterion, Groups, Measure, Measured
-from study.ledger.orders import RatesError, fit, orders
+from study.ledger.orders import Array, RatesError, fit, orders
 from study.ledger.verdict import FAILS, REPORTED, Named, Verdict
 from study.ledger.window import Window, at_most
 
 ENOUGH = 3
 """Fewer levels leave an order undecided."""
-
-
 ROUNDING = 1e-9
 """Room for rounding in bounds that hold exactly."""
 BOUND = at_most(1 + ROUNDING, low=-math.inf)
@@ -27,12 +25,7 @@ SHARP = Window(0.99, 1 + ROUNDING, "≥ 0.99 only if the constant is the best")
 
 def largest(key: str, quantity: str, window: Window, *columns: str) -> Criterion:
     """The largest value of some columns over all levels; not a number if one of them is none."""
-
-    def measure(group: pd.DataFrame) -> Measured:
-        values = group[list(columns)].to_numpy()
-        return float(values.max()), (float(values.min()), float(values.max()))
-
-    return Criterion(key, quantity, window, measure, columns)
+    return Criterion(key, quantity, window, lambda group: greatest(group[list(columns)].to_numpy()), columns)
 
 
 def every(key: str, quantity: str, window: Window, *columns: str) -> Criterion:
@@ -41,25 +34,31 @@ def every(key: str, quantity: str, window: Window, *columns: str) -> Criterion:
     def measure(group: pd.DataFrame) -> Measured:
         values = group[list(columns)].to_numpy().ravel()
         away = np.nan_to_num(abs(values - (window.low + window.high) / 2), nan=np.inf)
-        return float(values[away.argmax()]), (float(values.min()), float(values.max()))
+        return among(values[away.argmax()], values)
 
     return Criterion(key, quantity, window, measure, columns)
 
 
 def finest(key: str, quantity: str, window: Window, column: str) -> Criterion:
     """A column on the finest level."""
+    return Criterion(key, quantity, window, lambda group: exactly(group[column].iloc[-1]), (column,))
+
+
+def change(key: str, quantity: str, window: Window, column: str, levels: int = ENOUGH, since: int = 0) -> Criterion:
+    """A column on the finest level over the same on the coarsest, or on the one at another place."""
 
     def measure(group: pd.DataFrame) -> Measured:
-        return exactly(group[column].iloc[-1])
+        return exactly(group[column].iloc[-1] / group[column].iloc[since])
 
-    return Criterion(key, quantity, window, measure, (column,))
+    return Criterion(key, quantity, window, measure, (column,), levels)
 
 
-def change(key: str, quantity: str, window: Window, column: str, levels: int = ENOUGH) -> Criterion:
-    """A column on the finest level over the same on the coarsest."""
+def greatest_ratio(key: str, quantity: str, window: Window, column: str, levels: int) -> Criterion:
+    """The largest ratio of a column on consecutive levels."""
 
     def measure(group: pd.DataFrame) -> Measured:
-        return exactly(group[column].iloc[-1] / group[column].iloc[0])
+        values = group[column].to_numpy()
+        return greatest(values[1:] / values[:-1])
 
     return Criterion(key, quantity, window, measure, (column,), levels)
 
@@ -68,8 +67,8 @@ def consecutive(key: str, quantity: str, window: Window, column: str) -> Criteri
     """Every order from level to level; the finest one is shown."""
 
     def measure(group: pd.DataFrame) -> Measured:
-        found = orders(group["h"].to_numpy(), group[column].to_numpy())
-        return float(found[-1]), (float(found.min()), float(found.max()))
+        found = orders(*_errors(group, column))
+        return among(found[-1], found)
 
     return Criterion(key, quantity, window, or_none(measure), (column,), ENOUGH)
 
@@ -78,8 +77,7 @@ def between_levels(key: str, quantity: str, window: Window, column: str, refinem
     """The order between the finest level and the one so many refinements before."""
 
     def measure(group: pd.DataFrame) -> Measured:
-        judged = group.iloc[[-1 - refinements, -1]]
-        return exactly(orders(judged["h"].to_numpy(), judged[column].to_numpy())[0])
+        return exactly(orders(*_errors(group.iloc[[-1 - refinements, -1]], column))[0])
 
     return Criterion(key, quantity, window, or_none(measure), (column,), levels)
 
@@ -88,8 +86,7 @@ def order(key: str, quantity: str, window: Window, column: str, last: int = 0, l
     """The order in h of a column, by least squares over all levels or the last ones; none without positive values."""
 
     def measure(group: pd.DataFrame) -> Measured:
-        judged = group.tail(last) if last else group
-        return exactly(fit(judged["h"].to_numpy(), judged[column].to_numpy()).order)
+        return exactly(fit(*_errors(group.tail(last) if last else group, column)).order)
 
     return Criterion(key, quantity, window, or_none(measure), (column,), levels)
 
@@ -98,8 +95,7 @@ def fitted(key: str, quantity: str, window: Window, column: str, last: int, spre
     """The same over the last levels with its interval at 95 %, which must lie in ``spread``."""
 
     def measure(group: pd.DataFrame) -> Measured:
-        judged = group.tail(last)
-        line = fit(judged["h"].to_numpy(), judged[column].to_numpy())
+        line = fit(*_errors(group.tail(last), column))
         return line.order, (line.low, line.high)
 
     return Criterion(key, quantity, window, or_none(measure), (column,), ENOUGH, spread)
@@ -108,6 +104,20 @@ def fitted(key: str, quantity: str, window: Window, column: str, last: int, spre
 def exactly(value: float) -> Measured:
     """A value that is its own range."""
     return float(value), (float(value), float(value))
+
+
+def among(shown: float, values: Array) -> Measured:
+    """A value with the range of all."""
+    return float(shown), (float(values.min()), float(values.max()))
+
+
+def greatest(values: Array) -> Measured:
+    """The largest value with the range of all."""
+    return among(values.max(), values)
+
+
+def _errors(group: pd.DataFrame, column: str) -> tuple[Array, Array]:
+    return group["h"].to_numpy(), group[column].to_numpy()
 
 
 def or_none(measure: Measure) -> Measure:
@@ -124,13 +134,7 @@ def or_none(measure: Measure) -> Measure:
 
 @dataclass(frozen=True)
 class Constant:
-    """The largest quotient over a constant: nothing claims that it is the best one, so one that is not is reported.
-
-    Attributes:
-        key: short name of the row.
-        quantity: the quotient, in words.
-        column: where it is.
-    """
+    """The largest quotient over a constant: nothing claims that it is the best one, so one that is not is reported."""
 
     key: str
     quantity: str

@@ -20,6 +20,8 @@ VERDICTS = (HOLDS, REPORTED, UNDECIDED, FAILS)
 NOWHERE = (-math.inf, math.inf)
 """The range of what could not be measured."""
 Span = tuple[float, float]
+Found = tuple[float, Span, str]
+"""(observed value, its range, the verdict)."""
 
 
 class Named(Protocol):
@@ -71,18 +73,10 @@ class Verdict:
 
 
 def row(
-    of: Named,
-    key: str,
-    quantity: str,
-    window: Window,
-    observed: float,
-    span: Span,
-    verdict: str,
-    case: str,
-    family: str = "",
-    expected: str = "",
+    of: Named, key: str, quantity: str, window: Window, found: Found, case: str, family: str = "", expected: str = ""
 ) -> Verdict:
     """A row; without ``expected`` the text of the window says what is expected."""
+    observed, (low, high), verdict = found
     return Verdict(
         label=of.label,
         statement=of.claim,
@@ -90,8 +84,8 @@ def row(
         quantity=f"{quantity}, {family} meshes" if family else quantity,
         expected=expected or window.text,
         observed=observed,
-        low=span[0],
-        high=span[1],
+        low=low,
+        high=high,
         verdict=verdict,
         key=key,
         family=family,

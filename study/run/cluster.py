@@ -11,8 +11,7 @@ from typing import Any
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
 from study.run.execute import Pool
-from study.run.fingerprint import problem
-from study.run.versions import versions
+from study.run.fingerprint import problem, versions
 from study.statements.enclosure.bound_rows import posed
 
 PATIENCE = 10

@@ -2,15 +2,18 @@
 
 The code is that of the modules that the module of ``measure`` imports, directly or through others, and of those with
 the types of the exact solution, as syntax trees: comments, docstrings and line breaks do not count. Nobody has to say
-that a change of the code changes numbers.
+that a change of the code changes numbers. Not in it is which kernels a BLAS takes for a processor: last digits may
+differ between processors.
 """
 
 from __future__ import annotations
 
 import hashlib
+import platform
 from collections.abc import Iterable, Iterator
 from dataclasses import fields, is_dataclass
 from functools import cache
+from importlib.metadata import version
 from typing import Any
 
 import numpy as np
@@ -19,9 +22,11 @@ import sympy as sp
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named
 from study.run.code import code_of
-from study.run.versions import versions
 from study.statements.enclosure.bound_rows import posed
 from study.statements.shared.base import Setting, Statement
+
+PACKAGES = ("numpy", "scipy", "numba", "scikit-fem", "pyamg", "clarabel", "sympy")
+"""Distributions that compute."""
 
 
 def fingerprint(statement: Statement, setting: Setting) -> str:
@@ -50,6 +55,17 @@ def _problem(reference: str) -> object:
     behind = posed(reference)
     data = behind.data.body, behind.data.law, behind.data.formulas_of
     return (behind.case.solution, behind.case.regularity) if behind.case else data
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Of these packages and of Python, and the architecture."""
+    return {"python": platform.python_version(), "machine": platform.machine(), **packages()}
+
+
+def packages() -> dict[str, str]:
+    """Their versions."""
+    return {package: version(package) for package in PACKAGES}
 
 
 def modules_of(item: object) -> Iterator[str]:

@@ -10,11 +10,11 @@ import pandas as pd
 from study.ledger.datafiles import CsvFile, DataError, read_csv, write_csv
 from study.ledger.verdict import Verdict
 from study.run.collect import data_files
-from study.run.completeness import Complete
-from study.run.provenance import read_provenance
+from study.run.provenance import Complete, read_provenance
 from study.statements import STATEMENTS
 from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
-from study.statements.shared.base import LISTED, Listed, Statement
+from study.statements.shared.base import LISTED, Statement
+from study.statements.unmeasured import Listed
 
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
 

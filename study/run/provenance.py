@@ -1,17 +1,24 @@
-"""What made the data of a finished run, and what it promised to contain."""
+"""What made the data of a finished run, what it promised to contain and whether it does, and where the code is."""
 
 from __future__ import annotations
 
+import inspect
 import platform
+from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 from study.ledger.errors import UsageError
+from study.ledger.measures import exactly
+from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
+from study.ledger.window import at_most
+from study.run.code import ROOT
+from study.run.fingerprint import packages
 from study.run.plan import Plan
-from study.run.sources import sources
 from study.run.store import FORMAT, Store, require_format
-from study.run.versions import packages
+from study.statements import STATEMENTS
+from study.statements.unmeasured import Listed
 
 
 def provenance(plan: Plan) -> dict[str, Any]:
@@ -26,6 +33,22 @@ def provenance(plan: Plan) -> dict[str, Any]:
         "machine": platform.machine(),
         "packages": packages(),
     }
+
+
+def sources() -> dict[str, dict[str, Any]]:
+    """label ↦ ``code``, from the root of the repository, and the ``data`` file with what it is judged by.
+
+    The code is the folder of a statement, or its file where it has no folder of its own.
+    """
+    complete = Path(inspect.getfile(Complete)).relative_to(ROOT).as_posix()
+    found: dict[str, dict[str, Any]] = {Complete.label: {"code": [complete], "data": "provenance.json"}}
+    for statement in STATEMENTS:
+        file = Path(inspect.getfile(type(statement))).relative_to(ROOT)
+        place = file.as_posix() if file.parent.name in ("statements", "shared") else f"{file.parent.as_posix()}/"
+        data = "claims.csv" if isinstance(statement, Listed) else statement.file.name
+        of = found.setdefault(statement.label, {"code": [], "data": data})
+        of["code"] += [place] if place not in of["code"] else []
+    return found
 
 
 def read_provenance(directory: Path) -> dict[str, Any]:
@@ -57,3 +80,18 @@ def protect(plan: Plan, directory: Path) -> None:
                 f"{directory} holds a run with {len(lost)} rows that this one does not have (such as "
                 f"{' '.join(min(lost))}); give another directory with --out, or remove that one"
             )
+
+
+@dataclass(frozen=True)
+class Complete:
+    """Whether the data are those of the plan: a missing family or level would make a verdict easier."""
+
+    label: str = "data"
+    claim: str = "every planned measurement is there"
+
+    def judge(self, planned: set[tuple[str, ...]], found: set[tuple[str, ...]]) -> Verdict:
+        """Its only row."""
+        missing = sorted(planned - found)
+        quantity = "rows of the plan that are missing" + (f", first {' '.join(missing[0])}" if missing else "")
+        judged = *exactly(len(missing)), UNDECIDED if missing else HOLDS
+        return row(self, "missing", quantity, at_most(0, f"of {len(planned)}"), judged, "all cases")

@@ -16,8 +16,7 @@ from study.ledger.errors import UsageError
 from study.ledger.files import write_text
 from study.ledger.mesh_series import MeshFields, MeshSeries
 from study.run import resources
-from study.solve.motion import Frame, Motion
-from study.solve.von_mises import von_mises
+from study.solve.motion import Frame, Motion, von_mises
 from study.statements import pictures
 from study.statements.shared import estimates
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from manufactured.exact import ExactSolution
 from manufactured.law import Elasticity, PointLaw
-from manufactured.tensors import Array, Tensors
+from manufactured.tensors import Array, Tensors, identity
 from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
@@ -98,3 +98,16 @@ def _frame(space: Space, G: Elasticity, cells: PointLaw, problem: SemiDiscrete, 
         load=float(problem.load(state.time) @ velocity),
     )
     return Frame(state.time, state.u, velocity, viscous + elastic, problem.N @ state.u, state.multipliers, power)
+
+
+def von_mises(stress: Tensors) -> Array:
+    """The von Mises stress √(3/2) |dev σ| with dev σ = σ − (tr σ/d) I, (D, ...) → (...).
+
+    In the plane, where the problem has no σ_33, this takes it as (σ_11 + σ_22)/2: then the deviator is that of S²,
+    as in the sets K of (3.3), and the value is (√3/2) ((σ_11 − σ_22)² + 4 σ_12²)^½, the smallest that any σ_33 gives.
+    """
+    dim = {3: 2, 6: 3}[len(stress)]
+    unit = identity(dim)
+    trace = np.tensordot(unit, stress, axes=1)
+    deviator = stress - np.multiply.outer(unit / dim, trace)
+    return np.asarray(np.sqrt(1.5 * np.sum(deviator**2, axis=0)))

@@ -12,21 +12,19 @@ from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.hypercircle import Hypercircle
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
-from study.statements.korn import Korn
+from study.statements.korn import Korn, Norms
 from study.statements.lipschitz import Lipschitz
-from study.statements.norms import Norms
 from study.statements.pictures import Pictures
-from study.statements.prop_5_3.convergence import Convergence
+from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.residual import Residual
 from study.statements.shared.base import Statement
-from study.statements.slips import Slips
 from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.same_mesh import SameMesh
 from study.statements.thm_4_2.stands_alone import StandsAlone
 from study.statements.uniqueness import OneStress, OneTrajectory
-from study.statements.untested import Untested
+from study.statements.unmeasured import Slips, Untested
 from study.statements.wellposed import BoundedVelocity, Dependence
 
 PROBLEM = Green(), Korn(), Dependence(), Viscosity(), ElasticityOperator(), Projection(), Norms(), Admissibility()

@@ -1,8 +1,13 @@
-"""Korn's inequality (2.17) on V^h ⊂ V.
+"""Korn's inequality (2.17) on V^h ⊂ V, and the equivalence (3.6) of ‖·‖_V and ‖·‖_{H_1} that follows from it.
 
     C_K² = inf_{v ∈ V} ‖ε(v)‖_Q² / ‖v‖_{H_1}² ≤ min_{v ∈ V^h} ‖ε(v)‖_Q² / ‖v‖_{H_1}²,
 
 so the right side falls under refinement; with nested spaces it cannot rise. (2.17) says that its limit is positive.
+With (3.1)
+
+    m_A C_K² ‖v‖_{H_1}² ≤ ‖v‖_V² ≤ ‖A‖ ‖v‖_{H_1}²,
+
+on V^h with the constant C_K of V^h, which is bounded below uniformly in h.
 """
 
 from __future__ import annotations
@@ -11,24 +16,23 @@ import math
 
 import pandas as pd
 
+from study.fem.naming import resolve
 from study.ledger.criterion import Criterion, Measured
-from study.ledger.measures import ENOUGH, ROUNDING, exactly
+from study.ledger.measures import BOUND, ENOUGH, ROUNDING, change, exactly, greatest_ratio
+from study.ledger.measures import largest as largest_of
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
-from study.statements.shared.eigen import h1_product, smallest, strain_product
+from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
 from study.statements.shared.places import FIRST, different, place, shape, space_of
 
 VALUE = "smallest eigenvalue"
+FALLING = at_most(1 + ROUNDING, "on every level")
 LIMIT = Window(0.7, 1.0, "of the finest value")
 """Values that tend to zero leave the window: those like h^p extrapolate to 0, those like 1/(c + |log h|), the slowest
 that come up (Γ1 a point), to m/(2m − 2) < 0.7 of the last one if that is 1/m times the unit of log 2."""
-
-
-def ratio(table: pd.DataFrame) -> Measured:
-    """The largest ratio of the values on consecutive levels."""
-    values = table[VALUE].to_numpy()
-    found = values[1:] / values[:-1]
-    return float(found.max()), (float(found.min()), float(found.max()))
+OVER = "eigenvalue, finest level over the one before"
+SETTLED = Window(0.75, 1.25)
+"""From one level to the next a power h^{1/2} would change by the factor 0.71 or 1.41."""
 
 
 def extrapolated(table: pd.DataFrame) -> Measured:
@@ -45,7 +49,7 @@ class Korn(ListedNumbers):
     label = "(2.17)"
     claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
     rules = (
-        Criterion("falling", f"{VALUE}, level over level", at_most(1 + ROUNDING, "on every level"), ratio, (VALUE,), 2),
+        greatest_ratio("falling", f"{VALUE}, level over level", FALLING, VALUE, 2),
         Criterion("limit", f"limit of the {VALUE} for h → 0", LIMIT, extrapolated, (VALUE,), ENOUGH),
     )
 
@@ -56,3 +60,26 @@ class Korn(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space = space_of(setting)
         return with_h(space.h, {VALUE: smallest(strain_product(space), h1_product(space))})
+
+
+class Norms(ListedNumbers):
+    """Extreme eigenvalues of (·,·)_V against the product of H_1, once for each body and viscosity."""
+
+    label = "(3.6)"
+    claim = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h"
+    rules = (
+        largest_of("lower", "m_A C_K² / smallest eigenvalue", BOUND, "lower bound"),
+        largest_of("upper", "largest eigenvalue / ‖A‖", BOUND, "upper bound"),
+        *(change(f"settled-{end}", f"{end} {OVER}", SETTLED, end, since=-2) for end in ("smallest", "largest")),
+    )
+
+    def places(self, full: bool) -> list[Setting]:
+        cases = different(shape, lambda case: repr(case.solution.law.A))
+        return place(cases, FIRST, (8, 16, 32), (2, 4, 8)) if full else place(cases, FIRST, (4, 8, 16))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, law = space_of(setting), resolve(setting.case).solution.law
+        M, product = unloaded(space, law).M, h1_product(space)
+        low, high, korn = smallest(M, product), largest(M, product), smallest(strain_product(space), product)
+        bounds = {"lower bound": law.A.ellipticity * korn / low, "upper bound": high / law.A.lipschitz}
+        return with_h(space.h, {"smallest": low, "largest": high, **bounds})

@@ -18,8 +18,7 @@ from study.fem.space import Space
 from study.ledger.datafiles import JsonFiles
 from study.ledger.facets import Facets
 from study.ledger.packing import FINE, Packed, short
-from study.solve.motion import Motion
-from study.solve.von_mises import von_mises
+from study.solve.motion import Motion, von_mises
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.places import fits
 from study.statements.shared.scope import Scope

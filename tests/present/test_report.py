@@ -23,8 +23,8 @@ from study.present.picture.faces import values
 from study.present.report import write_report
 from study.present.report.svg_chart import typeset, typeset_svg
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
-from study.run.provenance import read_provenance
-from study.run.sources import ROOT, sources
+from study.run.code import ROOT
+from study.run.provenance import read_provenance, sources
 from study.statements.pictures import Pictures, picture
 
 RESULTS = Path(__file__).parents[2] / "results"

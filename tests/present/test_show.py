@@ -25,8 +25,7 @@ from study.present.show import Shown, count_images, draw_show
 from study.present.show.showing import MOMENTS, draw_storyboard, write_mp4
 from study.present.show.vtk import mesh_of
 from study.run.showcase import EVERY, mesh_series, solve_showcase
-from study.solve.motion import Motion
-from study.solve.von_mises import von_mises
+from study.solve.motion import Motion, von_mises
 from study.statements import pictures
 
 

@@ -261,8 +261,8 @@ ENTRIES = {
     ],
     "study/statements/__init__.py": [
         (
-            "from study.statements.untested",
-            "from study.statements.trace import Trace\nfrom study.statements.untested",
+            "from study.statements.uniqueness",
+            "from study.statements.trace import Trace\nfrom study.statements.uniqueness",
         ),
         ("    Slips(),\n", "    Trace(),\n    Slips(),\n"),
     ],

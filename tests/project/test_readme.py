@@ -17,7 +17,7 @@ from study.cli.main import parser
 from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
 from study.ledger.rounding import above, below
 from study.present.readme import headline, refresh
-from study.statements.prop_5_3.convergence import LIMIT
+from study.statements.prop_5_3 import LIMIT
 from study.statements.prop_5_4.from_rates import Turned
 from study.statements.prop_5_4.judge import NOT_AT_START
 

@@ -13,8 +13,8 @@ from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import read_claims
 from study.ledger.orders import orders
 from study.ledger.verdict import HOLDS, REPORTED
-from study.run.completeness import Complete
 from study.run.judgement import check
+from study.run.provenance import Complete
 from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
 from study.statements.pictures import Pictures

@@ -13,8 +13,7 @@ from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
 from study.solve.energy_balance import density
-from study.solve.motion import Motion
-from study.solve.von_mises import von_mises
+from study.solve.motion import Motion, von_mises
 
 CASES = ("advance-recede", "yield-and-release", "heterogeneous", "cube-disc")
 RNG = np.random.default_rng(2002)

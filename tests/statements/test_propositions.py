@@ -7,8 +7,8 @@ import pandas as pd
 import pytest
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.run.completeness import Complete
-from study.statements.prop_5_3.convergence import Convergence
+from study.run.provenance import Complete
+from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.thm_4_2.same_mesh import SameMesh

@@ -20,7 +20,7 @@ from study.fem.naming import resolve
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.statements import constitutive_law, constraint, green, interpolation, korn, lipschitz, norms, residual
+from study.statements import constitutive_law, constraint, green, interpolation, korn, lipschitz, residual
 from study.statements.shared import eigen
 from study.statements.shared.base import ListedNumbers, Setting
 from study.statements.shared.places import EVERY, families, place, space_of
@@ -31,7 +31,7 @@ STATEMENTS: tuple[ListedNumbers, ...] = (
     constitutive_law.Viscosity(),
     constitutive_law.ElasticityOperator(),
     constitutive_law.Projection(),
-    norms.Norms(),
+    korn.Norms(),
     lipschitz.Lipschitz(),
     constraint.VertexConstraint(),
     constraint.Interpolant(),
@@ -247,13 +247,13 @@ def test_eigenvalues_that_rise_or_tend_to_zero_fail(values) -> None:
 
 
 def test_norms_that_are_not_equivalent_fail(monkeypatch) -> None:
-    monkeypatch.setattr(norms, "h1_product", eigen.mass)
+    monkeypatch.setattr(korn, "h1_product", eigen.mass)
     settings = [Setting("full-contact", "one-diagonal", n) for n in (4, 8, 16)]
-    found = verdicts(norms.Norms().judge(rows_of(norms.Norms(), settings)))
+    found = verdicts(korn.Norms().judge(rows_of(korn.Norms(), settings)))
     assert found["upper"] == FAILS
     assert found["settled-largest"] == FAILS
     weaker = {"lower bound": 1.01, "upper bound": 0.9, "smallest": 0.5 ** np.arange(3), "largest": 1.0}
-    found = verdicts(norms.Norms().judge(table(**weaker)))
+    found = verdicts(korn.Norms().judge(table(**weaker)))
     assert found["lower"] == FAILS
     assert found["settled-smallest"] == FAILS
 

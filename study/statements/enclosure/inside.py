@@ -80,9 +80,9 @@ class EnclosedError(Bounds):
         sizes = [line["error"] if known else line["lowest"] + line["highest"] for line in (coarse, fine)]
         order = math.nan if known else float(fine["expected_order"])
         quantity = f"order of max_t ‖u − u_h‖_V, n = {coarse['level']} to {fine['level']}"
-        observed = math.log(sizes[0] / sizes[1]) / ratio
         verdict, expected = contains(span, order)
-        return row(self, "order", quantity, Window(order, order), observed, span, verdict, case, family, expected)
+        found = math.log(sizes[0] / sizes[1]) / ratio, span, verdict
+        return row(self, "order", quantity, Window(order, order), found, case, family, expected)
 
 
 def contains(span: tuple[float, float], order: float) -> tuple[str, str]:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from study.ledger.criterion import Criterion, Measured
-from study.ledger.measures import exactly, largest
+from study.ledger.measures import exactly, greatest, largest
 from study.ledger.window import Window, around, at_most
 from study.solve.solver_choice import ROUNDING, SHARE, residual
 
@@ -33,8 +33,7 @@ def _size(group: pd.DataFrame) -> Measured:
 def _residuals(group: pd.DataFrame) -> Measured:
     """Residuals of the contact solves over what the solver of that size is asked for."""
     allowed = [residual(dim, dofs) for dim, dofs in zip(group["dim"], group["dofs"], strict=True)]
-    values = group["residual"].to_numpy() / np.array(allowed)
-    return float(values.max()), (float(values.min()), float(values.max()))
+    return greatest(group["residual"].to_numpy() / np.array(allowed))
 
 
 ALLOWED = "residual of the contact solves / allowed"

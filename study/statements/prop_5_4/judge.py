@@ -53,10 +53,9 @@ class FirstOrder(Rates):
     def _after_start(self, rows: pd.DataFrame) -> Verdict:
         """Whether enough cases have their largest error after t = 0."""
         later = (rows["initial_error"] < NOT_AT_START * rows["error"]).groupby(rows["case"]).all()
-        count = float(later.sum())
-        verdict = HOLDS if ENOUGH_AFTER_START.contains(count) else UNDECIDED
+        judged = *exactly(later.sum()), HOLDS if ENOUGH_AFTER_START.contains(later.sum()) else UNDECIDED
         quantity = f"cases with the supremum after t = 0 (of {len(later)})"
-        return row(self, "after-start", quantity, ENOUGH_AFTER_START, count, (count, count), verdict, "all cases")
+        return row(self, "after-start", quantity, ENOUGH_AFTER_START, judged, "all cases")
 
 
 def errors(expected: float) -> tuple[Criterion, Criterion]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,8 +11,7 @@ import pandas as pd
 from study.fem.naming import resolve
 from study.ledger.criterion import Rule, by_family, judge
 from study.ledger.datafiles import CsvFile, DataFile, Row
-from study.ledger.verdict import REPORTED, Verdict, row
-from study.ledger.window import Window
+from study.ledger.verdict import Verdict
 from study.statements.shared import estimates
 from study.statements.shared.scope import Scope
 
@@ -124,21 +122,6 @@ class ListedNumbers(Statement):
     def memory(self, setting: Setting) -> float:
         """The largest of all such statements."""
         return estimates.statement(resolve(setting.case).solution.body.dim, setting.level)
-
-
-class Listed(Statement):
-    """Rows of the ledger about which nothing is measured: (key, place in the source, quantity, what was made of it)."""
-
-    file: DataFile = LISTED
-    lines: Sequence[tuple[str, str, str, str]] = ()
-
-    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """The rows, whatever was measured."""
-        nothing = Window(math.nan, math.nan), math.nan, (math.nan, math.nan)
-        return [
-            row(self, key, quantity, *nothing, REPORTED, place, expected=expected)
-            for key, place, quantity, expected in self.lines
-        ]
 
 
 def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -> list[Setting]:

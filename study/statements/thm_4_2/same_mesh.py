@@ -5,7 +5,7 @@ from __future__ import annotations
 import pandas as pd
 
 from study.ledger.criterion import Criterion, Measured
-from study.ledger.measures import largest
+from study.ledger.measures import greatest, largest
 from study.ledger.window import at_most
 from study.statements.thm_4_2.gaps import OnOneMesh
 
@@ -20,8 +20,7 @@ def allowed(what: str) -> Criterion:
     gap, bound = columns = f"{what}_gap", f"{what}_bound"
 
     def measure(group: pd.DataFrame) -> Measured:
-        ratios = (group[gap] / group[bound]).to_numpy()
-        return float(ratios.max()), (float(ratios.min()), float(ratios.max()))
+        return greatest((group[gap] / group[bound]).to_numpy())
 
     quantity = f"{what} of Problem 3.2 − 3.1 / what the gap allows"
     return Criterion(what, quantity, at_most(1.0, "proved"), measure, columns)
@@ -29,8 +28,7 @@ def allowed(what: str) -> Criterion:
 
 def sharp(group: pd.DataFrame) -> Measured:
     """What the duality gaps allow for both."""
-    bounds = group[list(BOUNDS)].to_numpy().max(axis=1)
-    return float(bounds.max()), (float(bounds.min()), float(bounds.max()))
+    return greatest(group[list(BOUNDS)].to_numpy().max(axis=1))
 
 
 class SameMesh(OnOneMesh):

@@ -1,4 +1,13 @@
-"""When Proposition 5.3 holds: errors fall level by level and leave no room for a positive limit."""
+"""Proposition 5.3: ‖u − u^h‖_{L∞(0,T;V)} → 0, however rough the solution.
+
+**Measured** as for Proposition 5.4 (``prop_5_4.measure``), on exact solutions that miss its regularity: singular
+corners, fronts, interfaces that the mesh does not meet, loads that are hardly continuous in time.
+
+**Judged.** No rate is claimed, so none is asked for: errors fall from level to level, and a fit
+e = e∞ + C h^s leaves no room for a positive limit e∞. The order seen is compared with the one that the regularity
+predicts. The place of a front that rests within its cell alternates between levels, so orders are taken over two
+refinements. Meshes graded towards a corner regain the order 1.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +17,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from study.ledger.criterion import Criterion, Groups, Measured, by_family
-from study.ledger.measures import ENOUGH, between_levels, exactly
+from study.ledger.measures import ENOUGH, between_levels, exactly, greatest_ratio
 from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
 from study.ledger.window import around, at_most
@@ -43,19 +52,13 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Criterion, Group
     uniform = {name: group for name, group in groups.items() if name != GRADED}
     graded = {name: group for name, group in groups.items() if name == GRADED}
     falling = at_most(0.999, "on every level")
-    yield Criterion("falling", "ratio of consecutive errors", falling, _ratios, ("error",), LEVELS), groups
+    yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
     yield _limit(expected), uniform
     yield _order("order", "order seen", expected), uniform
     if graded:
         yield _order("order-graded", "order seen on graded meshes", 1.0), graded
     for criterion in (SIZES, *EVIDENCE):
         yield criterion, groups
-
-
-def _ratios(group: pd.DataFrame) -> Measured:
-    errors = group["error"].to_numpy()
-    found = errors[1:] / errors[:-1]
-    return float(found.max()), (float(found.min()), float(found.max()))
 
 
 def _limit(expected: float) -> Criterion:
