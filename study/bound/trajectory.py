@@ -19,13 +19,12 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sps
-from skfem import Mesh
 
-from manufactured.law import Linear
 from manufactured.tensors import Array
 from study.bound.discretisation import BoundError, Discretisation
+from study.fem.mesh import with_midpoints
 from study.fem.space import Space
-from study.solve.evolution import Scheme, SemiDiscrete
+from study.solve.evolution import Scheme, SemiDiscrete, remainder
 from study.solve.signorini import Signorini
 from study.solve.tableau import MIDPOINT
 
@@ -67,21 +66,13 @@ def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
     """
     mesh, refined = space.mesh, sps.csr_array(sps.eye_array(space.mesh.p.shape[1]))
     while mesh.t.shape[1] < discretisation.mesh.t.shape[1]:
-        refined = sps.csr_array(_with_midpoints(mesh) @ refined)
+        refined = sps.csr_array(with_midpoints(mesh) @ refined)
         mesh = mesh.refined()
     if not np.array_equal(mesh.p, discretisation.mesh.p):
         raise BoundError("the mesh of ũ is no refinement of the mesh of u_h")
-    scalar = _with_midpoints(discretisation.mesh) @ refined
+    scalar = with_midpoints(discretisation.mesh) @ refined
     full = sps.csr_array(sps.kron(scalar, sps.eye_array(2)))
     return sps.csr_array(full[discretisation.displacements.free][:, space.free])
-
-
-def _with_midpoints(mesh: Mesh) -> sps.csr_array:
-    """Vertex values of a P1 function ↦ those at the vertices and the midpoints of the edges."""
-    count, edges = mesh.p.shape[1], mesh.facets.shape[1]
-    rows = np.repeat(np.arange(edges), 2)
-    midpoints = sps.csr_array((np.full(2 * edges, 0.5), (rows, mesh.facets.T.ravel())), shape=(edges, count))
-    return sps.csr_array(sps.vstack([sps.eye_array(count), midpoints]))
 
 
 class Trajectory(Protocol):
@@ -138,16 +129,10 @@ def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete
     """Problem 5.1 on displacements of degree 2 with the load (P f, ·)_V."""
     G, V = discretisation.data.law.G, discretisation.displacements
     factor = G.factor(V.points)
-    at_points = G.scaled(factor)
-
-    def remainder(v: Array) -> Array:
-        strain = V.strain(v)
-        return V.functional(at_points(strain) - factor * np.tensordot(G.reference, strain, axes=1))
-
     return SemiDiscrete(
         M=discretisation.M,
         reference=V.form(G.reference, factor),
-        remainder=None if isinstance(G, Linear) else remainder,
+        remainder=remainder(V, G, factor),
         N=V.N,
         load=discretisation.load,
         u0=u0,

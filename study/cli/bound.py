@@ -8,10 +8,11 @@ from pathlib import Path
 import pandas as pd
 from tqdm import tqdm
 
+from manufactured.self_proof import prove
 from study.bound.bounded import BoundedSolution, bounded_solution, check_bound, levels, series, text, write
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
-from study.cli.common import FAILED, OK, Commands, progress_bar, prove
+from study.cli.common import FAILED, OK, Commands, progress_bar
 from study.fem.naming import choose, family_named, resolve_data
 from study.present.figures import draw_one, enclosure
 from study.run.resources import available, require
@@ -41,7 +42,7 @@ def do_bound(options: argparse.Namespace) -> int:
     refined = Refined(options.refine, options.shorter)
     check_force(case)
     if case:
-        prove(case)
+        prove(case.solution, f"case {case.name}")
     check_bound(data, family, options.levels, options.steps, refined)
     plan = {level: options.steps or rate_steps(data.body.T, level) for level in options.levels}
     finest = max(plan)

@@ -11,8 +11,6 @@ from typing import Protocol
 
 from tqdm import tqdm
 
-from manufactured.case import Case
-from manufactured.self_proof import SelfProofError, examine
 from study.ledger.errors import UsageError
 from study.ledger.verdict import HOLDS, REPORTED, Verdict
 from study.present.figures import Drawing, draw_figures
@@ -47,12 +45,6 @@ def check_jobs(jobs: int) -> None:
     """Raise UsageError for fewer than one process."""
     if jobs < 1:
         raise UsageError(f"--jobs must be 1 or more, got {jobs}")
-
-
-def prove(case: Case) -> None:
-    """Refuse a case that is not an exact solution; SelfProofError says where."""
-    if failed := [finding for finding in examine(case.solution) if not finding.passes]:
-        raise SelfProofError(f"case {case.name}", failed)
 
 
 def progress_bar(total: int) -> tqdm:

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from study.cli.common import OK, Commands, progress_bar, prove
+from manufactured.self_proof import prove
+from study.cli.common import OK, Commands, progress_bar
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
 from study.present.show import count_images, draw_show
@@ -27,7 +28,7 @@ def do_show(options: argparse.Namespace) -> int:
     level = LEVELS[case.solution.body.dim] if options.level is None else options.level
     if level < 2:
         raise UsageError(f"--level must be 2 or more, got {level}")
-    prove(case)
+    prove(case.solution, f"case {case.name}")
     directory = options.out / case.name
     with progress_bar(STEPS + 1) as bar:
         bar.set_description(case.name)

@@ -83,11 +83,9 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Observation:
-    """A quantity about which no claim is made.
+    """A quantity about which no claim is made, for a reason.
 
-    Attributes:
-        criterion: the quantity, with the prediction as its window, or an unbounded one without a prediction.
-        reason: why none is made.
+    The window of its criterion is the prediction, an unbounded one if there is none.
     """
 
     criterion: Criterion

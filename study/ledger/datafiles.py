@@ -52,22 +52,18 @@ def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFra
     Raises:
         DataError: there is no such file, it is not a table, it ends within a line, or it lacks a column.
     """
-    path = directory / "data" / name
+    path, again = directory / "data" / name, f"make it again with `study run --out {directory}`"
     if not path.is_file():
         raise DataError(f"{path} is missing: make it with `study run --out {directory}`")
     try:
         frame = pd.read_csv(path, dtype=dict.fromkeys(TEXT, str))
     except (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError) as error:
-        raise DataError(f"{path} is not a table ({error}): make it again with `study run --out {directory}`") from error
+        raise DataError(f"{path} is not a table ({error}): {again}") from error
     if not path.read_bytes().endswith(b"\n"):
-        raise DataError(
-            f"{path} is truncated, its last line has no end: make it again with `study run --out {directory}`"
-        )
+        raise DataError(f"{path} is truncated, its last line has no end: {again}")
     lacking = [column for column in columns if column not in frame]
     if lacking:
-        raise DataError(
-            f"{path} lacks the columns {', '.join(lacking)}: make it again with `study run --out {directory}`"
-        )
+        raise DataError(f"{path} lacks the columns {', '.join(lacking)}: {again}")
     return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT], ""))
 
 
@@ -138,8 +134,7 @@ def read_rates(directory: Path) -> pd.DataFrame:
     rates = read_csv(directory, "rates.csv", RATES)
     series = [frame.sort_values("level") for _, frame in rates.groupby(SERIES, sort=False)]
     rates = pd.concat(series, ignore_index=True) if series else rates
-    orders = [since_before(frame["h"].to_numpy(), frame["discrete_error"].to_numpy()) for frame in series]
-    return rates.assign(discrete_order=np.concatenate(orders) if orders else [])
+    return rates.assign(discrete_order=in_series(rates, "discrete_error"))
 
 
 def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
@@ -181,12 +176,17 @@ def read_claims(directory: Path) -> pd.DataFrame:
 
 def with_orders(table: pd.DataFrame) -> pd.DataFrame:
     """Rows with the order of their error since the level before, in the column ``order`` behind the time share."""
-    found = table.assign(order=np.nan)
+    found = table.copy()
+    found.insert(table.columns.tolist().index("time_share") + 1, "order", in_series(table, "error"))
+    return found
+
+
+def in_series(table: pd.DataFrame, column: str) -> pd.Series:
+    """Orders of a column of every series since the level before."""
+    found = pd.Series(np.nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
-        found.loc[group.index, "order"] = since_before(group["h"].to_numpy(), group["error"].to_numpy())
-    columns = list(table.columns)
-    columns.insert(columns.index("time_share") + 1, "order")
-    return found[columns]
+        found[group.index] = since_before(group["h"].to_numpy(), group[column].to_numpy())
+    return found
 
 
 def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -33,12 +33,7 @@ def orders(h: Array, error: Array) -> Array:
 
 @dataclass(frozen=True)
 class Fit:
-    """log e = log C + p log h by least squares.
-
-    Attributes:
-        order: p.
-        low, high: Student interval of p at 95 %; infinite for two levels.
-    """
+    """log e = log C + p log h by least squares: p and its Student interval at 95 %, infinite for two levels."""
 
     order: float
     low: float

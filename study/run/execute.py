@@ -90,7 +90,8 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
                     running[pool.executor.submit(work, job)] = job
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     job = running.pop(future)
-                    if _by_a_dead_worker(future) and job.key not in suspects:
+                    killed = not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
+                    if killed and job.key not in suspects:
                         suspects.add(job.key)
                         waiting.append(job)
                     else:
@@ -100,10 +101,6 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
             future.cancel()
     if failed:
         raise JobsError("\n".join([f"{len(failed)} job(s) failed, the rest is kept:", *failed]))
-
-
-def _by_a_dead_worker(future: Future[Mapping[str, Any]]) -> bool:
-    return not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
 
 
 def _end(job: Job, future: Future[Mapping[str, Any]], store: Store, notify: Notify) -> list[str]:

@@ -15,12 +15,7 @@ from study.statements.shared.base import Setting, Statement
 
 @dataclass(frozen=True)
 class Job:
-    """What a statement measures in one setting; small, and can be sent to other processes.
-
-    Attributes:
-        statement: what is measured.
-        setting: where.
-    """
+    """What a statement measures in one setting; small, and can be sent to other processes."""
 
     statement: Statement
     setting: Setting

@@ -20,12 +20,7 @@ from study.statements.shared.scope import Levels, Scope
 
 @dataclass(frozen=True)
 class Plan:
-    """What a run computes.
-
-    Attributes:
-        scope: what it is about.
-        jobs: what is measured.
-    """
+    """What a run computes: the jobs of a study of some scope."""
 
     scope: Scope
     jobs: tuple[Job, ...]

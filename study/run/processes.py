@@ -14,14 +14,11 @@ T = TypeVar("T")
 
 
 class Processes(Executor):
-    """A ``ProcessPoolExecutor`` that outlives its workers, and whose workers do not outlive it.
+    """A ``ProcessPoolExecutor`` of so many ``workers`` that outlives them, and that they do not outlive.
 
     When a worker is killed, the standard pool is broken for good: what was submitted raises ``BrokenExecutor``. Here
     the next submission starts new workers. And when this process is killed itself, its workers end instead of waiting
     for work for ever.
-
-    Attributes:
-        workers: the number of processes.
     """
 
     def __init__(self, workers: int) -> None:

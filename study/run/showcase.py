@@ -11,14 +11,13 @@ import numpy as np
 
 from manufactured.case import Case
 from manufactured.tensors import Array, full
-from study.fem.mesh import FAMILIES
-from study.ledger.errors import UsageError
 from study.ledger.files import write_text
 from study.ledger.mesh_series import MeshFields, MeshSeries
 from study.run import resources
 from study.solve.motion import Frame, Motion, von_mises
 from study.statements import pictures
 from study.statements.shared import estimates
+from study.statements.shared.scope import serving
 
 EVERY = 2
 """One of so many frames is shown."""
@@ -43,13 +42,11 @@ def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[],
         StoreError: the directory cannot be written; said before anything is solved.
         MeshError: the mesh of this level does not fit the body.
     """
-    body = case.solution.body
-    serving = [family for family in (pictures.FAMILY, *FAMILIES) if family.serves(body)]
-    if not serving:
-        raise UsageError(f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped")
-    resources.require(f"level {level}", estimates.displacement(body.dim, level, serving[0].name), resources.available())
+    dim = case.solution.body.dim
+    family = pictures.FAMILY if dim == 2 else serving(case)[0]
+    resources.require(f"level {level}", estimates.displacement(dim, level, family.name), resources.available())
     write_text(directory / ".writable", "").unlink()
-    motion = Motion.of(case.solution, serving[0], level, STEPS, notify)
+    motion = Motion.of(case.solution, family, level, STEPS, notify)
     return Showcase(pictures.record(case.name, motion, EVERY), mesh_series(motion, EVERY))
 
 

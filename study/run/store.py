@@ -30,11 +30,7 @@ FORMAT = 2
 
 @dataclass(frozen=True)
 class Store:
-    """The data directory of a run.
-
-    Attributes:
-        directory: DIR; jobs live in DIR/data/jobs.
-    """
+    """The data directory of a run, DIR/data, with its jobs in DIR/data/jobs; ``directory`` is DIR."""
 
     directory: Path
 

@@ -21,7 +21,7 @@ import scipy.sparse as sps
 from manufactured.law import Elasticity, KelvinVoigt, Linear
 from manufactured.tensors import Array
 from study.fem.material import form, means
-from study.fem.space import Space
+from study.fem.space import Displacements, Space
 from study.solve.fixed_point import FixedPointError, fixed_point
 from study.solve.signorini import ContactSolver, Signorini
 from study.solve.solver_choice import ROUNDING, contact_solver
@@ -56,10 +56,11 @@ class SemiDiscrete:
     @classmethod
     def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> SemiDiscrete:
         """The problem for a law, a load and a start on a space."""
+        factor = means(space, law.G.factor)
         return cls(
             M=form(space, law.A),
-            reference=form(space, law.G),
-            remainder=None if isinstance(law.G, Linear) else _remainder(space, law.G),
+            reference=space.form(law.G.reference, factor),
+            remainder=remainder(space, law.G, factor),
             N=space.N,
             load=load,
             u0=u0,
@@ -71,20 +72,27 @@ class SemiDiscrete:
         """u_0^h; no contact force is known there."""
         return State(0.0, self.u0, np.zeros(self.N.shape[0]), 0.0, 0)
 
+    def elastic(self, v: Array) -> Array:
+        """(G ε(v), ε(·))_Q, (n,)."""
+        linear: Array = self.reference @ v
+        return linear if self.remainder is None else linear + self.remainder(v)
+
     def stepper(self, scheme: Tableau, k: float) -> ContactStep:
         """(n, the states before) ↦ the state at t_n."""
         return ContactStep(self, scheme, k)
 
 
-def _remainder(space: Space, G: Elasticity) -> Callable[[Array], Array]:
-    factor = means(space, G.factor)
-    on_cells = G.scaled(factor)
+def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[Array], Array] | None:
+    """What G differs by from its reference, as ``SemiDiscrete`` has it, for its factor where strains are stored."""
+    if isinstance(G, Linear):
+        return None
+    at_points = G.scaled(factor)
 
-    def remainder(v: Array) -> Array:
+    def difference(v: Array) -> Array:
         strain = space.strain(v)
-        return space.functional(on_cells(strain) - factor * (G.reference @ strain))
+        return space.functional(at_points(strain) - factor * np.tensordot(G.reference, strain, axes=1))
 
-    return remainder
+    return difference
 
 
 def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[tuple[State, Array]]:

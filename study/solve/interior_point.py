@@ -14,12 +14,7 @@ SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
 
 
 class Accuracy(NamedTuple):
-    """When a programme counts as solved.
-
-    Attributes:
-        gap: duality gap, absolute or relative.
-        feasibility: relative residuals of the constraints and of the gradient.
-    """
+    """When a programme counts as solved: duality gap, absolute or relative, and relative residuals of feasibility."""
 
     gap: float
     feasibility: float

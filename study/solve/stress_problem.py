@@ -32,15 +32,7 @@ from study.solve.stress_programme import Programme, StressState
 
 @dataclass(frozen=True, eq=False)
 class StressProblem:
-    """Problem 3.2 on the strains of one V^h.
-
-    Attributes:
-        space: V^h.
-        law: A and G.
-        N: K^h = {v : Nv ≤ 0}, (m, n_dofs).
-        load: t ↦ F(t), (n_dofs,).
-        u0: u_0^h, (n_dofs,).
-    """
+    """Problem 3.2 on the strains of one V^h: A and G, N (m, n_dofs) of K^h, t ↦ F(t) and u_0^h, (n_dofs,)."""
 
     space: Space
     law: KelvinVoigt

@@ -52,12 +52,9 @@ OPEN = "the source leaves it open (no number: not to be seen; undecided: a wide 
 
 @dataclass(frozen=True)
 class ParameterFit:
-    """Parameters of a least-squares fit.
+    """Parameters of a least-squares fit with half widths of their Student intervals at 95 %.
 
-    Attributes:
-        values: the parameters.
-        half: half widths of their Student intervals at 95 %.
-        misfit: root mean square of the residuals.
+    ``misfit`` is the root mean square of the residuals.
     """
 
     values: Array

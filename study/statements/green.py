@@ -43,6 +43,7 @@ from manufactured.law import Linear
 from manufactured.tensors import Array
 from study.fem.gauge import DEGREE, SOLID_DEGREE, Gauge
 from study.fem.independent import work_of_body_force, work_on
+from study.fem.mesh import with_midpoints
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.criterion import judge
@@ -132,10 +133,7 @@ def halved(space: Space, times: int) -> tuple[Space, sps.csr_array]:
     """The space on cells halved some times, and P1 functions as vertex values there, (vertices, vertices of V^h)."""
     mesh, prolong = space.mesh, sps.csr_array(sps.eye_array(space.mesh.p.shape[1]))
     for _ in range(times):
-        edges, count = (mesh.facets if mesh.dim() == 2 else mesh.edges), mesh.p.shape[1]
-        rows = np.repeat(np.arange(edges.shape[1]), 2)
-        middles = sps.csr_array((np.full(len(rows), 0.5), (rows, edges.T.ravel())), shape=(edges.shape[1], count))
-        prolong = sps.csr_array(sps.vstack([sps.eye_array(count), middles]) @ prolong)
+        prolong = sps.csr_array(with_midpoints(mesh) @ prolong)
         mesh = mesh.refined()
     return Space(mesh, space.body), prolong
 

@@ -59,16 +59,10 @@ class OneTrajectory(ListedNumbers):
 
 def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
     """The same problem, to be solved in other ways."""
-
-    def elastic(v: Array) -> Array:
-        """(G ε(v), ε(·))_Q."""
-        force = problem.reference @ v
-        return force if problem.remainder is None else force + problem.remainder(v)
-
     return {
         "random starts": replace(problem, solver=RandomStarts),
         "least squares": replace(problem, solver=LeastSquares),
-        "fixed point": replace(problem, reference=0 * problem.reference, remainder=elastic),
+        "fixed point": replace(problem, reference=0 * problem.reference, remainder=problem.elastic),
         "interior point": replace(problem, solver=InteriorPoint),
     }
 

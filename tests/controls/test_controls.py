@@ -120,7 +120,7 @@ def test_names_of_defects_are_unique_and_no_function_serves_twice() -> None:
 
 
 def verdict(key: str, state: str, observed: float = 0.5) -> Verdict:
-    return row(FirstOrder(), key, f"the {key}", around(1, 0.15), observed, (observed, observed), state, "a")
+    return row(FirstOrder(), key, f"the {key}", around(1, 0.15), (observed, (observed, observed), state), "a")
 
 
 def test_the_named_row_is_shown_and_any_other_one_that_fails_counts_as_well() -> None:

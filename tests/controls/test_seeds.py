@@ -78,7 +78,7 @@ def test_the_study_of_a_seed_is_the_quick_one_but_for_the_seed() -> None:
 def judged(key: str, seed: int, state: str, observed: float = 1.0) -> Verdict:
     """A row about the meshes of a seed."""
     span, family = (observed, observed), f"shaken-{seed}"
-    return row(FirstOrder(), key, f"the {key}", around(1, 0.1), observed, span, state, "advance-recede", family)
+    return row(FirstOrder(), key, f"the {key}", around(1, 0.1), (observed, span, state), "advance-recede", family)
 
 
 VERDICT = judged("order", 0, HOLDS)

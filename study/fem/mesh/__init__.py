@@ -5,7 +5,7 @@ begins or ends. Every point at which the boundary condition changes must be a ve
 interface a union of facets; a mesh that violates this is refused.
 """
 
-from study.fem.mesh.geometry import Skin, barycentric_gradients, cell_volumes, facet_measures, size
+from study.fem.mesh.geometry import Skin, barycentric_gradients, cell_volumes, facet_measures, size, with_midpoints
 from study.fem.mesh.meshed_body import MeshedBody, MeshError, MeshFamily, boundary_parts
 from study.fem.mesh.structured import CrissCross, OneDiagonal, Shaken
 from study.fem.mesh.unstructured import Graded, Unstructured
@@ -29,4 +29,5 @@ __all__ = [
     "cell_volumes",
     "facet_measures",
     "size",
+    "with_midpoints",
 ]

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from math import factorial
 
 import numpy as np
+import scipy.sparse as sps
 from skfem import Mesh, MeshTet, MeshTri
 
 from manufactured.tensors import Array, Points
@@ -53,6 +54,14 @@ def _edges(points: Points, simplices: Array) -> Array:
     """The edges from the first vertex of simplices (k+1, n), (n, k, d)."""
     corners = points[:, simplices]
     return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0).swapaxes(1, 2)
+
+
+def with_midpoints(mesh: Mesh) -> sps.csr_array:
+    """Vertex values of a P1 function ↦ those at the vertices and midpoints of edges, which ``mesh.refined()`` has."""
+    edges, count = (mesh.facets if mesh.dim() == 2 else mesh.edges), mesh.p.shape[1]
+    rows = np.repeat(np.arange(edges.shape[1]), 2)
+    midpoints = sps.csr_array((np.full(len(rows), 0.5), (rows, edges.T.ravel())), shape=(edges.shape[1], count))
+    return sps.csr_array(sps.vstack([sps.eye_array(count), midpoints]))
 
 
 def nearest(points: Points, segment: Array) -> Array:

@@ -42,12 +42,7 @@ COLUMNS = (*COMPUTED, *BOUNDED, *PARTS)
 class Posed:
     """What a computed displacement approximates: the data of a case, or of a problem whose solution is unknown.
 
-    Attributes:
-        name: of the case or problem.
-        data: Ω, A, G, f_0, f_2, u_0 and T.
-        order: the predicted order, not a number where none is predicted.
-        pace: how fast things happen in time.
-        case: the case, where the solution is known.
+    ``order`` is the predicted one, not a number where none is predicted; ``pace`` says how fast things happen in time.
     """
 
     name: str

@@ -34,11 +34,9 @@ TIMES = 96
 
 @dataclass(frozen=True)
 class BoundSetting(Setting):
-    """One row of ``bounds.csv``; ``case`` may be the name of a problem whose solution is unknown.
+    """One row of ``bounds.csv``: also the name of the scheme of u_h, and where ũ comes from.
 
-    Attributes:
-        scheme: name of the time scheme of u_h.
-        by: where ũ comes from.
+    ``case`` may be the name of a problem whose solution is unknown.
     """
 
     scheme: str

@@ -51,11 +51,11 @@ class Rates(Statement):
 
     def cost(self, setting: RateSetting) -> float:
         """By cells and steps; a cell in space costs more: more components, a denser factor."""
-        dim = resolve(setting.case).solution.body.dim
-        return float(setting.level**dim * setting.steps) * (7 if dim == 2 else 150) * estimates.cells(setting.family)
+        cells = setting.level**setting.dim * estimates.cells(setting.family)
+        return float(cells * setting.steps) * (7 if setting.dim == 2 else 150)
 
     def memory(self, setting: RateSetting) -> float:
-        return estimates.displacement(resolve(setting.case).solution.body.dim, setting.level, setting.family)
+        return estimates.displacement(setting.dim, setting.level, setting.family)
 
     def steps(self, setting: RateSetting) -> int:
         return setting.steps

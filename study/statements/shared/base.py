@@ -24,6 +24,11 @@ class Setting:
     family: str
     level: int
 
+    @property
+    def dim(self) -> int:
+        """The dimension of the body."""
+        return resolve(self.case).solution.body.dim
+
 
 class Statement:
     """A numbered statement of the source, or a question beyond it; two of one class are equal.
@@ -116,12 +121,11 @@ class ListedNumbers(Statement):
 
     def cost(self, setting: Setting) -> float:
         """By level and dimension alone."""
-        dim = resolve(setting.case).solution.body.dim
-        return float(setting.level**2) * (230 if dim == 2 else 30_000)
+        return float(setting.level**2) * (230 if setting.dim == 2 else 30_000)
 
     def memory(self, setting: Setting) -> float:
         """The largest of all such statements."""
-        return estimates.statement(resolve(setting.case).solution.body.dim, setting.level)
+        return estimates.statement(setting.dim, setting.level)
 
 
 def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -> list[Setting]:

@@ -8,10 +8,11 @@ from functools import lru_cache
 from manufactured.body import Body
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
-from study.fem.mesh import FAMILIES, MeshError, MeshFamily, boundary_parts
+from study.fem.mesh import MeshError, MeshFamily, boundary_parts
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.statements.shared.base import Setting
+from study.statements.shared.scope import serving
 
 
 def space_of(setting: Setting) -> Space:
@@ -22,7 +23,7 @@ def space_of(setting: Setting) -> Space:
 
 def families(case: Case) -> list[str]:
     """Names of the families that can mesh the body of a case, structured ones first."""
-    return [family.name for family in FAMILIES if family.serves(case.solution.body)]
+    return [family.name for family in serving(case)]
 
 
 COARSEST = 16

@@ -12,6 +12,13 @@ from study.ledger.errors import UsageError
 from study.solve.steps import rate_steps
 
 
+def serving(case: Case) -> list[MeshFamily]:
+    """The families that can mesh the body of a case, structured ones first; UsageError if there are none."""
+    if found := [family for family in FAMILIES if family.serves(case.solution.body)]:
+        return found
+    raise UsageError(f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped")
+
+
 @dataclass(frozen=True)
 class Levels:
     """The levels for one kind of case: on every mesh family that is used, and finer ones on its first family only."""
@@ -83,10 +90,7 @@ class Scope:
         if len(set(names)) < len(names):
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
         for case in self.resolved():
-            if not any(family.serves(case.solution.body) for family in FAMILIES):
-                raise UsageError(
-                    f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped"
-                )
+            serving(case)
 
     def steps(self, case: Case, level: int) -> int:
         """Time steps at a level: of the size asked for, or as many as the case's pace says."""
@@ -95,16 +99,16 @@ class Scope:
 
     def families_of(self, case: Case) -> list[MeshFamily]:
         """The mesh families a case is measured on, graded ones where there are."""
-        serving = [family for family in FAMILIES if family.serves(case.solution.body)]
+        families = serving(case)
         if self.every_family:
-            return serving
+            return families
         if case.solution.body.refine:
-            return [serving[0], serving[-1]]
+            return [families[0], families[-1]]
         # Where fronts may lie anywhere in a cell, as on random meshes, rough cases need finer levels.
         if case.solution.body.dim == 3 or not case.regularity.satisfies_5_36:
-            return serving[:1]
+            return families[:1]
         turn = [other.name for other in self.resolved()].index(case.twin or case.name)
-        return [serving[turn % len(serving)]]
+        return [families[turn % len(families)]]
 
     def levels_of(self, case: Case) -> Levels:
         """The levels of a case."""

@@ -87,11 +87,10 @@ class OnOneMesh(Statement):
         return compare(resolve(setting.case), family_named(setting.family), setting.level, self.steps(setting))
 
     def cost(self, setting: Setting) -> float:
-        dim = resolve(setting.case).solution.body.dim
-        return float(setting.level**dim * self.steps(setting)) * (70 if dim == 2 else 1000)
+        return float(setting.level**setting.dim * self.steps(setting)) * (70 if setting.dim == 2 else 1000)
 
     def memory(self, setting: Setting) -> float:
-        return estimates.equivalence(resolve(setting.case).solution.body.dim, setting.level, setting.family)
+        return estimates.equivalence(setting.dim, setting.level, setting.family)
 
     def steps(self, setting: Setting) -> int:
         """Two for every cell along a side."""

@@ -65,11 +65,7 @@ class Sides:
 
 @dataclass(frozen=True, eq=False)
 class Derived(StressProblem):
-    """What Problem 3.2 must not be: stresses that the law gives for the displacements of a Problem 3.1.
-
-    Attributes:
-        displacements: that Problem 3.1.
-    """
+    """What Problem 3.2 must not be: stresses that the law gives for the ``displacements`` of a Problem 3.1."""
 
     displacements: SemiDiscrete
 
@@ -92,9 +88,7 @@ class Derived(StressProblem):
 class Independence(NamedTuple):
     """How much of a mistake in Problem 3.1 alone its gaps to Problem 3.2 show: 1 all of it, 0 nothing.
 
-    Attributes:
-        displacement_shown: in ‖·‖_V of displacements.
-        stress_shown: in ‖·‖_Q of stresses.
+    Of displacements in ‖·‖_V, of stresses in ‖·‖_Q.
     """
 
     displacement_shown: float
