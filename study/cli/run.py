@@ -10,9 +10,8 @@ from pathlib import Path
 from study.cli.common import Commands, check_jobs, draw, exit_code, jobs_option, measure, out_option
 from study.fem.naming import absolute, choose
 from study.present.figures import drawings, overview
-from study.present.junit import write_junit
+from study.present.outcome import ledger_text, rates_text, write_junit
 from study.present.tables import write_tables
-from study.present.terminal import ledger_text, rates_text
 from study.run.cluster import connected
 from study.run.execute import Pool, refuse_too_large, unfinished
 from study.run.judgement import check as judge

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields
 from pathlib import Path
@@ -47,22 +47,26 @@ class DataError(ValueError):
 
 
 def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFrame:
-    """The table ``directory/data/name`` with at least the given columns; empty text is "".
+    """The table ``directory/data/name`` of a run; otherwise as ``read_table``."""
+    return read_table(directory / "data" / name, columns, f"study run --out {directory}")
+
+
+def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFrame:
+    """The table that a command has written to a path, with at least the given columns; empty text is "".
 
     Raises:
         DataError: there is no such file, it is not a table, it ends within a line, or it lacks a column.
     """
-    path, again = directory / "data" / name, f"make it again with `study run --out {directory}`"
     if not path.is_file():
-        raise DataError(f"{path} is missing: make it with `study run --out {directory}`")
+        raise DataError(f"{path} is missing: make it with `{command}`")
+    again = f"make it again with `{command}`"
     try:
         frame = pd.read_csv(path, dtype=dict.fromkeys(TEXT, str))
     except (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError) as error:
         raise DataError(f"{path} is not a table ({error}): {again}") from error
     if not path.read_bytes().endswith(b"\n"):
         raise DataError(f"{path} is truncated, its last line has no end: {again}")
-    lacking = [column for column in columns if column not in frame]
-    if lacking:
+    if lacking := [column for column in columns if column not in frame]:
         raise DataError(f"{path} lacks the columns {', '.join(lacking)}: {again}")
     return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT], ""))
 
@@ -172,6 +176,17 @@ def read_claims(directory: Path) -> pd.DataFrame:
     if unknown:
         raise DataError(f"{directory / 'data' / 'claims.csv'}: verdicts {unknown}, known are {', '.join(VERDICTS)}")
     return claims
+
+
+def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
+    """How many rows of the ledger have each verdict."""
+    return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
+
+
+def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
+    """Label, claim and rows of each statement, in the order of the ledger; a label may stand for several claims."""
+    for (label, claim), rows in claims.groupby(["label", "statement"], sort=False):
+        yield str(label), str(claim), rows
 
 
 def with_orders(table: pd.DataFrame) -> pd.DataFrame:

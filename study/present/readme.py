@@ -2,134 +2,126 @@
 
 from __future__ import annotations
 
-import json
 import sys
 from collections.abc import Iterable
-from dataclasses import dataclass
 from pathlib import Path
 
 import pandas as pd
 
-from study.ledger.datafiles import SEEDS, DataError, caught, raised, read_claims, read_csv
+from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, raised
 from study.ledger.files import write_text
 from study.ledger.rounding import above, below, up
-from study.ledger.verdict import REPORTED, VERDICTS
+from study.ledger.verdict import REPORTED
+from study.present.article.source import FullRun
 
 
-@dataclass(frozen=True)
-class Headlines:
-    """The data behind the rows.
+def headline(directory: Path) -> str:
+    """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if data lack."""
+    rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, _regularity, _defects, _seeds)
+    data = _full_run(directory)
+    return _markdown(["claim", "predicted", "observed", "verdict"], [row(data) for row in rows])
 
-    ``expected`` is the order that is predicted for a case, ``proved`` the one that the proof of Prop. 5.4 gives.
-    """
 
-    directory: Path
-    claims: pd.DataFrame
-    expected: pd.Series
-    proved: pd.Series
+def _full_run(directory: Path) -> FullRun:
+    data = FullRun.read(directory)
+    if data is None:
+        raise DataError(
+            f"{directory} holds no full run with its controls and other seeds: make it with `make full`, "
+            "`make controls` and `make seeds`"
+        )
+    return data
 
-    @classmethod
-    def read(cls, directory: Path) -> Headlines:
-        """The data of a full run with controls and seeds; DataError if a file is missing."""
-        cases = read_csv(directory, "cases.csv", ["case", "expected_order", "proved_order"]).set_index("case")
-        orders = cases[["expected_order", "proved_order"]].astype(float)
-        return cls(directory, read_claims(directory), orders["expected_order"], orders["proved_order"])
 
-    def lines(self) -> list[list[str]]:
-        """All rows; DataError if the ledger lacks those of one."""
-        proved = [self.prop_5_4(), self.prop_5_3(), self.same_mesh(), self.own_space()]
-        return [*proved, self.bound(), self.regularity(), self.defects(), self.seeds()]
+def _prop_5_4(data: FullRun) -> list[str]:
+    fitted = data.rows("Prop. 5.4", "order-fitted")
+    return [
+        f"Proposition 5.4: the error ‖u − u^h‖ in L^∞(0,T;V) is O(h), in {fitted['case'].nunique()} cases",
+        "order 1",
+        # The ends of a fit are those of its interval, in which its value is judged.
+        f"fitted orders {_outwards(fitted['observed'].min(), fitted['observed'].max())}, level by level "
+        + _range(data.rows("Prop. 5.4", "order")),
+        _verdict(data, "Prop. 5.4"),
+    ]
 
-    def prop_5_4(self) -> list[str]:
-        fitted = self._rows("Prop. 5.4", "order-fitted")
-        return [
-            f"Proposition 5.4: the error ‖u − u^h‖ in L^∞(0,T;V) is O(h), in {fitted['case'].nunique()} cases",
-            "order 1",
-            # The ends of a fit are those of its interval, in which its value is judged.
-            f"fitted orders {_outwards(fitted['observed'].min(), fitted['observed'].max())}, level by level "
-            + _range(self._rows("Prop. 5.4", "order")),
-            self._verdict("Prop. 5.4"),
-        ]
 
-    def prop_5_3(self) -> list[str]:
-        seen = self._rows("Prop. 5.3", "order")
-        expected = self.expected[seen["case"].unique()]
-        limit = above(100 * self._rows("Prop. 5.3", "limit")["high"].max(), 0)
-        return [
-            f"Proposition 5.3: convergence, however rough, in {seen['case'].nunique()} cases",
-            f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
-            f"a positive limit is at most {limit} % of the errors on the two finest meshes; orders {_range(seen)}",
-            self._verdict("Prop. 5.3"),
-        ]
+def _prop_5_3(data: FullRun) -> list[str]:
+    seen = data.rows("Prop. 5.3", "order")
+    expected = data.cases.loc[seen["case"], "expected_order"]
+    limit = above(100 * data.rows("Prop. 5.3", "limit")["high"].max(), 0)
+    return [
+        f"Proposition 5.3: convergence, however rough, in {seen['case'].nunique()} cases",
+        f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
+        f"a positive limit is at most {limit} % of the errors on the two finest meshes; orders {_range(seen)}",
+        _verdict(data, "Prop. 5.3"),
+    ]
 
-    def same_mesh(self) -> list[str]:
-        gaps = read_csv(self.directory, "equivalence.csv", ["stress_gap", "stress_bound"])
-        return [
-            "Theorem 4.2: displacement and stress formulation have one solution (same mesh, two solvers)",
-            f"equal up to what the solver leaves open, at most {up(gaps['stress_bound'].max(), 2)} by its duality gap",
-            f"stresses differ by at most {up(gaps['stress_gap'].max(), 2)}",
-            self._verdict("Thm 4.2"),
-        ]
 
-    def own_space(self) -> list[str]:
-        label = "Thm 4.2, own space"
-        seen = self._rows(label, "order-stress")
-        seen = seen[seen["case"].map(self.proved) == 1]
-        cases = seen["case"].nunique()
-        return [
-            f"Theorem 4.2, with stresses that know no displacement: they converge to σ, in {cases} cases",
-            "at least 3/2, by regularity, at most 2",
-            f"orders {_range(seen)}",
-            self._verdict(label, set(seen["case"])),
-        ]
+def _same_mesh(data: FullRun) -> list[str]:
+    allowed, seen = (up(data.equivalence[name].max(), 2) for name in ("stress_bound", "stress_gap"))
+    return [
+        "Theorem 4.2: displacement and stress formulation have one solution (same mesh, two solvers)",
+        f"equal up to what the solver leaves open, at most {allowed} by its duality gap",
+        f"stresses differ by at most {seen}",
+        _verdict(data, "Thm 4.2"),
+    ]
 
-    def bound(self) -> list[str]:
-        largest = above(self._rows("bound", "above")["high"].max(), 3)
-        return [
-            "beyond the paper: a computable bound of the error, without the exact solution",
-            "error / bound ≤ 1",
-            f"error / bound at most {largest}",
-            self._verdict("bound"),
-        ]
 
-    def regularity(self) -> list[str]:
-        seen = self._rows("(5.36)", "order")
-        missing = seen[[self.expected[case] == 1 > self.proved[case] for case in seen["case"]]]
-        proved = self.proved[missing["case"]]
-        return [
-            "beyond the paper: is the smoothness (5.36) that the proof of order 1 assumes needed?",
-            f"the proof gives {proved.min():.3g} … {proved.max():.3g} without it",
-            f"orders {_range(missing)}",
-            REPORTED,
-        ]
+def _own_space(data: FullRun) -> list[str]:
+    label = "Thm 4.2, own space"
+    seen = data.rows(label, "order-stress")
+    seen = seen[seen["case"].map(data.cases["proved_order"]) == 1]
+    return [
+        "Theorem 4.2, with stresses that know no displacement: they converge to σ, "
+        f"in {seen['case'].nunique()} cases",
+        "at least 3/2, by regularity, at most 2",
+        f"orders {_range(seen)}",
+        _verdict(data, label, set(seen["case"])),
+    ]
 
-    def defects(self) -> list[str]:
-        found, injected = caught(read_csv(self.directory, "controls.csv", ["defect", "caught"]).fillna(""))
-        verdict = "holds" if found == injected else "fails"
-        claim = "deliberate defects, injected one at a time"
-        return [claim, "each is caught by a row", f"{found} of {injected}", verdict]
 
-    def seeds(self) -> list[str]:
-        found = raised(read_csv(self.directory, "seeds.csv", SEEDS))
-        return [
-            f"other random meshes: what is claimed on shaken meshes, on those of {found.seeds} seeds",
-            "every row holds on all of them",
-            f"{found.alarms} alarms in {found.verdicts} verdicts of {found.rows} rows",
-            "fails" if found.alarms else "holds",
-        ]
+def _bound(data: FullRun) -> list[str]:
+    return [
+        "beyond the paper: a computable bound of the error, without the exact solution",
+        "error / bound ≤ 1",
+        f"error / bound at most {above(data.rows('bound', 'above')['high'].max(), 3)}",
+        _verdict(data, "bound"),
+    ]
 
-    def _rows(self, label: str, key: str) -> pd.DataFrame:
-        of = self.claims[(self.claims["label"] == label) & (self.claims["key"] == key)]
-        if of.empty:
-            raise DataError(f"claims.csv has no row {label}, {key}: make it with `study run --full`")
-        return of
 
-    def _verdict(self, label: str, among: set[str] | None = None) -> str:
-        """How many rows of a statement have each verdict, of all cases or of some."""
-        mine = self.claims[self.claims["label"] == label]
-        verdicts = mine.loc[mine["case"].isin(among or set(mine["case"])), "verdict"]
-        counts = {name: int((verdicts == name).sum()) for name in VERDICTS if name != REPORTED}
-        return ", ".join(f"{name} ({count} rows)" for name, count in counts.items() if count)
+def _regularity(data: FullRun) -> list[str]:
+    seen, orders = data.rows("(5.36)", "order"), data.cases
+    missing = seen[seen["case"].map((orders["expected_order"] == 1) & (orders["proved_order"] < 1))]
+    proved = orders.loc[missing["case"], "proved_order"]
+    return [
+        "beyond the paper: is the smoothness (5.36) that the proof of order 1 assumes needed?",
+        f"the proof gives {proved.min():.3g} … {proved.max():.3g} without it",
+        f"orders {_range(missing)}",
+        REPORTED,
+    ]
+
+
+def _defects(data: FullRun) -> list[str]:
+    found, injected = caught(data.controls)
+    verdict = "holds" if found == injected else "fails"
+    claim = "deliberate defects, injected one at a time"
+    return [claim, "each is caught by a row", f"{found} of {injected}", verdict]
+
+
+def _seeds(data: FullRun) -> list[str]:
+    found = raised(data.seeds)
+    return [
+        f"other random meshes: what is claimed on shaken meshes, on those of {found.seeds} seeds",
+        "every row holds on all of them",
+        f"{found.alarms} alarms in {found.verdicts} verdicts of {found.rows} rows",
+        "fails" if found.alarms else "holds",
+    ]
+
+
+def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:
+    """How many rows of a statement have each verdict, of all cases or of some."""
+    mine = data.claims[data.claims["label"] == label]
+    counts = count_verdicts(mine if among is None else mine[mine["case"].isin(among)])
+    return ", ".join(f"{name} ({count} rows)" for name, count in counts.items() if count and name != REPORTED)
 
 
 def _range(rows: pd.DataFrame) -> str:
@@ -159,21 +151,14 @@ def refresh(readme: Path, directory: Path) -> bool:
     return text != before
 
 
-def headline(directory: Path) -> str:
-    """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if data lack."""
-    return _markdown(["claim", "predicted", "observed", "verdict"], Headlines.read(directory).lines())
-
-
 def statements(directory: Path) -> str:
     """Every statement with its verdicts, the file of the code that judges it and its data, in Markdown."""
-    claims = read_claims(directory)
-    made = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))
-    lines = []
-    for label, rows in claims.groupby("label", sort=False):
-        counts = [f"{n} {name}" for name in VERDICTS if (n := int((rows["verdict"] == name).sum()))]
-        where = made["statements"].get(str(label), {"code": [], "data": "provenance.json"})
+    data, lines = _full_run(directory), []
+    for label, claim, rows in by_claim(data.claims):
+        counts = ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
+        where = data.provenance["statements"].get(label, {"code": [], "data": "provenance.json"})
         code = ", ".join(f"[`{path}`]({path})" for path in where["code"])
-        lines.append([str(label), str(rows["statement"].iloc[0]), ", ".join(counts), code, f"`{where['data']}`"])
+        lines.append([label, claim, counts, code, f"`{where['data']}`"])
     return _markdown(["statement", "says", "verdicts", "code", "data"], lines)
 
 

@@ -13,14 +13,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.ledger.datafiles import DataError, read_claims, read_csv, read_rates, with_order
+from study.ledger.datafiles import read_claims, read_csv, read_rates, with_order
 from study.ledger.files import write_text
 from study.ledger.rounding import cell
 from study.present.article.fragments import write_article
 from study.present.latex import encode, folding, longtable, prose
-from study.present.terminal import ledger_text, rates_text
-
-__all__ = ["DataError", "ledger_text", "rates_text", "write_tables"]
 
 ORDER = "{:.3f}"
 

@@ -156,6 +156,16 @@ def test_enclosures_in_the_table_enclose_those_of_the_data() -> None:
         assert float(high) - float(low) <= 1.02 * (row["highest"] - row["lowest"]) + 0.01 * row["highest"]
 
 
+def test_the_condensed_ledger_has_a_line_for_every_claim_and_counts_them(copy: Path) -> None:
+    """Theorem 4.2 stands for two: that the solutions are equal, and that the comparison would see a difference."""
+    write_article(copy)
+    lines = (copy / "article" / "ledger.tex").read_text(encoding="utf-8").splitlines()
+    claims = read_claims(copy).groupby(["label", "statement"])
+    assert sum(line.count("&") == 7 for line in lines[lines.index(r"\endfoot") :]) == claims.ngroups
+    assert macros(copy)["ledgerStatements"] == str(claims.ngroups)
+    assert sum(line.startswith("Thm 4.2 &") for line in lines) == 2
+
+
 def test_a_defect_of_zero_is_zero(copy: Path) -> None:
     path = copy / "data" / "equivalence.csv"
     rows = pd.read_csv(path).assign(membership=0.0)

@@ -27,8 +27,8 @@ from study.ledger.files import StoreError, write_text, write_whole
 from study.ledger.packing import FINE, Packed
 from study.present.figures import draw_figures, drawings
 from study.present.latex import encode
+from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
-from study.present.terminal import ledger_text, rates_text
 from study.solve.motion import Motion
 from study.statements.pictures import record
 
@@ -430,6 +430,16 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
     assert listed in text.splitlines()
     assert "\nundecided: (3.1), (3.2): Γ3,i" in text
     assert text.endswith("5 rows: 3 hold, 1 fail, 1 undecided, 0 reported without a claim\n")
+
+
+def test_the_ledger_text_has_a_line_for_every_claim_of_a_label(data: Path) -> None:
+    path = data / "data" / "claims.csv"
+    claims = pd.read_csv(path)
+    claims.loc[1, "statement"] = "another claim about Prop. 5.4"
+    claims.to_csv(path, index=False)
+    text = ledger_text(data)
+    assert re.search(r"^Prop. 5.4 +‖u − u\^h‖.* 2 +2$", text, re.MULTILINE)
+    assert re.search(r"^Prop. 5.4 +another claim about Prop. 5.4 +1 +1$", text, re.MULTILINE)
 
 
 def test_the_ledger_text_says_where_there_is_no_number(data: Path) -> None:

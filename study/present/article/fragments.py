@@ -11,10 +11,11 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.ledger.datafiles import DataError
+from study.ledger.datafiles import DataError, by_claim, count_verdicts
 from study.ledger.files import write_text
 from study.ledger.margin import agreement, used, worst
 from study.ledger.rounding import down, up
+from study.ledger.verdict import HOLDS, REPORTED
 from study.present.article.numbers import DISCRETE, macros
 from study.present.article.source import FullRun
 from study.present.latex import encode, encode_letters, folding, longtable, prose, tabular
@@ -44,26 +45,22 @@ def write_article(directory: Path) -> list[Path]:
 
 def ledger(data: FullRun) -> str:
     """One row per statement: how many verdicts of each kind, and the one that uses most of its window."""
-    body = [_statement(str(label), rows) for label, rows in data.claims.groupby("label", sort=False)]
+    body = [_statement(*statement) for statement in by_claim(data.claims)]
     label, statement, quantity = (folding(width) for width in (0.11, 0.215, 0.265))
     headings = ["no.", "what it says", "hold", "not", "rep.", "row nearest to the end of its window", "seen", "window"]
     return longtable(headings, [label, statement, "r", "r", "r", quantity, "r", "l"], [("", body)])
 
 
-def _statement(label: str, rows: pd.DataFrame) -> list[str]:
-    judged = rows[rows["verdict"] != "reported"]
-    missed = int((~judged["verdict"].eq("holds")).sum())
-    counts = [str(int((rows["verdict"] == "holds").sum())), str(missed), str(len(rows) - len(judged))]
+def _statement(label: str, claim: str, rows: pd.DataFrame) -> list[str]:
+    count, judged = count_verdicts(rows), rows[rows["verdict"] != REPORTED]
+    counts = count[HOLDS], len(judged) - count[HOLDS], count[REPORTED]
     shares = judged.apply(used, axis=1).dropna() if len(judged) else pd.Series(dtype=float)
     nearest = ["--", "", ""]
     if len(shares):
         row = judged.loc[shares.idxmax()]
-        nearest = [
-            f"{encode_letters(str(row['quantity']))} ({prose(str(row['case']))})",
-            _number(worst(row)),
-            window_ends(row),
-        ]
-    return [encode_letters(label), encode_letters(str(rows["statement"].iloc[0])), *counts, *nearest]
+        where = f"{encode_letters(str(row['quantity']))} ({prose(str(row['case']))})"
+        nearest = [where, _number(worst(row)), window_ends(row)]
+    return [encode_letters(label), encode_letters(claim), *map(str, counts), *nearest]
 
 
 def catalogue(data: FullRun) -> str:
@@ -102,7 +99,7 @@ def rough(data: FullRun) -> str:
     )
     body = []
     for case in data.rates.loc[data.rates["claim"] == "Prop. 5.3", "case"].drop_duplicates():
-        fact = data.cases.set_index("case").loc[case]
+        fact = data.cases.loc[case]
         orders = [f"{fact[name]:.3g}" for name in ("expected_order", "proved_order")]
         found = [_cell(data, label, key, case, form) for label, key, form in seen]
         body.append([prose(case), _regularity(data, case), *orders, *found])
@@ -207,10 +204,9 @@ def _signed(text: str) -> str:
 
 def _regularity(data: FullRun, case: str) -> str:
     """The exponents of a case, short enough for a column."""
-    text = str(data.cases.set_index("case").loc[case, "regularity"])
-    return encode_letters(
-        text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", ")
-    )
+    text = str(data.cases.loc[case, "regularity"])
+    short = text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", ")
+    return encode_letters(short)
 
 
 def _number(value: float, rounded: Callable[[float, int], str] = _nearest) -> str:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from study.ledger.datafiles import caught, raised
+from study.ledger.datafiles import by_claim, caught, count_verdicts, raised
 from study.ledger.margin import agreement
 from study.ledger.rounding import above, below
 from study.present.article.source import FullRun
@@ -32,11 +32,11 @@ Named = Iterator[tuple[str, str]]
 
 def _ledger(data: FullRun) -> Named:
     """How many rows of the ledger hold, and how many defects were caught."""
-    claims = data.claims
-    yield "ledgerRows", str(len(claims))
-    yield "ledgerStatements", str(claims["label"].nunique())
+    yield "ledgerRows", str(len(data.claims))
+    yield "ledgerStatements", str(len(list(by_claim(data.claims))))
+    counts = count_verdicts(data.claims)
     for verdict in ("holds", "fails", "undecided", "reported"):
-        yield f"ledger{verdict.capitalize()}", str(int((claims["verdict"] == verdict).sum()))
+        yield f"ledger{verdict.capitalize()}", str(counts[verdict])
     found, injected = caught(data.controls)
     yield "controls", str(injected)
     yield "controlsCaught", str(found)
@@ -104,15 +104,13 @@ def _rough(data: FullRun) -> Named:
     yield "limitMost", _percent(data.rows(label, "limit")["high"].max())
     yield "roughQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
     yield from _extremes("graded", data.rows(label, "order-graded"))
-    seen = data.rows("(5.36)", "order").set_index("case")
-    order = data.cases.set_index("case")["expected_order"]
-    missing = [case for case in seen.index if order[case] == 1]
+    seen, proved = data.rows("(5.36)", "order"), data.cases["proved_order"]
+    missing = seen[seen["case"].map(data.cases["expected_order"]) == 1]
     yield "missing", str(len(missing))
-    yield from _extremes("missingSeen", seen.loc[missing])
-    proved = data.cases.set_index("case")["proved_order"]
-    yield "missingProved", f"{proved[missing].min():g}"
+    yield from _extremes("missingSeen", missing)
+    yield "missingProved", f"{proved[missing['case']].min():g}"
     for name, case in (("natural", "natural-front"), ("trace", "rough-trace"), ("moving", "moving-rough")):
-        yield from _extremes(f"{name}Seen", seen.loc[[case]])
+        yield from _extremes(f"{name}Seen", seen[seen["case"] == case])
         yield f"{name}Proved", f"{proved[case]:g}"
 
 

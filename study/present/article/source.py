@@ -1,4 +1,4 @@
-"""The data files that the article speaks of."""
+"""The data files that the article and the README speak of."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import pandas as pd
 from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
 
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
+EQUIVALENCE = ["case", "displacement_gap", "stress_gap", "membership", "displacement_bound", "stress_bound"]
 BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest", "upper", "lower"]
 CONTROLS = ["defect", "what", "label", "quantity", "caught"]
 SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
@@ -20,7 +21,7 @@ SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cub
 
 @dataclass(frozen=True)
 class FullRun:
-    """The data files of a full run, and what it was made with."""
+    """The data files of a full run, cases indexed by their names, and what it was made with."""
 
     rates: pd.DataFrame
     claims: pd.DataFrame
@@ -42,7 +43,7 @@ class FullRun:
         if not all(path.is_file() for path in needed):
             return None
         made = json.loads(needed[0].read_text(encoding="utf-8"))
-        cases = read_csv(directory, "cases.csv", CASES)
+        cases = read_csv(directory, "cases.csv", CASES).set_index("case", drop=False).rename_axis(None)
         if made.get("plan") != "full" or not set(cases["case"]) >= SPOKEN:
             return None
         return cls(
@@ -50,7 +51,7 @@ class FullRun:
             claims=read_claims(directory),
             cases=cases,
             bounds=read_csv(directory, "bounds.csv", BOUNDS),
-            equivalence=read_csv(directory, "equivalence.csv", ["case", "level"]),
+            equivalence=read_csv(directory, "equivalence.csv", EQUIVALENCE),
             controls=read_csv(directory, "controls.csv", CONTROLS).fillna(""),
             seeds=read_csv(directory, "seeds.csv", SEEDS).fillna(""),
             provenance=made,

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from study.ledger.datafiles import DataError
+from study.ledger.datafiles import read_table
 from study.present.charts.chart import logarithmic_ticks
 from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Look
 from study.present.figures.draw_chart import set_ticks
@@ -29,15 +29,7 @@ def read_growth(directory: Path) -> pd.DataFrame | None:
         DataError: it is not what `make bench-growth` writes.
     """
     path = directory / "benchmarks" / "growth.csv"
-    if not path.is_file():
-        return None
-    try:
-        growth = pd.read_csv(path)
-    except (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError) as error:
-        raise DataError(f"{path} is not a table ({error}): make it again with `make bench-growth`") from error
-    if lacking := [column for column in COLUMNS if column not in growth]:
-        raise DataError(f"{path} lacks the columns {', '.join(lacking)}: make it again with `make bench-growth`")
-    return growth.dropna(subset=[*COLUMNS])
+    return read_table(path, COLUMNS, "make bench-growth").dropna(subset=[*COLUMNS]) if path.is_file() else None
 
 
 def draw_growth(growth: pd.DataFrame) -> Figure:

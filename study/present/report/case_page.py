@@ -9,8 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from study.ledger.datafiles import DataError, read_csv, read_rates
-from study.ledger.verdict import VERDICTS
+from study.ledger.datafiles import count_verdicts, read_csv, read_rates
 from study.present.charts.convergence_chart import convergence_chart, finest_orders
 from study.present.charts.enclosure_chart import enclosure_charts
 from study.present.charts.palette import looks
@@ -90,13 +89,8 @@ def case_pages(directory: Path, claims: pd.DataFrame) -> list[CasePage]:
         name = fact["case"]
         verdicts, errors, bounds = (frame[frame["case"] == name] for frame in (claims, rates, enclosures))
         rows = [Rows.of(table, caption, name, without) for table, caption, without in tables]
-        pages.append(_case_page(fact, verdicts, errors, bounds, _film(directory, name), rows))
+        pages.append(_case_page(fact, verdicts, errors, bounds, read_film(directory, name), rows))
     return pages
-
-
-def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
-    """How many rows of the ledger have each verdict."""
-    return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
 
 
 def _case_page(
@@ -132,10 +126,3 @@ def _case_page(
         film=film,
         tables=[table for table in tables if table.cells],
     )
-
-
-def _film(directory: Path, name: str) -> dict[str, Any]:
-    path = directory / "data" / "pictures" / f"{name}.json"
-    if not path.is_file():
-        raise DataError(f"{path} is missing: make it with `study run --out {directory}`")
-    return read_film(path)

@@ -21,8 +21,8 @@ BRIGHTEST = 0.95
 """Stresses above this quantile share the last colour: peaks at fronts and corners would leave the rest dark."""
 
 
-def read_film(path: Path) -> dict[str, Any]:
-    """A picture in the form that the script of the page reads.
+def read_film(directory: Path, case: str) -> dict[str, Any]:
+    """The picture of a case in the form that the script of the page reads.
 
     ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z; ``shades``: of the
     stress τ of each cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` is the factor of displacements,
@@ -30,8 +30,11 @@ def read_film(path: Path) -> dict[str, Any]:
     in the plane and three in space.
 
     Raises:
-        DataError: the file is no picture, or an older one without motion.
+        DataError: there is no such file, it is no picture, or an older one without motion.
     """
+    path = directory / "data" / "pictures" / f"{case}.json"
+    if not path.is_file():
+        raise DataError(f"{path} is missing: make it with `study run --out {directory}`")
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
         (displacement, von_mises), picture = over_time(record), Picture.of(record)

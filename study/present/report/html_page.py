@@ -9,10 +9,10 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from study.ledger.datafiles import read_claims, read_csv
+from study.ledger.datafiles import by_claim, count_verdicts, read_claims, read_csv
 from study.ledger.files import write_text
 from study.ledger.rounding import cell, significant
-from study.present.report.case_page import Rows, case_pages, count_verdicts
+from study.present.report.case_page import Rows, case_pages
 from study.present.report.svg_chart import typeset
 from study.present.tables import bounds_table, ledger_table, names, numbers, words
 
@@ -84,7 +84,7 @@ def _groups(directory: Path, made: dict[str, dict[str, Any]]) -> list[LedgerGrou
     code = {label: list(statement["code"]) for label, statement in made.items()}
     return [
         LedgerGroup(label, says, count_verdicts(rows), code.get(label, []), rows[columns].to_numpy().tolist())
-        for (label, says), rows in cells.groupby(["label", "statement"], sort=False)
+        for label, says, rows in by_claim(cells)
     ]
 
 

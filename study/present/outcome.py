@@ -1,17 +1,20 @@
-"""The rate table and the ledger in a terminal's width, for the end of a run; read from the data files."""
+"""How a run ended: rates and ledger in a terminal's width, from the data files, and verdicts as JUnit XML."""
 
 from __future__ import annotations
 
 import textwrap
+from collections import Counter
 from collections.abc import Sequence
 from pathlib import Path
+from xml.etree import ElementTree
 
 import pandas as pd
 from tabulate import tabulate
 
-from study.ledger.datafiles import SERIES, read_claims, read_rates
+from study.ledger.datafiles import SERIES, by_claim, count_verdicts, read_claims, read_rates
+from study.ledger.files import write_text
 from study.ledger.rounding import cell, significant
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, VERDICTS
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, VERDICTS, Verdict
 
 WIDTH = 110
 
@@ -39,11 +42,14 @@ def ledger_text(directory: Path) -> str:
     In how many cases a statement was looked at, and how many rows it has by verdict.
     """
     claims = read_claims(directory)
-    rows = [_ledger_row(judged) for _, judged in claims.groupby("label", sort=False)]
+    rows = [
+        [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
+        for label, claim, judged in by_claim(claims)
+    ]
     lines = [_aligned(("statement", "", "cases", *VERDICTS), rows, (22, 44, 5, 5, 8, 9, 5), numbers=slice(2, 7)), ""]
     for _, row in claims[~claims["verdict"].isin([HOLDS, REPORTED])].iterrows():
         lines += _finding(row)
-    count = _count(claims)
+    count = count_verdicts(claims)
     lines.append(
         f"{len(claims)} rows: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
         f"{count[REPORTED]} reported without a claim"
@@ -51,8 +57,23 @@ def ledger_text(directory: Path) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _count(claims: pd.DataFrame) -> dict[str, int]:
-    return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
+def write_junit(path: Path, verdicts: list[Verdict]) -> None:
+    """One test case per verdict; fails is a failure, undecided and reported are skipped."""
+    count = Counter(verdict.verdict for verdict in verdicts)
+    skipped = len(verdicts) - count[HOLDS] - count[FAILS]
+    totals = {"tests": str(len(verdicts)), "failures": str(count[FAILS]), "skipped": str(skipped)}
+    suite = ElementTree.Element("testsuite", {"name": "ledger", **totals})
+    for verdict in verdicts:
+        names = {"classname": f"{verdict.label}.{verdict.case}", "name": verdict.quantity}
+        case = ElementTree.SubElement(suite, "testcase", names)
+        interval = f"[{verdict.low:.6g}, {verdict.high:.6g}]"
+        message = f"expected {verdict.expected}, observed {verdict.observed:.6g} in {interval}"
+        if verdict.verdict == FAILS:
+            ElementTree.SubElement(case, "failure", message=message)
+        elif verdict.verdict != HOLDS:
+            ElementTree.SubElement(case, "skipped", message=message)
+    ElementTree.indent(suite)
+    write_text(path, ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n")
 
 
 def _rates_row(series: pd.DataFrame, schemes: bool) -> list[str]:
@@ -68,11 +89,6 @@ def _rates_row(series: pd.DataFrame, schemes: bool) -> list[str]:
         f"{100 * series['time_share'].max():.2f}",
         " ".join(["…"] * (len(orders) > shown) + orders[-shown:]),
     ]
-
-
-def _ledger_row(judged: pd.DataFrame) -> list[str]:
-    first, counts = judged.iloc[0], _count(judged).values()
-    return [first["label"], first["statement"], str(judged["case"].nunique()), *(str(n or "") for n in counts)]
 
 
 def _finding(row: pd.Series) -> list[str]:
