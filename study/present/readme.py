@@ -15,21 +15,10 @@ from study.ledger.verdict import REPORTED
 from study.present.article.source import FullRun
 
 
-def headline(directory: Path) -> str:
-    """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if data lack."""
+def headline(data: FullRun) -> str:
+    """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if rows lack."""
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, _regularity, _defects, _seeds)
-    data = _full_run(directory)
     return _markdown(["claim", "predicted", "observed", "verdict"], [row(data) for row in rows])
-
-
-def _full_run(directory: Path) -> FullRun:
-    data = FullRun.read(directory)
-    if data is None:
-        raise DataError(
-            f"{directory} holds no full run with its controls and other seeds: make it with `make full`, "
-            "`make controls` and `make seeds`"
-        )
-    return data
 
 
 def _prop_5_4(data: FullRun) -> list[str]:
@@ -71,8 +60,7 @@ def _own_space(data: FullRun) -> list[str]:
     seen = data.rows(label, "order-stress")
     seen = seen[seen["case"].map(data.cases["proved_order"]) == 1]
     return [
-        "Theorem 4.2, with stresses that know no displacement: they converge to σ, "
-        f"in {seen['case'].nunique()} cases",
+        f"Theorem 4.2, with stresses that know no displacement: they converge to σ, in {seen['case'].nunique()} cases",
         "at least 3/2, by regularity, at most 2",
         f"orders {_range(seen)}",
         _verdict(data, label, set(seen["case"])),
@@ -139,8 +127,11 @@ def refresh(readme: Path, directory: Path) -> bool:
     Raises:
         DataError: the data or the marks are missing.
     """
-    text = before = readme.read_text(encoding="utf-8")
-    for name, table in (("headline", headline(directory)), ("statements", statements(directory))):
+    text, data = readme.read_text(encoding="utf-8"), FullRun.read(directory)
+    if data is None:
+        raise DataError(f"{directory} is not that of a full run: `make full`, `make controls` and `make seeds` make it")
+    before = text
+    for name, table in (("headline", headline(data)), ("statements", statements(data))):
         start, end = f"<!-- {name} -->\n", "<!-- end -->"
         head, found, rest = text.partition(start)
         _, closed, tail = rest.partition(end)
@@ -151,9 +142,9 @@ def refresh(readme: Path, directory: Path) -> bool:
     return text != before
 
 
-def statements(directory: Path) -> str:
+def statements(data: FullRun) -> str:
     """Every statement with its verdicts, the file of the code that judges it and its data, in Markdown."""
-    data, lines = _full_run(directory), []
+    lines = []
     for label, claim, rows in by_claim(data.claims):
         counts = ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
         where = data.provenance["statements"].get(label, {"code": [], "data": "provenance.json"})

@@ -109,11 +109,7 @@ class Table:
 
 
 def rates_table(directory: Path) -> Table:
-    """Per claim, case, family and scheme, from ``rates.csv``: the error of every level and what qualifies it.
-
-    The order of the discrete error is computed here from ``discrete_error`` and ``h``; the time share
-    is given in per cent.
-    """
+    """Per claim, case, family and scheme, from ``rates.csv``: the error of every level and what qualifies it."""
     rates = read_rates(directory)
     columns = [
         *words(claim="claim"),

@@ -16,6 +16,7 @@ import pytest
 from study.cli.main import parser
 from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
 from study.ledger.rounding import above, below
+from study.present.article.source import FullRun
 from study.present.readme import headline, refresh
 from study.statements.prop_5_3 import LIMIT
 from study.statements.prop_5_4.from_rates import Turned
@@ -120,7 +121,9 @@ def test_the_row_on_smoothness_shows_whatever_orders_were_seen_and_gives_no_verd
     claims = read_claims(tmp_path)
     claims.loc[claims["label"] == "(5.36)", ["observed", "low", "high"]] = [0.604, 0.604, 0.706]
     write_csv(tmp_path / "data" / "claims.csv", claims)
-    (row,) = [line for line in headline(tmp_path).splitlines() if "(5.36)" in line]
+    data = FullRun.read(tmp_path)
+    assert data is not None
+    (row,) = [line for line in headline(data).splitlines() if "(5.36)" in line]
     assert row.endswith("| orders 0.60 … 0.71 | reported |")
 
 
@@ -147,6 +150,13 @@ def test_a_readme_without_marks_is_refused(tmp_path: Path) -> None:
     (tmp_path / "README.md").write_text("# Nothing\n")
     with pytest.raises(DataError, match="lacks <!-- headline -->"):
         refresh(tmp_path / "README.md", ROOT / "results")
+
+
+def test_data_that_are_not_of_a_full_run_are_refused(tmp_path: Path) -> None:
+    (tmp_path / "README.md").write_text(TEXT, encoding="utf-8")
+    with pytest.raises(DataError, match="not that of a full run: `make full`"):
+        refresh(tmp_path / "README.md", tmp_path)
+    assert (tmp_path / "README.md").read_text(encoding="utf-8") == TEXT
 
 
 def test_every_line_to_type_is_run_by_a_test_or_by_ci_or_has_a_reason_why_not() -> None:

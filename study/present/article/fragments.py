@@ -75,10 +75,10 @@ def smooth(data: FullRun) -> str:
     """Prop. 5.4, one row per case: orders of the error and of the discrete error, finest level, time share."""
     keys = {
         "order": _range,
-        "order-fitted": _observed,
+        "order-fitted": _signed("observed"),
         "discrete-order-superclose": _range,
         "discrete-order-others": _range,
-        "discrete-share": _observed,
+        "discrete-share": _signed("observed"),
         "time-share": _percent,
     }
     headings = ["case", "regularity", r"\(n\)", "orders", "fitted", "superclose", "other", "share", r"time, \%"]
@@ -93,9 +93,9 @@ def rough(data: FullRun) -> str:
     """Prop. 5.3, one row per case: the predicted order, what the proof of 5.4 gives, and what is seen."""
     seen = (
         ("(5.36)", "order", _range),
-        ("Prop. 5.3", "order-graded", _observed),
-        ("Prop. 5.3", "falling", _high),
-        ("Prop. 5.3", "limit", _high),
+        ("Prop. 5.3", "order-graded", _signed("observed")),
+        ("Prop. 5.3", "falling", _signed("high")),
+        ("Prop. 5.3", "limit", _signed("high")),
     )
     body = []
     for case in data.rates.loc[data.rates["claim"] == "Prop. 5.3", "case"].drop_duplicates():
@@ -182,24 +182,22 @@ def _cell(data: FullRun, label: str, key: str, case: str, form: Callable[[pd.Ser
 
 
 def _range(row: pd.Series) -> str:
-    low, high = (f"{row[name]:.2f}" for name in ("low", "high"))
-    return _signed(low) if low == high else f"{_signed(low)}--{_signed(high)}"
-
-
-def _observed(row: pd.Series) -> str:
-    return _signed(f"{row['observed']:.2f}")
-
-
-def _high(row: pd.Series) -> str:
-    return _signed(f"{row['high']:.2f}")
+    low, high = _signed("low")(row), _signed("high")(row)
+    return low if low == high else f"{low}--{high}"
 
 
 def _percent(row: pd.Series) -> str:
     return f"{100 * row['observed']:.2f}"
 
 
-def _signed(text: str) -> str:
-    return rf"\({text}\)" if text.startswith("-") else text
+def _signed(column: str) -> Callable[[pd.Series], str]:
+    """Two decimals of a column of a row, as mathematics where they are negative."""
+
+    def form(row: pd.Series) -> str:
+        text = f"{row[column]:.2f}"
+        return rf"\({text}\)" if text.startswith("-") else text
+
+    return form
 
 
 def _regularity(data: FullRun, case: str) -> str:

@@ -71,7 +71,7 @@ def _plan(data: FullRun) -> Named:
     yield "levelSolid", str(int(data.rates.loc[data.rates["dim"] == 3, "level"].max()))
     yield "dofsMost", f"{int(data.rates['dofs'].max()):,}".replace(",", r"\,")
     yield "familyCount", str(plane.loc[plane["family"] != "graded", "family"].nunique())
-    yield "dataMissing", _count(data.rows("data", "missing")["observed"].max())
+    yield "dataMissing", f"{data.rows('data', 'missing')['observed'].max():.0f}"
 
 
 def _smooth(data: FullRun) -> Named:
@@ -93,8 +93,7 @@ def _smooth(data: FullRun) -> Named:
     yielding = sweeps["case"].isin(data.cases.loc[data.cases["law"].str.startswith("(3.3)"), "case"])
     yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
-    later = data.rows(label, "after-start")
-    yield "supremumLater", _count(later["observed"].iloc[0])
+    yield "supremumLater", f"{data.rows(label, 'after-start')['observed'].iloc[0]:.0f}"
 
 
 def _rough(data: FullRun) -> Named:
@@ -182,10 +181,6 @@ def _upper(value: float) -> float:
     if value == 0:
         return 0.0
     return float(above(value, 1 - math.floor(math.log10(value))))
-
-
-def _count(value: float) -> str:
-    return f"{value:.0f}"
 
 
 def _percent(value: float) -> str:

@@ -20,7 +20,7 @@ _MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.
 
 @dataclass(frozen=True)
 class LogAxis:
-    """A logarithmic axis with at least ``least`` labelled ticks; its label is a text and a symbol in italics."""
+    """A logarithmic axis with at least ``least`` ticks in its range; its label is a text and a symbol in italics."""
 
     scale: ClassVar[str] = "log"
     label: str
@@ -41,8 +41,17 @@ class LogAxis:
         return math.log10(max(value / self.low, 1e-9)) / math.log10(self.high / self.low)
 
     def ticks(self) -> list[tuple[float, str]]:
-        """Values with their texts."""
-        return logarithmic_ticks(self.low, self.high, self.least)
+        """The coarsest round values of which there are enough, with their texts; in a short range, at equal steps.
+
+        Very small or large ones have powers of ten in their texts.
+        """
+        decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
+        plain = self.low >= 1e-3 and self.high < 1e4
+        for mantissas in _MANTISSAS:
+            ticks = [tick for k in decades for m in mantissas if self.low <= (tick := m * 10.0**k) <= self.high]
+            if len(ticks) >= self.least:
+                return [(tick, f"{tick:.4g}" if plain else _power(tick)) for tick in ticks]
+        return LinearAxis("", self.low, self.high).ticks()
 
 
 @dataclass(frozen=True)
@@ -75,22 +84,6 @@ class LinearAxis:
 Axis = LogAxis | LinearAxis
 
 
-def logarithmic_ticks(low: float, high: float, least: int = 3) -> list[tuple[float, str]]:
-    """The coarsest round values of which at least ``least`` lie in the range; in a short range, at equal steps.
-
-    Very small or large ones have powers of ten in their texts.
-    """
-    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    ticks: list[float] = []
-    for mantissas in _MANTISSAS:
-        if len(ticks) < least:
-            ticks = [tick for tick in (m * 10.0**k for k in decades for m in mantissas) if low <= tick <= high]
-    if len(ticks) < least:
-        return LinearAxis("", low, high).ticks()
-    plain = low >= 1e-3 and high < 1e4
-    return [(tick, f"{tick:.4g}" if plain else _power(tick)) for tick in ticks]
-
-
 def _power(tick: float) -> str:
     exponent = math.floor(math.log10(tick) + 1e-9)
     mantissa = tick / 10**exponent
@@ -106,8 +99,8 @@ class Style:
     """How a curve or, in the legend, a band is drawn; ``marker`` is a name in Matplotlib, "" for none."""
 
     colour: str
-    stroke: Literal["solid", "dashed", "dotted", "band"] = "solid"
     marker: str = ""
+    stroke: Literal["solid", "dashed", "dotted", "band"] = "solid"
     hollow: bool = False
 
 

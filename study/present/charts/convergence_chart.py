@@ -11,7 +11,7 @@ import pandas as pd
 
 from study.ledger.orders import RatesError, orders
 from study.present.charts.chart import Chart, Curve, LegendEntry, LogAxis, SlopeTriangle, Style, Subplot
-from study.present.charts.palette import DARK, Look, looks
+from study.present.charts.palette import DARK, looks
 
 
 def by_family(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
@@ -38,8 +38,8 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
 def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
     """The orders over the last refinement, of all families but graded ones, and of these."""
     found = finest_orders(rates, refinements=1)
-    graded = [order for family, order in found.items() if family == "graded"]
-    return [order for family, order in found.items() if family != "graded"], graded
+    graded = [found.pop("graded")] if "graded" in found else []
+    return list(found.values()), graded
 
 
 def spread(values: Sequence[float]) -> str:
@@ -99,31 +99,28 @@ def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
     return Chart(summary, [subplot], [family_legend(look), _KINDS], _caption(rates, order))
 
 
-def error_curves(rates: pd.DataFrame, look: Mapping[str, Look]) -> list[Curve]:
+def error_curves(rates: pd.DataFrame, look: Mapping[str, Style]) -> list[Curve]:
     """The error on each mesh family."""
-    return [
-        Curve(rows["h"].to_numpy(), rows["error"].to_numpy(), Style(look[family].colour, marker=look[family].marker))
-        for family, rows in by_family(rates)
-    ]
+    return [Curve(rows["h"].to_numpy(), rows["error"].to_numpy(), look[family]) for family, rows in by_family(rates)]
 
 
-def family_legend(look: Mapping[str, Look]) -> list[LegendEntry]:
+def family_legend(look: Mapping[str, Style]) -> list[LegendEntry]:
     """The look of each mesh family."""
-    return [LegendEntry(family, Style(mine.colour, marker=mine.marker)) for family, mine in look.items()]
+    return [LegendEntry(family, mine) for family, mine in look.items()]
 
 
-def _part_curves(rates: pd.DataFrame, look: Mapping[str, Look]) -> Iterator[Curve]:
+def _part_curves(rates: pd.DataFrame, look: Mapping[str, Style]) -> Iterator[Curve]:
     """The discrete error, and the contribution of discretisation in time."""
     for family, rows in by_family(rates):
         h, mine = rows["h"].to_numpy(), look[family]
-        yield Curve(h, (rows["time_share"] * rows["error"]).to_numpy(), Style(mine.colour, "dotted"))
-        yield Curve(h, rows["discrete_error"].to_numpy(), Style(mine.colour, "dashed", mine.marker, True))
+        yield Curve(h, (rows["time_share"] * rows["error"]).to_numpy(), Style(mine.colour, stroke="dotted"))
+        yield Curve(h, rows["discrete_error"].to_numpy(), Style(mine.colour, mine.marker, "dashed", True))
 
 
 _KINDS = (
-    LegendEntry("error ‖u − u^h‖_V", Style(DARK, marker="o")),
-    LegendEntry("discrete error ‖Π^h u − u^h‖_V", Style(DARK, "dashed", "o", hollow=True)),
-    LegendEntry("share of time discretisation", Style(DARK, "dotted")),
+    LegendEntry("error ‖u − u^h‖_V", Style(DARK, "o")),
+    LegendEntry("discrete error ‖Π^h u − u^h‖_V", Style(DARK, "o", "dashed", hollow=True)),
+    LegendEntry("share of time discretisation", Style(DARK, stroke="dotted")),
 )
 
 

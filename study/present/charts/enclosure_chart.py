@@ -28,23 +28,25 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
     From ``level``, ``time``, ``distance`` d, ``bound`` y and, where they are known, ``error`` and ``plain``, the bound
     from u_h alone. Where the error is unknown d takes its place.
     """
+    known = bool(series["error"].notna().all())
     ends = series.assign(
-        lower=(series["distance"] - series["bound"]).clip(lower=0), upper=series["distance"] + series["bound"]
+        lower=(series["distance"] - series["bound"]).clip(lower=0),
+        upper=series["distance"] + series["bound"],
+        middle=series["error" if known else "distance"],
     )
     time = LinearAxis.around("time", ends["time"].min(), ends["time"].max(), "t")
-    name = "error" if _known(series) else "‖ũ − u_h‖_V"
-    legend = [[LegendEntry(f"n = {level}", Style(colour, "band")) for level, _, colour in _levels(ends)]]
+    name = "error" if known else "‖ũ − u_h‖_V"
+    legend = [[LegendEntry(f"n = {level}", Style(colour, stroke="band")) for level, _, colour in _levels(ends)]]
     legend.append([LegendEntry(name, Style(BLACK))])
     if "plain" in series:
-        legend[1].append(LegendEntry("bound from u_h alone", Style(BLACK, "dotted")))
+        legend[1].append(LegendEntry("bound from u_h alone", Style(BLACK, stroke="dotted")))
     subplots = [_bands(ends, title, time), _ratios(ends, time, f"ends over {name}")]
     summary = "error over time between its guaranteed bounds, logarithmic"
-    return Chart(summary, subplots, legend, _caption(series, title))
+    return Chart(summary, subplots, legend, _caption(ends, title, known))
 
 
 def _bands(ends: pd.DataFrame, title: str, time: LinearAxis) -> Subplot:
     floor = float(ends["upper"].min()) / 3
-    middle = "error" if _known(ends) else "distance"
     highest = ends[["upper", *(name for name in ("plain",) if name in ends)]].max().max()
     y = LogAxis("‖u(t) − u_h(t)‖_V", floor, LogAxis.around("", floor, highest).high)
     bands, curves = [], []
@@ -52,15 +54,14 @@ def _bands(ends: pd.DataFrame, title: str, time: LinearAxis) -> Subplot:
         t = mine["time"].to_numpy()
         bands.append(Band(t, mine["lower"].clip(lower=floor).to_numpy(), mine["upper"].to_numpy(), colour))
         if "plain" in mine:
-            curves.append(Curve(t, mine["plain"].to_numpy(), Style(colour, "dotted")))
-        curves.append(Curve(t, mine[middle].to_numpy(), Style(colour)))
+            curves.append(Curve(t, mine["plain"].to_numpy(), Style(colour, stroke="dotted")))
+        curves.append(Curve(t, mine["middle"].to_numpy(), Style(colour)))
     return Subplot(title, time, y, curves, bands)
 
 
 def _ratios(ends: pd.DataFrame, time: LinearAxis, label: str) -> Subplot:
-    middle = "error" if _known(ends) else "distance"
     curves = [
-        Curve(mine["time"].to_numpy(), (mine[end] / mine[middle]).to_numpy(), Style(colour))
+        Curve(mine["time"].to_numpy(), (mine[end] / mine["middle"]).to_numpy(), Style(colour))
         for _, mine, colour in _levels(ends)
         for end in ("lower", "upper")
     ]
@@ -73,21 +74,14 @@ def _levels(series: pd.DataFrame) -> Iterator[tuple[int, pd.DataFrame, str]]:
         yield int(level), mine, colour
 
 
-def _known(series: pd.DataFrame) -> bool:
-    """Whether the error itself is known."""
-    return bool(series["error"].notna().all())
-
-
-def _caption(series: pd.DataFrame, title: str) -> str:
+def _caption(ends: pd.DataFrame, title: str, known: bool) -> str:
     parts = []
-    for level, mine in series.groupby("level"):
+    for level, mine in ends.groupby("level"):
         last = mine.loc[mine["time"].idxmax()]
-        low, high = max(last["distance"] - last["bound"], 0.0), last["distance"] + last["bound"]
-        parts.append(f"{interval(low, high, 3)} with n = {level}")
-    known = _known(series)
+        parts.append(f"{interval(last['lower'], last['upper'], 3)} with n = {level}")
     line = "the error itself" if known else "the distance to a more accurate displacement ũ"
-    inside = series[(series["error"] - series["distance"]).abs() <= series["bound"]]
-    seen = f"the error lies in its band at {len(inside)} of {len(series)} times; " if known else ""
+    inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
+    seen = f"the error lies in its band at {len(inside)} of {len(ends)} times; " if known else ""
     return (
         f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands are guaranteed to contain the error, "
         f"lines are {line}; below, the ends of the bands divided by it. What to see: {seen}at the last time the bands "

@@ -1,8 +1,4 @@
-"""Figures from the data files; nothing is solved here.
-
-``drawings`` lists all of them, ``overview`` those over all cases. Each kind of figure has one function that draws it
-from its data alone, and one that says in a caption what to see in it.
-"""
+"""Figures from the data files: of each kind one function draws, and one says in a caption what to see."""
 
 from study.present.figures.drawing import Drawing, draw_figures, draw_one
 from study.present.figures.listing import drawings, enclosure, overview

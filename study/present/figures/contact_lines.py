@@ -94,8 +94,7 @@ def _draw_face(axes: Axes, face: Segment, times: Array, faces: int) -> None:
         axes.plot(face.s[where], times[::stride][when], "o", color=BLUE, ms=size, mew=0, clip_on=False, zorder=3)
     elif not pieces:
         axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color=GREY)
-    axes.set_xlim(face.s.min(), face.s.max())
-    axes.set_ylim(times[0], times[-1])
+    axes.set(xlim=(face.s.min(), face.s.max()), ylim=(times[0], times[-1]))
     axes.xaxis.set_major_locator(MaxNLocator(5 if faces == 1 else 2))
 
 
@@ -107,8 +106,7 @@ def _draw_misplaced(axes: Axes, picture: Picture) -> list[Line2D]:
         largest = max(largest, 1.05 * float(error.max()))
         style: dict[str, Any] = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
         lines += axes.plot(error, picture.times[1:], label=rf"fronts on ${picture.symbol(face)}$", **style)
-    axes.set_xlim(0, largest)
-    axes.set_xlabel("error in cells")
+    axes.set(xlim=(0, largest), xlabel="error in cells")
     axes.xaxis.set_major_locator(MaxNLocator(3, integer=True))
     axes.grid(True)
     return lines
@@ -173,18 +171,15 @@ def _draw_row(panels: list[Axes], face: Segment, exact: Array, computed: Array, 
 
 def largest_differences(picture: Picture) -> tuple[str, str]:
     """How far computed gaps and pressures are from the exact ones at the nodes, at the times of the shapes."""
-    at = picture.instants
-    gaps = [(face.gap[at], face.gap_exact[at]) for face in picture.faces]
-    pressures = [(face.pressure[at], face.pressure_exact[at]) for face in picture.faces]
-    return _largest_difference(gaps), _largest_difference(pressures)
+    at, faces = picture.instants, picture.faces
+    gap = _largest_difference([(face.gap[at], face.gap_exact[at]) for face in faces])
+    return gap, _largest_difference([(face.pressure[at], face.pressure_exact[at]) for face in faces])
 
 
 def _largest_difference(pairs: list[tuple[Array, Array]]) -> str:
     """max |computed − exact|, in per cent of max |exact| where that is not round-off."""
     difference = max(float(abs(computed - exact).max()) for computed, exact in pairs)
     size = max(float(abs(exact).max()) for _, exact in pairs)
-    return (
-        f"{100 * difference / size:.2g} % of the largest"
-        if size > ROUND_OFF
-        else f"{difference:.1e}, the largest being 0"
-    )
+    if size <= ROUND_OFF:
+        return f"{difference:.1e}, the largest being 0"
+    return f"{100 * difference / size:.2g} % of the largest"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib import patches
@@ -15,18 +16,32 @@ from study.present.figures.drawing import COLUMN, dots, entry, legend
 from study.present.picture.picture import Picture
 
 
-def draw_colour_bars(figure: Figure, panels: list[Axes], picture: Picture, scale: BodyScale, **layout: Any) -> None:
-    """The colours of the stress and, for a solid, of the pressure, beside or under some axes."""
+def draw_shapes(
+    figure: Figure, panels: Sequence[Axes], picture: Picture, width: float, columns: int, **layout: Any
+) -> None:
+    """Each shape in axes of its own, so many inches wide, with colour bars and a legend in so many columns."""
+    scale = BodyScale.of(picture)
+    for axes, shape in zip(panels, picture.shapes, strict=True):
+        draw_deformed_mesh(axes, picture, shape, scale, width)
+        axes.set_title(f"$t={shape.time:.3g}$")
+    draw_keys(figure, list(panels), picture, scale, columns, **layout)
+    figure.suptitle(picture.heading)
+
+
+def draw_keys(
+    figure: Figure, panels: list[Axes], picture: Picture, scale: BodyScale, columns: int, **layout: Any
+) -> None:
+    """A legend, and the colours of the stress and, for a solid, of the pressure, beside or under some axes."""
     bar = figure.colorbar(scale.stress_colours, ax=panels, extend="max", **layout)
     bar.set_label(r"von Mises stress $\sqrt{3/2}\,|\mathrm{dev}\,\sigma|$")
     bar.outline.set_linewidth(0.4)
     if picture.polygons:
         bar = figure.colorbar(scale.pressure_colours, ax=panels, **layout)
         bar.set_label(r"contact pressure $p^h$ on $\Gamma_3$")
+    legend(figure, _body_handles(picture, scale), columns=columns)
 
 
-def body_handles(picture: Picture, scale: BodyScale) -> list[Artist]:
-    """Entries of the legend."""
+def _body_handles(picture: Picture, scale: BodyScale) -> list[Artist]:
     body = entry(rf"body, displacement $\times\,{scale.magnification:.2g}$", color="0.35", lw=0.6)
     if picture.polygons:
         return [body, dots("vertices in contact", color=BLACK, ms=2, mew=0)]
@@ -46,18 +61,12 @@ def draw_body(picture: Picture) -> Figure:
     arrows are the ``pressure`` of the foundation on the body, all to one scale. A solid is seen through its foundation,
     and the pressure colours its contact faces.
     """
-    scale = BodyScale.of(picture)
-    count = len(picture.shapes)
-    bars = 2 if picture.polygons else 1
-    figure = Figure(figsize=(COLUMN, 0.7 + 0.45 * bars + (COLUMN - 0.1) / count * scale.aspect))
+    count, bars = len(picture.shapes), 2 if picture.polygons else 1
+    aspect = BodyScale.of(picture).aspect
+    figure = Figure(figsize=(COLUMN, 0.7 + 0.45 * bars + (COLUMN - 0.1) / count * aspect))
     panels = figure.subplots(1, count, squeeze=False)[0]
-    for axes, shape in zip(panels, picture.shapes, strict=True):
-        draw_deformed_mesh(axes, picture, shape, scale, COLUMN / count)
-        axes.set_title(f"$t={shape.time:.3g}$")
     layout: dict[str, Any] = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.7, "pad": 0.02}
-    draw_colour_bars(figure, list(panels), picture, scale, **layout)
-    figure.suptitle(picture.heading)
-    legend(figure, body_handles(picture, scale), columns=2)
+    draw_shapes(figure, panels, picture, COLUMN / count, 2, **layout)
     return figure
 
 

@@ -11,14 +11,14 @@ import pandas as pd
 from matplotlib.figure import Figure
 
 from study.ledger.datafiles import read_table
-from study.present.charts.chart import logarithmic_ticks
-from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, ORANGE, PURPLE, SKY, VERMILLION, Look
+from study.present.charts.chart import LogAxis, Style
+from study.present.charts.palette import BLACK, COLOURS, DARK
 from study.present.figures.draw_chart import set_ticks
 from study.present.figures.drawing import COLUMN, entry, legend
 
 COLUMNS = ("n", "dofs", "factor_seconds", "step_seconds", "level_seconds", "peak_bytes", "dim", "solver")
 PARTS = {"level_seconds": ("a level", "-"), "factor_seconds": ("factorisation", "--"), "step_seconds": ("a step", ":")}
-LOOKS = (Look(BLUE, "o"), Look(VERMILLION, "s"), Look(GREEN, "^"), Look(PURPLE, "D"), Look(ORANGE, "v"), Look(SKY, "P"))
+LOOKS = [Style(colour, marker) for colour, marker in zip(COLOURS, "os^DvP", strict=True)]
 KIB = 1024
 
 
@@ -59,7 +59,7 @@ def draw_growth(growth: pd.DataFrame) -> Figure:
     below.set(xlabel="unknowns", ylabel="KiB per unknown")
     for axis in (below.xaxis, above.yaxis, below.yaxis):
         low, high = axis.get_view_interval()
-        set_ticks(axis, logarithmic_ticks(low, high, least=2))
+        set_ticks(axis, LogAxis("", low, high, least=2).ticks())
     above.tick_params(labelbottom=False)
     handles += [entry(name, color=DARK, ls=line) for name, line in PARTS.values()]
     legend(figure, [*handles, entry("slope 1", color=BLACK, lw=0.6)], columns=2)

@@ -17,20 +17,19 @@ from study.present.charts.enclosure_chart import enclosure_chart, enclosure_char
 from study.present.figures.contact_lines import caption_profiles, caption_zone, draw_profiles, draw_zone
 from study.present.figures.contact_maps import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.figures.deformed_body import caption_body, draw_body
-from study.present.figures.detected_defects import caption_defects, draw_defects
+from study.present.figures.dot_plots import caption_defects, caption_effectivity, draw_defects, draw_effectivity
 from study.present.figures.draw_chart import draw_chart, draw_grid
 from study.present.figures.drawing import Drawing
-from study.present.figures.effectivity import caption_effectivity, draw_effectivity
 from study.present.figures.energy import caption_energy, draw_energy
 from study.present.figures.growth import caption_growth, draw_growth, read_growth
 from study.present.picture.picture import Picture, read_pictures
 
 
 def drawings(directory: Path) -> list[Drawing]:
-    """Every figure of the data in a directory, not drawn yet.
+    """Every figure of the data in a directory, not drawn yet: those of ``overview``, and those of each case.
 
-    Those of ``overview``; ``convergence-CASE`` for every case of ``rates.csv``; ``enclosure-CASE`` for every case with
-    one; ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` for every file in ``pictures``.
+    ``convergence-CASE`` for every case of ``rates.csv``, ``enclosure-CASE`` where there is one, and ``zone-CASE``,
+    ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` for every file in ``pictures``.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -47,14 +46,10 @@ def drawings(directory: Path) -> list[Drawing]:
 
 
 def overview(directory: Path) -> list[Drawing]:
-    """The figures over all cases.
+    """The figures over all cases; DataError as in ``drawings``.
 
     ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones; ``effectivity`` of
-    ``bounds.csv``; ``defects`` of ``controls.csv`` and ``growth`` of ``benchmarks/growth.csv`` where they were
-    measured.
-
-    Raises:
-        DataError: a data file is missing or damaged.
+    ``bounds.csv``; ``defects`` of ``controls.csv`` and ``growth`` of ``benchmarks/growth.csv`` where they are.
     """
     found, rates = [], read_rates(directory)
     orders = _expected_orders(directory, rates)
@@ -63,8 +58,9 @@ def overview(directory: Path) -> list[Drawing]:
             name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
             found.append(_chart(f"convergence{name}{suffix}", overview_chart(mine, orders), draw_grid))
     bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
-    if bounds["upper"].notna().any():
-        found.append(Drawing("effectivity", partial(draw_effectivity, bounds), caption_effectivity(bounds)))
+    known = bounds[bounds["upper"].notna()]
+    if len(known):
+        found.append(Drawing("effectivity", partial(draw_effectivity, known), caption_effectivity(known)))
     if (directory / "data" / "controls.csv").is_file():
         controls = read_csv(directory, "controls.csv", ("defect", "what", "label", "quantity", "verdict", "caught"))
         found.append(Drawing("defects", partial(draw_defects, controls), caption_defects(controls)))
@@ -88,10 +84,8 @@ def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
     cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
     orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
     if unknown := sorted(set(rates["case"]) - set(orders)):
-        path = directory / "data" / "cases.csv"
-        raise DataError(
-            f"{path} lacks the cases {', '.join(unknown)}: make it again with `study run --out {directory}`"
-        )
+        lacking = f"{directory / 'data' / 'cases.csv'} lacks the cases {', '.join(unknown)}"
+        raise DataError(f"{lacking}: make it again with `study run --out {directory}`")
     return orders
 
 

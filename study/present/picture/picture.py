@@ -39,11 +39,6 @@ class Energy:
     work: Array
     defect: Array
 
-    @classmethod
-    def of(cls, record: Mapping[str, Any]) -> Energy:
-        """From the entry ``energy``."""
-        return cls(**{field.name: np.array(record[field.name], dtype=float) for field in fields(cls)})
-
 
 @dataclass(frozen=True, eq=False)
 class Picture:
@@ -89,7 +84,7 @@ class Picture:
                 for shape in record["shapes"]
             ],
             faces=[Segment.of(face) if plane else Polygon.of(face, cells) for face in record["faces"]],
-            energy=Energy.of(record["energy"]),
+            energy=Energy(**{field.name: values(record["energy"][field.name]) for field in fields(Energy)}),
         )
 
     @property
@@ -172,10 +167,7 @@ def over_time(record: Mapping[str, Any]) -> tuple[Packed, Packed]:
         KeyError, TypeError, ValueError: the content of the file lacks them, or has them on another mesh.
     """
     times, vertices, cells = len(record["times"]), np.shape(record["vertices"]), np.shape(record["cells"])
-    return (
-        _packed(record["displacement"], (times, *vertices)),
-        _packed(record["von_mises"], (times, cells[1])),
-    )
+    return _packed(record["displacement"], (times, *vertices)), _packed(record["von_mises"], (times, cells[1]))
 
 
 def with_every_shape(record: Mapping[str, Any]) -> Picture:

@@ -1,7 +1,4 @@
-"""One self-contained HTML page from the data files: the ledger with filters, tables, charts, a page for every case.
-
-Nothing is solved here, and the page asks no network for anything.
-"""
+"""One HTML page from the data files, which asks no network for anything: ledger, tables, charts, every case."""
 
 from study.present.report.html_page import write_report
 

@@ -88,10 +88,5 @@ def _polygon(face: Polygon) -> dict[str, Any]:
 
 
 def _values(face: FaceHistory) -> dict[str, Any]:
-    series = ("s", "x", "gap", "pressure")
-    return {
-        "face": face.number,
-        "normal": face.normal.tolist(),
-        **{name: short(getattr(face, name)) for name in series},
-        "touches": face.contact_threshold,
-    }
+    series = {name: short(getattr(face, name)) for name in ("s", "x", "gap", "pressure")}
+    return {"face": face.number, "normal": face.normal.tolist(), **series, "touches": face.contact_threshold}

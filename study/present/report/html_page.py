@@ -11,10 +11,10 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from study.ledger.datafiles import by_claim, count_verdicts, read_claims, read_csv
 from study.ledger.files import write_text
-from study.ledger.rounding import cell, significant
+from study.ledger.rounding import significant
 from study.present.report.case_page import Rows, case_pages
 from study.present.report.svg_chart import typeset
-from study.present.tables import bounds_table, ledger_table, names, numbers, words
+from study.present.tables import Table, bounds_table, ledger_table, names, numbers, words
 
 CONTROLS = [
     *names(defect="defect"),
@@ -92,10 +92,9 @@ def _controls(directory: Path) -> Rows | None:
     """The deliberate defects, where there are data of them."""
     if not (directory / "data" / "controls.csv").is_file():
         return None
-    needed = [column.name for column in CONTROLS]
-    frame = read_csv(directory, "controls.csv", needed)
-    cells = [[cell(value) for value in row] for row in frame[needed].to_numpy()]
-    return Rows("Deliberate defects and the row of the ledger that has to fail", CONTROLS, cells)
+    frame = read_csv(directory, "controls.csv", [column.name for column in CONTROLS])
+    table = Table.of("controls", CONTROLS, frame, grouped=0)
+    return Rows.of(table, "Deliberate defects and the row of the ledger that has to fail")
 
 
 def _files(directory: Path) -> Rows:

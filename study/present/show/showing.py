@@ -18,9 +18,9 @@ from PIL import Image
 from study.ledger.files import write_whole
 from study.ledger.mesh_series import MeshSeries
 from study.present.charts.palette import BLACK, SKY, VERMILLION
-from study.present.figures.deformed_body import body_handles, draw_colour_bars
+from study.present.figures.deformed_body import draw_keys, draw_shapes
 from study.present.figures.deformed_mesh import BodyScale, draw_deformed_mesh
-from study.present.figures.drawing import PAGE, in_style, legend
+from study.present.figures.drawing import PAGE, in_style
 from study.present.picture.faces import Segment
 from study.present.picture.picture import Picture, with_every_shape
 from study.present.picture.zone_history import exact_zone
@@ -80,8 +80,7 @@ def played(figure: Figure, picture: Picture) -> Iterator[None]:
     body = figure.add_gridspec(1, 2, width_ratios=(3, 2))
     left = figure.add_subplot(body[0])
     right = body[1].subgridspec(len(picture.faces), 1).subplots(squeeze=False)[:, 0]
-    draw_colour_bars(figure, [left], picture, scale, orientation="horizontal", fraction=0.05, shrink=0.8, pad=0.02)
-    legend(figure, body_handles(picture, scale), columns=4)
+    draw_keys(figure, [left], picture, scale, 4, orientation="horizontal", fraction=0.05, shrink=0.8, pad=0.02)
     for number, shape in enumerate(picture.shapes):
         for axes in (left, *right):
             axes.clear()
@@ -117,16 +116,9 @@ def draw_storyboard(picture: Picture) -> Figure:
     """Six of the shapes of a picture, from the first to the last: the deformed body with stress and contact."""
     chosen = np.linspace(0, len(picture.shapes) - 1, MOMENTS).round().astype(int)
     picture = replace(picture, shapes=[picture.shapes[n] for n in chosen])
-    scale = BodyScale.of(picture)
     rows, width = MOMENTS // COLUMNS, (PAGE - 0.8) / COLUMNS
-    figure = Figure(figsize=(PAGE, 0.8 + rows * (0.2 + width * scale.aspect)))
-    panels = figure.subplots(rows, COLUMNS)
-    for axes, shape in zip(panels.flat, picture.shapes, strict=True):
-        draw_deformed_mesh(axes, picture, shape, scale, width)
-        axes.set_title(f"$t={shape.time:.3g}$")
-    draw_colour_bars(figure, list(panels.flat), picture, scale, fraction=0.04, shrink=0.8)
-    figure.suptitle(picture.heading)
-    legend(figure, body_handles(picture, scale), columns=4)
+    figure = Figure(figsize=(PAGE, 0.8 + rows * (0.2 + width * BodyScale.of(picture).aspect)))
+    draw_shapes(figure, figure.subplots(rows, COLUMNS).ravel(), picture, width, 4, fraction=0.04, shrink=0.8)
     return figure
 
 

@@ -1,0 +1,138 @@
+"""Dots in lines of names: how close guaranteed bounds are to the error, and which row caught which defect."""
+
+from __future__ import annotations
+
+from string import ascii_uppercase
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from study.present.charts.chart import Style
+from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, VERMILLION
+from study.present.figures.drawing import PAGE, dots, entry, legend, mathtext
+
+SCHEMES = {"backward-euler": Style(VERMILLION, "s"), "bdf2": Style(GREEN, "^"), "midpoint": Style(BLUE, "o")}
+
+
+def draw_effectivity(known: pd.DataFrame) -> Figure:
+    """A line per case: left the bound from u_h alone over the error, right both ends of the enclosure over it.
+
+    From ``upper`` and ``lower`` in the rows of ``bounds.csv`` whose error is known, the worst over the second half of
+    time; one marker per scheme, mesh family and level, larger on finer levels.
+    """
+    cases = list(dict.fromkeys(known["case"]))
+    row = {case: len(cases) - 1 - i for i, case in enumerate(cases)}
+    figure = Figure(figsize=(PAGE, 1.2 + 0.15 * len(cases)))
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, trajectory, columns in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
+        mine = known[known["trajectory"] == trajectory]
+        for scheme, look in SCHEMES.items():
+            of_scheme = mine[mine["scheme"] == scheme]
+            # Schemes side by side where their markers would hide each other.
+            y = of_scheme["case"].map(row) + 0.22 * (list(SCHEMES).index(scheme) - 1)
+            for column in columns:
+                _draw_markers(axes, of_scheme[column], y, of_scheme["level"], look, filled=column == "upper")
+        axes.axvline(1, color=BLACK, lw=0.7)
+        axes.grid(True)
+    left.set_xscale("log")
+    ticks = [tick for tick in (1, 1.5, 2, 3, 5, 7, 10, 20, 50) if tick <= 1.1 * left.get_xlim()[1]]
+    left.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    left.minorticks_off()
+    left.set_yticks(list(row.values()), list(row))
+    left.set(ylim=(-0.7, len(cases) - 0.3), xlabel="bound from $u_h$ alone / error")
+    right.set(xlim=(0, None), xlabel="ends of the enclosure / error")
+    used = [(scheme, look) for scheme, look in SCHEMES.items() if (known["scheme"] == scheme).any()]
+    handles = [dots(scheme, color=look.colour, marker=look.marker) for scheme, look in used]
+    handles += [dots(f"{end} end", color=DARK, mfc=fill) for end, fill in (("upper", DARK), ("lower", "white"))]
+    legend(figure, [*handles, entry("larger: finer mesh", ls="")], columns=6)
+    return figure
+
+
+def caption_effectivity(known: pd.DataFrame) -> str:
+    """What to see."""
+    plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
+    wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
+    seen = [f"{wrong or 'no'} bounds on the wrong side of the error"]
+    if len(plain):
+        medians = [f"{mine['upper'].median():.3g} with {scheme}" for scheme, mine in plain.groupby("scheme")]
+        seen.append(
+            f"from u_h alone the bound is {plain['upper'].min():.3g} … {plain['upper'].max():.3g} times the error, the "
+            f"median {', '.join(medians)}"
+        )
+    if len(enclosed):
+        seen.append(
+            f"an enclosure by a more accurate displacement has its lower end at {enclosed['lower'].min():.3g} … "
+            f"{enclosed['lower'].max():.3g} and its upper end at {enclosed['upper'].min():.3g} … "
+            f"{enclosed['upper'].max():.3g} times the error"
+        )
+    return (
+        f"Effectivity of the guaranteed bounds for {known['case'].nunique()} cases whose error is known, the worst "
+        f"over the second half of time; a larger marker is a finer mesh. What to see: {'; '.join(seen)}."
+    )
+
+
+def _draw_markers(axes: Axes, x: pd.Series, y: pd.Series, levels: pd.Series, look: Style, filled: bool) -> None:
+    style: dict[str, Any] = {"edgecolor": look.colour, "facecolor": look.colour if filled else "white"}
+    axes.scatter(x, y, s=5.0 * np.log2(levels) - 8, marker=look.marker, linewidth=0.6, zorder=3, **style)
+
+
+NONE = "none"
+"""Stands for the measurements without a defect."""
+
+
+def draw_defects(controls: pd.DataFrame) -> Figure:
+    """A line per defect, a column per row of the ledger that has to fail under some defect; a disc where it does.
+
+    From ``defect``, ``what``, ``label``, ``quantity`` and ``caught`` in ``controls.csv``; a cross is a defect that no
+    row caught. Columns have letters, which are explained below.
+    """
+    injected = _injected(controls)
+    rows = list(dict.fromkeys(map(_row, injected)))
+    lines = len(injected), len(rows)
+    figure = Figure(figsize=(PAGE, 0.6 + 0.165 * sum(lines)))
+    axes, key = figure.subplots(2, height_ratios=lines)
+    for line, record in enumerate(injected):
+        colour, marker = (BLUE, "o") if record["caught"] == "yes" else (VERMILLION, "X")
+        axes.plot(rows.index(_row(record)), line, ls="", marker=marker, ms=5.5, color=colour, zorder=3)
+    names = [f"{mathtext(record['defect'])}: {mathtext(record['what'])}" for record in injected]
+    axes.set_yticks(range(len(injected)), names)
+    axes.set_xticks(range(len(rows)), ascii_uppercase[: len(rows)])
+    axes.xaxis.tick_top()
+    axes.tick_params(axis="both", length=0)
+    axes.set(xlim=(-0.6, len(rows) - 0.4), ylim=(len(injected) - 0.4, -0.6))
+    axes.grid(True)
+    for line, (letter, name) in enumerate(zip(ascii_uppercase, rows, strict=False)):
+        key.text(-0.45, line, rf"{letter}  {mathtext(name)}", va="center", fontsize=7.5, in_layout=False)
+    key.set(xlim=(0, 1), ylim=(len(rows), -0.5))
+    key.axis("off")
+    found = dots("this row of the ledger fails: caught", ms=5.5, color=BLUE)
+    missed = dots("no row fails: missed", marker="X", ms=5.5, color=VERMILLION)
+    legend(figure, [found, missed], columns=2, side="upper")
+    return figure
+
+
+def caption_defects(controls: pd.DataFrame) -> str:
+    """What to see."""
+    injected, baselines = _injected(controls), controls[controls["defect"] == NONE]
+    caught = sum(record["caught"] == "yes" for record in injected)
+    counts = pd.Series([_row(record) for record in injected]).value_counts()
+    return (
+        f"{len(injected)} deliberate defects (lines) against the rows of the ledger that have to fail under them "
+        f"(columns). What to see: a disc for each of the {caught} of {len(injected)} defects that make a row fail; "
+        f"without a defect {int((baselines['verdict'] == 'holds').sum())} of {len(baselines)} settings hold. The row "
+        f"“{counts.index[0]}” catches most, {counts.iloc[0]}; {int((counts == 1).sum())} of {len(counts)} rows are "
+        "there for a single defect. Other rows that fail, too, are not shown."
+    )
+
+
+def _injected(controls: pd.DataFrame) -> list[dict[str, str]]:
+    found: list[dict[str, str]] = controls[controls["defect"] != NONE].to_dict("records")
+    return found
+
+
+def _row(record: dict[str, str]) -> str:
+    """The name of the row of the ledger that has to fail."""
+    return f"{record['label']}: {record['quantity']}"
