@@ -147,9 +147,9 @@ def statements(data: FullRun) -> str:
     lines = []
     for label, claim, rows in by_claim(data.claims):
         counts = ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
-        where = data.provenance["statements"].get(label, {"code": [], "data": "provenance.json"})
+        where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
         code = ", ".join(f"[`{path}`]({path})" for path in where["code"])
-        lines.append([label, claim, counts, code, f"`{where['data']}`"])
+        lines.append([label, claim, counts, code, ", ".join(f"`{name}`" for name in where["data"])])
     return _markdown(["statement", "says", "verdicts", "code", "data"], lines)
 
 
