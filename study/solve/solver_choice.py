@@ -15,8 +15,8 @@ from study.solve.signorini import ContactSolver, Signorini
 
 FACTORED = {2: math.inf, 3: 120_000}
 """Unknowns up to which S is factorised, by dimension. In the plane L has O(n log n) entries, and a level takes more
-than seven times as long by multigrid (`make bench-growth` has both). In space it has O(n^{4/3}) entries, made by O(n²)
-operations: from about the limit on multigrid takes no more time, and less memory everywhere."""
+than ten times as long by multigrid (`make bench-growth` has both). In space it has O(n^{4/3}) entries, made by O(n²)
+operations: at about the limit multigrid takes as long, and a third of the memory."""
 ROUNDING = 1e-10
 """Relative residual that a factorisation may leave."""
 SHARE = 0.01
