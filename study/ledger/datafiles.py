@@ -19,7 +19,7 @@ from study.ledger.verdict import VERDICTS, Verdict
 
 SERIES = ["claim", "case", "family", "scheme"]
 RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
-RATES += ["time_share"]
+RATES += ["time_share", "predicted_interpolation"]
 SEEDS = ["label", "key", "case", "seeds", "alarms", "claimed"]
 LEDGER = [field.name for field in fields(Verdict)]
 TEXT = {

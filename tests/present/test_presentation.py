@@ -73,6 +73,7 @@ def rates(cases: dict[str, tuple[float, float]], levels: Sequence[int]) -> pd.Da
                 "interpolation_error": 0.9 * error,
                 "discrete_error": 0.5 * factor * size * h ** (discrete * (1 + order) / 2),
                 "time_share": 0.004 * n**0.2,
+                "predicted_interpolation": factor * size * h**order,
                 "order": [np.nan, *np.log(error[:-1] / error[1:]) / np.log(h[:-1] / h[1:])],
             }
             series.append(pd.DataFrame(columns))
@@ -306,7 +307,7 @@ def test_every_table_is_written_in_three_formats_and_nothing_is_left_over(drawn:
 
 
 def test_every_figure_is_written_in_three_formats_with_a_caption_and_nothing_is_left_over(drawn: Path) -> None:
-    names = ["convergence", "convergence-prop-5-3", "effectivity", "enclosure-advance-recede"]
+    names = ["collapsed", "convergence", "convergence-prop-5-3", "effectivity", "enclosure-advance-recede"]
     names += [f"convergence-{case}" for case in CASES]
     kinds = ("zone", "profiles", "body", "energy")
     names += [f"{kind}-{case}" for kind in kinds for case in ("advance-recede", "two-faces", SOLID)]
@@ -363,10 +364,18 @@ def test_the_table_of_stresses_has_levels_in_order_with_their_orders(drawn: Path
 
 @pytest.mark.parametrize("name", ["rates", "ledger", "equivalence", "stresses", "bounds"])
 def test_markdown_shows_the_cells_of_the_csv_table(drawn: Path, name: str) -> None:
-    cells = pd.read_csv(drawn / "tables" / f"{name}.csv", dtype=str, keep_default_na=False).to_numpy()
-    lines = (drawn / "tables" / f"{name}.md").read_text(encoding="utf-8").splitlines()[2:]
-    split = [[cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for line in lines]
-    assert [[re.sub(r"\\(.)", r"\1", cell) for cell in row] for row in split] == cells.tolist()
+    """Below the headings, which have those of its first columns."""
+    cells = pd.read_csv(drawn / "tables" / f"{name}.csv", dtype=str, keep_default_na=False)
+    text = (drawn / "tables" / f"{name}.md").read_text(encoding="utf-8")
+    tables = [part.splitlines()[3:] for part in re.split(r"^## .*\n", text, flags=re.MULTILINE)[1:]]
+    split = [
+        [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]] for table in tables for line in table if line
+    ]
+    shown = [[re.sub(r"\\(.)", r"\1", cell) for cell in row] for row in split]
+    assert sorted(shown) == sorted(cells.iloc[:, -len(shown[0]) :].to_numpy().tolist())
+    headings = re.findall(r"^## (.*)$", re.sub(r"\\(.)", r"\1", text), re.MULTILINE)
+    first = cells.iloc[:, : -len(shown[0])].drop_duplicates().to_numpy()
+    assert headings == [", ".join(value for value in row if value) for row in first]
 
 
 @pytest.mark.parametrize("name", ["rates", "ledger", "equivalence", "stresses", "bounds"])
@@ -502,5 +511,5 @@ def test_a_single_level_can_be_drawn(tmp_path: Path) -> None:
     directory = write_data(tmp_path, {"advance-recede": (1.0, 28.0)}, (16,), level=8)
     shutil.rmtree(directory / "data" / "pictures")
     (directory / "data" / "pictures").mkdir()
-    names = ("convergence-advance-recede", "convergence", "effectivity", "enclosure-advance-recede")
+    names = ("collapsed", "convergence-advance-recede", "convergence", "effectivity", "enclosure-advance-recede")
     assert {path.stem for path in draw_figures(directory, drawings)} == set(names)

@@ -339,18 +339,36 @@ def test_the_body_is_drawn_where_it_is(page: webdriver.Chrome, directory: Path, 
     assert (middle, corner) == (255, 0)
 
 
+PLAY_AND_PAUSE = """
+const [film, done] = arguments, button = film.querySelector("button"), shown = film.querySelector("output");
+const before = shown.textContent;
+button.click();
+const pressed = button.getAttribute("aria-pressed");
+const watch = setInterval(() => {
+    if (shown.textContent === before) return;
+    clearInterval(watch);
+    button.click();
+    const paused = shown.textContent;
+    setTimeout(() => done([before, pressed, paused, button.textContent, shown.textContent]), 600);
+}, 5);
+"""
+"""All of it in the page: a driver on a busy machine would come back when the film is over."""
+
+
 def test_play_runs_through_the_times_and_pauses(page: webdriver.Chrome, directory: Path) -> None:
     go(page, directory, f"case/{CASE}")
-    button = film(page).find_element(By.TAG_NAME, "button")
+    before, pressed, paused, label, later = page.execute_async_script(PLAY_AND_PAUSE, film(page))
+    assert pressed == "true"
+    assert paused != before
+    assert label == "Play"
+    assert later == paused
+
+
+def test_the_space_bar_plays(page: webdriver.Chrome, directory: Path) -> None:
+    go(page, directory, f"case/{CASE}")
     before = time_shown(page)
-    button.send_keys(Keys.SPACE)
+    film(page).find_element(By.TAG_NAME, "button").send_keys(Keys.SPACE)
     WebDriverWait(page, 10).until(lambda _: time_shown(page) > before)
-    assert button.get_attribute("aria-pressed") == "true"
-    button.send_keys(Keys.SPACE)
-    paused = time_shown(page)
-    assert button.text == "Play"
-    page.execute_async_script("setTimeout(arguments[0], 600)")
-    assert time_shown(page) == paused
 
 
 @pytest.mark.parametrize("pixels", [360, 1280])

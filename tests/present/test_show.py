@@ -156,7 +156,7 @@ def test_the_shapes_of_an_animation_are_those_of_the_motion() -> None:
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
-        (["show", "hexagone"], "study: unknown case 'hexagone'; known: full-contact"),
+        (["show", "hexagone"], "study: unknown case 'hexagone'; did you mean hexagon? All: full-contact"),
         (["show", "nothing.py:case"], "there is no file nothing.py"),
         (["show", "hexagon", "--level", "1"], "--level must be 2 or more, got 1"),
         (["show", "hexagon", "--out", "{file}"], "cannot write {file}/hexagon/.writable: "),

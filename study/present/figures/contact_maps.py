@@ -28,12 +28,17 @@ Paint = Callable[[Axes, int], Any]
 def draw_maps_of(row: Array, picture: Picture, face: Polygon, paint: Paint) -> None:
     """The maps of a face with its exact front, at the times of the shapes."""
     for axes, instant in zip(row, picture.instants, strict=True):
-        paint(axes, instant)
-        level = face.level[instant]
-        if level.min() < 0 <= level.max():
-            axes.tricontour(refined_triangulation(face), level, [0], colors=VERMILLION, linewidths=1.0)
-        axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
+        draw_map(axes, face, instant, paint)
     row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")
+
+
+def draw_map(axes: Axes, face: Polygon, instant: int, paint: Paint) -> None:
+    """The map of a face with its exact front at one time."""
+    paint(axes, instant)
+    level = face.level[instant]
+    if level.min() < 0 <= level.max():
+        axes.tricontour(refined_triangulation(face), level, [0], colors=VERMILLION, linewidths=1.0)
+    axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
 
 
 def label_maps(panels: Array, picture: Picture) -> None:
@@ -127,7 +132,7 @@ def draw_maps(picture: Picture) -> Figure:
         pressure = "pressure $p$", PRESSURES, face.pressure_exact, face.pressure
         for row, (label, colours, exact, computed) in zip(panels[2 * i : 2 * i + 2], (gap, pressure), strict=True):
             top = float(max(exact[instants].max(), computed[instants].max())) or 1.0
-            draw_maps_of(row, picture, face, _values(face, exact, computed, top, colours))
+            draw_maps_of(row, picture, face, paint_values(face, exact, computed, top, colours))
             bar = figure.colorbar(row[-1].collections[0], ax=list(row), fraction=0.05, ticks=[0, top], format="%.3g")
             bar.set_label(label)
     label_maps(panels, picture)
@@ -153,7 +158,8 @@ def caption_maps(picture: Picture) -> str:
     )
 
 
-def _values(face: Polygon, exact: Array, computed: Array, top: float, colours: str) -> Paint:
+def paint_values(face: Polygon, exact: Array, computed: Array, top: float, colours: str) -> Paint:
+    """Exact values as a surface, computed ones as dots, in colours from 0 to ``top``."""
     levels = np.linspace(0, top, LEVELS + 1)
     style: dict[str, Any] = {"cmap": colormaps[colours], "norm": BoundaryNorm(levels, 256)}
 

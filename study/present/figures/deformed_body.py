@@ -29,16 +29,22 @@ def draw_shapes(
 
 
 def draw_keys(
-    figure: Figure, panels: list[Axes], picture: Picture, scale: BodyScale, columns: int, **layout: Any
+    figure: Figure,
+    panels: list[Axes],
+    picture: Picture,
+    scale: BodyScale,
+    columns: int,
+    more: Sequence[Artist] = (),
+    **layout: Any,
 ) -> None:
-    """A legend, and the colours of the stress and, for a solid, of the pressure, beside or under some axes."""
+    """A legend, with ``more`` entries, and the colours of the stress and, for a solid, of the pressure, beside axes."""
     bar = figure.colorbar(scale.stress_colours, ax=panels, extend="max", **layout)
     bar.set_label(r"von Mises stress $\sqrt{3/2}\,|\mathrm{dev}\,\sigma|$")
     bar.outline.set_linewidth(0.4)
     if picture.polygons:
         bar = figure.colorbar(scale.pressure_colours, ax=panels, **layout)
         bar.set_label(r"contact pressure $p^h$ on $\Gamma_3$")
-    legend(figure, _body_handles(picture, scale), columns=columns)
+    legend(figure, [*_body_handles(picture, scale), *more], columns=columns)
 
 
 def _body_handles(picture: Picture, scale: BodyScale) -> list[Artist]:

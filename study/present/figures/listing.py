@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 
 from study.ledger.datafiles import DataError, read_csv, read_rates
 from study.present.charts.chart import Chart
+from study.present.charts.collapsed_chart import collapsed_chart
 from study.present.charts.convergence_chart import convergence_chart, overview_chart
 from study.present.charts.enclosure_chart import enclosure_chart, enclosure_charts
 from study.present.figures.contact_lines import caption_profiles, caption_zone, draw_profiles, draw_zone
@@ -48,8 +49,9 @@ def drawings(directory: Path) -> list[Drawing]:
 def overview(directory: Path) -> list[Drawing]:
     """The figures over all cases; DataError as in ``drawings``.
 
-    ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones; ``effectivity`` of
-    ``bounds.csv``; ``defects`` of ``controls.csv`` and ``growth`` of ``benchmarks/growth.csv`` where they are.
+    ``collapsed`` and ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones;
+    ``effectivity`` of ``bounds.csv``; ``defects`` of ``controls.csv`` and ``growth`` of ``benchmarks/growth.csv`` where
+    they are.
     """
     found, rates = [], read_rates(directory)
     orders = _expected_orders(directory, rates)
@@ -57,6 +59,9 @@ def overview(directory: Path) -> list[Drawing]:
         for claim, mine in of_scheme.groupby("claim", sort=False):
             name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
             found.append(_chart(f"convergence{name}{suffix}", overview_chart(mine, orders), draw_grid))
+        smooth = of_scheme[of_scheme["claim"] == "Prop. 5.4"]
+        if len(smooth):
+            found.append(_chart(f"collapsed{suffix}", collapsed_chart(smooth)))
     bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
     known = bounds[bounds["upper"].notna()]
     if len(known):
