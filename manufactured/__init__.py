@@ -9,7 +9,7 @@ polynomials that cut a lifting off inside the body, for ``cutoff`` and ``slab``.
 
 from manufactured.body import Body, BodyError, Kind, Part, box, polygon, unit_square
 from manufactured.case import Case, CaseError
-from manufactured.catalogue import catalogue
+from manufactured.catalogue import catalogue, named
 from manufactured.contact import ContactFace
 from manufactured.data import Data, LoadError
 from manufactured.exact import ExactSolution
@@ -67,6 +67,7 @@ __all__ = [
     "isotropic",
     "kolosov",
     "layered",
+    "named",
     "polygon",
     "pos",
     "prove",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from manufactured.case import Case
+from manufactured.case import Case, CaseError
 from manufactured.cases import (
     advance_recede,
     anisotropic,
@@ -70,3 +70,15 @@ def catalogue() -> tuple[Case, ...]:
         re_entrant.case(),
         junction.case(),
     )
+
+
+def named(name: str) -> Case:
+    """The case of the catalogue with a name.
+
+    Raises:
+        CaseError: there is none; the message lists those there are.
+    """
+    for case in catalogue():
+        if case.name == name:
+            return case
+    raise CaseError(f"no case is called {name!r}; there are {', '.join(case.name for case in catalogue())}")

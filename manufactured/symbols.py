@@ -97,6 +97,22 @@ def differentiate(expression: sp.Expr, variables: tuple[sp.Symbol, ...], index: 
     return expression
 
 
+KINKED = (sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign)
+"""Functions with kinks or jumps, whose derivatives SymPy does not take in the sense that is meant."""
+
+
+def _hint(expression: sp.Expr) -> str:
+    """How the first power of Max(x, 0), or the first |x|, is written with ``pos``; empty where there is none."""
+    for power in sp.preorder_traversal(expression):
+        base, exponent = power.as_base_exp() if isinstance(power, sp.Expr) else (power, 1)
+        if isinstance(base, sp.Max) and 0 in base.args and len(base.args) == 2:
+            (x,) = set(base.args) - {sp.Integer(0)}
+            return f"; instead of {power} write pos({x}, {exponent})"
+        if isinstance(power, sp.Abs):
+            return f"; instead of {power} write pos({power.args[0]}, 1) + pos({-power.args[0]}, 1)"
+    return ""
+
+
 @dataclass(frozen=True)
 class Jet:
     """A formula of (s, t) with its derivatives along the face, evaluated by NumPy.
@@ -121,8 +137,10 @@ class Jet:
                 f"{self.expression} has {', '.join(strange)}; use the symbols s (s1, s2 in 3D) and t "
                 "of ``manufactured``, and numbers for everything else"
             )
-        if self.expression.has(sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.sign):
-            raise FormulaError(f"{self.expression}: write fronts with pos(x, a), so that derivatives are known")
+        if self.expression.has(*KINKED):
+            raise FormulaError(
+                f"{self.expression}: write fronts with pos(x, a), so that derivatives are known{_hint(self.expression)}"
+            )
 
     def __call__(self, points: Array, time: Array | complex, order: int = 0) -> Values:
         keys = indices(len(self.variables), order)

@@ -10,6 +10,9 @@ import numpy as np
 from manufactured.body.part import ROUNDING, BodyError, Kind, NDBool, Part, fan_vector, scattered
 from manufactured.tensors import Points
 
+SLENDER = 1000.0
+"""The d-th power of the largest extent over the measure, up to which a body is served: Korn's constant is as small."""
+
 
 @dataclass(frozen=True, eq=False)
 class Body:
@@ -24,8 +27,8 @@ class Body:
 
     Raises:
         BodyError: fewer than d + 1 parts, gaps between them, inward normals, no Γ1 (Korn's inequality (2.17)
-            needs meas Γ1 > 0), no Γ3, T ≤ 0, a point of ``refine`` that is no vertex, an interface that does not
-            cut Ω.
+            needs meas Γ1 > 0), no Γ3, T ≤ 0, a sliver, a point of ``refine`` that is no vertex, an interface that
+            does not cut Ω.
     """
 
     parts: tuple[Part, ...]
@@ -99,6 +102,12 @@ def check(body: Body) -> None:
     for kind, why in ((Kind.CLAMPED, "Korn's inequality (2.17)"), (Kind.CONTACT, "the Signorini condition (2.5)")):
         if not body.of(kind):
             raise BodyError(f"the body has no part {kind.value}, which {why} needs")
+    across = float(np.ptp(body.vertices, axis=1).max())
+    if across**body.dim > SLENDER * body.measure:
+        raise BodyError(
+            f"the body is {across:g} across and measures {body.measure:.3g}: so thin that rounding errors hide what it "
+            f"does; {across:g}^{body.dim} over its measure may be at most {SLENDER:g}"
+        )
     if not (np.isfinite(body.T) and body.T > 0):
         raise BodyError(f"the final time must be positive, got T = {body.T}")
     for point in body.refine:

@@ -89,10 +89,16 @@ class Data:
             lines: where the formulas have kinks.
 
         Raises:
+            LoadError: the dimension of the law is not that of the body.
             FormulaError: a formula has the wrong number of components or other symbols, or f_2 is given on a part
                 that is not of Γ2.
         """
         dim, place = body.dim, (x1, x2, x3)[: body.dim]
+        if law.dim != dim:
+            raise LoadError(
+                f"the law {law.name} acts in dimension {law.dim}, the body has dimension {dim}; give its tensors that "
+                f"dimension, such as isotropic(1, 0.5, dim={dim})"
+            )
         force = compiled(f0, dim, "f0", (*place, t))
         surface_load = _surface_load(body, f2 or {}, (*place, t))
         displacement = tuple(map(own_formula, [0] * dim if u0 is None else u0))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
@@ -60,13 +61,21 @@ class ExactSolution:
         fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
         return (*fronts, *self.law.steps)
 
-    def at(self, x: Points) -> Fields:
-        """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed."""
-        return Fields(self, x)
+    def at(self, x: ArrayLike) -> Fields:
+        """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed.
 
-    def on(self, face: Face, s: Array) -> FaceFields:
-        """The solution at fixed points of a contact face."""
-        return FaceFields(self, face, s)
+        Raises:
+            ValueError: there are not d coordinates.
+        """
+        return Fields(self, _coordinates(x, self.body.dim, "points of the body"))
+
+    def on(self, face: Face, s: ArrayLike) -> FaceFields:
+        """The solution at fixed points of a contact face, (d − 1, ...).
+
+        Raises:
+            ValueError: there are not d − 1 coordinates.
+        """
+        return FaceFields(self, face, _coordinates(s, self.body.dim - 1, "points of a face"))
 
 
 class Fields:
@@ -170,6 +179,13 @@ class FaceFields:
     def level(self, time: float) -> Array:
         """ψ, (...): the contact zone is {ψ ≥ 0}."""
         return self.face.level_jet(self.s, time)[(0,) * len(self.s)]
+
+
+def _coordinates(values: ArrayLike, count: int, what: str) -> Array:
+    found = np.asarray(values)
+    if found.ndim == 0 or len(found) != count:
+        raise ValueError(f"{what} have {count} coordinate(s), one row for each; got an array of shape {found.shape}")
+    return found
 
 
 def _each(gradient: Array) -> Array:

@@ -22,6 +22,7 @@ from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
 from study.ledger.rounding import down, interval, up
 from study.solve.evolution import Scheme
+from study.solve.steps import require_steps
 
 LINES = 8
 """Times in the printed table."""
@@ -51,8 +52,10 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
     """
     if not levels or min(levels) < 2 or any(b <= a for a, b in pairwise(levels)):
         raise BoundError(f"levels must be 2 or more and increase, got {' '.join(map(str, levels)) or 'none'}")
-    if steps is not None and steps < 1:
-        raise BoundError(f"--steps must be 1 or more, got {steps}")
+    if steps is not None:
+        if steps < 1:
+            raise BoundError(f"--steps must be 1 or more, got {steps}")
+        require_steps(steps * refined.shorter)
     if refined.refinements < 0 or refined.shorter < 1:
         raise BoundError(
             "ũ needs 0 or more refinements and 1 or more steps in one of u_h, "

@@ -6,8 +6,11 @@ import importlib.util
 import re
 import sys
 from collections.abc import Sequence
+from difflib import get_close_matches
 from functools import lru_cache
+from inspect import isfunction
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from manufactured.case import Case
@@ -23,7 +26,10 @@ def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
     for item in known:
         if item.name == name:
             return item
-    raise UsageError(f"unknown {kind} {name!r}; known: {', '.join(item.name for item in known)}")
+    names = [item.name for item in known]
+    near = get_close_matches(name, names, n=1)
+    meant = f"did you mean {near[0]}? All" if near else "known"
+    raise UsageError(f"unknown {kind} {name!r}; {meant}: {', '.join(names)}")
 
 
 def family_named(name: str) -> MeshFamily:
@@ -36,7 +42,7 @@ def family_named(name: str) -> MeshFamily:
 @lru_cache
 def resolve(reference: str) -> Case:
     """The case behind a catalogue name or FILE.py:NAME, NAME a Case or a function making one; UsageError if none is."""
-    found = _from_file(reference) if ":" in reference else choose("case", reference, catalogue())
+    found = _from_file(reference) if _is_file(reference) else choose("case", reference, catalogue())
     if not isinstance(found, Case):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected a manufactured.Case")
     return found
@@ -50,7 +56,7 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     ``manufactured.problems``.
     """
     name = reference.rpartition(":")[2]
-    found = _from_file(reference) if ":" in reference else choose("problem", reference, (*catalogue(), *problems()))
+    found = _from_file(reference) if _is_file(reference) else choose("problem", reference, (*catalogue(), *problems()))
     if isinstance(found, OpenProblem):
         return found.name, found.data, None
     if isinstance(found, Case):
@@ -71,9 +77,13 @@ def absolute(reference: str) -> str:
     return f"{Path(file).resolve()}:{name}" if colon else reference
 
 
+def _is_file(reference: str) -> bool:
+    return ":" in reference or reference.endswith(".py")
+
+
 def _from_file(reference: str) -> Any:
     """What FILE.py:NAME stands for; called if it is a function."""
-    file, _, name = reference.rpartition(":")
+    file, _, name = reference.rpartition(":") if ":" in reference else (reference, "", "")
     path = Path(file).resolve()
     if not path.is_file():
         raise UsageError(f"{reference}: there is no file {file}")
@@ -85,10 +95,19 @@ def _from_file(reference: str) -> Any:
     try:
         spec.loader.exec_module(module)
         if not hasattr(module, name):
-            raise UsageError(f"{reference}: {file} defines no {name!r}")
+            raise UsageError(_none_named(file, name, module))
         found = getattr(module, name)
         return found() if callable(found) else found
     except UsageError:
         raise
     except (Exception, SystemExit) as error:
         raise UsageError(f"{reference} cannot be made: {type(error).__name__}: {error}") from error
+
+
+def _none_named(file: str, name: str, module: ModuleType) -> str:
+    """What to give instead: cases, data and functions that the file itself defines."""
+    own = {key: value for key, value in vars(module).items() if not key.startswith("_")}
+    made = [key for key, value in own.items() if isinstance(value, Case | Data)]
+    made += [key for key, value in own.items() if isfunction(value) and value.__module__ == module.__name__]
+    lacks = f"{file} defines no {name!r}" if name else f"{file} stands for no case without a name"
+    return f"{lacks}; give {' or '.join(f'{file}:{key}' for key in made) or 'a file that defines a Case or Data'}"

@@ -7,8 +7,14 @@ from __future__ import annotations
 
 import math
 
+from study.ledger.errors import UsageError
+
 PACE = 8.0
 """Steps per n^{2/3} and unit of time where a case does not ask for more."""
+
+
+MOST = 1_000_000
+"""Steps of one trajectory, beyond which a run would stand still for days."""
 
 
 class StepsError(ValueError):
@@ -24,6 +30,16 @@ def step_size(T: float, steps: int) -> float:
     if steps < 1:
         raise StepsError(f"{steps} steps cannot reach T = {T:g}; take one step or more")
     return T / steps
+
+
+def require_steps(steps: int) -> None:
+    """Refuse, before time is spent, more steps than anybody waits for.
+
+    Raises:
+        UsageError: says how many there are and how many there may be.
+    """
+    if steps > MOST:
+        raise UsageError(f"{steps:.3g} time steps are asked for, at most {MOST:.0e} are taken; make them longer")
 
 
 def rate_steps(T: float, level: int, pace: float = PACE) -> int:

@@ -15,7 +15,7 @@ from study.fem.naming import resolve
 from study.ledger.files import StoreError, write_text
 from study.run.store import FORMAT, Store
 
-README = Path(__file__).parents[2] / "README.md"
+OWN_CASE = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
 
 HEAD = """
 from dataclasses import replace
@@ -133,9 +133,9 @@ def test_the_catalogue_is_listed_as_text_and_as_json(capsys) -> None:
 
 @pytest.fixture(scope="module")
 def finished(tmp_path_factory) -> Path:
-    """A small run of the case in the README, as a newcomer would make it."""
+    """A small run of the case in the tutorial, as a newcomer would make it."""
     directory = tmp_path_factory.mktemp("user")
-    code = re.findall(r"```python\n(.*?)```", README.read_text(), re.DOTALL)[0]
+    code = re.findall(r":caption: pocket.py\n\n(.*?)```", OWN_CASE.read_text(), re.DOTALL)[0]
     (directory / "pocket.py").write_text(code)
     assert len(code.splitlines()) < 25
     out = directory / "results"

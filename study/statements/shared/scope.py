@@ -9,7 +9,7 @@ from manufactured.case import Case
 from study.fem.mesh import FAMILIES, MeshFamily
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
-from study.solve.steps import rate_steps
+from study.solve.steps import rate_steps, require_steps
 
 
 def serving(case: Case) -> list[MeshFamily]:
@@ -75,8 +75,8 @@ class Scope:
         """Refuse levels, steps and names that make no study.
 
         Raises:
-            UsageError: levels below 2, not increasing, a time step beyond T, two cases of one name, or a body
-                that no mesh family serves.
+            UsageError: levels below 2, not increasing, a time step beyond T or far too small, two cases of one
+                name, or a body that no mesh family serves.
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
@@ -91,6 +91,7 @@ class Scope:
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
         for case in self.resolved():
             serving(case)
+            require_steps(self.steps(case, max(self.levels_of(case).of(0))))
 
     def steps(self, case: Case, level: int) -> int:
         """Time steps at a level: of the size asked for, or as many as the case's pace says."""

@@ -1,0 +1,90 @@
+"""What a newcomer types by mistake is answered with what to type instead, and nothing is lost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import sympy as sp
+
+from manufactured import BodyError, Data, FormulaError, KelvinVoigt, Kind, LoadError, isotropic, polygon, unit_square
+from manufactured.symbols import Jet, pos, s, t
+from study.cli.common import USAGE
+from study.cli.main import main
+
+CASES = """
+from manufactured import named
+
+def patch():
+    return named("travelling-patch")
+
+front = named("advance-recede")
+_hidden = front
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "cases.py"
+    path.write_text(CASES, encoding="utf-8")
+    return path
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main([*arguments]) == USAGE
+    return capsys.readouterr().err
+
+
+def test_a_name_with_a_slip_is_answered_with_the_nearest_one(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    told = refused(capsys, "run", "--case", "hexgon", "--out", str(tmp_path))
+    assert "unknown case 'hexgon'; did you mean hexagon? All: full-contact" in told
+    assert "did you mean midpoint?" in refused(capsys, "run", "--scheme", "midpiont", "--out", str(tmp_path))
+
+
+@pytest.mark.parametrize("name", ["", ":pach"])
+def test_a_file_without_a_name_it_defines_is_answered_with_those_it_does(
+    file: Path, name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    told = refused(capsys, "run", "--case", f"{file}{name}", "--out", str(tmp_path / "out"))
+    assert f"give {file}:front or {file}:patch" in told
+    assert "_hidden" not in told
+    assert "named" not in told
+
+
+@pytest.mark.parametrize(
+    ("formula", "instead"),
+    [
+        (sp.Max(s - t, 0) ** 2, "pos(s - t, 2)"),
+        (sp.Max(0, s), "pos(s, 1)"),
+        (abs(s - t), "pos(s - t, 1) + pos(-s + t, 1)"),
+    ],
+)
+def test_a_kink_in_other_words_is_answered_with_pos(formula: sp.Expr, instead: str) -> None:
+    with pytest.raises(FormulaError) as told:
+        Jet(formula)
+    assert f"write {instead}" in str(told.value)
+    written = sp.sympify(instead, {"pos": pos, "s": s, "t": t})
+    for place in ({s: 0.7, t: 0.2}, {s: 0.2, t: 0.7}):
+        assert float(written.subs(place)) == pytest.approx(float(formula.subs(place)))
+
+
+def test_a_law_of_another_dimension_than_the_body_is_refused_in_words() -> None:
+    solid = KelvinVoigt(isotropic(1, 1, dim=3), isotropic(1, 1, dim=3), "solid")
+    with pytest.raises(LoadError, match="the law solid acts in dimension 3, the body has dimension 2"):
+        Data.formulas(unit_square(), solid, f0=(0, 0))
+
+
+def test_a_time_step_that_nobody_would_wait_for_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    told = refused(capsys, "run", "--case", "corner", "--step", "1e-12", "--out", str(tmp_path))
+    assert "1e+12 time steps are asked for, at most 1e+06 are taken; make them longer" in told
+    told = refused(capsys, "bound", "ramp", "--steps", "10000000", "--out", str(tmp_path))
+    assert "4e+07 time steps" in told
+
+
+def test_a_body_too_thin_to_compute_with_is_refused() -> None:
+    sides = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
+    polygon([(0, 0), (3, 0), (3, 0.01), (0, 0.01)], sides)
+    with pytest.raises(BodyError, match="so thin that rounding errors hide"):
+        polygon([(0, 0), (3, 0), (3, 0.001), (0, 0.001)], sides)
