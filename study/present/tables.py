@@ -7,7 +7,7 @@ orders have three decimals.
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -91,21 +91,39 @@ class Table:
         return [write_text(directory / f"{self.name}.{form}", text) for form, text in forms.items()]
 
     def markdown(self) -> str:
-        """A pipe table; characters with a meaning in Markdown are escaped."""
-        shown = self.cells.map(lambda cell: re.sub(r"([\\|*_<])", r"\\\1", cell))
-        shown.columns = [column.heading.replace("_", r"\_") for column in self.columns]
-        sides = ["right" if column.alignment == "r" else "left" for column in self.columns]
-        return str(shown.to_markdown(index=False, disable_numparse=True, colalign=sides)) + "\n"
+        """A pipe table below a heading for each group; characters with a meaning in Markdown are escaped."""
+        rest = self.columns[self.grouped :]
+        rule = ["--:" if column.alignment == "r" else ":--" for column in rest]
+        lines = []
+        for values, rows in self._groups():
+            lines += [f"## {_plain(', '.join(filter(None, values)))}", ""]
+            table = [
+                [_plain(column.heading) for column in rest],
+                rule,
+                *([_plain(cell) for cell in row] for row in rows),
+            ]
+            lines += [*("| " + " | ".join(line) + " |" for line in table), ""]
+        return "\n".join(lines)
+
+    def _groups(self) -> Iterator[tuple[tuple[str, ...], list[list[str]]]]:
+        """The values of the first columns with the cells of the others, in the order of the data."""
+        keys, rest = self.columns[: self.grouped], self.columns[self.grouped :]
+        for values, rows in self.cells.groupby([column.name for column in keys], sort=False):
+            yield values, rows[[column.name for column in rest]].to_numpy().tolist()
 
     def latex(self) -> str:
         """A longtable with booktabs rules."""
-        keys, rest = list(self.columns[: self.grouped]), list(self.columns[self.grouped :])
+        keys, rest = self.columns[: self.grouped], self.columns[self.grouped :]
         groups: list[tuple[str, list[list[str]]]] = []
-        for values, rows in self.cells.groupby([column.name for column in keys], sort=False):
+        for values, rows in self._groups():
             title = ", ".join(column.latex(value) for column, value in zip(keys, values, strict=True) if value)
-            body = rows[[column.name for column in rest]].to_numpy()
-            groups.append((title, [[c.latex(cell) for c, cell in zip(rest, row, strict=True)] for row in body]))
+            groups.append((title, [[c.latex(cell) for c, cell in zip(rest, row, strict=True)] for row in rows]))
         return longtable([encode(column.heading) for column in rest], [column.alignment for column in rest], groups)
+
+
+def _plain(text: str) -> str:
+    """A text without meaning in Markdown."""
+    return re.sub(r"([\\|*_<#])", r"\\\1", text)
 
 
 def rates_table(directory: Path) -> Table:
