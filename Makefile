@@ -3,8 +3,9 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
+PAGES := README.md docs/explanation/results.md docs/reference/statements.md
 
-.PHONY: study full controls seeds test bench bench-growth bench-peers bench-parallel lint docs paper lock clean
+.PHONY: study full controls seeds test tutorials pages bench bench-growth bench-peers bench-parallel lint docs paper lock clean
 
 study: $(READY)  ## quick study into results/quick, a minute and a half
 	$(BIN)/study run --quick --out results/quick
@@ -14,7 +15,7 @@ full: $(READY)  ## all levels into results/, and the slow tests
 	$(BIN)/study controls --out results
 	$(BIN)/study tables --out results
 	$(BIN)/study figures --out results
-	$(BIN)/python -m study.present.readme README.md results
+	$(BIN)/python -m study.present.pages results $(PAGES)
 	$(BIN)/pytest -m slow --numprocesses auto
 
 controls: $(READY)  ## deliberate defects that the verdicts must catch, half a minute
@@ -22,10 +23,16 @@ controls: $(READY)  ## deliberate defects that the verdicts must catch, half a m
 
 seeds: $(READY)  ## the verdicts on twenty other random meshes into results/, fifty minutes
 	$(BIN)/study seeds --out results
-	$(BIN)/python -m study.present.readme README.md results
+	$(BIN)/python -m study.present.pages results $(PAGES)
 
 test: $(READY)  ## the test suite without the slow levels
 	$(BIN)/pytest --numprocesses auto
+
+tutorials: $(READY)  ## what the documentation tells to type, the pages that take minutes
+	$(BIN)/pytest -m slow tests/project/test_pages.py
+
+pages: $(READY)  ## the tables of README and documentation from the data of the full study
+	$(BIN)/python -m study.present.pages results $(PAGES)
 
 # Benchmarks are not tests: a slow machine or a missing peer is no failure.
 bench: $(READY)  ## ratios of timings into results/benchmarks, some minutes; warns where one got worse
@@ -51,8 +58,9 @@ lint: $(READY)  ## style, types, and that imports run down
 
 # Left out: linear algebra within the solvers, and modules with a class that inherits fields from another one. pdoc
 # cannot resolve the types there; a warning anywhere else is an error.
-docs: $(READY)  ## the API as HTML, build/docs/index.html
-	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs \
+docs: $(READY)  ## the documentation with the gallery and the API, build/docs/index.html
+	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
+	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
 		'!study\.solve\.(cholesky|multigrid|vertices)' '!study\.statements\.thm_4_2\.stands_alone' \
 		'!study\.controls\.alarms'
@@ -77,4 +85,4 @@ lock:  ## renew the pins
 	rm -rf $(VENV)-lock
 
 clean:
-	rm -rf $(VENV) results/quick paper/build
+	rm -rf $(VENV) results/quick paper/build docs/generated build

@@ -41,7 +41,8 @@ ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
 CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text())
 WORKFLOWS = [*sorted((ROOT / ".github" / "workflows").glob("*.yml")), ROOT / "examples" / "convergence-check.yml"]
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
+RUN_THE_STUDY = ROOT / "docs" / "how-to" / "run-the-study.md"
+PAGES = [ROOT / "README.md", RUN_THE_STUDY, ROOT / "CONTRIBUTING.md", ROOT / "examples" / "README.md"]
 TARGETS = set(re.findall(r"^([a-z][a-z-]*):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 
 
@@ -132,24 +133,16 @@ def test_workflows_use_actions_of_a_fixed_major_version_and_may_write_nothing(wo
         assert re.fullmatch(r"actions/[a-z-]+@v\d+", action)
 
 
-def test_workflows_run_what_the_readme_tells_to_run() -> None:
+def test_workflows_run_what_the_documentation_tells_to_run() -> None:
     """Benchmarks are left out: they time the machine."""
-    told = set(re.findall(r"\bmake ([a-z][a-z-]*)", PAGES[0].read_text())) & TARGETS
+    told = set(re.findall(r"\bmake ([a-z][a-z-]*)", RUN_THE_STUDY.read_text())) & TARGETS
     run = {target for workflow in WORKFLOWS for words in commands(workflow) if words[0] == "make" for target in words}
     assert {"test", "study", "full", "controls"} <= told
     assert {target for target in told - run if not target.startswith("bench")} == set()
 
 
-def test_workflows_run_every_study_command_of_the_readme_on_the_files_it_gives(tmp_path, monkeypatch, capsys) -> None:
-    told = [words for words in commands(PAGES[0]) if Path(words[0]).name == "study"]
-    assert told
-    assert [words for words in told if words not in [*commands(WORKFLOWS[0])]] == []
-    monkeypatch.chdir(tmp_path)
-    runpy.run_path(str(ROOT / ".github" / "readme_files.py"))
-    given = {argument.partition(":")[0] for words in told for argument in words if re.search(r"\.(py|csv)\b", argument)}
-    assert given == set(capsys.readouterr().out.split()) == {path.name for path in tmp_path.iterdir()}
-    assert main(["rates", "errors.csv", "--expected", "1"]) == 0
-    assert isinstance(runpy.run_path("wedge.py")["wedge"], manufactured.Data)
+def test_the_workflow_types_what_the_pages_say_also_where_it_takes_minutes() -> None:
+    assert ["make", "tutorials"] in [*commands(WORKFLOWS[0])]
 
 
 def test_the_tests_of_the_report_in_a_browser_are_never_skipped_by_ci() -> None:
@@ -159,8 +152,8 @@ def test_the_tests_of_the_report_in_a_browser_are_never_skipped_by_ci() -> None:
     assert "export BROWSER_TESTS=required" in (ROOT / ".ci" / "run").read_text()
 
 
-def test_the_versions_of_python_that_the_readme_says_are_tested_are() -> None:
-    told = re.search(r"3\.(\d+) to 3\.(\d+) are tested", PAGES[0].read_text())
+def test_the_versions_of_python_that_the_documentation_says_are_tested_are() -> None:
+    told = re.search(r"3\.(\d+) to 3\.(\d+) are tested", RUN_THE_STUDY.read_text())
     assert told is not None
     tested = yaml.safe_load(WORKFLOWS[0].read_text())["jobs"]["tests"]["strategy"]["matrix"]["python"]
     assert tested == [f"3.{minor}" for minor in range(int(told[1]), int(told[2]) + 1)]

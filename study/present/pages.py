@@ -1,7 +1,11 @@
-"""The two tables of the README that come from the data: headline rows of the ledger, and where each statement lives."""
+"""The tables of the README and of the documentation that come from the data.
+
+python -m study.present.pages results README.md docs/explanation/results.md docs/reference/statements.md
+"""
 
 from __future__ import annotations
 
+import json
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -13,9 +17,22 @@ from study.ledger.files import write_text
 from study.ledger.rounding import above, below, up
 from study.ledger.verdict import REPORTED
 from study.present.article.source import FullRun
+from study.present.figures.drawing import in_style
+from study.present.picture.picture import with_every_shape
+from study.present.show.animation import write_gif
 
 
 def headline(data: FullRun) -> str:
+    """What is claimed and seen, and the folder that says how, in Markdown; DataError if rows lack."""
+    told = {"prop_5_4/": _prop_5_4, "prop_5_3.py": _prop_5_3, "thm_4_2/": _own_space, "enclosure/": _bound}
+    rows = [(name, row(data)) for name, row in told.items()]
+    return _markdown(
+        ["claim", "observed", "how"],
+        [[claim, seen, f"[{verdict}](study/statements/{name})"] for name, (claim, _, seen, verdict) in rows],
+    )
+
+
+def results(data: FullRun) -> str:
     """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if rows lack."""
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, _regularity, _defects, _seeds)
     return _markdown(["claim", "predicted", "observed", "verdict"], [row(data) for row in rows])
@@ -24,7 +41,7 @@ def headline(data: FullRun) -> str:
 def _prop_5_4(data: FullRun) -> list[str]:
     fitted = data.rows("Prop. 5.4", "order-fitted")
     return [
-        f"Proposition 5.4: the error ‖u − u^h‖ in L^∞(0,T;V) is O(h), in {fitted['case'].nunique()} cases",
+        f"Proposition 5.4: linear elements converge with order 1, in {fitted['case'].nunique()} cases",
         "order 1",
         # The ends of a fit are those of its interval, in which its value is judged.
         f"fitted orders {_outwards(fitted['observed'].min(), fitted['observed'].max())}, level by level "
@@ -38,7 +55,7 @@ def _prop_5_3(data: FullRun) -> list[str]:
     expected = data.cases.loc[seen["case"], "expected_order"]
     limit = above(100 * data.rows("Prop. 5.3", "limit")["high"].max(), 0)
     return [
-        f"Proposition 5.3: convergence, however rough, in {seen['case'].nunique()} cases",
+        f"Proposition 5.3: they converge to solutions that are not smooth, in {seen['case'].nunique()} cases",
         f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
         f"a positive limit is at most {limit} % of the errors on the two finest meshes; orders {_range(seen)}",
         _verdict(data, "Prop. 5.3"),
@@ -48,7 +65,7 @@ def _prop_5_3(data: FullRun) -> list[str]:
 def _same_mesh(data: FullRun) -> list[str]:
     allowed, seen = (up(data.equivalence[name].max(), 2) for name in ("stress_bound", "stress_gap"))
     return [
-        "Theorem 4.2: displacement and stress formulation have one solution (same mesh, two solvers)",
+        "Theorem 4.2: displacements and stresses solve the same problem (same mesh, two solvers)",
         f"equal up to what the solver leaves open, at most {allowed} by its duality gap",
         f"stresses differ by at most {seen}",
         _verdict(data, "Thm 4.2"),
@@ -60,7 +77,7 @@ def _own_space(data: FullRun) -> list[str]:
     seen = data.rows(label, "order-stress")
     seen = seen[seen["case"].map(data.cases["proved_order"]) == 1]
     return [
-        f"Theorem 4.2, with stresses that know no displacement: they converge to σ, in {seen['case'].nunique()} cases",
+        f"Theorem 4.2, by stresses that know no displacement: they converge to σ, in {seen['case'].nunique()} cases",
         "at least 3/2, by regularity, at most 2",
         f"orders {_range(seen)}",
         _verdict(data, label, set(seen["case"])),
@@ -121,25 +138,27 @@ def _outwards(low: float, high: float) -> str:
     return f"{below(low, 2)} … {above(high, 2)}"
 
 
-def refresh(readme: Path, directory: Path) -> bool:
-    """Put both tables of ``directory`` into a text between ``<!-- NAME -->`` and ``<!-- end -->``; whether it changed.
+def refresh(page: Path, data: FullRun) -> bool:
+    """Put the tables into a page between ``<!-- NAME -->`` and ``<!-- end -->``, those it has marks for; if it changed.
 
     Raises:
-        DataError: the data or the marks are missing.
+        DataError: it has no marks.
     """
-    text, data = readme.read_text(encoding="utf-8"), FullRun.read(directory)
-    if data is None:
-        raise DataError(f"{directory} is not that of a full run: `make full`, `make controls` and `make seeds` make it")
-    before = text
-    for name, table in (("headline", headline(data)), ("statements", statements(data))):
-        start, end = f"<!-- {name} -->\n", "<!-- end -->"
-        head, found, rest = text.partition(start)
-        _, closed, tail = rest.partition(end)
-        if not (found and closed):
-            raise DataError(f"{readme} lacks {start.strip()} … {end}, between which its {name} table belongs")
-        text = f"{head}{start}{table}{end}{tail}"
-    write_text(readme, text)
+    text = before = page.read_text(encoding="utf-8")
+    for table in (headline, results, statements):
+        head, found, rest = text.partition(f"<!-- {table.__name__} -->\n")
+        _, closed, tail = rest.partition(END)
+        if found and closed:
+            text = f"{head}{found}{table(data)}{closed}{tail}"
+    if END not in text:
+        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results or statements for a table")
+    write_text(page, text)
     return text != before
+
+
+END = "<!-- end -->"
+FILM, SMALL = "hexagon", 85
+"""The case on the first screen, and dots per inch of its film."""
 
 
 def statements(data: FullRun) -> str:
@@ -148,7 +167,9 @@ def statements(data: FullRun) -> str:
     for label, claim, rows in by_claim(data.claims):
         counts = ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
-        code = ", ".join(f"[`{path}`]({path})" for path in where["code"])
+        code = ", ".join(
+            f"[`{path}`](../../{path}{'__init__.py' if path.endswith('/') else ''})" for path in where["code"]
+        )
         lines.append([label, claim, counts, code, ", ".join(f"`{name}`" for name in where["data"])])
     return _markdown(["statement", "says", "verdicts", "code", "data"], lines)
 
@@ -159,9 +180,16 @@ def _markdown(header: list[str], rows: Iterable[list[str]]) -> str:
 
 
 def main() -> None:
-    """``python -m study.present.readme README.md results``."""
-    readme, directory = map(Path, sys.argv[1:])
-    print(f"{readme}: {'changed' if refresh(readme, directory) else 'up to date'}")
+    """``python -m study.present.pages RESULTS PAGE …``: the tables, and the film on the first screen."""
+    directory, *pages = map(Path, sys.argv[1:])
+    data = FullRun.read(directory)
+    if data is None:
+        raise DataError(f"{directory} is not that of a full run: `make full`, `make controls` and `make seeds` make it")
+    film, picture = directory / "figures" / f"{FILM}.gif", directory / "data" / "pictures" / f"{FILM}.json"
+    with in_style():
+        write_gif(film, with_every_shape(json.loads(picture.read_text(encoding="utf-8"))), lambda: None, SMALL)
+    for page in pages:
+        print(f"{page}: {'changed' if refresh(page, data) else 'up to date'}")
 
 
 if __name__ == "__main__":

@@ -1,0 +1,22 @@
+"""How the documentation site is built: pages in Markdown, formulas as MathML, the gallery from the catalogue."""
+
+import sys
+from pathlib import Path
+
+from manufactured.catalogue import catalogue
+
+sys.path.insert(0, str(Path(__file__).parent / "extensions"))
+
+project = html_title = "Signorini study"
+author = "the authors of the Signorini study"
+extensions = ["myst_parser", "sphinx_copybutton", "sphinx_design", "mathml", "api", "gallery"]
+myst_enable_extensions = ["dollarmath", "colon_fence", "substitution"]
+myst_substitutions = {"cases": len(catalogue())}
+myst_heading_anchors = 3
+html_theme = "furo"
+html_static_path = ["static"]
+html_css_files = ["site.css"]
+html_math_renderer = "mathml"
+html_show_sphinx = False
+html_copy_source = False
+html_theme_options = {"navigation_with_keys": True}

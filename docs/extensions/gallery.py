@@ -1,0 +1,91 @@
+"""The gallery: every case of the catalogue with its film, formulas, prediction and measured orders.
+
+Films are drawn from ``results/data/pictures``, numbers come from ``results/data``; nothing is solved. A film that is
+there already is not drawn again unless its picture changed.
+"""
+
+import hashlib
+import inspect
+import json
+import re
+import sys
+from pathlib import Path
+
+from sphinx.application import Sphinx
+
+from manufactured.case import Case
+from manufactured.catalogue import catalogue
+from study.ledger.datafiles import read_csv
+from study.present.figures.drawing import in_style
+from study.present.picture.picture import with_every_shape
+from study.present.show.showing import write_gif
+
+DOCS = Path(__file__).parents[1]
+ROOT = DOCS.parent
+
+
+def draw_film(picture: Path, directory: Path) -> str:
+    """The film of a picture, named after what it shows; drawn if it is not there."""
+    text = picture.read_bytes()
+    film = directory / f"{picture.stem}-{hashlib.sha256(text).hexdigest()[:8]}.gif"
+    if not film.exists():
+        directory.mkdir(parents=True, exist_ok=True)
+        with in_style():
+            write_gif(film, with_every_shape(json.loads(text)), lambda: None)
+    return film.name
+
+
+def orders(case: Case) -> str:
+    """The last consecutive orders measured, over all mesh families."""
+    rates = read_csv(ROOT / "results", "rates.csv", ["case", "family", "level", "order"])
+    mine = rates[rates["case"] == case.name].dropna(subset=["order"]).sort_values("level")
+    last = mine.groupby("family")["order"].last()
+    return f"{last.min():.2f} … {last.max():.2f}"
+
+
+def formulas(case: Case) -> tuple[str, str, str]:
+    """Source file, formulas and prediction of a case, from its module's docstring."""
+    stem = re.sub(r"\W", "_", case.name)
+    module = sys.modules[f"manufactured.cases.{stem}"]
+    text = inspect.getdoc(module) or ""
+    title, *rest = text.split("\n\n")
+    lifted = "\n\n".join(rest)
+    return f"manufactured/cases/{stem}.py", title, lifted
+
+
+def entry(case: Case, film: str) -> str:
+    source, title, body = formulas(case)
+    return f"""## {case.name}
+
+```{{image}} /generated/films/{film}
+:alt: {case.summary}
+:class: film
+:loading: lazy
+```
+
+{case.summary[0].upper()}{case.summary[1:]}. Law: {case.solution.law.name}. Regularity: {case.regularity}.
+
+Predicted order {case.order:g}: {case.reason}. Last orders measured: {orders(case)}.
+
+```{{dropdown}} Formulas
+{title}
+
+{body}
+```
+
+`named("{case.name}")`, written in `{source}`.
+"""
+
+
+def write_gallery(app: Sphinx) -> None:
+    directory = Path(app.srcdir) / "generated"
+    pages = [
+        entry(case, draw_film(ROOT / "results" / "data" / "pictures" / f"{case.name}.json", directory / "films"))
+        for case in catalogue()
+    ]
+    (directory / "gallery.md").write_text("# Gallery\n\n" + "\n".join(pages), encoding="utf-8")
+
+
+def setup(app: Sphinx) -> dict[str, bool]:
+    app.connect("builder-inited", write_gallery)
+    return {"parallel_read_safe": True}

@@ -1,0 +1,68 @@
+"""The pages that people read, and the blocks of code on them."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+ROOT = Path(__file__).parents[2]
+BLOCK = re.compile(
+    r"^(?P<fence>`{3,})(?P<language>[^\n]*)\n(?::caption: (?P<name>\S+)\n\n)?(?P<text>.*?)^(?P=fence)$",
+    re.DOTALL | re.MULTILINE,
+)
+
+
+@dataclass(frozen=True)
+class Page:
+    """A page in Markdown.
+
+    Its blocks with a caption are files to save, under that name; those in Python without one are run in one session,
+    from top to bottom; those of the shell are typed in the directory of the files.
+    """
+
+    path: Path
+
+    @property
+    def name(self) -> str:
+        return str(self.path.relative_to(ROOT))
+
+    @cached_property
+    def text(self) -> str:
+        return self.path.read_text(encoding="utf-8")
+
+    @cached_property
+    def prose(self) -> str:
+        """The text without blocks and tables."""
+        return re.sub(r"^\|.*?$", "", BLOCK.sub("", self.text), flags=re.MULTILINE)
+
+    @property
+    def files(self) -> dict[str, str]:
+        """Name ↦ content of what the page tells to save."""
+        return {block["name"]: block["text"] for block in BLOCK.finditer(self.text) if block["name"]}
+
+    @property
+    def session(self) -> str:
+        """The Python that the page runs."""
+        return "\n".join(self._blocks("python"))
+
+    @property
+    def typed(self) -> list[str]:
+        """The lines for the shell."""
+        return [line for block in self._blocks("sh") for line in block.splitlines() if line.strip()]
+
+    def _blocks(self, language: str) -> list[str]:
+        found = BLOCK.finditer(self.text)
+        return [block["text"] for block in found if block["language"].strip() == language and not block["name"]]
+
+
+def words(line: str) -> list[str]:
+    """A line for the shell without its comment, the program by its plain name."""
+    return shlex.split(line.removeprefix(".venv/bin/"), comments=True)
+
+
+SITE = [Page(path) for path in sorted((ROOT / "docs").rglob("*.md")) if "generated" not in path.parts]
+README = Page(ROOT / "README.md")
+PAGES = [README, Page(ROOT / "examples" / "README.md"), *SITE]

@@ -1,0 +1,134 @@
+"""What the README and the documentation tell people to type works."""
+
+from __future__ import annotations
+
+import importlib.util
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+from pages import PAGES, README, ROOT, SITE, Page, words
+
+from study.cli.main import parser
+
+CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
+ELSEWHERE = {
+    "python examples/errors.py": "project/test_habits.py::test_the_example_prints_the_table_beside_it",
+    "python -m pip install .": "project/test_habits.py::test_the_installed_packages_are_typed",
+    "dask scheduler": "run/test_cluster.py::scheduler",
+    "dask worker": "run/test_cluster.py::cluster",
+}
+"""How a command begins ↦ the test that runs it."""
+EXCLUDED = {
+    "pip install '.[cluster]'": "the environment of the tests has Dask",
+    "make full": "half an hour: the nightly workflow runs it",
+    "make seeds": "an hour: the nightly workflow runs it",
+    "make bench": "times the machine",
+    "sudo apt-get": "changes the system, for peers that are optional",
+    ".venv/bin/pip install osqp": "changes the environment, for a peer that is optional",
+}
+"""How a command begins that nothing runs ↦ why."""
+MINUTES = {"docs/tutorials/own-case-3d.md", "docs/tutorials/bound.md", "docs/tutorials/yielding.md"}
+"""Pages whose commands take longer than half a minute, for the slow tests."""
+NEEDS = {"docs/tutorials/dolfinx.md": "dolfinx"}
+"""Pages that need a program which no wheel has."""
+
+
+def is_one_of(line: str, commands: Iterable[str]) -> bool:
+    """Whether a line to type is the beginning of a command; words in capitals stand for any other."""
+    mine, *others = (words(text) for text in (line, *commands))
+    starts = [other[: len(mine)] for other in others if len(other) >= len(mine)]
+    return any(all(word.isupper() or word == same for word, same in zip(mine, other, strict=True)) for other in starts)
+
+
+def run(page: Page, directory: Path, command: list[str]) -> str:
+    """What a command prints in the directory of a page's files; it has to succeed."""
+    for name, text in page.files.items():
+        (directory / name).write_text(text, encoding="utf-8")
+    programs = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    done = subprocess.run(
+        command, cwd=directory, env=os.environ | {"PATH": programs}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if page.session], ids=lambda page: page.name)
+def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, tmp_path: Path) -> None:
+    needed = NEEDS.get(page.name)
+    if needed and importlib.util.find_spec(needed) is None:
+        pytest.skip(f"{needed} is not installed")
+    (tmp_path / "session.py").write_text(page.session, encoding="utf-8")
+    run(page, tmp_path, [sys.executable, "session.py"])
+
+
+TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for line in page.typed)]
+
+
+@pytest.mark.parametrize(
+    "page",
+    [pytest.param(page, marks=pytest.mark.slow if page.name in MINUTES else ()) for page in TYPED],
+    ids=lambda page: page.name,
+)
+def test_the_commands_of_a_page_end_with_success(page: Page, tmp_path: Path) -> None:
+    for line in page.typed:
+        if words(line)[0] == "study" and not is_one_of(line, CI):
+            run(page, tmp_path, words(line))
+
+
+INLINE = re.compile(r"`((?:make|study|\.venv/bin/\w+|pip|dask|sudo)\s[^`]+)`")
+
+
+def test_every_other_line_to_type_is_run_by_a_test_or_by_ci_or_has_a_reason_why_not() -> None:
+    told = [line for page in PAGES for line in [*page.typed, *INLINE.findall(page.text)] if words(line)[0] != "study"]
+    left = [line for line in told if not is_one_of(line, CI)]
+    assert [line for line in left if not line.startswith((*ELSEWHERE, *EXCLUDED))] == []
+    assert [start for start in (*ELSEWHERE, *EXCLUDED) if not any(line.startswith(start) for line in left)] == []
+    assert {words(line)[1] for line in told if line.startswith("make")} <= targets()
+
+
+@pytest.mark.parametrize("place", ELSEWHERE.values())
+def test_what_runs_the_others_is_there(place: str) -> None:
+    file, _, name = place.partition("::")
+    assert f"def {name}(" in (ROOT / "tests" / file).read_text(encoding="utf-8")
+
+
+def test_a_line_is_run_if_it_begins_a_command_that_is() -> None:
+    commands = [".venv/bin/study check --junit results/junit.xml --out results", "make study"]
+    assert is_one_of("study check", commands)
+    assert is_one_of("study check --junit FILE", commands)
+    assert is_one_of("make study    # some minutes", commands)
+    assert not is_one_of("study check --out results", commands)
+    assert not is_one_of("study tables", commands)
+    assert not is_one_of("make studies", commands)
+
+
+def targets() -> set[str]:
+    return set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+
+
+def test_the_commands_of_the_table_are_those_of_the_program() -> None:
+    (page,) = [page for page in SITE if page.name == "docs/reference/commands.md"]
+    (commands,) = [action for action in parser()._actions if action.choices]
+    assert set(re.findall(r"`study ([a-z]+)", page.text)) == set(commands.choices)
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_links_of_a_page_lead_to_files_that_are_there(page: Page) -> None:
+    targets = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.prose)
+    local = [target for target in targets if not re.match(r"[a-z]+:", target)]
+    assert [target for target in local if not (page.path.parent / target).exists()] == []
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
+def test_files_that_a_page_names_are_there(page: Page) -> None:
+    named = re.findall(r"`((?:study|manufactured|tests|paper|results|examples)/[\w./-]*)`", page.text)
+    assert [name for name in named if not (ROOT / name).exists() and "/quick" not in name] == []
+
+
+def test_the_readme_can_be_read_in_a_few_minutes() -> None:
+    assert len(README.text.splitlines()) <= 150
