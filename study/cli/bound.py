@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 import pandas as pd
 from tqdm import tqdm
@@ -12,27 +11,13 @@ from manufactured.self_proof import prove
 from study.bound.bounded import BoundedSolution, bounded_solution, check_bound, levels, series, text, write
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
-from study.cli.common import FAILED, OK, Commands, progress_bar
+from study.cli.common import FAILED, OK, progress_bar
 from study.fem.naming import choose, family_named, resolve_data
 from study.present.figures import draw_one, enclosure
 from study.run.resources import available, require
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
-
-
-def add(commands: Commands) -> None:
-    """The command and its options."""
-    bound = commands.add_parser("bound", help="enclose the error of a computed displacement, exact solution or not")
-    bound.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a case, a problem without a solution, or your own")
-    bound.add_argument("--levels", nargs="+", type=int, default=[8, 16], metavar="N", help="increasing (default 8 16)")
-    bound.add_argument("--family", default="unstructured", help="mesh family (default unstructured)")
-    bound.add_argument("--scheme", default="midpoint", help="time scheme of u_h (default midpoint)")
-    bound.add_argument("--steps", type=int, metavar="N", help="time steps of u_h at every level")
-    bound.add_argument("--refine", type=int, default=1, metavar="R", help="refinements of the mesh of ũ (default 1)")
-    bound.add_argument("--shorter", type=int, default=4, metavar="Q", help="steps of ũ in one of u_h (default 4)")
-    bound.add_argument("--out", type=Path, default=Path("bounds"), metavar="DIR", help="directory (default bounds)")
-    bound.set_defaults(command=do_bound)
 
 
 def do_bound(options: argparse.Namespace) -> int:

@@ -6,18 +6,11 @@ import argparse
 import json
 
 from manufactured.catalogue import catalogue
-from study.cli.common import OK, Commands
+from study.cli.common import OK
 from study.run.collect import describe
 
 
-def add(commands: Commands) -> None:
-    """The command and its options."""
-    cases = commands.add_parser("cases", help="list the exact solutions")
-    cases.add_argument("--json", action="store_true", help="as JSON")
-    cases.set_defaults(command=list_cases)
-
-
-def list_cases(options: argparse.Namespace) -> int:
+def do_cases(options: argparse.Namespace) -> int:
     """``study cases``."""
     found = [describe(case) for case in catalogue()]
     if options.json:

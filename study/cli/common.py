@@ -1,13 +1,10 @@
-"""What the commands share: exit codes, options, progress."""
+"""What the commands share: exit codes, processes, progress."""
 
 from __future__ import annotations
 
-import argparse
-import os
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Protocol
 
 from tqdm import tqdm
 
@@ -23,22 +20,6 @@ from study.run.provenance import protect
 from study.run.store import Store
 
 OK, FAILED, USAGE = 0, 1, 2
-
-
-class Commands(Protocol):
-    """What commands are added to."""
-
-    def add_parser(self, name: str, *, help: str) -> argparse.ArgumentParser: ...
-
-
-def jobs_option(command: argparse.ArgumentParser) -> None:
-    """--jobs."""
-    command.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
-
-
-def out_option(command: argparse.ArgumentParser) -> None:
-    """--out, the directory of a run."""
-    command.add_argument("--out", type=Path, default=Path("results"), metavar="DIR", help="directory (default results)")
 
 
 def check_jobs(jobs: int) -> None:

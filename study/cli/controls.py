@@ -4,30 +4,14 @@ from __future__ import annotations
 
 import argparse
 
-from study.cli.common import FAILED, OK, Commands, check_jobs, jobs_option, measure, out_option, progress_bar
+from study.cli.common import FAILED, OK, check_jobs, measure, progress_bar
 from study.controls import register
-from study.controls.alarms import SEEDS, seeded, tally, text, write_seeds
+from study.controls.alarms import seeded, tally, text, write_seeds
 from study.controls.run_controls import controls_text, run_controls, settings, write_controls
 from study.ledger.errors import UsageError
 from study.run.execute import Pool
 from study.run.processes import Processes
 from study.run.store import Store
-
-
-def add(commands: Commands) -> None:
-    """The commands and their options."""
-    controls = commands.add_parser(
-        "controls", help="deliberate defects that the verdicts must catch; exit 0 all caught"
-    )
-    jobs_option(controls)
-    out_option(controls)
-    controls.set_defaults(command=do_controls)
-
-    seeds = commands.add_parser("seeds", help="the verdicts on other random meshes; exit 0 all hold on all of them")
-    seeds.add_argument("--seeds", type=int, default=SEEDS, metavar="N", help=f"how many (default {SEEDS})")
-    jobs_option(seeds)
-    out_option(seeds)
-    seeds.set_defaults(command=do_seeds)
 
 
 def do_controls(options: argparse.Namespace) -> int:

@@ -4,29 +4,13 @@ from __future__ import annotations
 
 import argparse
 
-from study.cli.common import OK, Commands, check_jobs, draw, jobs_option, out_option
+from study.cli.common import OK, check_jobs, draw
 from study.present.figures import drawings
 from study.present.report import write_report
 from study.present.tables import write_tables
 from study.run.processes import Processes
 from study.run.provenance import read_provenance
 from study.run.store import Store
-
-
-def add(commands: Commands) -> None:
-    """The commands and their options."""
-    page = commands.add_parser("report", help="make one HTML page of the data on disk, to be read without a network")
-    out_option(page)
-    page.set_defaults(command=do_report)
-
-    tables = commands.add_parser("tables", help="make the tables again from the data on disk")
-    out_option(tables)
-    tables.set_defaults(command=do_tables)
-
-    figures = commands.add_parser("figures", help="draw the figures again from the data on disk")
-    jobs_option(figures)
-    out_option(figures)
-    figures.set_defaults(command=do_figures)
 
 
 def do_tables(options: argparse.Namespace) -> int:

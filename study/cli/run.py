@@ -7,7 +7,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from study.cli.common import Commands, check_jobs, draw, exit_code, jobs_option, measure, out_option
+from study.cli.common import check_jobs, draw, exit_code, measure
 from study.fem.naming import absolute, choose
 from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, rates_text, write_junit
@@ -21,28 +21,8 @@ from study.run.store import Store
 from study.solve.tableau import SCHEMES
 from study.statements.shared.scope import Levels, Scope
 
-
-def add(commands: Commands) -> None:
-    """The commands and their options."""
-    sweep = commands.add_parser("run", help="measure, judge, write tables and figures; resumes where it was stopped")
-    size = sweep.add_mutually_exclusive_group()
-    size.add_argument("--quick", dest="plan", action="store_const", const=quick, help="about a minute (default)")
-    size.add_argument("--full", dest="plan", action="store_const", const=full, help="all levels")
-    sweep.add_argument("--case", action="extend", nargs="+", metavar="NAME|FILE.py:NAME", help="only these cases")
-    sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a side, increasing")
-    sweep.add_argument("--scheme", default="midpoint", help="time scheme (default midpoint)")
-    sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
-    jobs_option(sweep)
-    sweep.add_argument(
-        "--cluster", metavar="ADDRESS", help="measure on the workers of a Dask scheduler, tcp://HOST:PORT"
-    )
-    out_option(sweep)
-    sweep.set_defaults(command=do_run, plan=quick)
-
-    check = commands.add_parser("check", help="judge the data on disk; nothing is solved")
-    check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
-    out_option(check)
-    check.set_defaults(command=do_check)
+PLACES = {"quick": Path("results/quick"), "full": Path("results")}
+"""Where a run of a plan goes unless it is told."""
 
 
 def do_run(options: argparse.Namespace) -> int:
@@ -51,8 +31,12 @@ def do_run(options: argparse.Namespace) -> int:
     check_jobs(options.jobs)
     scope = chosen(options)
     scope.check()
-    plan, store = Plan.of(scope), Store(options.out)
-    with Processes(options.jobs) as processes, _pool(options.cluster, plan, processes) as pool:
+    plan, store = Plan.of(scope), Store(options.out or PLACES[options.plan])
+    # More processes than there is work would only be started.
+    with (
+        Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
+        _pool(options.cluster, plan, processes) as pool,
+    ):
         refuse_too_large(unfinished(plan.jobs, store), pool)
         plan.check(processes.map)
         with store.locked():
@@ -60,8 +44,8 @@ def do_run(options: argparse.Namespace) -> int:
             written = write_tables(store.directory)
             # Drawing all takes as long as a third of the quick study.
             written += draw(store.directory, processes, drawings if options.case else overview)
-    print(f"\n{rates_text(options.out)}")
-    print(ledger_text(options.out))
+    print(f"\n{rates_text(store.directory)}")
+    print(ledger_text(store.directory))
     print(f"data: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
     print("written: " + ", ".join(sorted({f"{path.parent}/*{path.suffix}" for path in written})))
     return exit_code(verdicts)
@@ -69,7 +53,7 @@ def do_run(options: argparse.Namespace) -> int:
 
 def chosen(options: argparse.Namespace) -> Scope:
     """The quick or the full study, or what the options make of it."""
-    scope = replace(options.plan(), scheme=options.scheme, k=options.step)
+    scope = replace({"quick": quick, "full": full}[options.plan](), scheme=options.scheme, k=options.step)
     if options.case:
         scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:

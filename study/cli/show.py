@@ -3,23 +3,13 @@
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
 
 from manufactured.self_proof import prove
-from study.cli.common import OK, Commands, progress_bar
+from study.cli.common import OK, progress_bar
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
 from study.present.show import count_images, draw_show
 from study.run.showcase import LEVELS, STEPS, solve_showcase
-
-
-def add(commands: Commands) -> None:
-    """The command and its options."""
-    look = commands.add_parser("show", help="storyboard, animation and ParaView files of a case, solved on one mesh")
-    look.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
-    look.add_argument("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)")
-    look.add_argument("--out", type=Path, default=Path("shows"), metavar="DIR", help="directory (default shows)")
-    look.set_defaults(command=do_show)
 
 
 def do_show(options: argparse.Namespace) -> int:

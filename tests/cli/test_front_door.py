@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from importlib.metadata import version
 from pathlib import Path
 
 import pytest
@@ -9,8 +12,17 @@ import sympy as sp
 
 from manufactured import BodyError, Data, FormulaError, KelvinVoigt, Kind, LoadError, isotropic, polygon, unit_square
 from manufactured.symbols import Jet, pos, s, t
+from study.cli.arguments import FAMILIES as FAMILY_NAMES
+from study.cli.arguments import SCHEMES as SCHEME_NAMES
+from study.cli.arguments import SEEDS as SEED_COUNT
+from study.cli.arguments import TOLERANCE, parser
 from study.cli.common import USAGE
 from study.cli.main import main
+from study.cli.run import PLACES
+from study.controls.alarms import SEEDS
+from study.fem.mesh import FAMILIES
+from study.ledger.compare import Tolerance
+from study.solve.tableau import SCHEMES
 
 CASES = """
 from manufactured import named
@@ -88,3 +100,33 @@ def test_a_body_too_thin_to_compute_with_is_refused() -> None:
     polygon([(0, 0), (3, 0), (3, 0.01), (0, 0.01)], sides)
     with pytest.raises(BodyError, match="so thin that rounding errors hide"):
         polygon([(0, 0), (3, 0), (3, 0.001), (0, 0.001)], sides)
+
+
+def test_help_names_what_there_is_and_needs_nothing_that_takes_time() -> None:
+    asked = "import sys; from study.cli.arguments import parser; parser(); print(*sys.modules)"
+    modules = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True).stdout.split()
+    assert not {"numpy", "sympy", "pandas", "matplotlib", "skfem", "scipy"} & set(modules)
+    assert set(SCHEME_NAMES) == {scheme.name for scheme in SCHEMES}
+    assert [*FAMILY_NAMES] == [family.name for family in FAMILIES]
+    assert (SEEDS, Tolerance.relative) == (SEED_COUNT, TOLERANCE)
+
+
+@pytest.mark.parametrize("value", ["nan", "inf", "one"])
+def test_an_expected_order_that_is_no_number_is_usage(value: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["rates", "errors.csv", "--expected", value])
+    assert stopped.value.code == USAGE
+    assert "argument --expected" in capsys.readouterr().err
+
+
+def test_the_version_is_that_of_the_package(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["--version"])
+    assert stopped.value.code == 0
+    assert capsys.readouterr().out == f"study {version('signorini-study')}\n"
+
+
+def test_a_run_that_is_not_told_where_to_write_leaves_the_committed_results_alone() -> None:
+    assert {"quick": Path("results/quick"), "full": Path("results")} == PLACES
+    assert parser().parse_args(["run"]).out is None
+    assert parser().parse_args(["check"]).out == Path("results")

@@ -1,0 +1,121 @@
+"""The commands and their options: nothing is imported here that takes time, so that ``--help`` answers at once."""
+
+from __future__ import annotations
+
+import argparse
+import math
+import os
+from importlib.metadata import version
+from pathlib import Path
+
+SCHEMES = ("backward-euler", "midpoint", "bdf2")
+FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
+SEEDS = 20
+"""As many shaken meshes as ``study seeds`` judges."""
+TOLERANCE = 1e-12
+"""Relative difference that ``study compare`` allows."""
+
+
+def parser() -> argparse.ArgumentParser:
+    """All commands; ``options.command`` is the module and the function that carries one out."""
+    top = argparse.ArgumentParser(
+        prog="study",
+        description="Verify the claims of Barboteu, Han and Sofonea (2002), and bound the errors of your own problems.",
+        epilog=f"Time schemes: {', '.join(SCHEMES)}. Mesh families: {', '.join(FAMILIES)}. A command with --help has "
+        "its options; the documentation is in docs/.",
+    )
+    top.add_argument("--version", action="version", version=f"study {version('signorini-study')}")
+    commands = top.add_subparsers(required=True, metavar="COMMAND")
+
+    def add(name: str, module: str, help: str) -> argparse.ArgumentParser:
+        command = commands.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".")
+        command.set_defaults(command=(module, f"do_{name}"))
+        return command
+
+    _json(add("cases", "cases", "list the exact solutions"))
+    _run(add("run", "run", "measure, judge, write tables and figures; resumes where it was stopped"))
+    check = add("check", "run", "judge the data on disk; nothing is solved")
+    check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
+    _out(check)
+    _compare(add("compare", "compare", "which numbers and verdicts of two result directories differ, and by how much"))
+    controls = add("controls", "controls", "deliberate defects that the verdicts must catch; exit 0 all caught")
+    _jobs(controls)
+    _out(controls)
+    seeds = add("seeds", "controls", "the verdicts on other random meshes; exit 0 all hold on all of them")
+    seeds.add_argument("--seeds", type=int, default=SEEDS, metavar="N", help=f"how many (default {SEEDS})")
+    _jobs(seeds)
+    _out(seeds)
+    rates = add("rates", "rates", "orders of a published or foreign error table")
+    rates.add_argument("file", type=Path, metavar="FILE.csv", help="columns h or n, and one or more of errors")
+    rates.add_argument("--expected", type=_finite, metavar="P", help="judge the orders against this one")
+    _json(rates)
+    _bound(add("bound", "bound", "enclose the error of a computed displacement, exact solution or not"))
+    show = add("show", "show", "storyboard, animation and ParaView files of a case, solved on one mesh")
+    show.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
+    show.add_argument("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)")
+    _out(show, "shows")
+    _out(add("report", "present", "make one HTML page of the data on disk, to be read without a network"))
+    _out(add("tables", "present", "make the tables again from the data on disk"))
+    figures = add("figures", "present", "draw the figures again from the data on disk")
+    _jobs(figures)
+    _out(figures)
+    return top
+
+
+def _run(sweep: argparse.ArgumentParser) -> None:
+    size = sweep.add_mutually_exclusive_group()
+    quick = "about a minute (default), into results/quick"
+    size.add_argument("--quick", dest="plan", action="store_const", const="quick", default="quick", help=quick)
+    size.add_argument("--full", dest="plan", action="store_const", const="full", help="all levels, into results")
+    sweep.add_argument("--case", action="extend", nargs="+", metavar="NAME|FILE.py:NAME", help="only these cases")
+    sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a side, increasing")
+    sweep.add_argument("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)")
+    sweep.add_argument("--step", type=_finite, metavar="K", help="time step at every level (default: each case's pace)")
+    _jobs(sweep)
+    cluster = "measure on the workers of a Dask scheduler, tcp://HOST:PORT"
+    sweep.add_argument("--cluster", metavar="ADDRESS", help=cluster)
+    where = "directory (default results/quick, or results with --full)"
+    sweep.add_argument("--out", type=Path, metavar="DIR", help=where)
+
+
+def _compare(differ: argparse.ArgumentParser) -> None:
+    differ.add_argument("old", type=Path, metavar="OLD", help="directory of a run, its --out")
+    differ.add_argument("new", type=Path, metavar="NEW", help="another one")
+    relative = f"numbers a, b are equal if |a - b| <= Y + X max(|a|, |b|) (default {TOLERANCE:g})"
+    differ.add_argument("--tolerance", type=float, default=TOLERANCE, metavar="X", help=relative)
+    absolute = "(default 0) for numbers near round-off"
+    differ.add_argument("--absolute", type=float, default=0.0, metavar="Y", help=absolute)
+    _json(differ)
+
+
+def _bound(bound: argparse.ArgumentParser) -> None:
+    bound.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a case, a problem without a solution, or your own")
+    bound.add_argument("--levels", nargs="+", type=int, default=[8, 16], metavar="N", help="increasing (default 8 16)")
+    bound.add_argument("--family", default="unstructured", help=f"meshes: {', '.join(FAMILIES)} (default unstructured)")
+    bound.add_argument("--scheme", default="midpoint", help=f"of u_h: {', '.join(SCHEMES)} (default midpoint)")
+    bound.add_argument("--steps", type=int, metavar="N", help="time steps of u_h at every level")
+    bound.add_argument("--refine", type=int, default=1, metavar="R", help="refinements of the mesh of ũ (default 1)")
+    bound.add_argument("--shorter", type=int, default=4, metavar="Q", help="steps of ũ in one of u_h (default 4)")
+    _out(bound, "bounds")
+
+
+def _jobs(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
+
+
+def _out(command: argparse.ArgumentParser, default: str = "results") -> None:
+    command.add_argument(
+        "--out", type=Path, default=Path(default), metavar="DIR", help=f"directory (default {default})"
+    )
+
+
+def _json(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--json", action="store_true", help="as JSON")
+
+
+def _finite(text: str) -> float:
+    """A number that is one."""
+    value = float(text)
+    if not math.isfinite(value):
+        raise argparse.ArgumentTypeError(f"{text} is no finite number")
+    return value

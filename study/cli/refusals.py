@@ -1,0 +1,42 @@
+"""What is said, without a traceback, when a command cannot do what it was asked."""
+
+from __future__ import annotations
+
+from concurrent.futures import BrokenExecutor
+
+from manufactured.body import BodyError
+from manufactured.case import CaseError
+from manufactured.data import LoadError
+from manufactured.law import LawError
+from manufactured.self_proof import SelfProofError
+from manufactured.symbols import FormulaError
+from study.bound.discretisation import BoundError
+from study.cli.common import FAILED, USAGE
+from study.fem.mesh import MeshError
+from study.ledger.datafiles import DataError
+from study.ledger.errors import UsageError
+from study.ledger.files import StoreError
+from study.ledger.orders import RatesError
+from study.ledger.published import TableError
+from study.run.execute import JobsError
+
+OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
+OF_FILES = (DataError, RatesError, StoreError, TableError)
+REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, UsageError)
+"""Errors that say what was given, what was expected and how to mend it."""
+
+KILLED = (
+    "a worker process was killed, perhaps for want of memory: run the same command again, with fewer --jobs if it does "
+    "not help; what is finished is kept"
+)
+
+
+def answer(error: Exception) -> tuple[int, str]:
+    """The exit code and what to print; an error that is none of ours is raised again."""
+    if isinstance(error, REFUSALS):
+        return USAGE, str(error)
+    if isinstance(error, JobsError):
+        return FAILED, str(error)
+    if isinstance(error, BrokenExecutor):
+        return FAILED, KILLED
+    raise error
