@@ -70,7 +70,7 @@ def _run(sweep: argparse.ArgumentParser) -> None:
     sweep.add_argument("--case", action="extend", nargs="+", metavar="NAME|FILE.py:NAME", help="only these cases")
     sweep.add_argument("--levels", nargs="+", type=int, metavar="N", help="cells along a side, increasing")
     sweep.add_argument("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)")
-    sweep.add_argument("--step", type=_finite, metavar="K", help="time step at every level (default: each case's pace)")
+    sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
     _jobs(sweep)
     cluster = "measure on the workers of a Dask scheduler, tcp://HOST:PORT"
     sweep.add_argument("--cluster", metavar="ADDRESS", help=cluster)
