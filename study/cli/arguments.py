@@ -38,13 +38,10 @@ def parser() -> argparse.ArgumentParser:
     check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
     _out(check)
     _compare(add("compare", "compare", "which numbers and verdicts of two result directories differ, and by how much"))
-    controls = add("controls", "controls", "deliberate defects that the verdicts must catch; exit 0 all caught")
-    _jobs(controls)
-    _out(controls)
+    _spread(add("controls", "controls", "deliberate defects that the verdicts must catch; exit 0 all caught"))
     seeds = add("seeds", "controls", "the verdicts on other random meshes; exit 0 all hold on all of them")
     seeds.add_argument("--seeds", type=int, default=SEEDS, metavar="N", help=f"how many (default {SEEDS})")
-    _jobs(seeds)
-    _out(seeds)
+    _spread(seeds)
     rates = add("rates", "rates", "orders of a published or foreign error table")
     rates.add_argument("file", type=Path, metavar="FILE.csv", help="columns h or n, and one or more of errors")
     rates.add_argument("--expected", type=_finite, metavar="P", help="judge the orders against this one")
@@ -56,9 +53,7 @@ def parser() -> argparse.ArgumentParser:
     _out(show, "shows")
     _out(add("report", "present", "make one HTML page of the data on disk, to be read without a network"))
     _out(add("tables", "present", "make the tables again from the data on disk"))
-    figures = add("figures", "present", "draw the figures again from the data on disk")
-    _jobs(figures)
-    _out(figures)
+    _spread(add("figures", "present", "draw the figures again from the data on disk"))
     return top
 
 
@@ -97,6 +92,11 @@ def _bound(bound: argparse.ArgumentParser) -> None:
     bound.add_argument("--refine", type=int, default=1, metavar="R", help="refinements of the mesh of ũ (default 1)")
     bound.add_argument("--shorter", type=int, default=4, metavar="Q", help="steps of ũ in one of u_h (default 4)")
     _out(bound, "bounds")
+
+
+def _spread(command: argparse.ArgumentParser) -> None:
+    _jobs(command)
+    _out(command)
 
 
 def _jobs(command: argparse.ArgumentParser) -> None:
