@@ -10,6 +10,7 @@ from pathlib import Path
 
 SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
+MODES = ("frozen", "march")
 SEEDS = 20
 """As many shaken meshes as ``study seeds`` judges."""
 TOLERANCE = 1e-12
@@ -47,6 +48,7 @@ def parser() -> argparse.ArgumentParser:
     rates.add_argument("--expected", type=_finite, metavar="P", help="judge the orders against this one")
     _json(rates)
     _bound(add("bound", "bound", "enclose the error of a computed displacement, exact solution or not"))
+    _export(add("export", "export", "a case as plain data, with which other people's contact codes are verified"))
     show = add("show", "show", "storyboard, animation and ParaView files of a case, solved on one mesh")
     show.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
     show.add_argument("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)")
@@ -92,6 +94,20 @@ def _bound(bound: argparse.ArgumentParser) -> None:
     bound.add_argument("--refine", type=int, default=1, metavar="R", help="refinements of the mesh of ũ (default 1)")
     bound.add_argument("--shorter", type=int, default=4, metavar="Q", help="steps of ũ in one of u_h (default 4)")
     _out(bound, "bounds")
+
+
+def _export(export: argparse.ArgumentParser) -> None:
+    export.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case with a linear law")
+    export.add_argument("--levels", nargs="+", type=int, default=[8, 16], metavar="N", help="default 8 16")
+    meshes = f"meshes: {', '.join(FAMILIES)} (default one-diagonal)"
+    export.add_argument("--family", nargs="+", default=["one-diagonal"], metavar="NAME", help=meshes)
+    export.add_argument("--mode", choices=MODES, default="frozen", help="static problems, or steps in time")
+    export.add_argument("--instants", nargs="+", type=_finite, metavar="T", help="of frozen problems (default: three)")
+    export.add_argument("--steps", type=int, metavar="N", help="of a march (default the level)")
+    export.add_argument("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)")
+    slab = "also mesh the foundation, so many segments long"
+    export.add_argument("--foundation", type=int, metavar="SEGMENTS", help=slab)
+    export.add_argument("--to", type=Path, default=Path("tasks"), metavar="DIR", help="directory (default tasks)")
 
 
 def _spread(command: argparse.ArgumentParser) -> None:

@@ -1,0 +1,117 @@
+"""Contact problems with known solutions as plain data, for other people's codes (docs/reference/tasks.md).
+
+Frozen: at each instant t_n the static problem of Signorini for the elastic operator G with the initial stress
+s_0 = A ε(u̇(t_n)), whose solution is u(t_n): no time step, no error in time, any static code can run it. With u̇(t_n)
+taken from the exact solution, find u ∈ K^h with
+
+    (G ε(u) + s_0, ε(v − u))_Q ≥ b·(v − u) for all v ∈ K^h,     b·v = (σ(t_n), ε(v))_Q + ∫_{Γ3} p v_ν.
+
+March: the same step after step for C = A/k + G/2 in place of G, midpoint rule, where s_0 = (G/2 − A/k) ε(u_{n−1}) is
+the caller's. All but u, and what it is judged by, is scaled by S: the problem is positively homogeneous.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from manufactured.body import Kind
+from manufactured.case import Case
+from manufactured.law import Linear
+from manufactured.tensors import Array, Tensors, traction
+from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
+from study.fem.material import form
+from study.fem.mesh import MeshFamily
+from study.fem.moments import QuadraturePoints, StrainSums
+from study.fem.quadrature import facet_rule
+from study.fem.space import Space
+from study.ledger.errors import UsageError
+from study.solve.signorini import ContactSolver
+from study.solve.solver_choice import contact_solver
+
+
+@dataclass(frozen=True, eq=False)
+class Task:
+    """One case on one mesh, in one mode.
+
+    Raises:
+        UsageError: the law of the case is not linear, so that no constants say all.
+    """
+
+    case: Case
+    family: MeshFamily
+    level: int
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.solution.law.G, Linear):
+            raise UsageError(
+                f"{self.case.name}: a task states the law by constants, but G of {self.solution.law.name} is not "
+                "linear; take another case"
+            )
+
+    @property
+    def solution(self) -> Any:
+        return self.case.solution
+
+    @cached_property
+    def space(self) -> Space:
+        return Space(self.family(self.solution.body, self.level), self.solution.body)
+
+    @cached_property
+    def gauge(self) -> Gauge:
+        return Gauge(self.solution, self.space)
+
+    @cached_property
+    def _rates(self) -> tuple[list[Any], StrainSums]:
+        solution, mesh = self.solution, self.space.mesh
+        points = QuadraturePoints.on_cells(rules(solution, mesh, self.gauge.degree, shared_lines(solution)))
+        modes = solution.at(points.x).modes()
+        return modes, StrainSums(modes, points, points.weights * solution.law.A.factor(points.x))
+
+    def initial_stress(self, time: float) -> Tensors:
+        """Cell means of A ε(u̇), (D, cells)."""
+        modes, sums = self._rates
+        rates = sums([part.amplitudes(time, True) for part in modes])
+        return np.asarray(self.solution.law.A.matrix @ rates / self.space.volumes)
+
+    @cached_property
+    def _solve(self) -> ContactSolver:
+        return contact_solver(self.space)(form(self.space, self.solution.law.G), self.space.N)
+
+    def static(self, time: float) -> Array:
+        """The solution in K^h of the frozen problem at t, (dofs,)."""
+        return self._solve(self.gauge.load(time) - self.space.functional(self.initial_stress(time)))[0]
+
+    def resultants(self, time: float) -> Array:
+        """∫ p over each piece of Γ3 as the vertices off Γ1 carry it, Σ_i ∫ p φ_i, (pieces,)."""
+        found = []
+        for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
+            points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
+            rule = facet_rule(self.space.mesh, self.space.facets(part), part, face.rough, points)
+            forces = (rule.shapes * rule.weights * self.solution.on(face, rule.s).pressure(time)).sum(axis=-1)
+            found.append(forces[np.isin(self.space.mesh.facets[:, rule.facets], vertices)].sum())
+        return np.array(found)
+
+    def pressures(self, time: float) -> list[Array]:
+        """p at the vertices of each piece of Γ3 off Γ1."""
+        found = []
+        for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
+            s, _ = part.coordinates(self.space.mesh.p[:, vertices])
+            found.append(self.solution.on(face, s).pressure(time))
+        return found
+
+    def initial_tractions(self, time: float) -> list[Array]:
+        """A ε(u̇) ν at the ends of the facets of each piece of Γ3, (facets, d, d)."""
+        return [self._tractions(part, facets, time, total=False) for part, facets in self.space.on(Kind.CONTACT)]
+
+    def loads_on(self, time: float) -> list[Array]:
+        """f_2 = σν at the ends of the facets of each part of Γ2, (facets, d, d); b has its work already."""
+        return [self._tractions(part, facets, time, total=True) for part, facets in self.space.on(Kind.LOADED)]
+
+    def _tractions(self, part: Any, facets: Array, time: float, total: bool) -> Array:
+        fields = self.solution.at(self.space.mesh.p[:, self.space.mesh.facets[:, facets]])
+        stress = fields.stress(time) if total else fields.law.A(fields.strain_rate(time))
+        return np.moveaxis(traction(stress, part.normal), [0, 1, 2], [2, 1, 0])
