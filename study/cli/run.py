@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import sys
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
 from study.cli.common import check_jobs, draw, exit_code, measure
+from study.cli.typed import run_line
 from study.fem.naming import absolute, choose
 from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, rates_text, write_junit
@@ -19,6 +21,7 @@ from study.run.plan import Plan, full, quick
 from study.run.processes import Processes
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
+from study.statements.own_cases import TRY, enough, finer, least_levels
 from study.statements.shared.scope import Levels, Scope
 
 PLACES = {"quick": Path("results/quick"), "full": Path("results")}
@@ -31,6 +34,7 @@ def do_run(options: argparse.Namespace) -> int:
     check_jobs(options.jobs)
     scope = chosen(options)
     scope.check()
+    warn_of_few_levels(scope)
     plan, store = Plan.of(scope), Store(options.out or PLACES[options.plan])
     # More processes than there is work would only be started.
     with (
@@ -44,11 +48,32 @@ def do_run(options: argparse.Namespace) -> int:
             written = write_tables(store.directory)
             # Drawing all takes as long as a third of the quick study.
             written += draw(store.directory, processes, drawings if options.case else overview)
+    print(f"\ndata: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
+    print("written: " + ", ".join(sorted({f"{path.parent}/*{path.suffix}" for path in written})))
     print(f"\n{rates_text(store.directory)}")
     print(ledger_text(store.directory))
-    print(f"data: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
-    print("written: " + ", ".join(sorted({f"{path.parent}/*{path.suffix}" for path in written})))
+    if any(TRY in verdict.expected for verdict in verdicts):
+        print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
     return exit_code(verdicts)
+
+
+def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) -> str:
+    """The same command on finer meshes, into a directory beside."""
+    levels = finer(sorted({level for case in scope.resolved() for level in scope.levels_of(case).all}))
+    return run_line(options, levels, directory.with_name(f"{directory.name}-finer"))
+
+
+def warn_of_few_levels(scope: Scope) -> None:
+    """Say beforehand where there are too few levels to decide anything about orders."""
+    for case in scope.resolved():
+        needed, given = least_levels(case.proposition), scope.levels_of(case).all
+        if len(given) < needed:
+            print(
+                f"study: {case.name}: an order takes {needed} levels, nothing is decided about it with "
+                f"{' '.join(map(str, given))}; give {needed} or more, such as --levels "
+                f"{' '.join(map(str, enough(given, needed)))}",
+                file=sys.stderr,
+            )
 
 
 def chosen(options: argparse.Namespace) -> Scope:

@@ -9,7 +9,7 @@ from typing import Protocol
 
 import pandas as pd
 
-from study.ledger.verdict import FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Named, Span, Verdict, row
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Named, Span, Verdict, row
 from study.ledger.window import Window
 
 Groups = dict[str, pd.DataFrame]
@@ -71,7 +71,9 @@ class Criterion:
         found = [value for group in enough if (value := self.measure(group)) is not None]
         decided = bool(found) and len(found) == len(groups)
         judged = self._judge(found) if decided else (math.nan, NOWHERE, UNDECIDED)
-        return row(of, self.key, self.quantity, self.window, judged, case, family)
+        fewest = min(map(len, groups.values()), default=0)
+        short = f"{BECAUSE}it takes {self.levels} levels, not {fewest}" if fewest < self.levels else ""
+        return row(of, self.key, self.quantity, self.window, judged, case, family, f"{self.window.text}{short}")
 
     def _judge(self, found: Sequence[Measured]) -> Found:
         values, spans = [value for value, _ in found], [span for _, span in found]
@@ -95,7 +97,7 @@ class Observation:
         """The row for a case, which says whether the prediction agrees."""
         found = self.criterion.verdict(of, case, groups, family)
         agreement = {HOLDS: "agrees", FAILS: "differs", UNDECIDED: "undecided"}[found.verdict]
-        expected = f"predicted {found.expected}; no claim, as {self.reason}: {agreement}"
+        expected = f"predicted {self.criterion.window.text}; no claim, as {self.reason}: {agreement}"
         if self.criterion.window == Window():
             expected = f"no claim: {self.reason}"
         return replace(found, expected=expected, verdict=REPORTED)

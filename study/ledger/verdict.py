@@ -19,6 +19,8 @@ VERDICTS = (HOLDS, REPORTED, UNDECIDED, FAILS)
 """From best to worst."""
 NOWHERE = (-math.inf, math.inf)
 """The range of what could not be measured."""
+BECAUSE = "; undecided, because "
+"""What stands in ``expected`` between what is expected and why it cannot be decided."""
 Span = tuple[float, float]
 Found = tuple[float, Span, str]
 """(observed value, its range, the verdict)."""

@@ -14,7 +14,7 @@ from tabulate import tabulate
 from study.ledger.datafiles import SERIES, by_claim, count_verdicts, read_claims, read_rates
 from study.ledger.files import write_text
 from study.ledger.rounding import cell, significant
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, VERDICTS, Verdict
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, VERDICTS, Verdict
 
 WIDTH = 110
 
@@ -27,7 +27,7 @@ def rates_text(directory: Path) -> str:
     """
     rates = read_rates(directory)
     schemes = rates["scheme"].nunique() > 1
-    head = ("case", "meshes", "n", "error", "disc. order", "time %", "orders level by level")
+    head = ("case", "meshes", "n", "error", "disc. order", "largest time %", "orders level by level")
     widths = (20, 25, 5, 9, 11, 7, 21) if schemes else (28, 13, 5, 9, 11, 7, 25)
     lines: list[str] = []
     for claim, of_claim in rates.groupby("claim", sort=False):
@@ -93,10 +93,11 @@ def _rates_row(series: pd.DataFrame, schemes: bool) -> list[str]:
 
 def _finding(row: pd.Series) -> list[str]:
     """A verdict that is not a pass, with its quantity, folded to the width."""
-    interval = f" in [{cell(row['low'])}, {cell(row['high'])}]" if cell(row["low"]) or cell(row["high"]) else ""
+    expected, _, why = str(row["expected"]).partition(BECAUSE)
+    observed = f"{cell(row['observed'])} in [{cell(row['low'])}, {cell(row['high'])}]"
     where = f"{row['label']}, {row['case']}" if row["case"] else str(row["label"])
-    values = f"expected {cell(row['expected'])}, observed {cell(row['observed']) or 'no number'}{interval}"
-    text = f"{row['verdict']}: {where}: {row['quantity']}: {values}"
+    values = f"expected {expected}, observed {'no number' if pd.isna(row['observed']) else observed}"
+    text = f"{row['verdict']}: {where}: {row['quantity']}: {values}{f'; because {why}' if why else ''}"
     return textwrap.wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False)
 
 

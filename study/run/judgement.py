@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
 
 import pandas as pd
 
+from manufactured.catalogue import catalogue
 from study.ledger.datafiles import CsvFile, DataError, read_csv, write_csv
 from study.ledger.verdict import Verdict
 from study.run.collect import data_files
 from study.run.provenance import Complete, read_provenance
 from study.statements import STATEMENTS
 from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
+from study.statements.own_cases import judge_own
+from study.statements.prop_5_4.sweep import RATES
 from study.statements.shared.base import LISTED, Statement
 from study.statements.unmeasured import Listed
 
@@ -36,6 +40,7 @@ def check(directory: Path) -> list[Verdict]:
     for statement in STATEMENTS:
         if isinstance(statement.file, CsvFile):
             verdicts += judge_statement(statement, judged[statement.file])
+    verdicts = with_reasons(verdicts, judged[RATES])
     write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in verdicts]))
     return verdicts
 
@@ -44,6 +49,13 @@ def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
     """A table with what is predicted of its cases, and whether their exact solution is known."""
     new = [name for name in PREDICTED if name not in table or name == "case"]
     return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
+
+
+def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:
+    """The verdicts, where those on a user's own case fail only if the data contradict the statement."""
+    own = {str(case): rows for case, rows in rates.groupby("case") if case not in {known.name for known in catalogue()}}
+    judged = {case: iter(judge_own([v for v in verdicts if v.case == case], rows)) for case, rows in own.items()}
+    return [next(judged[verdict.case]) if verdict.case in judged else verdict for verdict in verdicts]
 
 
 def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:

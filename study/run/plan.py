@@ -13,6 +13,7 @@ from study.fem.mesh import MeshError, boundary_parts
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import Line, rough_cells
 from study.ledger.datafiles import CsvFile
+from study.ledger.errors import UsageError
 from study.run.job import Job
 from study.statements import STATEMENTS
 from study.statements.shared.scope import Levels, Scope
@@ -43,6 +44,7 @@ class Plan:
         Raises:
             UsageError: of ``Scope.check``.
             SelfProofError: a case is not an exact solution.
+            UsageError: an own case has the name of one of the catalogue.
             MeshError: a mesh does not fit the boundary parts of a body, or no cell rule serves the places where a
                 solution is rough.
         """
@@ -55,6 +57,14 @@ class Plan:
         for reference, failed in zip(cases, found, strict=True):
             if failed:
                 raise SelfProofError(f"case {resolve(reference).name}", failed)
+        self._check_names()
+
+    def _check_names(self) -> None:
+        """No own case may pass for one of the catalogue: they are judged, shown and compared by their names."""
+        known = {case.name for case in catalogue()}
+        for reference in self.scope.cases:
+            if reference not in known and (name := resolve(reference).name) in known:
+                raise UsageError(f"{reference} is called {name}, as a case of the catalogue is; give it another name")
 
     def _check_meshes(self) -> None:
         """Every mesh must fit its body, and its cells the rough places of every solution that is measured on it."""

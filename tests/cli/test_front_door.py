@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import subprocess
 import sys
 from importlib.metadata import version
@@ -18,10 +19,11 @@ from study.cli.arguments import SEEDS as SEED_COUNT
 from study.cli.arguments import TOLERANCE, parser
 from study.cli.common import USAGE
 from study.cli.main import main
-from study.cli.run import PLACES
+from study.cli.run import PLACES, chosen, on_finer_meshes
 from study.controls.alarms import SEEDS
 from study.fem.mesh import FAMILIES
 from study.ledger.compare import Tolerance
+from study.ledger.errors import UsageError
 from study.solve.tableau import SCHEMES
 
 CASES = """
@@ -130,3 +132,39 @@ def test_a_run_that_is_not_told_where_to_write_leaves_the_committed_results_alon
     assert {"quick": Path("results/quick"), "full": Path("results")} == PLACES
     assert parser().parse_args(["run"]).out is None
     assert parser().parse_args(["check"]).out == Path("results")
+
+
+def test_an_own_case_with_the_name_of_another_is_refused(
+    file: Path, capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    out = tmp_path / "out"
+    told = refused(capsys, "run", "--case", f"{file}:front", "--levels", "2", "4", "8", "--out", str(out))
+    assert "cases.py:front is called advance-recede, as a case of the catalogue is; give it another name" in told
+    assert not out.exists()
+
+
+def test_too_few_levels_are_named_before_anything_is_measured(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*arguments: object) -> None:
+        raise UsageError("here it would begin")
+
+    monkeypatch.setattr("study.cli.run.refuse_too_large", stop)
+    told = refused(capsys, "run", "--case", "corner", "full-contact", "--levels", "8", "--out", str(tmp_path))
+    few = "an order takes {} levels, nothing is decided about it with 8; give {} or more, such as --levels {}"
+    assert told.splitlines() == [
+        f"study: corner: {few.format(3, 3, '8 16 32')}",
+        f"study: full-contact: {few.format(3, 3, '8 16 32')}",
+        "study: here it would begin",
+    ]
+    told = refused(capsys, "run", "--case", "rough-2", "--levels", "8", "16", "32", "--out", str(tmp_path))
+    assert "takes 4 levels" in told
+    assert refused(capsys, "run", "--out", str(tmp_path)) == "study: here it would begin\n"
+
+
+def test_finer_meshes_are_one_line_to_copy(file: Path) -> None:
+    options = parser().parse_args(["run", "--case", f"{file}:front", "--levels", "8", "16", "32", "--step", "0.01"])
+    options.out = Path("build/a case")
+    line = on_finer_meshes(options, chosen(options), options.out)
+    assert line == (f"study run --case {file}:front --levels 16 32 64 --step 0.01 --out 'build/a case-finer'")
+    assert parser().parse_args(shlex.split(line)[1:]).levels == [16, 32, 64]

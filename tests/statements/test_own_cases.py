@@ -1,0 +1,129 @@
+"""A user's own case that is a poor test is undecided, with what to do; it fails where the data contradict."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from test_propositions import prop_5_3, prop_5_4, table
+
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, UNDECIDED, Verdict
+from study.run.judgement import with_reasons
+from study.statements.own_cases import enough, finer, judge_own, least_levels
+
+
+def following(orders: list[float], first: int = 8, **changes: object) -> pd.DataFrame:
+    """Rows whose errors have these orders from level to level."""
+    levels = tuple(first * 2**i for i in range(len(orders) + 1))
+    error = 0.1 * 0.5 ** np.cumsum([0.0, *orders])
+    sizes = {"error": error, "interpolation_error": error / 0.97, "predicted_interpolation": error / 0.97}
+    return table(levels=levels, **(sizes | {"discrete_error": 0.24 * error} | changes)).assign(expected_order=1.0)
+
+
+def own(rows: pd.DataFrame) -> dict[str, Verdict]:
+    return {verdict.key: verdict for verdict in judge_own(prop_5_4(rows), rows)}
+
+
+def reason(verdict: Verdict) -> str:
+    assert verdict.verdict == UNDECIDED
+    return verdict.expected.partition(BECAUSE)[2]
+
+
+@pytest.mark.parametrize("orders", [[0.6, 0.8], [0.3, 0.6, 0.79], [1.5, 1.3], [0.7, 0.99]])
+def test_orders_that_approach_the_predicted_one_are_not_asymptotic_yet(orders: list[float]) -> None:
+    rows = following(orders)
+    assert {v.key: v.verdict for v in prop_5_4(rows)}["order"] in (FAILS, UNDECIDED)
+    levels = " ".join(str(16 * 2**i) for i in range(len(rows)))
+    assert reason(own(rows)["order"]) == f"not asymptotic yet: try --levels {levels}"
+
+
+@pytest.mark.parametrize(
+    "orders",
+    [[0.5, 0.5], [0.5, 0.55], [0.8, 0.7], [1.5, 1.5], [0.4, 0.6, 0.62], [0.99, 0.7, 0.6]],
+)
+def test_orders_that_stay_away_contradict_the_statement(orders: list[float]) -> None:
+    assert own(following(orders))["order"].verdict == FAILS
+
+
+def test_a_single_order_that_is_out_of_line_decides_nothing() -> None:
+    assert reason(own(following([1.02, 0.82]))["order"]) == "values scatter: try --levels 16 32 64"
+    assert reason(own(following([0.7, 1.3]))["order"]) == "values scatter: try --levels 16 32 64"
+    one = table(levels=(8,), predicted_interpolation=0.2).assign(expected_order=1.0)
+    assert reason(own(one)["leading-term"]) == "not asymptotic yet: try --levels 8 16 32"
+
+
+def test_one_family_that_contradicts_is_enough() -> None:
+    rows = pd.concat([following([0.6, 0.8]), following([0.5, 0.5]).assign(family="one-diagonal")])
+    assert own(rows)["order"].verdict == FAILS
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "told"),
+    [
+        ({"initial_error": 1.0, "discrete_error": 1.0}, "start-share", "start smaller"),
+        ({"time_share": 0.03}, "time-share", "raise `pace`"),
+        ({"discrete_time_share": 0.31}, "discrete-time-share", "raise `pace`"),
+        ({"quadrature_change": 0.04}, "quadrature", "flatten them, or try --levels 16 32 64"),
+        ({"discrete_error": 1.0}, "discrete-share", "more than a good test allows"),
+        ({"discrete_error": 0.24 / 8}, "discrete-order-others", "not settled"),
+        ({"discrete_error": 0.24 / 8, "family": "one-diagonal"}, "discrete-order-superclose", "wrong by a little"),
+    ],
+)
+def test_evidence_that_is_missing_is_named_with_what_to_do(changes: dict[str, object], key: str, told: str) -> None:
+    rows = following([1.0, 1.0], **changes)
+    if "initial_error" in changes:
+        rows["initial_error"] = rows["error"]
+    assert {v.key: v.verdict for v in prop_5_4(rows)}[key] == FAILS
+    assert told in reason(own(rows)[key])
+
+
+@pytest.mark.parametrize("column", ["residual", "clamped", "parallelogram"])
+def test_an_identity_of_the_program_that_is_violated_fails_for_everybody(column: str) -> None:
+    rows = following([1.0, 1.0], **{column: 0.5})
+    assert own(rows)[column].verdict == FAILS
+
+
+def test_errors_that_are_no_numbers_fail_for_everybody() -> None:
+    assert own(following([1.0, 1.0], error=np.nan))["order"].verdict == FAILS
+
+
+def test_orders_say_nothing_while_time_steps_disturb_the_errors() -> None:
+    assert "time steps disturb" in reason(own(following([0.5, 0.5], time_share=0.1))["order"])
+
+
+def rough(errors: list[float]) -> dict[str, str]:
+    levels = tuple(8 * 2**i for i in range(len(errors)))
+    e = np.array(errors)
+    rows = table(levels=levels, claim="Prop. 5.3", error=e, interpolation_error=e / 0.97, discrete_error=0.24 * e)
+    rows = rows.assign(expected_order=0.5)
+    return {v.key: v.verdict for v in judge_own(prop_5_3(rows, 0.5), rows)}
+
+
+def test_no_rate_is_claimed_of_a_rough_case_and_a_limit_contradicts() -> None:
+    assert set(rough([2 ** (-0.5 * i) for i in range(4)]).values()) == {HOLDS}
+    slower = rough([2 ** (-0.2 * i) for i in range(4)])
+    assert (slower["order"], slower["falling"]) == (UNDECIDED, HOLDS)
+    with_limit = rough([0.5 + 2 ** (-0.5 * i) for i in range(4)])
+    assert (with_limit["limit"], with_limit["order"]) == (FAILS, UNDECIDED)
+    assert rough([1.0, 0.8, 0.7, 0.71])["falling"] == FAILS
+    assert rough([1.0, 1.1, 0.7, 0.5])["falling"] == UNDECIDED
+
+
+def test_a_case_of_the_catalogue_fails_as_before() -> None:
+    known = following([0.6, 0.8]).assign(case="corner", claim="Prop. 5.4")
+    verdicts = [v for case in ("corner", "a") for v in prop_5_4(known.assign(case=case))]
+    of = ["corner"] * (len(verdicts) // 2) + ["a"] * (len(verdicts) // 2)
+    named = [replace(v, case=case) for v, case in zip(verdicts, of, strict=True)]
+    found = with_reasons(named, pd.concat([known, known.assign(case="a")]))
+    assert [v.identity for v in found] == [v.identity for v in named]
+    assert [v.verdict for v in found if v.key == "order"] == [FAILS, UNDECIDED]
+
+
+def test_levels_to_try_are_finer_and_enough() -> None:
+    assert finer([8, 16, 32]) == [16, 32, 64]
+    assert finer([9, 12, 15]) == [12, 15, 18]
+    assert enough([8], 3) == [8, 16, 32]
+    assert enough([9, 12], 4) == [9, 12, 15, 18]
+    assert (least_levels("Prop. 5.3"), least_levels("Prop. 5.4")) == (4, 3)
