@@ -4,6 +4,7 @@ What is computed from ``Data`` alone can serve a problem whose solution nobody k
 by ``Data.of``; formulas of x1, x2 and t by ``Data.formulas``.
 """
 
+from manufactured.data.expressions import Expressions
 from manufactured.data.problem_data import Data, ForceInTime, LoadError
 
-__all__ = ["Data", "ForceInTime", "LoadError"]
+__all__ = ["Data", "Expressions", "ForceInTime", "LoadError"]

@@ -11,6 +11,7 @@ import sympy as sp
 
 from manufactured.body import Body, Kind, Part
 from manufactured.data.compiled_formulas import compiled, own_formula
+from manufactured.data.expressions import Expressions
 from manufactured.exact import ExactSolution
 from manufactured.factor import x1, x2, x3
 from manufactured.law import KelvinVoigt
@@ -36,7 +37,8 @@ class Data:
         start: points ↦ u_0, (d, ...), with u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3.
         lines: lines (direction, offset) across which f_0 or ε(u_0) are rough for all times, for quadrature.
         points: vertices of Ω at which they are singular.
-        formulas_of: what the callables were made from, by which equal data are known as equal.
+        formulas_of: what the callables were made from, by which equal data are known as equal: an exact solution,
+            ``Expressions``, or None for functions of Python.
     """
 
     body: Body
@@ -99,7 +101,7 @@ class Data:
         displacement = tuple(map(own_formula, [0] * dim if u0 is None else u0))
         start = compiled(displacement, dim, "u0", place)
         gradient = compiled([sp.diff(u, x) for u, x in product(displacement, place)], dim * dim, "∇u0", place)
-        loads = tuple((number, *map(own_formula, load)) for number, load in sorted((f2 or {}).items()))
+        loads = tuple((number, tuple(map(own_formula, load))) for number, load in sorted((f2 or {}).items()))
         return cls(
             body,
             law,
@@ -108,7 +110,7 @@ class Data:
             start,
             lambda x: mandel(gradient(x).reshape(dim, dim, *x.shape[1:])),
             (*lines, *law.steps),
-            formulas_of=(tuple(map(own_formula, f0)), loads, displacement),
+            formulas_of=Expressions(tuple(map(own_formula, f0)), loads, displacement),
         )
 
     def check(self) -> None:

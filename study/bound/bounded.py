@@ -121,15 +121,20 @@ def levels(found: dict[int, BoundedSolution]) -> pd.DataFrame:
                 "plain": one.plain.highest,
                 "order_low": low,
                 "order_high": high,
+                "kind": one.enclosure.evidence.kind,
             }
         )
     return pd.DataFrame(rows)
 
 
-def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame) -> str:
-    """What is printed, from the tables of ``levels`` and ``series``."""
+def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Sequence[str]) -> str:
+    """What is printed, from the tables of ``levels`` and ``series`` and the sentences on what they rest on."""
     known = bool(table["error"].notna().all())
-    lines = [f"{name}: ‖u(t) − u_h(t)‖_V enclosed, {'exact solution known' if known else 'solution unknown'}", ""]
+    lines = [
+        f"{name}: ‖u(t) − u_h(t)‖_V enclosed, {'exact solution known' if known else 'solution unknown'}",
+        *sentences,
+        "",
+    ]
     finest = over_time[over_time["level"] == over_time["level"].max()]
     places = np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))
     head = f"{'t':>8} {'lower':>10} {'error':>10} {'upper':>10} {'upper/lower':>12} {'from u_h alone':>15}"

@@ -18,6 +18,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Tensors
+from study.bound.sampling import Sampling
 from study.fem.quadratic import Quadratic
 from study.stresses.bernstein import interval_mass
 from study.stresses.hybrid import Equilibrium
@@ -93,6 +94,11 @@ class Discretisation:
         """Bounds f − P f cell by cell in the dual of V."""
         A = self.data.law.A
         return Oscillation(self.stresses, np.linalg.inv(A.matrix), A.factor.low)
+
+    @cached_property
+    def sampling(self) -> Sampling:
+        """Whether the bound is guaranteed, and what samples of the data miss."""
+        return Sampling(self.data, self.stresses)
 
     def load(self, time: float) -> Array:
         """(P f_0, v)_H + (P f_2, v)_{L²(Γ2)} at a time, (dofs,)."""

@@ -20,10 +20,13 @@ from manufactured.case import Case
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.majorant import Interval, Majorant
+from study.bound.sampling import Evidence
 from study.bound.trajectory import DiscreteSolution, Parabola, Trajectory, prolongation, spline
 from study.fem.gauge import Gauge
 from study.fem.quadrature import Line, cell_rules
 
+POOR = 0.5
+"""Share of y from which on it is said where the data are seen poorly."""
 INITIAL_DEGREE = 6
 """Degree of the rule for ‖u_0 − ũ(0)‖_V."""
 
@@ -41,6 +44,7 @@ class Enclosure:
         intervals: how y came about, one interval up to each time.
         start: bound of the error at t = 0.
         between: bound of the error over the interval up to each time, (n,).
+        evidence: whether the bounds are guaranteed or estimated, and why.
     """
 
     h: float
@@ -51,6 +55,7 @@ class Enclosure:
     intervals: tuple[Interval, ...]
     start: float
     between: Array
+    evidence: Evidence
 
     @property
     def highest(self) -> float:
@@ -113,7 +118,24 @@ def enclose(
         intervals.append(interval)
         progress(piece.b)
     times, distances, bounds, errors, all_between = np.array(knots).T.copy()
-    return Enclosure(computed.space.h, times, distances, bounds, errors, tuple(intervals), at_0, all_between)
+    return Enclosure(
+        computed.space.h,
+        times,
+        distances,
+        bounds,
+        errors,
+        tuple(intervals),
+        at_0,
+        all_between,
+        _evidence(fine, intervals),
+    )
+
+
+def _evidence(discretisation: Discretisation, intervals: list[Interval]) -> Evidence:
+    """What the bounds rest on; where the data are seen poorly if what samples may miss is most of y."""
+    sampling, worst = discretisation.sampling, max(intervals, key=lambda one: one.unseen / (one.b - one.a))
+    poor = sum(one.unseen for one in intervals) > POOR * intervals[-1].at_b
+    return Evidence(sampling.reasons, sampling.worst(worst.a, worst.b) if poor else "")
 
 
 def known_error(case: Case | None, computed: DiscreteSolution) -> Callable[[float, Array], float] | None:
@@ -143,13 +165,13 @@ def _largest_distance(
 def _initial_error(discretisation: Discretisation, start: Array) -> float:
     """‖u_0 − ũ(0)‖_V by quadrature that respects where u_0 is rough."""
     data, V = discretisation.data, discretisation.displacements
-    total = 0.0
+    total, missed = 0.0, discretisation.sampling.missed_at_start()
     lines = [Line(direction, offset) for direction, offset in data.lines]
     for rule in cell_rules(discretisation.mesh, INITIAL_DEGREE, lines, data.points):
         difference = data.initial(rule.points) - V.strain_at(start, rule.cells, rule.points)
         stress = data.law.A.at(rule.points)(difference)
         total += float(np.einsum("Inq,Inq,nq->", stress, difference, rule.weights))
-    return math.sqrt(total)
+    return math.sqrt(total) + missed
 
 
 def order(coarse: Enclosure, fine: Enclosure) -> tuple[float, float]:

@@ -11,10 +11,10 @@ Subtracting, with r = ‖ρ‖_{A⁻¹}, the norm η of f − f̃ in the dual of
 
 From knot to knot of the spline ũ (``study.bound.trajectory``) this gives, for m ≥ 0,
 
-    ‖e(b)‖_V ≤ (e^{−2m(b−a)} ‖e(a)‖_V² + 2 ∫_a^b c)^{1/2} + ∫_a^b (r + η),
+    ‖e(b)‖_V ≤ (e^{−2m(b−a)} ‖e(a)‖_V² + 2 ∫_a^b c)^{1/2} + ∫_a^b e^{−m(b−t)} (r + η),
 
-and for m < 0 the right side with m = 0 times e^{|m|(b−a)}: d/dt of its square is at least what is needed. (Proof:
-``paper/bound.tex``.)
+where ∫ e^{−m(b−t)} r ≤ ((1 − e^{−2m(b−a)})/2m)^{1/2} (∫ r²)^{1/2} serves stiff G, and for m < 0 the right side of m = 0
+times e^{|m|(b−a)}: d/dt of its square is at least what is needed. (Proof: ``paper/bound.tex``.)
 
 **Between the knots** everything is a parabola in t in Bernstein form. σ̃ is one with σ̃_ν ≤ 0 in all three
 coefficients; it balances the parabola through P f at both ends and in the middle. For linear G so is ρ, and ∫ r ≤ (k ∫
@@ -22,7 +22,9 @@ coefficients; it balances the parabola through P f at both ends and in the middl
 at most 2θ(1−θ) k L |ε̇|, and by nothing where the whole piece stays in the convex set of (3.3).
 
 **Data.** f − P f is bounded cell by cell (``study.stresses.oscillation``) and added to ρ in the same cell; P f minus
-its parabola, sampled once in each piece, is balanced by a stress of its own. Integrals of the data are quadratures.
+its parabola, sampled once in each piece, is balanced by a stress of its own. Integrals of the data are quadratures;
+what these samples miss is bounded by ranges of the formulas and added, or the bound is estimated
+(``study.bound.sampling``).
 """
 
 from __future__ import annotations
@@ -34,7 +36,7 @@ from itertools import product
 import numpy as np
 
 from manufactured.law import Linear, Yield
-from manufactured.tensors import Tensors
+from manufactured.tensors import Array, Tensors
 from study.bound.discretisation import BoundError, Discretisation
 from study.bound.equilibration import Equilibration, Knot, LawResidual
 from study.bound.trajectory import Parabola
@@ -42,6 +44,8 @@ from study.stresses.loads import Loads
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """∫_0^1 B_i B_j for the Bernstein polynomials of degree 2."""
+LAGRANGE = np.array([[16.0, 15.0, 4.0], [15.0, 64.0, 15.0], [4.0, 15.0, 16.0]]) / 120
+"""∫_0^1 |L_i L_j| for Lagrange's polynomials of the nodes 0, 1/2 and 1."""
 PAIRS = tuple(product(range(3), repeat=2))
 ROUNDING = 1e-6
 """Jump of ũ̇ at a knot, relative to ũ̇, that counts as none."""
@@ -59,6 +63,7 @@ class Interval:
         contact: ∫ c.
         oscillation: ∫ of the bound of f − P f.
         bending: ∫ of the norm of P f minus its parabola in time.
+        unseen: ∫ of the bound of what samples of the data miss everywhere.
 
     The integrals are for the record: the bound combines residual and oscillation cell by cell.
     """
@@ -72,6 +77,7 @@ class Interval:
     contact: float
     oscillation: float
     bending: float
+    unseen: float
 
 
 class Majorant:
@@ -106,15 +112,18 @@ class Majorant:
         control = equilibration.residual(loads, (left.viscous + right.viscous) / 2 + elastic, piece.control)
         every = (left.residual, control, right.residual)
         squares = sum(QUADRATIC[i, j] * equilibration.products(every[i].values, every[j].values) for i, j in PAIRS)
-        oscillations = [discretisation.oscillation(snapshot) for snapshot in (left.snapshot, middle, right.snapshot)]
-        # Simpson's rule in time.
-        oscillation = (oscillations[0] ** 2 + 4 * oscillations[1] ** 2 + oscillations[2] ** 2) / 6
+        missed = discretisation.sampling.missed(discretisation.oscillation, piece.a, piece.b)
+        oscillation = _mean_square(
+            *(discretisation.oscillation(at.left_out) + missed.cells for at in (left.snapshot, middle, right.snapshot))
+        )
         bending = k * self._bending(piece, left.snapshot.loads, loads, right.snapshot.loads)
-        added = k * (float(np.linalg.norm(np.sqrt(squares) + np.sqrt(oscillation))) + curvature) + bending
+        unseen = k * missed.everywhere
+        together = float(np.linalg.norm(np.sqrt(squares) + np.sqrt(oscillation)))
+        added = damping(discretisation.monotonicity, k) * np.sqrt(k) * together + k * curvature + bending + unseen
         contact = k * self._contact(piece, every)
         at_b, inside = grown(y, discretisation.monotonicity, k, contact, added)
         residual, left_out = k * (float(np.sqrt(squares.sum())) + curvature), k * float(np.sqrt(oscillation.sum()))
-        return Interval(piece.a, piece.b, y, at_b, inside, residual, contact, left_out, bending)
+        return Interval(piece.a, piece.b, y, at_b, inside, residual, contact, left_out, bending, unseen)
 
     def _contact(self, piece: Parabola, residuals: tuple[LawResidual, ...]) -> float:
         """The mean of c."""
@@ -147,10 +156,23 @@ class Majorant:
         return (left.elastic + right.elastic) / 2, float(np.sqrt(np.vdot(weights, change**2) / A.ellipticity))
 
 
+def _mean_square(*norms: Array) -> Array:
+    """A bound of the mean of ‖f‖² for a parabola f in time, from ‖f‖ at both ends and in the middle.
+
+    ‖f‖ ≤ Σ |L_i| ‖f_i‖ with Lagrange's polynomials.
+    """
+    return np.sum([LAGRANGE[i, j] * norms[i] * norms[j] for i, j in PAIRS], axis=0)
+
+
+def damping(m: float, k: float) -> float:
+    """(∫_a^b e^{−2m(b−t)} dt)^{1/2} for m ≥ 0, and √k for m < 0, where the growth is counted apart."""
+    return float(np.sqrt(-np.expm1(-2 * m * k) / (2 * m))) if m > 0 else float(np.sqrt(k))
+
+
 def grown(y: float, m: float, k: float, contact: float, added: float) -> tuple[float, float]:
     """Bounds of ‖e‖_V at the end of an interval of length k and at any time of it.
 
-    They follow from the bound y at its start, ``contact`` = ∫ c and ``added`` = ∫ (r + η).
+    They follow from the bound y at its start, ``contact`` = ∫ c and ``added`` ≥ ∫ e^{−max(m, 0)(b−t)} (r + η).
     """
     growth, decay = np.exp(max(-m, 0.0) * k), np.exp(-max(m, 0.0) * k)
     return (

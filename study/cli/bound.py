@@ -44,7 +44,8 @@ def do_bound(options: argparse.Namespace) -> int:
     table, over_time = levels(found), pd.concat([series(level, one) for level, one in found.items()])
     written = write(options.out / name, table, over_time, found)
     written += draw_one(options.out / name, enclosure("enclosure", over_time, name))
-    print(f"\n{text(name, table, over_time)}\n")
+    sentences = found[finest].enclosure.evidence.sentences
+    print(f"\n{text(name, table, over_time, sentences)}\n")
     print("written: " + ", ".join(map(str, written)))
     inside = all(one.enclosure.contains and one.plain.contains for one in found.values())
     return OK if case is None or inside else FAILED

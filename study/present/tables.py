@@ -167,7 +167,7 @@ def equivalence_table(directory: Path) -> Table:
 
 
 def bounds_table(directory: Path) -> Table:
-    """How close the guaranteed bounds are, grouped by kind and case, from ``bounds.csv``."""
+    """How close the bounds are, grouped by kind and case, from ``bounds.csv``."""
     columns = [
         *words(trajectory="kind"),
         *names(case="case", family="meshes", scheme="scheme"),

@@ -132,7 +132,8 @@ class Pair:
             work += float(np.einsum("na,nb,ab,n->", ends, pressed, mass, space.lengths[edges]))
         # Degree 1 leaves more out than what is orthogonal to P1. The cells are disjoint: norms of their parts add up.
         bounded = space.degree > 1
-        self.oscillation = float(np.linalg.norm(Oscillation(space, self.compliance)(snapshot))) if bounded else np.nan
+        left_out = snapshot.left_out
+        self.oscillation = float(np.linalg.norm(Oscillation(space, self.compliance)(left_out))) if bounded else np.nan
         self.bound = self.oscillation + float(np.sqrt(self.oscillation**2 + self.distance**2 + 2 * max(work, 0.0)))
 
     def _norm(self, stress: Tensors) -> float:

@@ -44,20 +44,26 @@ class Loads:
 
 
 @dataclass(frozen=True, eq=False)
-class Snapshot:
-    """The data at one time, projected, with g = f_0 − P f_0 and Π the L² projection onto P_k(T)².
+class LeftOut:
+    """Norms of what P leaves out at one time, with g = f_0 − P f_0 and Π the L² projection onto P_k(T)².
 
     Attributes:
-        loads: P f_0 and P f_2.
         low_order: ‖Π g‖_T, (cells,).
         high_order: ‖g − Π g‖_T, (cells,).
         on_edges: ‖f_2 − P f_2‖_e, (edges,), zero off Γ2.
     """
 
-    loads: Loads
     low_order: Array
     high_order: Array
     on_edges: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Snapshot:
+    """The data at one time: P f_0 and P f_2, and what P leaves out of them."""
+
+    loads: Loads
+    left_out: LeftOut
 
 
 class ProjectedLoads:
@@ -95,9 +101,7 @@ class ProjectedLoads:
         low_order = np.einsum("cad,ab,cbd->c", of_cells, np.linalg.inv(mass), of_cells) / space.volumes
         return Snapshot(
             Loads(force.reshape(space.cells, 3, lower, 2), surface),
-            np.sqrt(np.maximum(low_order, 0.0)),
-            np.sqrt(np.maximum(total - low_order, 0.0)),
-            on_edges,
+            LeftOut(np.sqrt(np.maximum(low_order, 0.0)), np.sqrt(np.maximum(total - low_order, 0.0)), on_edges),
         )
 
 

@@ -28,7 +28,7 @@ from manufactured.body import Kind
 from manufactured.tensors import Array
 from study.stresses.balancing import balancing_in_cell, balancing_on_side
 from study.stresses.composite import CORNERS, SIDES
-from study.stresses.loads import Snapshot
+from study.stresses.loads import LeftOut
 from study.stresses.stress_space import StressSpace
 
 BLOCK = 256
@@ -56,6 +56,16 @@ def side_constants(F: Array, compliance: Array, side: int) -> Array:
     return np.sqrt(2) * balancing_on_side(side).constants(F, compliance, 1 / length)
 
 
+def loaded_sides(space: StressSpace, compliance: Array) -> list[tuple[Array, Array, Array]]:
+    """For each number of a side: the cells with this side on Γ2, their edges there, and upper bounds of C_e."""
+    loaded = np.concatenate([np.empty(0, dtype=int), *(edges for _, edges in space.on(Kind.LOADED))])
+    found = []
+    for side in range(len(SIDES)):
+        cells = np.flatnonzero(np.isin(space.edges[:, side], loaded))
+        found.append((cells, space.edges[cells, side], side_constants(space.map[cells], compliance, side)))
+    return found
+
+
 class Oscillation:
     """η_T with (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T} for the sides e of T on Γ2.
 
@@ -71,17 +81,12 @@ class Oscillation:
     def __init__(self, space: StressSpace, compliance: Array, low: float = 1.0) -> None:
         root = np.sqrt(low)
         self._cells = [cell_constants(space.map, compliance, q) / root for q in (space.degree - 1, space.degree)]
-        loaded = np.concatenate([np.empty(0, dtype=int), *(edges for _, edges in space.on(Kind.LOADED))])
-        self._sides = []
-        for side in range(len(SIDES)):
-            cells = np.flatnonzero(np.isin(space.edges[:, side], loaded))
-            constants = side_constants(space.map[cells], compliance, side) / root
-            self._sides.append((cells, space.edges[cells, side], constants))
+        self._sides = [(cells, edges, constants / root) for cells, edges, constants in loaded_sides(space, compliance)]
 
-    def __call__(self, snapshot: Snapshot) -> Array:
-        """η_T for the data at one time, (cells,)."""
+    def __call__(self, left_out: LeftOut) -> Array:
+        """η_T from the norms of what P leaves out, (cells,)."""
         low, high = self._cells
-        total = low * snapshot.low_order + high * snapshot.high_order
+        total = low * left_out.low_order + high * left_out.high_order
         for cells, edges, constants in self._sides:
-            total[cells] += constants * snapshot.on_edges[edges]
+            total[cells] += constants * left_out.on_edges[edges]
         return total

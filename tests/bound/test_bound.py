@@ -47,7 +47,8 @@ from manufactured.tensors import Array, Points, Tensors
 from study.bound.discretisation import BoundError, Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error, order
 from study.bound.equilibration import Equilibration, LawResidual
-from study.bound.majorant import Interval, Majorant
+from study.bound.majorant import Interval, Majorant, damping
+from study.bound.sampling import Evidence
 from study.bound.trajectory import (
     DiscreteSolution,
     Parabola,
@@ -680,10 +681,10 @@ def test_the_recursion_is_never_below_its_differential_equation_nor_far_above(na
         assert np.sqrt(solved.y[0, -1]) <= one.at_b * (1 + 1e-8)
         assert np.sqrt(solved.y[0].max()) <= one.inside * (1 + 1e-8)
         # Nothing but what is on record: parts joined cell by cell are at most their sum.
-        added = one.residual + one.oscillation + one.bending
-        decayed = math.exp(-max(m, 0) * k) * one.at_a
+        added = one.residual + one.oscillation + one.bending + one.unseen
+        decayed, damped = math.exp(-max(m, 0) * k) * one.at_a, damping(m, k) / math.sqrt(k)
         assert one.at_b <= (math.sqrt(decayed**2 + 2 * one.contact) + added) * (1 + 1e-9)
-        assert one.at_b >= math.sqrt(decayed**2 + 2 * one.contact) + one.residual * (1 - 1e-9)
+        assert one.at_b >= math.sqrt(decayed**2 + 2 * one.contact) + damped * one.residual * (1 - 1e-9)
         assert one.inside >= max(one.at_a, one.at_b) * (1 - 1e-12)
         assert min(one.contact, one.residual, one.oscillation, one.bending) >= 0
     assert [one.b for one in intervals[:-1]] == [one.a for one in intervals[1:]]
@@ -691,7 +692,7 @@ def test_the_recursion_is_never_below_its_differential_equation_nor_far_above(na
 
 
 def test_a_constant_residual_and_no_contact_give_the_documented_value(monkeypatch: pytest.MonkeyPatch) -> None:
-    """ρ is the same stress at both knots and in between: y(b) = e^{−mk} y(a) + k ‖ρ‖, at most e^{mk} too large."""
+    """ρ is the same stress at both knots and in between: y(b) = e^{−mk} y(a) + d √k ‖ρ‖, d² = (1 − e^{−2mk})/2m."""
     discretisation, _ = intervals_of("no-contact")
     rho = np.random.default_rng(0).normal(size=(3, *discretisation.stresses.weights.shape))
     size = math.sqrt(Equilibration(discretisation).products(rho, rho).sum())
@@ -707,10 +708,11 @@ def test_a_constant_residual_and_no_contact_give_the_documented_value(monkeypatc
     y = 0.7
     for _, one in Majorant(discretisation)(pieces, y):
         k = one.b - one.a
-        assert one.at_b == pytest.approx(math.exp(-m * k) * y + k * size, rel=1e-12)
+        damped = math.sqrt(k * (1 - math.exp(-2 * m * k)) / (2 * m))
+        assert one.at_b == pytest.approx(math.exp(-m * k) * y + damped * size, rel=1e-12)
         exact = math.exp(-m * k) * y + (1 - math.exp(-m * k)) / m * size
         assert exact <= one.at_b <= math.exp(m * k) * exact
-        assert one.inside == pytest.approx(y + k * size, rel=1e-12)
+        assert one.inside == pytest.approx(y + damped * size, rel=1e-12)
         y = one.at_b
 
 
@@ -720,7 +722,7 @@ def test_a_constant_residual_and_no_contact_give_the_documented_value(monkeypatc
 def made(h: float, lower: float, upper: float) -> Enclosure:
     """max_t ‖u − u_h‖_V ∈ [lower, upper]."""
     middle, radius = np.array([(lower + upper) / 2]), np.array([(upper - lower) / 2])
-    return Enclosure(h, np.array([1.0]), middle, radius, np.array([math.nan]), (), 0.0, np.array([upper]))
+    return Enclosure(h, np.array([1.0]), middle, radius, np.array([math.nan]), (), 0.0, np.array([upper]), Evidence(()))
 
 
 positive = st.floats(1e-3, 1e3)

@@ -136,7 +136,7 @@ def _equivalence(data: FullRun) -> Named:
 
 
 def _bounds(data: FullRun) -> Named:
-    """The guaranteed bound and the enclosures."""
+    """The bound and the enclosures."""
     yield from _extremes("boundUpper", data.rows("bound", "upper"), 1)
     yield "boundCases", str(data.rows("bound", "above")["case"].nunique())
     yield "encloseUpperMax", above(data.rows("enclosure", "upper")["high"].max(), 2)

@@ -23,7 +23,7 @@ def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:
 
 
 def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
-    """Above, the guaranteed bands [d − y, d + y] of every level; below, their ends divided by the error.
+    """Above, the bands [d − y, d + y] of every level; below, their ends divided by the error.
 
     From ``level``, ``time``, ``distance`` d, ``bound`` y and, where they are known, ``error`` and ``plain``, the bound
     from u_h alone. Where the error is unknown d takes its place.
@@ -41,7 +41,7 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
     if "plain" in series:
         legend[1].append(LegendEntry("bound from u_h alone", Style(BLACK, stroke="dotted")))
     subplots = [_bands(ends, title, time), _ratios(ends, time, f"ends over {name}")]
-    summary = "error over time between its guaranteed bounds, logarithmic"
+    summary = "error over time between its bounds, logarithmic"
     return Chart(summary, subplots, legend, _caption(ends, title, known))
 
 
@@ -83,7 +83,7 @@ def _caption(ends: pd.DataFrame, title: str, known: bool) -> str:
     inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
     seen = f"the error lies in its band at {len(inside)} of {len(ends)} times; " if known else ""
     return (
-        f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands are guaranteed to contain the error, "
+        f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands enclose the error, "
         f"lines are {line}; below, the ends of the bands divided by it. What to see: {seen}at the last time the bands "
         f"are {', '.join(parts)}."
     )

@@ -1,4 +1,4 @@
-"""Dots in lines of names: how close guaranteed bounds are to the error, and which row caught which defect."""
+"""Dots in lines of names: how close bounds are to the error, and which row caught which defect."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def caption_effectivity(known: pd.DataFrame) -> str:
             f"{enclosed['upper'].max():.3g} times the error"
         )
     return (
-        f"Effectivity of the guaranteed bounds for {known['case'].nunique()} cases whose error is known, the worst "
+        f"Effectivity of the bounds for {known['case'].nunique()} cases whose error is known, the worst "
         f"over the second half of time; a larger marker is a finer mesh. What to see: {'; '.join(seen)}."
     )
 

@@ -82,7 +82,7 @@ def case_pages(directory: Path, claims: pd.DataFrame) -> list[CasePage]:
         (rates_table(directory), "Errors on every mesh", ["case", "claim"]),
         (stress_table(directory), "The stress problem on its own space", ["case"]),
         (equivalence_table(directory), "The stress problem on the strains of V^h", ["case"]),
-        (bounds_table(directory), "Guaranteed bounds of the error", ["case"]),
+        (bounds_table(directory), "Bounds of the error", ["case"]),
     ]
     pages = []
     for fact in listed:

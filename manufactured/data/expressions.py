@@ -1,0 +1,22 @@
+"""The formulas that data were made from, for whoever needs more of them than values at points."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import sympy as sp
+
+
+@dataclass(frozen=True)
+class Expressions:
+    """Formulas of x1, x2 (x3) and t; equal formulas are equal data.
+
+    Attributes:
+        force: the components of f_0.
+        loads: (number of a part of ``body.parts``, components of f_2 on it), by number; no load on the other parts.
+        start: the components of u_0.
+    """
+
+    force: tuple[sp.Expr, ...]
+    loads: tuple[tuple[int, tuple[sp.Expr, ...]], ...]
+    start: tuple[sp.Expr, ...]
