@@ -14,7 +14,7 @@ orthogonal to rigid motions, is bounded by 2 C_Ω |T|^{1/2} e_T with C_Ω of ``s
     |f − (cubic through a, a + k/4, a + k/2 and b)| ≤ (1 + Λ₄) min_j (k/2)^j |∂_t^j f|/j! =: q_T,   j ≤ 4,
 
 Λ the Lebesgue constants of these points, and half the range for j = 0. On edges of Γ2 the same holds with the arc
-length in place of x.
+length in place of x, on each of the parts with a rule of their own.
 """
 
 from __future__ import annotations
@@ -32,6 +32,7 @@ from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound.ranges import Boxes, Series
 from study.bound.univariate import Pair
+from study.stresses.loads import EDGE_PARTS
 from study.stresses.stress_space import StressSpace
 
 ORDER = 4
@@ -140,11 +141,7 @@ class Unseen:
         self.parts = []
         for part, edges in space.on(Kind.LOADED):
             formulas = [_along(part, formula) for formula in loads.get(data.body.parts.index(part), ())]
-            ends = part.tangent @ (space.mesh.p[:, space.mesh.facets[:, edges]] - part.start[:, None, None]).reshape(
-                2, -1
-            )
-            ends = np.sort(ends.reshape(2, -1), axis=0)
-            self.parts.append((edges, Regions({ARC: (ends[0], ends[1])}), formulas))
+            self.parts.append((edges, _pieces(space, part, edges), formulas))
         self._edges = len(space.lengths)
 
     def force(self, a: float, b: float) -> Remainders:
@@ -156,7 +153,9 @@ class Unseen:
         """Those of f_2 on all edges, 0 off Γ2."""
         found = np.zeros((3, self._edges))
         for edges, region, formulas in self.parts:
-            found[:, edges] = region.in_space(formulas, a, b), *region.in_time(formulas, a, b)
+            every = np.array([region.in_space(formulas, a, b), *region.in_time(formulas, a, b)])
+            # The norms on the parts of an edge, to be multiplied by the root of its length.
+            found[:, edges] = np.sqrt(np.mean(every.reshape(3, EDGE_PARTS, -1) ** 2, axis=1))
         return Remainders(*found)
 
     def start(self) -> Array:
@@ -164,6 +163,14 @@ class Unseen:
         u = self.expressions.start
         shear = (sp.diff(u[0], x2) + sp.diff(u[1], x1)) / sp.sqrt(2)
         return self.cells.in_space((sp.diff(u[0], x1), sp.diff(u[1], x2), shear), 0.0, 0.0)
+
+
+def _pieces(space: StressSpace, part: Part, edges: Array) -> Regions:
+    """The parts of edges, which have rules of their own: all first ones, all second ones, …"""
+    corners = space.mesh.p[:, space.mesh.facets[:, edges]]
+    low, high = np.sort(np.einsum("d,den->en", part.tangent, corners - part.start[:, None, None]), axis=0)
+    cuts = low + np.linspace(0, 1, EDGE_PARTS + 1)[:, None] * (high - low)
+    return Regions({ARC: (cuts[:-1].ravel(), cuts[1:].ravel())})
 
 
 def _along(part: Part, formula: sp.Expr) -> sp.Expr:

@@ -8,21 +8,22 @@ rough (``study.fem.quadrature``).
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from manufactured.body import Kind, Part
 from manufactured.data import Data
 from manufactured.tensors import Array
-from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
+from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule
 from study.stresses.bernstein import bernstein, triangle_mass
 from study.stresses.composite import alfeld_split, barycentric
 from study.stresses.stress_space import StressSpace
 
 DEGREE = 4
 """Degree of the rule for f_0 on a third, at least; 2k if that is more."""
-EDGE_POINTS = 6
-"""Gauss points for f_2 on an edge."""
+EDGE_POINTS, EDGE_PARTS = 6, 4
+"""Gauss points for f_2 on each part of an edge, and the parts, which make kinks of f_2 small ones."""
 GRADED_POINTS = 28
 """Where edges are cut and their rules graded with the power 8: exact to degree 6, for products of two of degree 3."""
 PARALLEL = 1e-9
@@ -137,7 +138,8 @@ class _Edges:
 
     def __init__(self, data: Data, space: StressSpace, part: Part, edges: Array) -> None:
         crossings = _crossings(data, part)
-        rule = facet_rule(space.mesh, edges, part, crossings, GRADED_POINTS if crossings else EDGE_POINTS)
+        graded = partial(facet_rule, space.mesh, edges, part, crossings)
+        rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
         self.edges, self.weights = edges, rule.weights
         self.shapes = bernstein(space.degree, rule.shapes)
         self.load = data.surface_load(part, part.point(rule.s))
@@ -150,6 +152,16 @@ class _Edges:
         coefficients = np.einsum("naq,dnq->nad", self.projection, values)
         rest = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)
         return coefficients, np.sqrt(np.einsum("dnq,dnq,nq->n", rest, rest, self.weights))
+
+
+def _divided(rule: FacetRule) -> FacetRule:
+    """The rule on each of some equal parts of its facets."""
+    first, s = rule.shapes[0], rule.s[0]
+    slope = (s[:, 1] - s[:, 0]) / (first[:, 1] - first[:, 0])
+    places = np.concatenate([(first + part) / EDGE_PARTS for part in range(EDGE_PARTS)], axis=1)
+    moved = s[:, :1] + slope[:, None] * (places - first[:, :1])
+    weights = np.tile(rule.weights / EDGE_PARTS, EDGE_PARTS)
+    return FacetRule(rule.facets, moved[None], np.stack([places, 1 - places]), weights)
 
 
 def _crossings(data: Data, part: Part) -> tuple[float, ...]:
