@@ -1,4 +1,4 @@
-"""Tables from the data files: rates, ledger, equivalence, stresses and bounds as CSV, Markdown and LaTeX.
+"""Tables from the data files: rates, ledger, equivalence, stresses, bounds and defects as CSV, Markdown and LaTeX.
 
 The files show numbers to four significant digits and all hold the same text, so that they agree digit for digit;
 orders have three decimals.
@@ -29,7 +29,7 @@ def write_tables(directory: Path) -> list[Path]:
         DataError: a data file is missing or lacks a column; nothing is written then.
     """
     makers = rates_table, ledger_table, equivalence_table, stress_table, bounds_table
-    tables = [make(directory) for make in makers]
+    tables = [*(make(directory) for make in makers), *filter(None, [controls_table(directory)])]
     return [path for table in tables for path in table.write(directory / "tables")] + write_article(directory)
 
 
@@ -176,6 +176,26 @@ def bounds_table(directory: Path) -> Table:
         *numbers(residual="∫ r", oscillation="∫ η", contact="∫ c"),
     ]
     return Table.of("bounds", columns, _read(directory, "bounds.csv", columns), grouped=2)
+
+
+def controls_table(directory: Path) -> Table | None:
+    """Every deliberate defect and the row that has to fail, grouped by statement, from ``controls.csv``.
+
+    None where nobody has measured.
+    """
+    if not (directory / "data" / "controls.csv").is_file():
+        return None
+    columns = [
+        *words(label="statement"),
+        *names(defect="defect"),
+        Column("what", "what is wrong", folding(0.17)),
+        Column("setting", "measured on", folding(0.14), names=True),
+        Column("quantity", "row that has to fail", folding(0.17)),
+        Column("expected", "expected", folding(0.14)),
+        *numbers(observed="observed"),
+        *words(verdict="verdict", caught="caught"),
+    ]
+    return Table.of("controls", columns, _read(directory, "controls.csv", columns), grouped=1)
 
 
 def stress_table(directory: Path) -> Table:

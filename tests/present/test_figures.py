@@ -21,10 +21,12 @@ from study.ledger.datafiles import DataError, read_rates
 from study.present.figures import drawings
 from study.present.figures.contact_maps import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.figures.deformed_body import caption_body, draw_body
-from study.present.figures.deformed_mesh import CLIPPED, SHADES, BodyScale, cell_shades
+from study.present.figures.deformed_mesh import SHADES, BodyScale, cell_shades
 from study.present.figures.drawing import COLUMN, PAGE, STYLE, Drawing, in_style, mathtext
 from study.present.figures.energy import caption_energy
 from study.present.picture.picture import Picture, read_pictures
+from study.present.picture.view import BRIGHTEST
+from study.present.tables import controls_table, write_tables
 
 Array = NDArray[np.float64]
 SMALLEST = 7.0
@@ -101,7 +103,7 @@ def test_the_style_is_free_of_latex_in_serif_letters_and_colours_that_every_eye_
 
 def test_every_figure_fits_a_page_with_letters_large_enough_inside_it(measured: Path) -> None:
     found = drawings(measured)
-    assert {"effectivity", "defects", "growth", "energy-two-faces"} <= {drawing.name for drawing in found}
+    assert {"effectivity", "growth", "energy-two-faces"} <= {drawing.name for drawing in found}
     for drawing in found:
         figure = drawn(drawing)
         assert COLUMN <= figure.get_figwidth() <= PAGE, drawing.name
@@ -208,7 +210,7 @@ def test_the_caption_of_a_map_states_the_largest_errors(solid: Picture) -> None:
 def test_the_colours_of_the_stress_end_where_all_but_a_few_cells_lie(picture: Picture) -> None:
     scale = BodyScale.of(picture)
     stresses = np.array([shape.von_mises for shape in picture.shapes])
-    assert (stresses > scale.stress).mean() <= CLIPPED
+    assert (stresses > scale.stress).mean() <= 1 - BRIGHTEST
     assert scale.stress_colours.cmap.N == SHADES
     lightness = np.array([0.299, 0.587, 0.114]) @ np.array(scale.stress_colours.cmap(np.arange(SHADES)))[:, :3].T
     assert (np.diff(lightness) < 0).all(), "grey, too, shows which stress is larger"
@@ -220,14 +222,16 @@ def test_the_caption_of_the_energy_states_its_largest_defect(picture: Picture) -
     assert "a defect of at most 3 % of" in caption_energy(worse)
 
 
-def test_a_defect_that_nothing_caught_is_a_cross_and_is_counted(alone: Path) -> None:
-    assert "defects" not in [drawing.name for drawing in drawings(alone)]
-    for caught, crosses in (("yes", 0), ("no", 1)):
+def test_defects_are_a_table_and_one_that_nothing_caught_is_seen_in_it(alone: Path) -> None:
+    assert controls_table(alone) is None
+    for caught in ("yes", "no"):
         write_controls(alone, controls(caught))
-        drawing = named(alone, "defects")
-        axes = drawn(drawing).axes[0]
-        assert sum(line.get_marker() == "X" for line in axes.get_lines()) == crosses
-        assert f"{2 - crosses} of 2 defects" in drawing.caption
+        table = controls_table(alone)
+        assert table is not None
+        assert table.cells.set_index("defect").loc["k like h", "caught"] == caught
+        assert "defects" not in [drawing.name for drawing in drawings(alone)]
+    write_tables(alone)
+    assert "| k like h | backward Euler with k ~ h |" in (alone / "tables" / "controls.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

@@ -19,8 +19,10 @@ from study.cli.main import main
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError
 from study.ledger.packing import FINE, STEPS, Packed
+from study.ledger.verdict import HOLDS, REPORTED
 from study.present.picture.faces import values
 from study.present.report import write_report
+from study.present.report.letters import LETTERS, MEANINGS
 from study.present.report.svg_chart import typeset, typeset_svg
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
 from study.run.code import ROOT
@@ -157,7 +159,37 @@ def test_every_row_of_the_other_tables_is_on_the_page(directory: Path, page: Pag
     bounds = bounds_table(directory).cells.to_numpy().tolist()
     assert [row for row in bounds if row not in page.rows] == []
     controls = pd.read_csv(directory / "data" / "controls.csv")
-    assert set(controls["defect"]) <= {row[0] for row in page.rows}
+    assert set(controls["defect"]) <= {row[1] for row in page.rows if len(row) > 1}
+
+
+def test_the_page_opens_with_a_body_in_motion_and_the_errors_of_all_cases(text: str) -> None:
+    front = text[text.index('id="overview"') : text.index('id="ledger"')]
+    film, chart, counts = (
+        front.index(mark) for mark in ('data-from="corner"', "over their constants", 'class="totals"')
+    )
+    assert film < chart < counts, "corner has more contact faces than advance-recede"
+    assert "application/json" not in front, "its data stand once, with its case"
+
+
+def test_a_number_without_a_claim_does_not_look_like_a_failure(text: str) -> None:
+    assert MEANINGS[REPORTED] in text
+    alarmed = [line for line in text.splitlines() if "vermillion" in line and ".totals" in line]
+    assert alarmed
+    assert not any(word in line for line in alarmed for word in (REPORTED, HOLDS))
+    assert all(":not(.none)" in line for line in alarmed), "no verdict of that kind is no alarm"
+
+
+SYMBOL = re.compile(r"[^\W\d_]\^h|‖_\w|\b[^\W\d_]\b(?!\^)")
+"""A letter that stands alone, or with h above it; the index of a norm."""
+
+
+@pytest.mark.parametrize("make", [rates_table, stress_table, equivalence_table, bounds_table])
+def test_symbols_in_the_heading_of_a_table_are_explained_beside_it(make: Any, directory: Path) -> None:
+    table = make(directory)
+    said = " ".join(f"{letter} {meaning}" for letter, meaning in LETTERS[table.name].items())
+    symbols = {symbol for column in table.columns for symbol in SYMBOL.findall(column.heading)}
+    assert symbols
+    assert {symbol for symbol in symbols if symbol not in said} == set()
 
 
 def test_text_of_the_data_cannot_become_markup(text: str, page: Page) -> None:
@@ -194,7 +226,7 @@ def test_every_case_is_shown_in_motion(page: Page) -> None:
     assert films == [*PLANE, SOLID]
     assert {f"case/{case}" for case in films} <= {attributes.get("id") for _, attributes in page.tags}
     sliders = [attributes for tag, attributes in page.tags if attributes.get("type") == "range"]
-    assert [slider["id"] for slider in sliders] == [f"time-{case}" for case in films]
+    assert [slider["id"] for slider in sliders] == ["front-corner", *(f"time-{case}" for case in films)]
     for case, content in zip(films, page.data, strict=True):
         assert len(json.loads(content)["view"]) == (3 if case == SOLID else 2)
 

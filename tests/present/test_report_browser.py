@@ -390,6 +390,17 @@ def test_on_a_phone_a_row_of_the_ledger_shows_its_verdict_and_numbers_without_sc
         assert cell.rect["x"] + cell.rect["width"] <= 360
 
 
+@pytest.mark.parametrize("pixels", [1400, 390])
+def test_bounds_fit_a_screen_and_a_phone_without_scrolling(
+    page: webdriver.Chrome, directory: Path, pixels: int
+) -> None:
+    width(page, pixels)
+    go(page, directory, "bounds")
+    box = page.find_element(By.CSS_SELECTOR, "#bounds .scroll")
+    wide, room = (page.execute_script(f"return arguments[0].{name}", box) for name in ("scrollWidth", "clientWidth"))
+    assert wide <= room
+
+
 def test_tabs_reach_every_filter_in_order_and_show_where_they_are(page: webdriver.Chrome, directory: Path) -> None:
     go(page, directory, "ledger")
     names = ["filter-text", "filter-verdict", "filter-statement", "filter-case"]

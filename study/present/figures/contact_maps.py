@@ -7,19 +7,19 @@ from itertools import cycle
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
 from study.present.charts.palette import BLUE, SKY, VERMILLION
-from study.present.figures.contact_lines import HARMLESS, LINES, largest_differences, zone_handles
-from study.present.figures.deformed_mesh import PRESSURES
+from study.present.figures.contact_lines import HARMLESS, HOLLOW, LINES, zone_handles
+from study.present.figures.deformed_mesh import ramp
 from study.present.figures.drawing import COLUMN, dots, entry, legend
+from study.present.figures.profiles import largest_differences
 from study.present.picture.faces import Array, Polygon
 from study.present.picture.picture import Picture
-from study.present.picture.zone_history import misplaced_nodes
+from study.present.picture.zone_history import misplaced_nodes, outside
 
 Paint = Callable[[Axes, int], Any]
 """Draws what a map shows at one of the times of the picture."""
@@ -60,15 +60,15 @@ def draw_fronts(picture: Picture) -> Figure:
     The exact zone is where the linear interpolant of ``level`` is not negative.
     """
     rows, columns = len(picture.polygons), len(picture.shapes)
-    figure = Figure(figsize=(COLUMN, 1.9 + 1.2 * rows))
+    figure = Figure(figsize=(COLUMN, 2.2 + 1.25 * rows))
     grid = figure.add_gridspec(2, height_ratios=(rows, 0.9))
     panels = grid[0].subgridspec(rows, columns).subplots(sharex="row", sharey="row", squeeze=False)
     for row, face in zip(panels, picture.polygons, strict=True):
-        draw_maps_of(row, picture, face, _zone(face))
+        draw_maps_of(row, picture, face, _zone(face, picture.times))
     label_maps(panels, picture)
     _draw_counts(figure.add_subplot(grid[1]), picture)
     figure.suptitle(f"{picture.heading}: contact zone")
-    legend(figure, zone_handles(), columns=2)
+    legend(figure, zone_handles(picture), columns=2)
     return figure
 
 
@@ -91,13 +91,16 @@ def caption_fronts(picture: Picture) -> str:
     )
 
 
-def _zone(face: Polygon) -> Paint:
+def _zone(face: Polygon, times: Array) -> Paint:
+    strays = outside(face, times)
+
     def paint(axes: Axes, instant: int) -> None:
         level, touching = face.level[instant], face.touching[instant]
         if level.max() >= 0:
             axes.tricontourf(refined_triangulation(face), level, [0, level.max() + 1], colors=[SKY], alpha=0.45)
-        if touching.any():
-            axes.plot(*face.s[:, touching], "o", color=BLUE, ms=1.6, mew=0, clip_on=False, zorder=3)
+        for chosen, style in ((touching & ~strays[instant], {"color": BLUE, "mew": 0}), (strays[instant], HOLLOW)):
+            if chosen.any():
+                axes.plot(*face.s[:, chosen], "o", ms=1.6, clip_on=False, zorder=3, **style)
 
     return paint
 
@@ -113,7 +116,6 @@ def _draw_counts(axes: Axes, picture: Picture) -> None:
         axes.legend(frameon=True)
 
 
-GAPS = "PuBu"
 LEVELS = 10
 """Shades of a map."""
 
@@ -128,8 +130,8 @@ def draw_maps(picture: Picture) -> Figure:
     figure = Figure(figsize=(COLUMN, 0.7 + 1.05 * rows))
     panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
     for i, face in enumerate(picture.polygons):
-        gap = "gap $w$", GAPS, face.gap_exact, face.gap
-        pressure = "pressure $p$", PRESSURES, face.pressure_exact, face.pressure
+        gap = "gap $w$", "gap", face.gap_exact, face.gap
+        pressure = "pressure $p$", "pressure", face.pressure_exact, face.pressure
         for row, (label, colours, exact, computed) in zip(panels[2 * i : 2 * i + 2], (gap, pressure), strict=True):
             top = float(max(exact[instants].max(), computed[instants].max())) or 1.0
             draw_maps_of(row, picture, face, paint_values(face, exact, computed, top, colours))
@@ -161,7 +163,7 @@ def caption_maps(picture: Picture) -> str:
 def paint_values(face: Polygon, exact: Array, computed: Array, top: float, colours: str) -> Paint:
     """Exact values as a surface, computed ones as dots, in colours from 0 to ``top``."""
     levels = np.linspace(0, top, LEVELS + 1)
-    style: dict[str, Any] = {"cmap": colormaps[colours], "norm": BoundaryNorm(levels, 256)}
+    style: dict[str, Any] = {"cmap": ramp(colours), "norm": BoundaryNorm(levels, 256)}
 
     def paint(axes: Axes, instant: int) -> None:
         axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact[instant].clip(0), levels, **style)

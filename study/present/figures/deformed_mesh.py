@@ -7,33 +7,33 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib import colormaps, patches
+from matplotlib import patches
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PathCollection
-from matplotlib.colors import Normalize
+from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize, PowerNorm
 from matplotlib.path import Path
 from numpy.typing import NDArray
 
-from study.present.charts.palette import BLACK, VERMILLION
+from study.present.charts.palette import BLACK, BLUE, RAMPS, VERMILLION
 from study.present.picture.faces import Array, Segment
 from study.present.picture.picture import Picture, Shape
-from study.present.picture.view import ARROW, FOUNDATION, View, magnification
+from study.present.picture.view import ARROW, FOUNDATION, View, end_of_colours, magnification, shade
 
-STRESSES = "YlGnBu"
-"""Colour map of the stress: light for small stresses, so that the mesh stays visible, and darker throughout."""
-PRESSURES = "OrRd"
-"""Colour map of the pressure on the faces of solids."""
 SHADES = 16
-CLIPPED = 0.005
-"""The fraction of cells, those at a singular corner, whose stress may lie beyond the end of the colours."""
+
+
+def ramp(name: str, shades: int = 256) -> Colormap:
+    """The colours of a quantity, from zero to its largest value."""
+    return LinearSegmentedColormap.from_list(name, RAMPS[name], shades)
 
 
 @dataclass(frozen=True, eq=False)
 class BodyScale:
     """What all times of a picture are drawn to: ``limits`` are those of the drawing, (2, 2), to the right and upwards.
 
-    ``size`` is the body's longest side, ``pressure`` the largest one shown, ``stress`` the end of the colours.
+    ``size`` is the body's longest side, ``pressure`` and ``gap`` are the largest ones shown, ``stress`` is the end of
+    the colours.
     """
 
     view: View
@@ -41,6 +41,7 @@ class BodyScale:
     magnification: float
     limits: Array
     pressure: float
+    gap: float
     stress: float
 
     @classmethod
@@ -48,14 +49,15 @@ class BodyScale:
         """Room for every shape and for arrows of full length."""
         view = View.of(picture)
         factor = magnification(picture.vertices, [shape.displacement for shape in picture.shapes])
-        pressures = [face.pressure[picture.instants].max() for face in picture.faces]
+        at, faces = picture.instants, picture.faces
         return cls(
             view=view,
             size=picture.size,
             magnification=factor,
             limits=_limits(picture, view, factor),
-            pressure=float(max(pressures, default=0.0)),
-            stress=float(np.quantile([shape.von_mises for shape in picture.shapes], 1 - CLIPPED)) or 1.0,
+            pressure=max((float(face.pressure[at].max()) for face in faces), default=0.0),
+            gap=max((float(face.gap[at].max()) for face in faces), default=0.0),
+            stress=end_of_colours(np.array([shape.von_mises for shape in picture.shapes])),
         )
 
     @property
@@ -65,13 +67,13 @@ class BodyScale:
 
     @property
     def stress_colours(self) -> ScalarMappable:
-        """From 0 to the end of the colours."""
-        return ScalarMappable(Normalize(0, self.stress), colormaps[STRESSES].resampled(SHADES))
+        """From 0 to the end of the colours, as ``shade`` has it."""
+        return ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", SHADES))
 
     @property
     def pressure_colours(self) -> ScalarMappable:
         """From 0 to the largest pressure."""
-        return ScalarMappable(Normalize(0, self.pressure or 1.0), colormaps[PRESSURES].resampled(SHADES))
+        return ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
 
 
 def _limits(picture: Picture, view: View, factor: float) -> Array:
@@ -82,18 +84,28 @@ def _limits(picture: Picture, view: View, factor: float) -> Array:
     return np.column_stack([everything.min(axis=1), everything.max(axis=1)]) + margin
 
 
+GAP: dict[str, Any] = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
 ARROWS = 16
 """At most about so many on a face."""
+ROUND_OFF = 1e-9
+"""Below this a gap or a pressure counts as zero; where they are not zero they are of order one."""
 
 
 def draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) -> None:
-    """Grey, with a thick black line where the body lies on it, and arrows that end on it where it presses."""
+    """Grey, with a thick black line where the body lies on it, arrows that end on it where it presses, and the gap.
+
+    The gap hangs below the surface, to a scale of its own: beside large displacements elsewhere nobody would see it.
+    """
     ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
     depth = FOUNDATION * scale.size * face.normal[:, None]
     axes.add_patch(
         patches.Polygon(np.hstack([ends, ends[:, ::-1] + depth]).T, facecolor="0.82", edgecolor="none", zorder=0.5)
     )
     axes.plot(*ends, color="0.25", lw=0.6, solid_capstyle="butt", zorder=2.5)
+    if scale.gap > ROUND_OFF:
+        depth = ARROW * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
+        gap = np.hstack([face.x, (face.x + depth)[:, ::-1]]).T
+        axes.add_patch(patches.Polygon(gap, **GAP, zorder=0.6))
     for interval in face.computed_zone(instant):
         axes.plot(*face.point(np.array(interval)), color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)
     every = max(1, round(len(face.s) / ARROWS))
@@ -131,7 +143,7 @@ def cell_shades(picture: Picture, shape: Shape, scale: BodyScale) -> tuple[NDArr
 
     A facet of a contact face has the mean pressure of its corners.
     """
-    stress = _steps(shape.von_mises / scale.stress)
+    stress = _steps(shade(shape.von_mises / scale.stress))
     for face in picture.polygons:
         pressure = face.pressure[picture.nearest(shape.time)][face.facets.corners].mean(axis=0)
         stress[face.facets.cells] = SHADES + _steps(pressure / (scale.pressure or 1.0))

@@ -1,8 +1,7 @@
-"""Dots in lines of names: how close bounds are to the error, and which row caught which defect."""
+"""Dots in lines of names: how close bounds are to the error."""
 
 from __future__ import annotations
 
-from string import ascii_uppercase
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ from matplotlib.figure import Figure
 
 from study.present.charts.chart import Style
 from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, VERMILLION
-from study.present.figures.drawing import PAGE, dots, entry, legend, mathtext
+from study.present.figures.drawing import PAGE, dots, entry, legend
 
 SCHEMES = {"backward-euler": Style(VERMILLION, "s"), "bdf2": Style(GREEN, "^"), "midpoint": Style(BLUE, "o")}
 
@@ -46,8 +45,12 @@ def draw_effectivity(known: pd.DataFrame) -> Figure:
     right.set(xlim=(0, None), xlabel="ends of the enclosure / error")
     used = [(scheme, look) for scheme, look in SCHEMES.items() if (known["scheme"] == scheme).any()]
     handles = [dots(scheme, color=look.colour, marker=look.marker) for scheme, look in used]
-    handles += [dots(f"{end} end", color=DARK, mfc=fill) for end, fill in (("upper", DARK), ("lower", "white"))]
-    legend(figure, [*handles, entry("larger: finer mesh", ls="")], columns=6)
+    handles += [
+        dots(f"{end} end of the bound", color=DARK, mfc=fill) for end, fill in (("upper", DARK), ("lower", "white"))
+    ]
+    levels = sorted(known["level"].unique())[:: max(1, known["level"].nunique() - 1)]
+    handles += [dots(f"$n={n}$", color=DARK, ms=float(np.sqrt(_area(n))), mew=0) for n in levels]
+    legend(figure, [*handles, entry("the error itself", color=BLACK, lw=0.7)], columns=4)
     return figure
 
 
@@ -76,63 +79,9 @@ def caption_effectivity(known: pd.DataFrame) -> str:
 
 def _draw_markers(axes: Axes, x: pd.Series, y: pd.Series, levels: pd.Series, look: Style, filled: bool) -> None:
     style: dict[str, Any] = {"edgecolor": look.colour, "facecolor": look.colour if filled else "white"}
-    axes.scatter(x, y, s=5.0 * np.log2(levels) - 8, marker=look.marker, linewidth=0.6, zorder=3, **style)
+    axes.scatter(x, y, s=_area(levels), marker=look.marker, linewidth=0.6, zorder=3, **style)
 
 
-NONE = "none"
-"""Stands for the measurements without a defect."""
-
-
-def draw_defects(controls: pd.DataFrame) -> Figure:
-    """A line per defect, a column per row of the ledger that has to fail under some defect; a disc where it does.
-
-    From ``defect``, ``what``, ``label``, ``quantity`` and ``caught`` in ``controls.csv``; a cross is a defect that no
-    row caught. Columns have letters, which are explained below.
-    """
-    injected = _injected(controls)
-    rows = list(dict.fromkeys(map(_row, injected)))
-    lines = len(injected), len(rows)
-    figure = Figure(figsize=(PAGE, 0.6 + 0.165 * sum(lines)))
-    axes, key = figure.subplots(2, height_ratios=lines)
-    for line, record in enumerate(injected):
-        colour, marker = (BLUE, "o") if record["caught"] == "yes" else (VERMILLION, "X")
-        axes.plot(rows.index(_row(record)), line, ls="", marker=marker, ms=5.5, color=colour, zorder=3)
-    names = [f"{mathtext(record['defect'])}: {mathtext(record['what'])}" for record in injected]
-    axes.set_yticks(range(len(injected)), names)
-    axes.set_xticks(range(len(rows)), ascii_uppercase[: len(rows)])
-    axes.xaxis.tick_top()
-    axes.tick_params(axis="both", length=0)
-    axes.set(xlim=(-0.6, len(rows) - 0.4), ylim=(len(injected) - 0.4, -0.6))
-    axes.grid(True)
-    for line, (letter, name) in enumerate(zip(ascii_uppercase, rows, strict=False)):
-        key.text(-0.45, line, rf"{letter}  {mathtext(name)}", va="center", fontsize=7.5, in_layout=False)
-    key.set(xlim=(0, 1), ylim=(len(rows), -0.5))
-    key.axis("off")
-    found = dots("this row of the ledger fails: caught", ms=5.5, color=BLUE)
-    missed = dots("no row fails: missed", marker="X", ms=5.5, color=VERMILLION)
-    legend(figure, [found, missed], columns=2, side="upper")
-    return figure
-
-
-def caption_defects(controls: pd.DataFrame) -> str:
-    """What to see."""
-    injected, baselines = _injected(controls), controls[controls["defect"] == NONE]
-    caught = sum(record["caught"] == "yes" for record in injected)
-    counts = pd.Series([_row(record) for record in injected]).value_counts()
-    return (
-        f"{len(injected)} deliberate defects (lines) against the rows of the ledger that have to fail under them "
-        f"(columns). What to see: a disc for each of the {caught} of {len(injected)} defects that make a row fail; "
-        f"without a defect {int((baselines['verdict'] == 'holds').sum())} of {len(baselines)} settings hold. The row "
-        f"“{counts.index[0]}” catches most, {counts.iloc[0]}; {int((counts == 1).sum())} of {len(counts)} rows are "
-        "there for a single defect. Other rows that fail, too, are not shown."
-    )
-
-
-def _injected(controls: pd.DataFrame) -> list[dict[str, str]]:
-    found: list[dict[str, str]] = controls[controls["defect"] != NONE].to_dict("records")
-    return found
-
-
-def _row(record: dict[str, str]) -> str:
-    """The name of the row of the ledger that has to fail."""
-    return f"{record['label']}: {record['quantity']}"
+def _area(level: Any) -> Any:
+    """Of a marker, in square points."""
+    return 5.0 * np.log2(level) - 8

@@ -12,12 +12,16 @@ from matplotlib.figure import Figure
 
 from study.ledger.datafiles import read_table
 from study.present.charts.chart import LogAxis, Style
-from study.present.charts.palette import BLACK, COLOURS, DARK
+from study.present.charts.palette import COLOURS, DARK, GREY
 from study.present.figures.draw_chart import set_ticks
 from study.present.figures.drawing import COLUMN, entry, legend
 
 COLUMNS = ("n", "dofs", "factor_seconds", "step_seconds", "level_seconds", "peak_bytes", "dim", "solver")
-PARTS = {"level_seconds": ("a level", "-"), "factor_seconds": ("factorisation", "--"), "step_seconds": ("a step", ":")}
+PARTS = {
+    "level_seconds": ("a level: all steps", "-"),
+    "factor_seconds": ("once: factorising or coarsening", "--"),
+    "step_seconds": ("one step in time", ":"),
+}
 LOOKS = [Style(colour, marker) for colour, marker in zip(COLOURS, "os^DvP", strict=True)]
 KIB = 1024
 
@@ -45,13 +49,13 @@ def draw_growth(growth: pd.DataFrame) -> Figure:
         for column, (_, line) in PARTS.items():
             above.plot(mine["dofs"], mine[column], ls=line, lw=0.9, **style)
         below.plot(mine["dofs"], mine["peak_bytes"] / mine["dofs"] / KIB, **style)
-        handles.append(entry(name, **style))
+        handles.append(entry(f"{name} ({len(mine)} meshes)", **style))
     seconds = growth[list(PARTS)].to_numpy()
     seconds = seconds[seconds > 0]
     # The line of slope 1 starts above the curves.
     ends = np.array([growth["dofs"].min(), growth["dofs"].max()], dtype=float)
     ratio = float((growth["level_seconds"] / growth["dofs"])[growth["dofs"] == ends[0]].max())
-    above.plot(ends, 1.6 * ratio * ends, color=BLACK, lw=0.6)
+    above.plot(ends, 1.6 * ratio * ends, color=GREY, lw=0.6)
     for axes in (above, below):
         axes.set(xscale="log", yscale="log")
         axes.grid(True)
@@ -62,7 +66,7 @@ def draw_growth(growth: pd.DataFrame) -> Figure:
         set_ticks(axis, LogAxis("", low, high, least=2).ticks())
     above.tick_params(labelbottom=False)
     handles += [entry(name, color=DARK, ls=line) for name, line in PARTS.values()]
-    legend(figure, [*handles, entry("slope 1", color=BLACK, lw=0.6)], columns=2)
+    legend(figure, [*handles, entry("slope 1", color=GREY, lw=0.6)], columns=2)
     return figure
 
 

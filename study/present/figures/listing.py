@@ -15,14 +15,15 @@ from study.present.charts.chart import Chart
 from study.present.charts.collapsed_chart import collapsed_chart
 from study.present.charts.convergence_chart import convergence_chart, overview_chart
 from study.present.charts.enclosure_chart import enclosure_chart, enclosure_charts
-from study.present.figures.contact_lines import caption_profiles, caption_zone, draw_profiles, draw_zone
+from study.present.figures.contact_lines import caption_zone, draw_zone
 from study.present.figures.contact_maps import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.figures.deformed_body import caption_body, draw_body
-from study.present.figures.dot_plots import caption_defects, caption_effectivity, draw_defects, draw_effectivity
+from study.present.figures.dot_plots import caption_effectivity, draw_effectivity
 from study.present.figures.draw_chart import draw_chart, draw_grid
 from study.present.figures.drawing import Drawing
 from study.present.figures.energy import caption_energy, draw_energy
 from study.present.figures.growth import caption_growth, draw_growth, read_growth
+from study.present.figures.profiles import caption_profiles, draw_profiles
 from study.present.picture.picture import Picture, read_pictures
 
 
@@ -50,8 +51,7 @@ def overview(directory: Path) -> list[Drawing]:
     """The figures over all cases; DataError as in ``drawings``.
 
     ``collapsed`` and ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones;
-    ``effectivity`` of ``bounds.csv``; ``defects`` of ``controls.csv`` and ``growth`` of ``benchmarks/growth.csv`` where
-    they are.
+    ``effectivity`` of ``bounds.csv``; ``growth`` of ``benchmarks/growth.csv`` where it is.
     """
     found, rates = [], read_rates(directory)
     orders = _expected_orders(directory, rates)
@@ -66,9 +66,6 @@ def overview(directory: Path) -> list[Drawing]:
     known = bounds[bounds["upper"].notna()]
     if len(known):
         found.append(Drawing("effectivity", partial(draw_effectivity, known), caption_effectivity(known)))
-    if (directory / "data" / "controls.csv").is_file():
-        controls = read_csv(directory, "controls.csv", ("defect", "what", "label", "quantity", "verdict", "caught"))
-        found.append(Drawing("defects", partial(draw_defects, controls), caption_defects(controls)))
     growth = read_growth(directory)
     if growth is not None:
         found.append(Drawing("growth", partial(draw_growth, growth), caption_growth(growth)))

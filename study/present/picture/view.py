@@ -1,4 +1,4 @@
-"""How a body is seen: projected onto the drawing, and how large displacements, pressures and the foundation are."""
+"""How a body is seen: projected onto the drawing, and how large displacements, pressures, gaps and stresses are."""
 
 from __future__ import annotations
 
@@ -15,9 +15,21 @@ from study.present.picture.picture import Picture
 DISPLACEMENT = 0.12
 """The largest displacement."""
 ARROW = 0.2
-"""The arrow of the largest pressure."""
+"""The arrow of the largest pressure, and the depth of the largest gap."""
 FOUNDATION = 0.05
 """The thickness of the foundation."""
+BRIGHTEST = 0.95
+"""Stresses above this quantile share the last colour: peaks at fronts and corners would leave the rest alike."""
+
+
+def end_of_colours(stresses: Array) -> float:
+    """The stress from which on all have the last colour."""
+    return float(np.quantile(stresses, BRIGHTEST)) or float(np.max(stresses)) or 1.0
+
+
+def shade(shares: Array) -> Array:
+    """Where a stress lies in its colours, from its share of their end: the root shows contact beside large loads."""
+    return np.asarray(np.sqrt(np.clip(shares, 0, 1)))
 
 
 def magnification(vertices: Array, displacements: Iterable[Array]) -> float:

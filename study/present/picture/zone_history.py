@@ -10,8 +10,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 
-from study.present.picture.faces import Array, Polygon, Segment
+from study.present.picture.faces import Array, FaceHistory, Polygon, Segment
 
 Ends = tuple[float, float]
 """Of an interval."""
@@ -37,6 +38,19 @@ def misplaced_length(face: Segment, times: Array) -> Array:
 def misplaced_nodes(face: Polygon) -> Array:
     """How many nodes are in contact outside of the exact zone or free inside, after the first time, (times − 1,)."""
     return np.asarray((face.touching != face.inside)[1:].sum(axis=1))
+
+
+def outside(face: FaceHistory, times: Array) -> NDArray[np.bool_]:
+    """When which nodes are in contact outside of the exact zone, after the first time, (times, nodes)."""
+    if isinstance(face, Segment):
+        zones = (exact_zone(face, float(time)) for time in times)
+        inside = np.array([[any(a <= s <= b for a, b in zone) for s in face.s] for zone in zones])
+    else:
+        assert isinstance(face, Polygon)
+        inside = face.inside
+    found = face.touching & ~inside
+    found[0] = False
+    return np.asarray(found)
 
 
 def exact_zone(face: Segment, time: float) -> list[Ends]:

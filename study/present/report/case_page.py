@@ -23,18 +23,19 @@ ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error"
 
 @dataclass(frozen=True)
 class Rows:
-    """A table of texts."""
+    """A table of texts; ``letters`` names those that explain its symbols."""
 
     caption: str
     columns: list[Column]
     cells: list[list[str]]
+    letters: str
 
     @classmethod
     def of(cls, table: Table, caption: str, case: str | None = None, without: Sequence[str] = ()) -> Rows:
         """The rows of a table of the study, of one case or of all, without some columns."""
         shown = table.cells if case is None else table.cells[table.cells["case"] == case]
         columns = [column for column in table.columns if column.name not in without]
-        return cls(caption, columns, shown[[column.name for column in columns]].to_numpy().tolist())
+        return cls(caption, columns, shown[[column.name for column in columns]].to_numpy().tolist(), table.name)
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,9 @@ from study.ledger.datafiles import DataError
 from study.ledger.packing import short
 from study.present.picture.faces import FaceHistory, Polygon, Segment
 from study.present.picture.picture import Picture, over_time
-from study.present.picture.view import ARROW, FOUNDATION, View, magnification
+from study.present.picture.view import ARROW, FOUNDATION, View, end_of_colours, magnification, shade
 
 SHADES = 255
-BRIGHTEST = 0.95
-"""Stresses above this quantile share the last colour: peaks at fronts and corners would leave the rest dark."""
 
 
 def read_film(directory: Path, case: str) -> dict[str, Any]:
@@ -44,14 +42,14 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
             "version wrote it, make it anew with the same `study run`"
         ) from error
     stress = von_mises.values
-    brightest = float(np.quantile(stress, BRIGHTEST)) or float(stress.max()) or 1.0
+    brightest = end_of_colours(stress)
     return {
         "times": picture.times.tolist(),
         "vertices": picture.vertices.tolist(),
         "cells": picture.cells.T.ravel().tolist(),
         "unit": displacement.unit,
         "displacement": _base64(displacement.multiples.astype("<i2")),
-        "shades": _base64(np.round(SHADES * np.sqrt(np.minimum(stress / brightest, 1))).astype(np.uint8)),
+        "shades": _base64(np.round(SHADES * shade(stress / brightest)).astype(np.uint8)),
         "brightest": brightest,
         "magnification": magnification(picture.vertices, displacement.values),
         "arrow": ARROW,

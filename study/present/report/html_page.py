@@ -9,21 +9,15 @@ from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
-from study.ledger.datafiles import by_claim, count_verdicts, read_claims, read_csv
+from study.ledger.datafiles import by_claim, count_verdicts, read_claims, read_rates
 from study.ledger.files import write_text
 from study.ledger.rounding import significant
+from study.present.charts import palette
+from study.present.charts.collapsed_chart import collapsed_chart
 from study.present.report.case_page import Rows, case_pages
-from study.present.report.svg_chart import typeset
-from study.present.tables import Table, bounds_table, ledger_table, names, numbers, words
-
-CONTROLS = [
-    *names(defect="defect"),
-    *words(what="what is wrong"),
-    *names(setting="measured on"),
-    *words(label="statement", quantity="row", expected="expected"),
-    *numbers(observed="observed"),
-    *words(verdict="verdict", caught="caught"),
-]
+from study.present.report.letters import LETTERS, MEANINGS
+from study.present.report.svg_chart import SvgChart, typeset
+from study.present.tables import bounds_table, controls_table, ledger_table, names, numbers
 
 
 @dataclass(frozen=True)
@@ -52,6 +46,7 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         undefined=StrictUndefined,
         trim_blocks=True,
     )
+    environment.globals["palette"] = palette
     environment.filters |= {"typeset": typeset, "number": significant}
     page = environment.get_template("page.html").render(content=_content(directory, provenance))
     return write_text(directory / "report.html", page + "\n")
@@ -59,10 +54,15 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
 
 def _content(directory: Path, provenance: dict[str, Any]) -> dict[str, Any]:
     """What the template sets."""
-    claims = read_claims(directory)
+    claims, controls = read_claims(directory), controls_table(directory)
     groups, cases = _groups(directory, provenance.get("statements", {})), case_pages(directory, claims)
     return {
         "counts": count_verdicts(claims),
+        "meanings": MEANINGS,
+        "letters": LETTERS,
+        # The case with most contact faces in the plane, where most can be seen.
+        "shown": max(cases, key=lambda case: (len(case.film["view"]) == 2) * len(case.film["faces"])),
+        "collapsed": _collapsed(directory),
         "rows": len(claims),
         "groups": groups,
         "labels": list(dict.fromkeys(group.label for group in groups)),
@@ -71,7 +71,7 @@ def _content(directory: Path, provenance: dict[str, Any]) -> dict[str, Any]:
         "cases": cases,
         "names": {case.name for case in cases},
         "bounds": Rows.of(bounds_table(directory), "Enclosures of errors, of cases and of problems without a solution"),
-        "controls": _controls(directory),
+        "controls": controls and Rows.of(controls, "Deliberate defects and the row of the ledger that has to fail"),
         "provenance": provenance,
         "files": _files(directory),
     }
@@ -88,13 +88,11 @@ def _groups(directory: Path, made: dict[str, dict[str, Any]]) -> list[LedgerGrou
     ]
 
 
-def _controls(directory: Path) -> Rows | None:
-    """The deliberate defects, where there are data of them."""
-    if not (directory / "data" / "controls.csv").is_file():
-        return None
-    frame = read_csv(directory, "controls.csv", [column.name for column in CONTROLS])
-    table = Table.of("controls", CONTROLS, frame, grouped=0)
-    return Rows.of(table, "Deliberate defects and the row of the ledger that has to fail")
+def _collapsed(directory: Path) -> SvgChart | None:
+    """The errors of all cases of Prop. 5.4 in one chart, where there are any."""
+    rates = read_rates(directory)
+    smooth = rates[rates["claim"] == "Prop. 5.4"]
+    return SvgChart(collapsed_chart(smooth)) if len(smooth) else None
 
 
 def _files(directory: Path) -> Rows:
@@ -106,4 +104,4 @@ def _files(directory: Path) -> Rows:
         [name, significant(len(content) / 1000), sha256(content).hexdigest()] for name, content in contents.items()
     ]
     columns = [*names(file="file"), *numbers(size="kB"), *names(sha="SHA-256")]
-    return Rows("The data files behind this page", columns, cells)
+    return Rows("The data files behind this page", columns, cells, "")

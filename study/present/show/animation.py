@@ -18,7 +18,7 @@ from study.ledger.files import write_whole
 from study.present.charts.palette import BLACK, SKY, VERMILLION
 from study.present.figures.contact_maps import draw_map, paint_values
 from study.present.figures.deformed_body import draw_keys
-from study.present.figures.deformed_mesh import PRESSURES, BodyScale, draw_deformed_mesh
+from study.present.figures.deformed_mesh import BodyScale, draw_deformed_mesh
 from study.present.figures.drawing import PAGE, dots, entry
 from study.present.picture.faces import FaceHistory, Polygon, Segment
 from study.present.picture.picture import Picture
@@ -112,7 +112,7 @@ def _panel(axes: Axes, face: FaceHistory, picture: Picture, scale: BodyScale) ->
     if isinstance(face, Segment):
         return partial(_draw_pressure, axes, face, picture)
     assert isinstance(face, Polygon)
-    paint = paint_values(face, face.pressure_exact, face.pressure, scale.pressure or 1.0, PRESSURES)
+    paint = paint_values(face, face.pressure_exact, face.pressure, scale.pressure or 1.0, "pressure")
 
     def draw(instant: int) -> None:
         draw_map(axes, face, instant, paint)

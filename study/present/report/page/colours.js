@@ -1,16 +1,14 @@
-// Colours that grow lighter or darker throughout, so that they read without colours, too.
+// The colours of quantities, from study/present/charts/palette.py.
 
-/** 256 colours between some. */
-const ramp = (...stops) => Array.from({ length: 256 }, (_, shade) => {
+const channels = (colour) => [1, 3, 5].map((i) => parseInt(colour.slice(i, i + 2), 16));
+/** 256 colours between some, which are #rrggbb. */
+const ramp = (stops) => Array.from({ length: 256 }, (_, shade) => {
   const at = (shade / 255) * (stops.length - 1);
   const i = Math.min(Math.floor(at), stops.length - 2);
-  return `rgb(${stops[i].map((c, k) => Math.round(c + (at - i) * (stops[i + 1][k] - c))).join(" ")})`;
+  const [from, to] = [stops[i], stops[i + 1]].map(channels);
+  return `rgb(${from.map((c, k) => Math.round(c + (at - i) * (to[k] - c))).join(" ")})`;
 });
-const colours = {
-  stress: ramp([0, 34, 78], [53, 69, 108], [102, 105, 112], [148, 142, 119], [200, 184, 102], [254, 232, 56]), // cividis
-  pressure: ramp([255, 247, 236], [253, 212, 158], [252, 141, 89], [215, 48, 31], [127, 0, 0]),
-  gap: ramp([250, 248, 253], [208, 209, 230], [116, 169, 207], [5, 112, 176], [2, 56, 88]),
-};
+const colours = Object.fromEntries(Object.entries({{ palette.RAMPS|tojson }}).map(([name, stops]) => [name, ramp(stops)]));
 for (const [name, shades] of Object.entries(colours)) {
   document.documentElement.style.setProperty(`--${name}`, shades.filter((_, i) => i % 51 === 0).join(","));
 }

@@ -79,7 +79,10 @@ function drawEdges({ pen, line }, points, edges, colour) {
 }
 
 function drawPlane(brush, film, n) {
-  for (const face of film.faces) drawGround(brush, face, film);
+  for (const face of film.faces) {
+    drawGround(brush, face, film);
+    drawGap(brush, face, film, n);
+  }
   for (let c = 0, cells = film.cells.length / 3; c < cells; c++) drawCell(brush, film, c, colours.stress[film.shades[n * cells + c]]);
   drawEdges(brush, brush.rest, film.outline, "--soft");
   for (const face of film.faces) {
@@ -100,6 +103,20 @@ function drawGround({ pen, at, line }, face, film) {
   line(at(...ends[0]), at(...ends[1]), deep[1], deep[0]);
   pen.fillStyle = theme("--ground");
   pen.fill();
+}
+
+/** The computed gap, hanging below the foundation's surface to a scale of its own: the largest is as long as an arrow. */
+function drawGap({ pen, at, line }, face, film, n) {
+  if (film.widest < 1e-9) return;
+  const below = (depth) => face.s.map((_, i) => at(...face.x.map((x, k) => x[i] + depth(i) * face.normal[k])));
+  line(...below(() => 0), ...below((i) => (film.arrow * film.size * Math.max(face.gap[n][i], 0)) / film.widest).reverse());
+  pen.closePath();
+  pen.fillStyle = pen.strokeStyle = theme("--blue");
+  pen.lineWidth = 0.8;
+  pen.stroke();
+  pen.globalAlpha = 0.3;
+  pen.fill();
+  pen.globalAlpha = 1;
 }
 
 /** The exact zone under the foundation's surface. */

@@ -4,7 +4,9 @@ const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
 /** The data of a case, with what is drawn at every time: the outline of the mesh, the room that is needed. */
 function read(section) {
-  const film = JSON.parse(section.querySelector("script").textContent);
+  // The overview shows a case whose data stand in its own section.
+  const held = section.dataset.from ? document.querySelector(`.film[data-case="${CSS.escape(section.dataset.from)}"]`) : section;
+  const film = JSON.parse(held.querySelector("script").textContent);
   film.displacement = new Int16Array(bytes(film.displacement).buffer);
   film.shades = bytes(film.shades);
   film.size = Math.max(...film.vertices.map((values) => Math.max(...values) - Math.min(...values)));
@@ -12,6 +14,7 @@ function read(section) {
   film.outline = outlineOf(film);
   film.room = roomOf(film);
   film.highest = largest(...film.faces.map((face) => face.pressure));
+  film.widest = largest(...film.faces.map((face) => face.gap));
   for (const face of film.faces.filter(({ zone }) => zone)) {
     // Vertices on the clamped part are no contact vertices: the zone may reach farther than they do.
     const ends = face.zone.intervals.flat(2).concat(face.s);
