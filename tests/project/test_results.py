@@ -126,7 +126,7 @@ def test_no_verdict_on_prop_5_4_rests_on_the_interpolant_of_the_start() -> None:
 
 
 def test_the_tables_of_the_committed_run_and_the_figures_over_all_cases_are_there() -> None:
-    for name in ("rates", "ledger", "equivalence", "stresses", "bounds"):
+    for name in ("rates", "ledger", "equivalence", "stresses", "bounds", "controls"):
         assert (RESULTS / "tables" / f"{name}.md").is_file()
-    for name in ("convergence", "defects", "effectivity", "growth"):
+    for name in ("collapsed", "convergence", "effectivity", "growth", "problem"):
         assert {".pdf", ".png", ".svg", ".txt"} == {path.suffix for path in (RESULTS / "figures").glob(f"{name}.*")}

@@ -24,6 +24,7 @@ from study.present.figures.drawing import Drawing
 from study.present.figures.energy import caption_energy, draw_energy
 from study.present.figures.growth import caption_growth, draw_growth, read_growth
 from study.present.figures.profiles import caption_profiles, draw_profiles
+from study.present.figures.sketch import CAPTION, draw_sketch
 from study.present.picture.picture import Picture, read_pictures
 
 
@@ -50,10 +51,10 @@ def drawings(directory: Path) -> list[Drawing]:
 def overview(directory: Path) -> list[Drawing]:
     """The figures over all cases; DataError as in ``drawings``.
 
-    ``collapsed`` and ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones;
+    ``problem``; ``collapsed`` and ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones;
     ``effectivity`` of ``bounds.csv``; ``growth`` of ``benchmarks/growth.csv`` where it is.
     """
-    found, rates = [], read_rates(directory)
+    found, rates = [Drawing("problem", draw_sketch, CAPTION)], read_rates(directory)
     orders = _expected_orders(directory, rates)
     for suffix, of_scheme in _schemes(rates):
         for claim, mine in of_scheme.groupby("claim", sort=False):
