@@ -51,8 +51,8 @@ def drawings(directory: Path) -> list[Drawing]:
 def overview(directory: Path) -> list[Drawing]:
     """The figures over all cases; DataError as in ``drawings``.
 
-    ``problem``; ``collapsed`` and ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the rough ones;
-    ``effectivity`` of ``bounds.csv``; ``growth`` of ``benchmarks/growth.csv`` where it is.
+    ``problem``, a sketch; ``collapsed`` and ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the
+    rough ones; ``effectivity`` of ``bounds.csv``; ``growth`` of ``benchmarks/growth.csv`` where it is.
     """
     found, rates = [Drawing("problem", draw_sketch, CAPTION)], read_rates(directory)
     orders = _expected_orders(directory, rates)

@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from study.present.charts.palette import BLACK, BLUE, DARK, GREEN, RAMPS, VERMILLION
 from study.present.figures.deformed_mesh import GAP
 from study.present.figures.drawing import COLUMN
+from study.present.picture.faces import Array
 
 WIDE, HIGH, FRONT = 1.5, 0.62, 0.75
 """Of the body; how far contact reaches along its lower side."""
@@ -36,11 +37,12 @@ def draw_sketch() -> Figure:
     return figure
 
 
-def _draw_body(axes: Axes, s: np.ndarray, gap: np.ndarray) -> None:
+def _draw_body(axes: Axes, s: Array, gap: Array) -> None:
     lower = np.column_stack([s, gap])
     outline = np.vstack([lower, [[WIDE, HIGH], [0, HIGH]]])
     axes.add_patch(patches.Polygon(outline, facecolor=RAMPS["stress"][0], edgecolor=BLACK, linewidth=0.8))
-    axes.add_patch(patches.Rectangle((0, HIGH), WIDE, 0.05, facecolor="none", edgecolor=DARK, linewidth=0, hatch="/////"))
+    clamp: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK, "linewidth": 0, "hatch": "/////"}
+    axes.add_patch(patches.Rectangle((0, HIGH), WIDE, 0.05, **clamp))
     axes.plot([0, WIDE], [HIGH, HIGH], color=DARK, lw=1.6)
     axes.plot(*lower.T, color=BLUE, lw=1.6)
     _write(axes, WIDE / 2, HIGH + 0.1, r"$\Gamma_1$: clamped, $u=0$")
@@ -49,7 +51,7 @@ def _draw_body(axes: Axes, s: np.ndarray, gap: np.ndarray) -> None:
     _write(axes, 0.34, 0.075, r"$\Gamma_3$", color=BLUE)
 
 
-def _draw_foundation(axes: Axes, s: np.ndarray, gap: np.ndarray) -> None:
+def _draw_foundation(axes: Axes, s: Array, gap: Array) -> None:
     axes.add_patch(patches.Rectangle((-0.12, -0.09), WIDE + 0.24, 0.09, facecolor="0.82", edgecolor="none", zorder=0.5))
     axes.plot([-0.12, WIDE + 0.12], [0, 0], color="0.25", lw=0.6, zorder=0.6)
     axes.fill_between(s, 0 * s, gap, **GAP)
