@@ -15,8 +15,9 @@ import pandas as pd
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.tensors import Array
-from study.bound.discretisation import BoundError, Discretisation, refuse_solids
+from study.bound.discretisation import Discretisation, refuse_solids
 from study.bound.enclosing import Enclosure, enclose, known_error, order
+from study.bound.moduli import BoundError
 from study.bound.trajectory import DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole

@@ -16,8 +16,8 @@ from skfem import Mesh
 from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.law import KelvinVoigt, Linear
 from manufactured.tensors import Array, Tensors
+from study.bound.moduli import BoundError, Moduli, moduli
 from study.bound.sampling import Sampling
 from study.fem.quadratic import Quadratic
 from study.stresses.bernstein import interval_mass
@@ -36,10 +36,6 @@ ON_VERTEX = 1e-9
 """Distance, relative to the cell, up to which a line on which the material changes counts as meeting a vertex."""
 
 
-class BoundError(ValueError):
-    """No bound can be given for the data."""
-
-
 @dataclass(frozen=True, eq=False)
 class Discretisation:
     """Spaces and matrices on one mesh.
@@ -54,12 +50,12 @@ class Discretisation:
     def __post_init__(self) -> None:
         refuse_solids(self.data)
         refuse_jumps_in_cells(self.data, self.mesh)
-        self.monotonicity  # noqa: B018
+        self.moduli  # noqa: B018
 
     @cached_property
-    def monotonicity(self) -> float:
-        """The constant m, on which the growth of the bound in time rests."""
-        return monotonicity(self.data.law)
+    def moduli(self) -> Moduli:
+        """Those of G against A, on which the growth of the bound in time rests."""
+        return moduli(self.data.law)
 
     @cached_property
     def displacements(self) -> Quadratic:
@@ -76,8 +72,8 @@ class Discretisation:
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
-        """Minimises ½ (A⁻¹τ, τ)_Q + … over Σ^h."""
-        compliance = np.linalg.inv(self.data.law.A.matrix)
+        """Minimises over Σ^h what a step adds to the bound, in the norm of ``Moduli.compliance``."""
+        compliance = self.moduli.compliance(self.data.body.T)
         return Equilibrium(self.stresses, self.inverse_viscosity[..., None, None] * compliance)
 
     @cached_property
@@ -175,23 +171,3 @@ def check_force(case: Case | None) -> None:
             f"case {case.name}: {case.regularity} has f_0 ∉ L²(Ω)², and the bound needs stresses with Div σ = −P f_0; "
             "take a case with f_0 in L²"
         )
-
-
-def monotonicity(law: KelvinVoigt) -> float:
-    """m with (G ε₁ − G ε₂)·(ε₁ − ε₂) ≥ m A(ε₁ − ε₂)·(ε₁ − ε₂).
-
-    For a linear G the least eigenvalue of A⁻¹G; else from G's own constant and the bounds of A.
-
-    Raises:
-        BoundError: that constant is not finite.
-    """
-    A, G = law.A, law.G
-    if not np.isfinite(G.monotonicity):
-        raise BoundError(
-            f"{law.name}: G has the monotonicity constant {G.monotonicity}; the bound needs a finite "
-            "one, −L_G if nothing better is known"
-        )
-    if isinstance(G, Linear):
-        least = float(np.linalg.eigvals(np.linalg.solve(A.matrix, G.matrix)).real.min())
-        return least if G.factor is A.factor else least * G.factor.low / A.factor.high
-    return G.monotonicity / (A.lipschitz if G.monotonicity >= 0 else A.ellipticity)

@@ -39,7 +39,9 @@ class Equilibration:
         self.discretisation = discretisation
         data, stresses = discretisation.data, discretisation.stresses
         self._A, self._G = (law.at(stresses.points) for law in (data.law.A, data.law.G))
-        self._compliance = np.linalg.inv(data.law.A.matrix)
+        self._compliance = discretisation.moduli.compliance(data.body.T)
+        directions = discretisation.moduli.directions
+        self._parts = np.einsum("Ii,Ji->iIJ", directions, directions)
         self._weights = stresses.weights * discretisation.inverse_viscosity
 
     def elastic(self, u: Array) -> Tensors:
@@ -47,13 +49,16 @@ class Equilibration:
         return self._G(self.discretisation.strain(u))
 
     def products(self, stress: Tensors, other: Tensors) -> Array:
-        """∫_T A⁻¹σ·τ on the cells, (cells,)."""
-        return np.einsum("IJ,Jcq,Icq,cq->c", self._compliance, stress, other, self._weights, optimize=True)
+        """∫_T (v_i·σ)(v_i·τ) on the cells for the directions of ``study.bound.moduli``, (directions, cells).
+
+        Their sum is ∫_T A⁻¹σ·τ.
+        """
+        return np.einsum("iIJ,Jcq,Icq,cq->ic", self._parts, stress, other, self._weights, optimize=True)
 
     def residual(self, loads: Loads, target: Tensors, u: Array) -> LawResidual:
-        """ρ for the σ̃ with the least ‖σ̃ − target‖²_{A⁻¹} + 2 ∫_{Γ3} σ̃_ν u_ν among those that balance the loads.
+        """ρ for the σ̃ with the least ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν among those that balance the loads.
 
-        The target Aε(ũ̇) + Gε(ũ) is (3, cells, Q), u = ũ ∈ K is (dofs,).
+        The norm is that of ``Moduli.compliance``; the target Aε(ũ̇) + Gε(ũ) is (3, cells, Q), u = ũ ∈ K is (dofs,).
         """
         discretisation = self.discretisation
         strain = -discretisation.inverse_viscosity * np.tensordot(self._compliance, target, axes=1)

@@ -5,16 +5,12 @@ Let ũ(t) ∈ K, e = u − ũ, and σ̃(t) balance f̃(t) with σ̃_τ = 0, σ̃
 
     (σ̃, ε(e))_Q = (f̃, e)_V + ∫_{Γ3} σ̃_ν e_ν ≥ (f̃, e)_V − c,     c = ∫_{Γ3} σ̃_ν ũ_ν ≥ 0.
 
-Subtracting, with r = ‖ρ‖_{A⁻¹}, the norm η of f − f̃ in the dual of V and m of ``study.bound.discretisation``,
+Subtracting, with r = ‖ρ‖_{A⁻¹}, the norm η of f − f̃ in the dual of V and m the least modulus of ``study.bound.moduli``,
 
     ½ d/dt ‖e‖_V² + m ‖e‖_V² ≤ (r + η) ‖e‖_V + c.
 
-From knot to knot of the spline ũ (``study.bound.trajectory``) this gives, for m ≥ 0,
-
-    ‖e(b)‖_V ≤ (e^{−2m(b−a)} ‖e(a)‖_V² + 2 ∫_a^b c)^{1/2} + ∫_a^b e^{−m(b−t)} (r + η),
-
-where ∫ e^{−m(b−t)} r ≤ ((1 − e^{−2m(b−a)})/2m)^{1/2} (∫ r²)^{1/2} serves stiff G, and for m < 0 the right side of m = 0
-times e^{|m|(b−a)}: d/dt of its square is at least what is needed. (Proof: ``paper/bound.tex``.)
+From knot to knot of the spline ũ (``study.bound.trajectory``) this bounds ‖e‖_V at the end of a piece by that at its
+start (``study.bound.growth``; proof in ``paper/bound.tex``).
 
 **Between the knots** everything is a parabola in t in Bernstein form. σ̃ is one with σ̃_ν ≤ 0 in all three
 coefficients; it balances the parabola through P f at both ends and in the middle. For linear G so is ρ, and ∫ r ≤ (k ∫
@@ -36,16 +32,16 @@ from itertools import product
 import numpy as np
 
 from manufactured.law import Linear, Yield
-from manufactured.tensors import Array, Tensors
-from study.bound.discretisation import BoundError, Discretisation
+from manufactured.tensors import Tensors
+from study.bound.discretisation import Discretisation
 from study.bound.equilibration import Equilibration, Knot, LawResidual
+from study.bound.growth import Added, grown, mean_square
+from study.bound.moduli import BoundError
 from study.bound.trajectory import Parabola
 from study.stresses.loads import Loads
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """∫_0^1 B_i B_j for the Bernstein polynomials of degree 2."""
-LAGRANGE = np.array([[16.0, 15.0, 4.0], [15.0, 64.0, 15.0], [4.0, 15.0, 16.0]]) / 120
-"""∫_0^1 |L_i L_j| for Lagrange's polynomials of the nodes 0, 1/2 and 1."""
 PAIRS = tuple(product(range(3), repeat=2))
 ROUNDING = 1e-6
 """Jump of ũ̇ at a knot, relative to ũ̇, that counts as none."""
@@ -113,17 +109,15 @@ class Majorant:
         every = (left.residual, control, right.residual)
         squares = sum(QUADRATIC[i, j] * equilibration.products(every[i].values, every[j].values) for i, j in PAIRS)
         missed = discretisation.sampling.missed(discretisation.oscillation, piece.a, piece.b)
-        oscillation = _mean_square(
+        oscillation = mean_square(
             *(discretisation.oscillation(at.left_out) + missed.cells for at in (left.snapshot, middle, right.snapshot))
         )
-        bending = k * self._bending(piece, left.snapshot.loads, loads, right.snapshot.loads)
-        unseen = k * missed.everywhere
-        together = float(np.linalg.norm(np.sqrt(squares) + np.sqrt(oscillation)))
-        added = damping(discretisation.monotonicity, k) * np.sqrt(k) * together + k * curvature + bending + unseen
+        bending, unseen = self._bending(piece, left.snapshot.loads, loads, right.snapshot.loads), missed.everywhere
         contact = k * self._contact(piece, every)
-        at_b, inside = grown(y, discretisation.monotonicity, k, contact, added)
-        residual, left_out = k * (float(np.sqrt(squares.sum())) + curvature), k * float(np.sqrt(oscillation.sum()))
-        return Interval(piece.a, piece.b, y, at_b, inside, residual, contact, left_out, bending, unseen)
+        added = Added(k, squares, oscillation, contact, k * (curvature + bending + unseen))
+        at_b, inside = grown(y, discretisation.moduli.values, added)
+        residual, left_out = float(np.sqrt(squares.sum())) + curvature, float(np.sqrt(oscillation.sum()))
+        return Interval(piece.a, piece.b, y, at_b, inside, k * residual, contact, k * left_out, k * bending, k * unseen)
 
     def _contact(self, piece: Parabola, residuals: tuple[LawResidual, ...]) -> float:
         """The mean of c."""
@@ -154,28 +148,3 @@ class Majorant:
             change[np.all([abs(g).max(axis=0) == 0 for g in held], axis=0)] = 0.0
         weights, A = discretisation.stresses.weights, discretisation.data.law.A
         return (left.elastic + right.elastic) / 2, float(np.sqrt(np.vdot(weights, change**2) / A.ellipticity))
-
-
-def _mean_square(*norms: Array) -> Array:
-    """A bound of the mean of ‖f‖² for a parabola f in time, from ‖f‖ at both ends and in the middle.
-
-    ‖f‖ ≤ Σ |L_i| ‖f_i‖ with Lagrange's polynomials.
-    """
-    return np.sum([LAGRANGE[i, j] * norms[i] * norms[j] for i, j in PAIRS], axis=0)
-
-
-def damping(m: float, k: float) -> float:
-    """(∫_a^b e^{−2m(b−t)} dt)^{1/2} for m ≥ 0, and √k for m < 0, where the growth is counted apart."""
-    return float(np.sqrt(-np.expm1(-2 * m * k) / (2 * m))) if m > 0 else float(np.sqrt(k))
-
-
-def grown(y: float, m: float, k: float, contact: float, added: float) -> tuple[float, float]:
-    """Bounds of ‖e‖_V at the end of an interval of length k and at any time of it.
-
-    They follow from the bound y at its start, ``contact`` = ∫ c and ``added`` ≥ ∫ e^{−max(m, 0)(b−t)} (r + η).
-    """
-    growth, decay = np.exp(max(-m, 0.0) * k), np.exp(-max(m, 0.0) * k)
-    return (
-        float(growth * (np.sqrt((decay * y) ** 2 + 2 * contact) + added)),
-        float(growth * (np.sqrt(y**2 + 2 * contact) + added)),
-    )

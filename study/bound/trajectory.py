@@ -21,7 +21,8 @@ import numpy as np
 import scipy.sparse as sps
 
 from manufactured.tensors import Array
-from study.bound.discretisation import BoundError, Discretisation
+from study.bound.discretisation import Discretisation
+from study.bound.moduli import BoundError
 from study.fem.mesh import with_midpoints
 from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete, remainder

@@ -14,7 +14,8 @@ from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.data import Data
 from manufactured.problems import problems
 from manufactured.tensors import Array, Points, Tensors, mandel
-from study.bound.discretisation import BoundError, Discretisation
+from study.bound.discretisation import Discretisation
+from study.bound.moduli import BoundError
 from study.bound.trajectory import prolongation
 from study.fem.material import form
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured, boundary_parts

@@ -31,7 +31,8 @@ from manufactured.data import Data, LoadError
 from manufactured.problems import problems
 from manufactured.tensors import mandel
 from study.bound.bounded import check_bound
-from study.bound.discretisation import BoundError, Discretisation, check_force
+from study.bound.discretisation import Discretisation, check_force
+from study.bound.moduli import BoundError
 from study.bound.trajectory import Refined
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve_data

@@ -1,0 +1,125 @@
+"""One step of the bound: never below the worst error that its inequality admits, and close to it for short steps."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import solve_ivp
+
+from manufactured import FrobeniusBall, KelvinVoigt, Linear, Yield, catalogue, isotropic
+from manufactured.tensors import Array
+from study.bound.growth import Added, damping, grown, mean_square
+from study.bound.moduli import moduli
+
+seeds = st.integers(0, 10**6)
+
+
+def random_step(seed: int, least: float = 1e-3) -> tuple[Array, Array, Array, Added]:
+    """Moduli over six decades, an error, a residual that is constant in a step, and what the step adds."""
+    rng = np.random.default_rng(seed)
+    g, r, e = 10 ** rng.uniform(np.log10(least), 3, 3), rng.normal(size=3), rng.normal(size=3)
+    e *= 10 ** rng.uniform(-2, 1)
+    k, contact = 10 ** rng.uniform(-3, 0), float(rng.choice([0.0, 10 ** rng.uniform(-3, 0)]))
+    return g, r, e, Added(k, r[:, None] ** 2, np.zeros(1), contact, 0.0)
+
+
+def worst(g: Array, r: Array, e: Array, added: Added) -> Array:
+    """|e| over a step of e' = r − g e + (∫c/k) e/|e|², for which the inequality of the bound is an equality."""
+
+    def rate(_: float, x: Array) -> Array:
+        return r - g * x + added.contact / added.k * x / max(float(x @ x), 1e-30)
+
+    solved = solve_ivp(rate, (0, added.k), e, method="LSODA", rtol=1e-9, atol=1e-12)
+    return np.linalg.norm(solved.y, axis=0)
+
+
+@given(seeds)
+def test_a_step_bounds_the_error_at_its_end_and_within(seed: int) -> None:
+    g, r, e, added = random_step(seed)
+    sizes = worst(g, r, e, added)
+    at_b, inside = grown(float(np.linalg.norm(e)), g, added)
+    assert sizes[-1] <= at_b * (1 + 1e-6)
+    assert sizes.max() <= inside * (1 + 1e-6)
+    assert at_b <= inside * (1 + 1e-12)
+
+
+@pytest.mark.parametrize("seed", range(10))
+def test_moduli_twice_as_large_would_be_caught(seed: int) -> None:
+    _, r, e, added = random_step(seed)
+    g, step = np.full(3, 1 / added.k), replace(added, residual=1e-8 * added.residual, contact=0.0)
+    least = worst(g, 1e-4 * r, e, step)[-1]
+    assert least <= grown(float(np.linalg.norm(e)), g, step)[0]
+    assert least > 2 * grown(float(np.linalg.norm(e)), 2 * g, step)[0]
+
+
+@given(seeds)
+def test_short_steps_are_bounded_closely(seed: int) -> None:
+    """Where the residual points along the error and nothing is stiff: |e| + k |r|, but for k²."""
+    g, r, _, added = random_step(seed, 0.1)
+    g, k = np.minimum(g, 1.0), 1e-3
+    e = 3 * r / np.linalg.norm(r)
+    step = replace(added, k=k, contact=1e-6)
+    assert grown(3.0, g, step)[0] == pytest.approx(worst(g, r, e, step)[-1], rel=3e-3)
+
+
+def test_a_residual_in_a_stiff_direction_adds_a_square_and_elsewhere_itself() -> None:
+    k, g = 0.01, np.array([1.0, 1.0, 1e6])
+    stiff, soft = (Added(k, np.array(part)[:, None], np.zeros(1), 0.0, 0.0) for part in ([0, 0, 1.0], [1.0, 0, 0]))
+    assert grown(1.0, g, stiff)[0] < 1.0 + 1e-6
+    assert grown(1.0, g, soft)[0] > np.exp(-k) + 0.99 * k
+
+
+def test_negative_moduli_let_the_error_grow() -> None:
+    still = Added(0.5, np.zeros((3, 1)), np.zeros(1), 0.0, 0.0)
+    assert grown(1.0, np.array([-2.0, 1.0, 1.0]), still) == pytest.approx((np.exp(1.0), np.exp(1.0)))
+    assert damping(-2.0, 0.25) == 0.5
+    assert damping(1e-9, 0.25) == pytest.approx(0.5)
+
+
+def test_what_is_no_part_of_a_cell_is_added_as_it_is() -> None:
+    _, _, _, added = random_step(3)
+    g = np.array([0.1, 2.0, 30.0])
+    plain, more = grown(1.0, g, added), grown(1.0, g, replace(added, rest=0.25))
+    assert np.subtract(more, plain) == pytest.approx(0.25)
+
+
+@given(seeds)
+def test_the_mean_square_of_a_parabola_is_bounded_by_three_norms(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    a, m, b = rng.normal(size=(3, 4))
+    x, w = np.polynomial.legendre.leggauss(5)
+    x = (x + 1) / 2
+    values = np.outer((1 - x) * (1 - 2 * x), a) + np.outer(4 * x * (1 - x), m) + np.outer(x * (2 * x - 1), b)
+    exact = float(w / 2 @ np.sum(values**2, axis=1))
+    norms = (np.array([np.linalg.norm(v)]) for v in (a, m, b))
+    assert exact <= mean_square(*norms)[0] * (1 + 1e-12)
+    assert mean_square(*(np.ones(1) for _ in range(3)))[0] == pytest.approx(41 / 30)
+
+
+LAWS = [
+    KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "isotropic"),
+    KelvinVoigt(isotropic(1, 1e4), Linear(np.diag([1.0, 2.0, 3.0])), "anisotropic"),
+    KelvinVoigt(isotropic(1, 0.5), Yield(2.0, FrobeniusBall(0.1)), "(3.3)"),
+    next(case for case in catalogue() if case.name == "anisotropic").solution.law,
+]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+def test_moduli_bound_the_work_of_differences_from_below(law: KelvinVoigt) -> None:
+    found, rng = moduli(law), np.random.default_rng(0)
+    one, other = rng.normal(size=(2, 3, 200))
+    parts = found.directions.T @ law.A.matrix @ (one - other)
+    work = np.einsum("In,In->n", law.G(one) - law.G(other), one - other)
+    assert (work >= found.values @ parts**2 - 1e-9 * abs(work)).all()
+    assert np.einsum("in->n", parts**2) == pytest.approx(np.einsum("In,In->n", law.A(one - other), one - other))
+    if isinstance(law.G, Linear):
+        assert work == pytest.approx(found.values @ parts**2)
+
+
+def test_the_norm_of_residuals_is_that_of_viscosity_where_nothing_is_stiff() -> None:
+    law = KelvinVoigt(isotropic(1, 0.5), isotropic(1e-9, 1e-9), "soft")
+    assert moduli(law).compliance(3.0) == pytest.approx(3 * np.linalg.inv(law.A.matrix))
