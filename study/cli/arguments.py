@@ -35,7 +35,7 @@ def parser() -> argparse.ArgumentParser:
 
     _json(add("cases", "cases", "list the exact solutions"))
     _run(add("run", "run", "measure, judge, write tables and figures; resumes where it was stopped"))
-    check = add("check", "run", "judge the data on disk; nothing is solved")
+    check = add("check", "check", "compare data, verdicts and tables on disk with what they must be; nothing is solved")
     check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
     _out(check)
     _compare(add("compare", "compare", "which numbers and verdicts of two result directories differ, and by how much"))

@@ -13,7 +13,7 @@ from study.ledger.verdict import HOLDS, REPORTED, Verdict
 from study.present.figures import Drawing, draw_figures
 from study.run.collect import collect
 from study.run.execute import Pool, execute
-from study.run.judgement import check
+from study.run.judgement import judge
 from study.run.plan import Plan
 from study.run.processes import Processes
 from study.run.provenance import protect
@@ -42,7 +42,7 @@ def measure(plan: Plan, store: Store, pool: Pool) -> list[Verdict]:
         bar.set_description(f"{len(plan.jobs)} jobs")
         execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
         collect(plan, store)
-    return check(store.directory)
+    return judge(store.directory)
 
 
 def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:

@@ -20,7 +20,7 @@ def do_compare(options: argparse.Namespace) -> int:
     with Store(options.old).steady(), Store(options.new).steady():
         found = compare(options.old, options.new, Tolerance(options.tolerance, options.absolute))
     if options.json:
-        print(json.dumps(as_json(found), indent=2, ensure_ascii=False, allow_nan=False))
+        print(json.dumps(as_json(found), indent=2, allow_nan=False))
     else:
         print(as_text(found))
     return FAILED if found.differs else OK

@@ -8,16 +8,18 @@ from study.cli.common import OK, check_jobs, draw
 from study.present.figures import drawings
 from study.present.report import write_report
 from study.present.tables import write_tables
+from study.run.judgement import claims_file, judge
 from study.run.processes import Processes
 from study.run.provenance import read_provenance
 from study.run.store import Store
 
 
 def do_tables(options: argparse.Namespace) -> int:
-    """``study tables``."""
+    """``study tables``: the verdicts and what shows them."""
     read_provenance(options.out)
     with Store(options.out).steady():
-        for path in write_tables(options.out):
+        judge(options.out)
+        for path in (claims_file(options.out), *write_tables(options.out)):
             print(path)
     return OK
 

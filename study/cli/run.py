@@ -1,4 +1,4 @@
-"""``study run``: refuse bad input, compute, write data, judge, present; ``study check``: judge the data on disk."""
+"""``study run``: refuse bad input, compute, write data, judge, present."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from pathlib import Path
 from study.cli.common import check_jobs, draw, exit_code, measure
 from study.cli.typed import run_line
 from study.fem.naming import absolute, choose
+from study.ledger.datafiles import read_claims
 from study.present.figures import drawings, overview
-from study.present.outcome import ledger_text, rates_text, write_junit
+from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
 from study.run.cluster import connected
 from study.run.execute import Pool, refuse_too_large, unfinished
-from study.run.judgement import check as judge
 from study.run.plan import Plan, full, quick
 from study.run.processes import Processes
 from study.run.store import Store
@@ -51,7 +51,7 @@ def do_run(options: argparse.Namespace) -> int:
     print(f"\ndata: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
     print("written: " + ", ".join(sorted({f"{path.parent}/*{path.suffix}" for path in written})))
     print(f"\n{rates_text(store.directory)}")
-    print(ledger_text(store.directory))
+    print(ledger_text(read_claims(store.directory)))
     if any(TRY in verdict.expected for verdict in verdicts):
         print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
     return exit_code(verdicts)
@@ -99,13 +99,3 @@ def chosen(options: argparse.Namespace) -> Scope:
 
 def _pool(cluster: str | None, plan: Plan, processes: Processes) -> AbstractContextManager[Pool]:
     return connected(cluster, plan.scope.cases) if cluster else nullcontext(Pool.of(processes))
-
-
-def do_check(options: argparse.Namespace) -> int:
-    """``study check``."""
-    with Store(options.out).steady():
-        verdicts = judge(options.out)
-    if options.junit:
-        write_junit(options.junit, verdicts)
-    print(ledger_text(options.out))
-    return exit_code(verdicts)

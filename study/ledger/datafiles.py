@@ -71,9 +71,42 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
     return frame.fillna(dict.fromkeys([name for name in frame if name in TEXT], ""))
 
 
+def line(row: int) -> int:
+    """The line of a data file in which a row stands, counted from 0 below the header."""
+    return row + 2
+
+
+def refuse_words(path: Path, table: pd.DataFrame, columns: Collection[str], mend: str, empty: bool = False) -> None:
+    """DataError, which names line and column, where a column of numbers has none; ``empty`` cells may be allowed."""
+    for column in columns:
+        wrong = pd.to_numeric(table[column], errors="coerce").isna().to_numpy()
+        if empty:
+            wrong = wrong & table[column].notna().to_numpy()
+        if wrong.any():
+            row = int(wrong.argmax())
+            stands = pd.read_csv(path, dtype=str, keep_default_na=False)[column].iloc[row]
+            raise DataError(f"{path}, line {line(row)}, column {column}: stands {stands!r}, expected a number; {mend}")
+
+
+def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: str) -> None:
+    """DataError, which names both lines, where two rows have the same key."""
+    if (again := table.duplicated([*key]).to_numpy()).any():
+        row = int(again.argmax())
+        first = int((table[[*key]] == table[[*key]].iloc[row]).all(axis=1).to_numpy().argmax())
+        names = ", ".join(f"{name} {table[name].iloc[row]}" for name in key)
+        raise DataError(
+            f"{path}, line {line(row)}: the row {names} stands in line {line(first)} already, expected once; {mend}"
+        )
+
+
 def write_csv(path: Path, table: pd.DataFrame) -> None:
     """Write a data file whole or not at all: 12 digits, Unix line ends."""
-    write_text(path, table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
+    write_text(path, table_text(table))
+
+
+def table_text(table: pd.DataFrame) -> str:
+    """The text of a data file."""
+    return str(table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
 
 
 Row = Mapping[str, Any]
@@ -136,6 +169,8 @@ class JsonFiles:
 def read_rates(directory: Path) -> pd.DataFrame:
     """``rates.csv`` with the levels of every series in order and a column ``discrete_order``."""
     rates = read_csv(directory, "rates.csv", RATES)
+    again = f"make it again with `study run --out {directory}`"
+    refuse_repeated(directory / "data" / "rates.csv", rates, [*SERIES, "level"], again)
     series = [frame.sort_values("level") for _, frame in rates.groupby(SERIES, sort=False)]
     rates = pd.concat(series, ignore_index=True) if series else rates
     return rates.assign(discrete_order=in_series(rates, "discrete_error"))

@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 import pandas as pd
 from tabulate import tabulate
 
-from study.ledger.datafiles import SERIES, by_claim, count_verdicts, read_claims, read_rates
+from study.ledger.datafiles import SERIES, by_claim, count_verdicts, read_rates
 from study.ledger.files import write_text
 from study.ledger.rounding import cell, significant
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, VERDICTS, Verdict
@@ -36,12 +36,11 @@ def rates_text(directory: Path) -> str:
     return "\n".join(lines)
 
 
-def ledger_text(directory: Path) -> str:
-    """A row per statement from ``claims.csv``, at most 110 columns wide, then every row that does not hold.
+def ledger_text(claims: pd.DataFrame) -> str:
+    """A row per statement of the ledger, at most 110 columns wide, then every row that does not hold.
 
     In how many cases a statement was looked at, and how many rows it has by verdict.
     """
-    claims = read_claims(directory)
     rows = [
         [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
         for label, claim, judged in by_claim(claims)

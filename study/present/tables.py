@@ -16,7 +16,7 @@ import pandas as pd
 from study.ledger.datafiles import read_claims, read_csv, read_rates, with_order
 from study.ledger.files import write_text
 from study.ledger.rounding import cell
-from study.present.article.fragments import write_article
+from study.present.article.fragments import article
 from study.present.latex import encode, folding, longtable, prose
 
 ORDER = "{:.3f}"
@@ -28,9 +28,15 @@ def write_tables(directory: Path) -> list[Path]:
     Raises:
         DataError: a data file is missing or lacks a column; nothing is written then.
     """
+    return [write_text(path, text) for path, text in texts(directory).items()]
+
+
+def texts(directory: Path) -> dict[Path, str]:
+    """What ``write_tables`` writes: path ↦ text; DataError as there."""
     makers = rates_table, ledger_table, equivalence_table, stress_table, bounds_table
-    tables = [*(make(directory) for make in makers), *filter(None, [controls_table(directory)])]
-    return [path for table in tables for path in table.write(directory / "tables")] + write_article(directory)
+    made = [*(make(directory) for make in makers), *filter(None, [controls_table(directory)])]
+    tables = [table.texts(directory / "tables") for table in made]
+    return {path: text for table in tables for path, text in table.items()} | article(directory)
 
 
 @dataclass(frozen=True)
@@ -85,10 +91,10 @@ class Table:
         text = {column.name: [column.text(value) for value in frame[column.name]] for column in columns}
         return cls(name, columns, pd.DataFrame(text, dtype=str), grouped)
 
-    def write(self, directory: Path) -> list[Path]:
+    def texts(self, directory: Path) -> dict[Path, str]:
         """The three files."""
         forms = {"csv": self.cells.to_csv(index=False, lineterminator="\n"), "md": self.markdown(), "tex": self.latex()}
-        return [write_text(directory / f"{self.name}.{form}", text) for form, text in forms.items()]
+        return {directory / f"{self.name}.{form}": text for form, text in forms.items()}
 
     def markdown(self) -> str:
         """A pipe table below a heading for each group; characters with a meaning in Markdown are escaped."""

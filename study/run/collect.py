@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import json
-from typing import Any
 
 import pandas as pd
 
-from manufactured.case import Case
 from study.ledger.datafiles import DataFile, Row, write_csv
 from study.ledger.files import write_text
+from study.run.foreseen import describe
 from study.run.plan import Plan
 from study.run.provenance import provenance
 from study.run.store import Store
@@ -28,27 +27,11 @@ def collect(plan: Plan, store: Store) -> None:
     for file, found_rows in rows.items():
         file.write(store.data, found_rows)
     write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
-    write_text(store.data / "provenance.json", json.dumps(provenance(plan), separators=(",", ":")) + "\n")
+    write_text(
+        store.data / "provenance.json", json.dumps(provenance(plan, store.directory), separators=(",", ":")) + "\n"
+    )
 
 
 def data_files() -> list[DataFile]:
     """The files that measurements go to."""
     return list(dict.fromkeys([*(statement.file for statement in STATEMENTS), ENCLOSURES]))
-
-
-def describe(case: Case) -> dict[str, Any]:
-    """The line of a case in the catalogue."""
-    motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
-    return {
-        "case": case.name,
-        "summary": case.summary,
-        "dimension": case.solution.body.dim,
-        "law": case.solution.law.name,
-        "zone": motion,
-        "regularity": str(case.regularity),
-        "expected_order": case.order,
-        "proved_order": case.regularity.proved_order,
-        "twin": case.twin,
-        "statements": f"{case.proposition}, Thm 4.2",
-        "reason": case.reason,
-    }

@@ -11,7 +11,7 @@ import pandas as pd
 from manufactured.catalogue import catalogue
 from study.ledger.datafiles import CsvFile, DataError, read_csv, write_csv
 from study.ledger.verdict import Verdict
-from study.run.collect import data_files
+from study.run.measured import read_tables
 from study.run.provenance import Complete, read_provenance
 from study.statements import STATEMENTS
 from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
@@ -23,26 +23,41 @@ from study.statements.unmeasured import Listed
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
 
 
-def check(directory: Path) -> list[Verdict]:
-    """Judge the data on disk and write ``claims.csv``; nothing is solved.
+def judge(directory: Path) -> list[Verdict]:
+    """Judge the data on disk and write ``claims.csv``; errors as ``verdicts``."""
+    found = verdicts(directory)
+    write_csv(claims_file(directory), claims(found))
+    return found
+
+
+def claims_file(directory: Path) -> Path:
+    """``claims.csv`` of a run."""
+    return directory / "data" / "claims.csv"
+
+
+def claims(found: Sequence[Verdict]) -> pd.DataFrame:
+    """The table of verdicts."""
+    return pd.DataFrame([asdict(verdict) for verdict in found])
+
+
+def verdicts(directory: Path) -> list[Verdict]:
+    """Judge the data on disk; nothing is solved, and nothing written.
 
     Raises:
         UsageError: no data.
         StoreError, DataError: data of another format, missing or damaged.
     """
     planned = {tuple(key) for key in read_provenance(directory)["planned"]}
-    tables = {file: file.read(directory) for file in data_files() if isinstance(file, CsvFile)}
+    tables = read_tables(directory)
     cases = read_csv(directory, "cases.csv", PREDICTED)
     _refuse_gaps(directory, tables, cases)
     found = set().union(*(file.keys(table) for file, table in tables.items()))
     judged = {file: predicted(table, cases) for file, table in tables.items()}
-    verdicts = [Complete().judge(planned, found)]
+    rows = [Complete().judge(planned, found)]
     for statement in STATEMENTS:
         if isinstance(statement.file, CsvFile):
-            verdicts += judge_statement(statement, judged[statement.file])
-    verdicts = with_reasons(verdicts, judged[RATES])
-    write_csv(directory / "data" / "claims.csv", pd.DataFrame([asdict(verdict) for verdict in verdicts]))
-    return verdicts
+            rows += judge_statement(statement, judged[statement.file])
+    return with_reasons(rows, judged[RATES])
 
 
 def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:

@@ -15,18 +15,23 @@ from study.ledger.verdict import HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import at_most
 from study.run.code import ROOT
 from study.run.fingerprint import packages
+from study.run.foreseen import recorded
 from study.run.plan import Plan
 from study.run.store import FORMAT, Store, require_format
 from study.statements import STATEMENTS
 from study.statements.unmeasured import Listed
 
 
-def provenance(plan: Plan) -> dict[str, Any]:
-    """What made the data: format, plan and versions. No date, so that equal runs give equal files."""
+def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
+    """What made the data in a directory: format, what they are about, plan, versions.
+
+    No date, so that equal runs give equal files.
+    """
     return {
         "format": FORMAT,
         "study": version("signorini-study"),
         "plan": plan.scope.name,
+        **recorded(plan.scope, directory),
         "planned": plan.keys(),
         "statements": sources(),
         "python": platform.python_version(),

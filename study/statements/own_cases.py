@@ -168,13 +168,6 @@ def _others(mine: OwnCase, verdict: Verdict) -> str:
     return f"what the solver did, Π^h u − u^h, is not settled on these meshes: {mine.finer}"
 
 
-def _start(mine: OwnCase, verdict: Verdict) -> str:
-    return (
-        "the largest error is that at t = 0, where nothing was solved: start smaller, with a gap that grows; or mend "
-        "what keeps the rows of ‖Π^h u − u^h‖_V from holding"
-    )
-
-
 def _pace(mine: OwnCase, verdict: Verdict) -> str:
     return "the time steps are too long: raise `pace` of the case, or give a shorter --step"
 
@@ -202,7 +195,6 @@ REASONS: dict[str, Callable[[OwnCase, Verdict], str]] = {
     "discrete-order-others": _others,
     "discrete-share": _share,
     "size": _share,
-    "start-share": _start,
     "time-share": _pace,
     "discrete-time-share": _pace,
     "quadrature": _quadrature,

@@ -13,10 +13,11 @@ import pandas as pd
 import pytest
 
 from study.ledger.datafiles import DataError, read_claims
+from study.ledger.files import write_text
 from study.ledger.margin import used, worst
 from study.ledger.verdict import FAILS, HOLDS
 from study.ledger.window import Window, around, at_least, at_most, between
-from study.present.article.fragments import window_ends, write_article
+from study.present.article.fragments import article, window_ends
 from study.present.article.source import FullRun
 
 ROOT = Path(__file__).parents[2]
@@ -47,6 +48,10 @@ def typed_results(source: str) -> list[str]:
     bare = re.sub(f"{STATEMENT}|{EQUATION}|{LAYOUT}", "", source)
     found = re.findall(r"\d*\.\d+|\d+(?=(?:\\,|~|\s)*\\%)|10\^\{?-?\d+", bare)
     return [number for number in found if number not in SETTINGS]
+
+
+def write_article(directory: Path) -> list[Path]:
+    return [write_text(path, content) for path, content in article(directory).items()]
 
 
 def macros(directory: Path = RESULTS) -> dict[str, str]:

@@ -22,18 +22,25 @@ from numpy.typing import NDArray
 
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
-from study.ledger.datafiles import DataError, read_rates
+from study.ledger.datafiles import DataError, read_claims, read_rates
 from study.ledger.files import StoreError, write_text, write_whole
 from study.ledger.packing import FINE, Packed
+from study.present import outcome
 from study.present.figures import draw_figures, drawings
 from study.present.latex import encode
-from study.present.outcome import ledger_text, rates_text
+from study.present.outcome import rates_text
 from study.present.tables import write_tables
 from study.solve.motion import Motion
 from study.statements.pictures import record
 
 Array = NDArray[np.float64]
 Present = Callable[[Path], object]
+
+
+def ledger_text(directory: Path) -> str:
+    return outcome.ledger_text(read_claims(directory))
+
+
 Function = Callable[[Array, float], Array]
 Side = tuple[tuple[float, float], Function, Function]
 """Inward normal of a side of the unit square, its gap w(s, t) and its pressure p(s, t)."""

@@ -13,7 +13,7 @@ from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import read_claims
 from study.ledger.orders import orders
 from study.ledger.verdict import HOLDS, REPORTED
-from study.run.judgement import check
+from study.run.judgement import judge
 from study.run.provenance import Complete
 from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
@@ -66,7 +66,7 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
 
 def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path: Path) -> None:
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs", "pictures"))
-    verdicts = check(tmp_path)
+    verdicts = judge(tmp_path)
     committed = pd.read_csv(RESULTS / "data" / "claims.csv")
     again = pd.read_csv(tmp_path / "data" / "claims.csv")
     pd.testing.assert_frame_equal(again, committed, rtol=1e-6)

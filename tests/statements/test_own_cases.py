@@ -62,7 +62,6 @@ def test_one_family_that_contradicts_is_enough() -> None:
 @pytest.mark.parametrize(
     ("changes", "key", "told"),
     [
-        ({"initial_error": 1.0, "discrete_error": 1.0}, "start-share", "start smaller"),
         ({"time_share": 0.03}, "time-share", "raise `pace`"),
         ({"discrete_time_share": 0.31}, "discrete-time-share", "raise `pace`"),
         ({"quadrature_change": 0.04}, "quadrature", "flatten them, or try --levels 16 32 64"),
@@ -73,10 +72,14 @@ def test_one_family_that_contradicts_is_enough() -> None:
 )
 def test_evidence_that_is_missing_is_named_with_what_to_do(changes: dict[str, object], key: str, told: str) -> None:
     rows = following([1.0, 1.0], **changes)
-    if "initial_error" in changes:
-        rows["initial_error"] = rows["error"]
     assert {v.key: v.verdict for v in prop_5_4(rows)}[key] == FAILS
     assert told in reason(own(rows)[key])
+
+
+def test_a_start_that_is_not_the_interpolant_fails_for_everybody() -> None:
+    rows = following([1.0, 1.0])
+    rows = rows.assign(initial_error=rows["error"], interpolation_error=0.99 * rows["error"])
+    assert own(rows)["start-share"].verdict == FAILS
 
 
 @pytest.mark.parametrize("column", ["residual", "clamped", "parallelogram"])

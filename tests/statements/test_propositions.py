@@ -111,12 +111,17 @@ def test_a_poor_coarse_level_counts_in_the_evidence() -> None:
     assert verdicts(prop_5_4(rows))["time-share"] == FAILS
 
 
-def test_an_error_that_is_largest_at_the_start_must_be_carried_by_the_discrete_error() -> None:
+@pytest.mark.parametrize(
+    ("start", "interpolation", "verdict"),
+    [(0.5, 1.03, HOLDS), (1.0, 1.03, REPORTED), (1.0, 1.24, REPORTED), (1.0, 1.27, FAILS), (1.0, 0.999, FAILS)],
+)
+def test_an_error_that_is_largest_at_the_start_passes_nothing_and_has_to_be_foreseen(
+    start: float, interpolation: float, verdict: str
+) -> None:
+    """By the interpolation error, as multiples of the largest error."""
     rows = table()
-    vacuous = rows.assign(initial_error=rows["error"])
-    assert verdicts(prop_5_4(vacuous))["start-share"] == HOLDS
-    broken = vacuous.assign(discrete_error=0.2)
-    assert verdicts(prop_5_4(broken))["start-share"] == FAILS
+    rows = rows.assign(initial_error=start * rows["error"], interpolation_error=interpolation * rows["error"])
+    assert verdicts(prop_5_4(rows))["start-share"] == verdict
 
 
 def test_missing_rows_leave_the_data_undecided() -> None:

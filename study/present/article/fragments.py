@@ -12,7 +12,6 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.datafiles import DataError, by_claim, count_verdicts
-from study.ledger.files import write_text
 from study.ledger.margin import agreement, used, worst
 from study.ledger.rounding import down, up
 from study.ledger.verdict import HOLDS, REPORTED
@@ -29,18 +28,18 @@ ENDS = {"lowest": down, "error": _nearest, "highest": up, "upper": up, "lower": 
 """How the columns of an enclosure are rounded: outwards."""
 
 
-def write_article(directory: Path) -> list[Path]:
-    """Write the macros and tables of the article under ``directory/article``; nothing for a run that is not full.
+def article(directory: Path) -> dict[Path, str]:
+    """The files under ``directory/article`` with the macros and tables of the article; none for a run that is not full.
 
     Raises:
         DataError: the data lack a row that the article speaks of.
     """
     data = FullRun.read(directory)
     if data is None:
-        return []
+        return {}
     tables = (ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips)
     texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
-    return [write_text(directory / "article" / f"{name}.tex", text) for name, text in texts.items()]
+    return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
 
 def ledger(data: FullRun) -> str:

@@ -1,0 +1,305 @@
+"""``study check`` trusts nothing: every edit is noticed, and named by file, line and column."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from study.cli.main import main
+from study.fem.cell_count import cell_count, size_of
+from study.fem.mesh import FAMILIES, MeshFamily, size
+from study.fem.naming import resolve
+from study.ledger.datafiles import write_csv
+
+ROOT = Path(__file__).parents[2]
+TUTORIAL = ROOT / "docs" / "tutorials" / "own-case.md"
+Edit = Callable[[Path], None]
+
+
+@pytest.fixture(scope="session")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A directory with a small run of an own case in ``results``, and the file of the case beside it."""
+    directory: Path = tmp_path_factory.mktemp("checked")
+    code = re.findall(r":caption: pocket.py\n\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.DOTALL)[0]
+    (directory / "pocket.py").write_text(code, encoding="utf-8")
+    run = ["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32"]
+    assert main([*run, "--out", str(directory / "results")]) == 0
+    return directory
+
+
+@pytest.fixture
+def own(made: Path, tmp_path: Path) -> Path:
+    """A copy of the small run that may be edited."""
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
+    resolve.cache_clear()
+    return tmp_path / "results"
+
+
+@pytest.fixture
+def committed(tmp_path: Path) -> Path:
+    """A copy of the committed run that may be edited."""
+    ignored = shutil.ignore_patterns("jobs", "pictures", "figures", "benchmarks")
+    shutil.copytree(ROOT / "results", tmp_path / "results", ignore=ignored)
+    return tmp_path / "results"
+
+
+def texts(path: Path) -> pd.DataFrame:
+    return pd.read_csv(path, dtype=str, keep_default_na=False)
+
+
+def edit(name: str, column: str, change: Callable[[str], str], where: str = "index >= 0", rows: int = 10**6) -> Edit:
+    """Change a column in the first rows that a query chooses."""
+
+    def change_it(directory: Path) -> None:
+        table = texts(directory / "data" / name)
+        chosen = table.query(where, engine="python").index[:rows]
+        assert len(chosen)
+        table.loc[chosen, column] = table.loc[chosen, column].map(change)
+        write_csv(directory / "data" / name, table)
+
+    return change_it
+
+
+def times(factor: float) -> Callable[[str], str]:
+    return lambda cell: f"{factor * float(cell):.12g}" if cell else cell
+
+
+def to(value: str) -> Callable[[str], str]:
+    return lambda cell: value
+
+
+def twice(name: str, row: int = 1) -> Edit:
+    def change_it(directory: Path) -> None:
+        table = texts(directory / "data" / name)
+        write_csv(directory / "data" / name, pd.concat([table, table.iloc[[row]]]))
+
+    return change_it
+
+
+def planned(change: Callable[[list[list[str]]], list[list[str]]]) -> Edit:
+    def change_it(directory: Path) -> None:
+        path = directory / "data" / "provenance.json"
+        made = json.loads(path.read_text(encoding="utf-8"))
+        made["planned"] = change(made["planned"])
+        path.write_text(json.dumps(made), encoding="utf-8")
+
+    return change_it
+
+
+def emptied(directory: Path) -> None:
+    for path in (directory / "data").glob("*.csv"):
+        write_csv(path, texts(path).head(0))
+    planned(lambda keys: [])(directory)
+
+
+def refusal(directory: Path, capsys: pytest.CaptureFixture[str], code: int = 2) -> str:
+    capsys.readouterr()
+    assert main(["check", "--out", str(directory)]) == code
+    printed = capsys.readouterr()
+    return printed.out + printed.err
+
+
+RATES, CASES, EQUIVALENCE = "rates.csv", "cases.csv", "equivalence.csv"
+
+EDITS: dict[str, tuple[Edit, str]] = {
+    "an order that nobody predicted": (
+        edit(CASES, "expected_order", to("0.9")),
+        r"cases.csv, line 2, column expected_order: stands '0.9', would be '1'.*run",
+    ),
+    "a twin": (edit(CASES, "twin", to("hexagon")), r"cases.csv, line 2, column twin: stands 'hexagon'"),
+    "the claim of another proposition": (
+        edit(RATES, "claim", to("Prop. 5.3")),
+        r"rates.csv, line 2, column claim: stands Prop. 5.3, expected Prop. 5.4",
+    ),
+    "an order that does not follow": (
+        edit(RATES, "order", times(1.01), "order != ''", 1),
+        r"rates.csv, line 3, column order: stands .*, expected 0?1?\.",
+    ),
+    "mesh sizes times 3": (edit(RATES, "h", times(3)), r"rates.csv, line 2, column h: stands 0.375, expected 0.125"),
+    "one mesh size": (
+        edit(RATES, "h", times(1.0001), "family == 'unstructured'", 1),
+        r"rates.csv, line \d+, column h: stands",
+    ),
+    "a mesh size of the other formulation": (edit(EQUIVALENCE, "h", times(3), rows=1), r"equivalence.csv, line 2, col"),
+    **{
+        f"{column} exactly 0": (
+            edit(RATES, column, to("0")),
+            rf"rates.csv, line 2, column {column}: stands 0, expected a positive number",
+        )
+        for column in ("residual", "quadrature_change", "parallelogram", "time_share")
+    },
+    "an error above the triangle": (edit(RATES, "error", times(3), rows=1), r"line 2, column error: stands .* at most"),
+    "a step": (edit(RATES, "k", times(2), rows=1), r"rates.csv, line 2, column k: stands"),
+    "steps": (edit(RATES, "steps", to("7"), rows=1), r"rates.csv, line 2, column steps: stands 7.*, expected 32"),
+    "a dimension": (edit(RATES, "dim", to("3"), rows=1), r"rates.csv, line 2, column dim: stands 3.*, expected 2"),
+    "a time off the grid": (edit(RATES, "at", to("0.7771"), rows=1), r"rates.csv, line 2, column at: stands 0.7771"),
+    "half of a time share": (edit(RATES, "time_share", times(0.5), rows=1), r"line 2, column discrete_time_share"),
+    "an error at the start": (edit(RATES, "initial_error", times(50), rows=1), r"column initial_error.*largest error"),
+    "no number": (edit(RATES, "error", to("nan"), rows=1), r"rates.csv, line 2, column error: stands 'nan', expected"),
+    "nothing": (edit(RATES, "time_share", to(""), rows=1), r"rates.csv, line 2, column time_share: stands ''"),
+    "a word": (edit(RATES, "residual", to("small"), rows=1), r"rates.csv, line 2, column residual: stands 'small'"),
+    "a level that is a word": (edit(RATES, "level", to("x"), rows=1), r"rates.csv, line 2, column level: stands 'x'"),
+    "a row twice": (twice(RATES), r"rates.csv, line \d+: the row case pocket, .* stands in line 3 already"),
+    "a row of the other formulation twice": (twice(EQUIVALENCE), r"equivalence.csv, line \d+: .* in line 3 already"),
+    "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: stands 'pocket', would be nothing"),
+    "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
+    "tables and plan emptied": (emptied, r"provenance.json plans nothing"),
+    "a smaller plan": (planned(lambda keys: keys[1:]), r"provenance.json does not plan .*, its scope does otherwise"),
+    "a row planned twice": (planned(lambda keys: [*keys, keys[0]]), r"provenance.json plans .* twice"),
+    "a verdict": (
+        edit("claims.csv", "verdict", to("reported"), rows=1),
+        r"claims.csv, line 2, column verdict: stands 'reported', would be 'holds': `study tables",
+    ),
+    "what was observed": (
+        edit("claims.csv", "observed", times(1.001), "observed != '0'", 1),
+        r"claims.csv, line \d+, column observed: stands",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", EDITS)
+def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    change, message = EDITS[name]
+    change(own)
+    told = refusal(own, capsys)
+    assert re.search(message, told), told
+    assert "Traceback" not in told
+
+
+COMMITTED: dict[str, tuple[Edit, str]] = {
+    "a twin removed": (
+        edit(CASES, "twin", to(""), "case == 'rotated'"),
+        r"cases.csv, line \d+, column twin: stands '', would be 'advance-recede'",
+    ),
+    "errors of enclosures times 100": (
+        edit("enclosures.csv", "error", times(100)),
+        r"bounds.csv, line 2, column error: stands .*, the largest over its times in enclosures.csv",
+    ),
+    "a bound that its course does not reach": (
+        edit("bounds.csv", "above", times(0.9), rows=1),
+        r"bounds.csv, line 2, column above: stands",
+    ),
+    "an error where none is known": (
+        edit("bounds.csv", "error", to("1"), "case == 'ramp'", 1),
+        r"bounds.csv, line \d+, column error: stands 1.*, expected nothing, as the solution is unknown",
+    ),
+    "the order of a problem": (
+        edit("bounds.csv", "expected_order", to("0.5"), "case == 'advance-recede'", 1),
+        r"bounds.csv, line \d+, column expected_order: stands 0.5, expected 1",
+    ),
+    "a row of statements twice": (twice("statements.csv"), r"statements.csv, line \d+: .* stands in line 3 already"),
+    "a word in a statement": (edit("statements.csv", "value", to("x"), rows=1), r"statements.csv, line 2, column va"),
+    "a mesh size of a statement": (edit("statements.csv", "h", times(3), rows=1), r"statements.csv, line 2, column h"),
+    "a table": (
+        lambda directory: (directory / "tables" / "rates.md").write_text("# rates\n", encoding="utf-8"),
+        r"rates.md, line 1: stands '# rates', would be .*: `study tables --out",
+    ),
+    "a number of the article": (
+        lambda directory: shutil.copy(ROOT / "README.md", directory / "article" / "numbers.tex"),
+        r"numbers.tex, line 1: stands",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", COMMITTED)
+def test_an_edit_of_the_committed_run_is_refused(
+    name: str, committed: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    change, message = COMMITTED[name]
+    change(committed)
+    told = refusal(committed, capsys)
+    assert re.search(message, told), told
+
+
+def test_the_committed_run_is_what_it_must_be(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["check", "--out", str(ROOT / "results")]) == 0
+    told = capsys.readouterr().out.splitlines()[-1]
+    assert re.fullmatch(
+        r"\d+ rows in \d files are those of the \d+ measurements planned; \d+ relations hold in all of them; "
+        r"predictions of 28 cases; \d+ verdicts and \d+ files of tables and article stand as they would be written",
+        told,
+    )
+
+
+def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = own / "data" / RATES
+    table = pd.read_csv(path)
+    lost = table["h"] ** 0.3
+    for column in ("error", "interpolation_error", "discrete_error", "predicted_interpolation", "initial_error"):
+        table[column] *= lost
+    table["order"] -= 0.3
+    write_csv(path, table)
+    told = refusal(own, capsys, code=2)
+    assert "column order" in told
+    table["order"] += 0.6
+    write_csv(path, table)
+    assert "fails: Prop. 5.4, pocket: order of the error, fitted" in refusal(own, capsys, code=1)
+    report = own.parent / "ledger.xml"
+    assert main(["check", "--out", str(own), "--junit", str(report)]) == 1
+    assert 'failures="0"' not in report.read_text(encoding="utf-8")
+
+
+def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(
+    own: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (own.parent / "pocket.py").unlink()
+    assert "not looked up, as their files are gone: pocket" in refusal(own, capsys, code=0)
+    edit(CASES, "expected_order", to("0.9"))(own)
+    assert "column expected_order: stands '0.9', would be '1'" in refusal(own, capsys)
+
+
+def test_a_case_whose_file_predicts_something_else_now_is_refused(
+    own: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = own.parent / "pocket.py"
+    path.write_text(path.read_text(encoding="utf-8").replace('reason="', 'reason="now '), encoding="utf-8")
+    assert re.search(r"cases.csv, line 2, column reason: stands .*, would be 'now ", refusal(own, capsys))
+
+
+def test_tables_writes_what_check_asks_for(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edit("claims.csv", "observed", to("0.5"), rows=1)(own)
+    assert "`study tables" in refusal(own, capsys)
+    assert main(["tables", "--out", str(own)]) == 0
+    refusal(own, capsys, code=0)
+    (own / "data" / "claims.csv").unlink()
+    assert "claims.csv is missing: `study tables" in refusal(own, capsys)
+
+
+def test_check_writes_nothing(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = {path: path.stat().st_mtime_ns for path in own.rglob("*") if path.is_file()}
+    refusal(own, capsys, code=0)
+    assert {path: path.stat().st_mtime_ns for path in own.rglob("*") if path.is_file() and path.name != ".lock"} == {
+        path: time for path, time in before.items() if path.name != ".lock"
+    }
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
+def test_a_terminal_without_the_letters_of_mathematics_is_no_reason_to_fail(own: Path, encoding: str) -> None:
+    command = [sys.executable, "-c", "import sys; from study.cli.main import main; sys.exit(main())"]
+    environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    done = subprocess.run([*command, "check", "--out", str(own)], env=environment, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert rb"\u2016" in done.stdout
+
+
+CHOSEN = ("full-contact", "layered", "hexagon", "re-entrant", "cube-disc")
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
+@pytest.mark.parametrize("case", CHOSEN)
+def test_the_size_of_a_mesh_is_known_without_making_it(case: str, family: MeshFamily) -> None:
+    body = resolve(case).solution.body
+    for n in (6, 12) if body.dim == 3 else (8, 16, 32):
+        if family.serves(body):
+            mesh = family(body, n)
+            assert cell_count(family, body, n) == mesh.t.shape[1]
+            assert size_of(family, body, n) == pytest.approx(size(mesh), rel=1e-12)
