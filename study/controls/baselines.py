@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -16,10 +16,12 @@ from study.fem.naming import family_named, resolve
 from study.ledger.verdict import REPORTED, Verdict
 from study.solve.steps import rate_steps, stress_steps
 from study.solve.tableau import MIDPOINT
+from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.prop_5_4.from_rates import SizeOfInterpolation
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.measure import measure
+from study.statements.shared.base import ListedNumbers, Setting
 from study.statements.thm_4_2 import stress_errors as own
 from study.statements.thm_4_2.gaps import gaps
 from study.statements.thm_4_2.own_space import OwnSpace
@@ -43,9 +45,12 @@ class Baseline(Protocol[S]):
         ...
 
 
+OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation()
+
+
 @dataclass(frozen=True)
 class Sweep:
-    """Prop. 5.4 for a case of the catalogue on a few levels of one mesh family.
+    """Prop. 5.3 or 5.4 for a case of the catalogue on a few levels of one mesh family.
 
     Attributes:
         case: its name.
@@ -71,8 +76,8 @@ class Sweep:
             steps = rate_steps(solution.body.T, level, case.pace)
             setup = defect(Experiment.of(solution, family, level, MIDPOINT, steps))
             rows.append(measure(setup).row(case.name, family.name, level))
-        table = pd.DataFrame(rows).assign(claim=FirstOrder.label)
-        return [*FirstOrder().judge_case(case.name, table, case.order), *SizeOfInterpolation().judge(table)]
+        table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
+        return [verdict for statement in OF_RATES for verdict in statement.judge(table)]
 
 
 @dataclass(frozen=True)
@@ -131,6 +136,35 @@ class StressSweep:
             setup = defect(own.StressExperiment.of(case.solution, family, level, steps))
             rows.append(own.row(setup, case.name, family.name, level))
         return [verdict for verdict in OwnSpace().judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
+
+
+Measure = Callable[[Setting], Mapping[str, Any]]
+"""A place of measurement ↦ named numbers."""
+
+
+@dataclass(frozen=True)
+class Listing:
+    """Another statement on the levels of one case and mesh family.
+
+    Attributes:
+        statement: whose numbers are listed one by one.
+        case, family: their names.
+        levels: coarse to fine.
+    """
+
+    statement: ListedNumbers
+    case: str
+    family: str
+    levels: tuple[int, ...]
+
+    def __str__(self) -> str:
+        return f"{self.statement.label} for {self.case}, n = {' '.join(map(str, self.levels))}"
+
+    def verdicts(self, defect: Callable[[Measure], Measure]) -> list[Verdict]:
+        measure, rows = defect(self.statement.measure), []
+        for setting in (Setting(self.case, self.family, level) for level in self.levels):
+            rows += [row for _, row in self.statement.records(setting, measure(setting))]
+        return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
 
 
 def turned(solution: ExactSolution, angle: float) -> ExactSolution:

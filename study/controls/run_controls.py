@@ -13,7 +13,8 @@ from tabulate import tabulate
 from threadpoolctl import threadpool_limits
 
 from study.controls.baselines import Baseline, S
-from study.controls.register import Control
+from study.controls.control import Control
+from study.controls.slips import made
 from study.ledger.files import write_text
 from study.ledger.rounding import cell
 from study.ledger.verdict import FAILS, HOLDS, Verdict
@@ -29,9 +30,8 @@ class Outcome:
         defect: name of the control, or ``NO_DEFECT``.
         what: is wrong, in a line.
         setting: where.
-        row: the row that the control names; another one that fails if this one does not. Of a baseline, the
-            first row, or the first that does not hold.
-        caught: whether a row fails; None for a baseline.
+        row: the row that the control names. Of a baseline, the first row, or the first that does not hold.
+        caught: whether the row that the control names fails; None for a baseline.
     """
 
     defect: str
@@ -47,15 +47,13 @@ class Outcome:
 
     @classmethod
     def of_control(cls, control: Control[Any], verdicts: list[Verdict]) -> Outcome:
-        """Whether a defect is caught.
+        """Whether a defect is caught by the row that is there for it: another one may fail for another reason.
 
         Raises:
             KeyError: the setting has no row with the key that the control gives.
         """
         named = {verdict.key: verdict for verdict in verdicts}[control.caught_by]
-        failing = [verdict for verdict in verdicts if verdict.verdict == FAILS]
-        row = named if named in failing else (failing or [named])[0]
-        return cls(control.name, control.what, str(control.setting), row, bool(failing))
+        return cls(control.name, control.what, str(control.setting), named, named.verdict == FAILS)
 
     @classmethod
     def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict]) -> Outcome:
@@ -92,7 +90,7 @@ def run_controls(controls: Sequence[Control[Any]], executor: Executor, notify: C
 
 def work(setting: Baseline[S], defect: Callable[[S], S]) -> list[Verdict]:
     """The rows of a setting with a defect, with one thread: the processes share the cores already."""
-    with threadpool_limits(1):
+    with threadpool_limits(1), made(defect):
         return setting.verdicts(defect)
 
 
@@ -145,5 +143,5 @@ def _baseline_line(finding: Outcome) -> tuple[str, ...]:
 
 def _control_line(finding: Outcome) -> tuple[str, ...]:
     row = finding.row
-    by = f"{row.label}: {row.quantity}" if finding.caught else f"NOT CAUGHT, nor by {row.label}: {row.quantity}"
+    by = f"{row.label}: {row.quantity}" if finding.caught else f"NOT CAUGHT by {row.label}: {row.quantity}"
     return f"{finding.defect}: {finding.what}\n({finding.setting})", by, row.expected, cell(row.observed)

@@ -1,7 +1,7 @@
 """How a row of the ledger lies in its window: how much of it it uses, or whether a prediction agrees.
 
-The share is 0 for a value in the middle of a window with two ends, or at 0 for one with an upper end only, and 1 at an
-end. Rows without a window of numbers have no share.
+The share is 0 for a value in the middle of a window with two ends, or at 0 for one whose low end asks for no size, and
+1 at an end. Rows without a window of numbers have no share.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ import math
 import pandas as pd
 
 from study.ledger.verdict import HOLDS
+from study.ledger.window import SMALL
 
 
 def used(row: pd.Series) -> float:
@@ -46,10 +47,10 @@ def _judged(row: pd.Series) -> list[float]:
 
 
 def _share(value: float, row: pd.Series) -> float:
-    """The part of a window; of one whose low end is 0 or −∞ that up to its high end."""
+    """The part of a window; of one whose low end is 0, −∞ or far below its high end that up to its high end."""
     low, high = float(row["window_low"]), float(row["window_high"])
     if math.isinf(high):
         return low / value
-    if low == 0 or math.isinf(low):
+    if math.isinf(low) or 0 <= low <= SMALL * high:
         return value / high
     return abs(2 * value - low - high) / (high - low)

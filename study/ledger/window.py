@@ -8,13 +8,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+SOMETHING = 1e-20
+"""The least that evidence may show. Two computations in different arithmetic differ by 1e-16 of their size, or a few
+powers of ten less where little of it happens to be seen; exactly nothing is what a thing leaves beside itself."""
+SMALL = 1e-3
+"""A low end below this part of the high end only asks that there be something."""
+
 
 @dataclass(frozen=True)
 class Window:
     """[low, high] for a quantity; its text is made from its numbers.
 
     Attributes:
-        low, high: the ends. A low end of 0 or −∞ says that only large values are bad.
+        low, high: the ends. A low end of 0 or −∞, or far below the high end, says that only large values are bad.
         why: the reason for these ends, or what they are relative to.
         predicted: the least and the largest predicted value, where the window is these with some room on both sides.
     """
@@ -47,7 +53,7 @@ class Window:
         """The value that is farthest from where it should be: from the middle, or the largest or smallest one."""
         if math.isinf(self.high):
             distances = [-value for value in values]
-        elif self.low > 0 or self.predicted:
+        elif self.low > SMALL * self.high or self.predicted:
             distances = [abs(value - (self.low + self.high) / 2) for value in values]
         else:
             distances = list(values)
@@ -57,6 +63,11 @@ class Window:
 def at_most(high: float, why: str = "", low: float = 0.0) -> Window:
     """Values up to ``high``; ``low`` is 0 for what cannot be negative, −∞ for what may be."""
     return Window(low, high, why)
+
+
+def above_nothing(high: float, why: str = "") -> Window:
+    """Values up to ``high`` of evidence that cannot be exactly nothing unless something was compared with itself."""
+    return Window(SOMETHING, high, why)
 
 
 def at_least(low: float, why: str = "") -> Window:

@@ -49,7 +49,7 @@ from study.fem.space import Space
 from study.ledger.criterion import judge
 from study.ledger.measures import finest, largest
 from study.ledger.verdict import Verdict
-from study.ledger.window import at_most
+from study.ledger.window import above_nothing
 from study.solve.cholesky.factorisation import Cholesky
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
@@ -62,9 +62,9 @@ FINE, COARSE = {2: 16, 3: 8}, 4
 """Degrees of the rules on the cells themselves, by dimension, and on halved cells."""
 HALVINGS = {2: 3, 3: 2}
 """How often cells are halved, by dimension."""
-SMOOTH = at_most(1e-10, "with the fine rule: f_0 is smooth off straight lines")
-KINKED = at_most(0.1, "f_0 jumps along curves, a term left out gives 1")
-SHRINKING = at_most(2.0, "times 2^{−k} for k halvings: 1 if all errors have one sign, 2 for their scatter")
+SMOOTH = above_nothing(1e-10, "with the fine rule: f_0 is smooth off straight lines")
+KINKED = above_nothing(0.1, "f_0 jumps along curves, a term left out gives 1")
+SHRINKING = above_nothing(2.0, "times 2^{−k} for k halvings: 1 if all errors have one sign, 2 for their scatter")
 ROUND_OFF = 1e-12
 """Defects and terms below it are rounding."""
 

@@ -42,7 +42,7 @@ from study.fem.space import Space
 from study.ledger.criterion import Criterion, Measured, judge
 from study.ledger.measures import finest, largest
 from study.ledger.verdict import Verdict
-from study.ledger.window import Window, at_most
+from study.ledger.window import Window, above_nothing
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.green import (
     FINE,
@@ -66,8 +66,8 @@ POINTS = 20
 """Gauss points on a facet, exact to degree 39: p ~ (c − s)_+² on a facet graded to c has degree 31."""
 INSTANTS = 64
 """Where contact is looked for."""
-CANCELLING = at_most(1e-8, "with the fine rule: 1/h times the 1e-10 for a smooth f_0")
-BOUND = at_most(1 + 1e-9, "by the inequality of Cauchy and Schwarz")
+CANCELLING = above_nothing(1e-8, "with the fine rule: 1/h times the 1e-10 for a smooth f_0")
+BOUND = above_nothing(1 + 1e-9, "by the inequality of Cauchy and Schwarz")
 
 
 class Residual(ListedNumbers):

@@ -10,16 +10,17 @@ from study.bound.enclosing import order_interval
 from study.ledger.criterion import Observation, Rule
 from study.ledger.measures import every, largest
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
-from study.ledger.window import Window, at_most
+from study.ledger.window import Window, above_nothing, at_most
 from study.statements.enclosure.courses import CHECKED, CHECKED_LEVEL, Bounds
 
-INSIDE = at_most(1.0, "at every sampled time")
+INSIDE, BENEATH = above_nothing(1.0, "at every sampled time"), at_most(1.0, "at every sampled time")
+"""An error is not nothing; a lower bound on a coarse mesh may be."""
 WIDTH = 0.2
 """Width of an interval for the order that says something."""
 KNOWN = "no claim: it contains the order of the errors whenever these lie within their bounds, the row above"
 
 ABOVE = largest("above", "largest error / upper bound", INSIDE, "above")
-BELOW = largest("below", "largest lower bound / error", INSIDE, "below")
+BELOW = largest("below", "largest lower bound / error", BENEATH, "below")
 REACH = Observation(
     largest("upper", "upper bound / error over [T/2, T], largest", Window(), "upper"),
     "how far an end is from the error; what is claimed is that it never crosses it",

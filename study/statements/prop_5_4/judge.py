@@ -11,14 +11,14 @@ import pandas as pd
 from study.ledger.criterion import Criterion, Groups, Observation, by_family
 from study.ledger.measures import ENOUGH, ROUNDING, between_levels, consecutive, exactly, fitted, largest, order
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Named, Verdict, row
-from study.ledger.window import Window, around, at_least, at_most, between
+from study.ledger.window import Window, above_nothing, around, at_least, at_most, between
 from study.statements.prop_5_4.evidence import EVIDENCE, SIZES, over
 from study.statements.prop_5_4.sweep import Rates
 
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
-DISCRETE_SHARE = at_most(0.6, "of the interpolation error: by Pythagoras both errors differ by ≤ 20 %")
-DISCRETE_TIME = at_most(0.3, "of the discrete error")
+DISCRETE_SHARE = above_nothing(0.6, "of the interpolation error: by Pythagoras both errors differ by ≤ 20 %")
+DISCRETE_TIME = above_nothing(0.3, "of the discrete error")
 SOLID = around(1, 0.1)
 NOT_AT_START = 0.99
 """A largest error this much above the one at t = 0 comes after it."""
