@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from functools import partial
 from types import SimpleNamespace
 from typing import Any
 
@@ -24,7 +25,11 @@ Function = Callable[..., Any]
 
 def times(factor: float) -> Callable[[Function], Function]:
     """A result that is wrong by a factor."""
-    return lambda right: lambda *given, **options: factor * right(*given, **options)
+    return partial(_times, factor)
+
+
+def _times(factor: float, right: Function) -> Function:
+    return lambda *given, **options: factor * right(*given, **options)
 
 
 def squared(right: Function) -> Function:
@@ -172,12 +177,12 @@ def prestressed(right: Function) -> Function:
 
 def returning(radius: float = 1.0, share: float = 1.0) -> Callable[[Function], Function]:
     """A law (3.3) for a set of another size, or whose return to K stops before it or goes beyond."""
+    return partial(_returning, radius, share)
 
-    def changed(projection: Function) -> Function:
-        kind = type("Other", (Returning,), {"radius": radius, "share": share})
-        return lambda G, count: projection(kind(G.beta, G.convex), count)
 
-    return changed
+def _returning(radius: float, share: float, projection: Function) -> Function:
+    kind = type("Other", (Returning,), {"radius": radius, "share": share})
+    return lambda G, count: projection(kind(G.beta, G.convex), count)
 
 
 class Returning(Yield):
@@ -201,15 +206,15 @@ def without_surface_load(work_on: Function) -> Function:
 
 def without(*names: str) -> Callable[[Function], Function]:
     """Terms of R left out."""
+    return partial(_without, names)
 
-    def changed(terms: Function) -> Function:
-        def found(*given: Any) -> Any:
-            right = terms(*given)
-            return replace(right, **{name: 0 * getattr(right, name) for name in names})
 
-        return found
+def _without(names: tuple[str, ...], terms: Function) -> Function:
+    def found(*given: Any) -> Any:
+        right = terms(*given)
+        return replace(right, **{name: 0 * getattr(right, name) for name in names})
 
-    return changed
+    return found
 
 
 def rate_left_out(on_cells: Function) -> Function:
@@ -300,4 +305,8 @@ def halved_first(pointwise: Function) -> Function:
 
 def rival(name: str, solver: type[Signorini]) -> Callable[[Any], Any]:
     """Another solver in the place of one of the rivals."""
-    return lambda rivals: {**rivals, name: solver}
+    return partial(_rival, name, solver)
+
+
+def _rival(name: str, solver: type[Signorini], rivals: Any) -> Any:
+    return {**rivals, name: solver}
