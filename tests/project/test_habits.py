@@ -27,7 +27,7 @@ from case_docstrings import lacks
 import manufactured
 from manufactured import Case, prove
 from study.cli.main import main, parser
-from study.controls import defects, register
+from study.controls import defects, of_rates, register
 from study.controls.run_controls import work
 from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS
@@ -241,7 +241,7 @@ def test_the_control_of_the_recipe_is_caught_by_the_row_it_names(monkeypatch) ->
     exec(RECIPES["study/controls/defects.py"], vars(defects), added)
     ((name, defect),) = added.items()
     monkeypatch.setattr(defects, name, defect, raising=False)
-    control = eval(RECIPES["study/controls/register.py"], vars(register))
+    control = eval(RECIPES["study/controls/of_rates.py"], vars(of_rates))
     assert control.name not in {known.name for known in register.CONTROLS}
     failing = [verdict.key for verdict in work(control.setting, control.defect) if verdict.verdict == FAILS]
     assert control.caught_by in failing
@@ -274,9 +274,9 @@ def house(tmp_path_factory: pytest.TempPathFactory) -> Path:
         (root / path).write_text(RECIPES[path])
     (root / "study/controls/defects.py").open("a").write("\n\n" + RECIPES["study/controls/defects.py"])
     # The list of controls ends its file.
-    controls = (root / "study/controls/register.py").read_text().removesuffix(")\n")
-    control = RECIPES["study/controls/register.py"].partition("\n")[2].strip()
-    (root / "study/controls/register.py").write_text(f"{controls}    {control},\n)\n")
+    controls = (root / "study/controls/of_rates.py").read_text().removesuffix(")\n")
+    control = RECIPES["study/controls/of_rates.py"].partition("\n")[2].strip()
+    (root / "study/controls/of_rates.py").write_text(f"{controls}    {control},\n)\n")
     for path, changes in ENTRIES.items():
         text = (root / path).read_text()
         for before, after in changes:
