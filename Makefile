@@ -3,7 +3,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
-PAGES := README.md docs/explanation/results.md docs/reference/statements.md
+PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/tutorials/first-solution.md
 
 .PHONY: study full controls seeds test tutorials pages bench bench-growth bench-peers bench-parallel lint docs paper lock clean
 

@@ -3,15 +3,12 @@
 import sys
 from pathlib import Path
 
-from manufactured.catalogue import catalogue
-
 sys.path.insert(0, str(Path(__file__).parent / "extensions"))
 
 project = html_title = "Signorini study"
 author = "the authors of the Signorini study"
 extensions = ["myst_parser", "sphinx_copybutton", "sphinx_design", "mathml", "api", "gallery"]
-myst_enable_extensions = ["dollarmath", "colon_fence", "substitution"]
-myst_substitutions = {"cases": len(catalogue())}
+myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
 html_theme = "furo"
 html_static_path = ["static"]

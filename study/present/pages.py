@@ -1,6 +1,6 @@
 """The tables of the README and of the documentation that come from the data.
 
-python -m study.present.pages results README.md docs/explanation/results.md docs/reference/statements.md
+python -m study.present.pages results README.md docs/explanation/results.md …
 """
 
 from __future__ import annotations
@@ -145,13 +145,13 @@ def refresh(page: Path, data: FullRun) -> bool:
         DataError: it has no marks.
     """
     text = before = page.read_text(encoding="utf-8")
-    for table in (headline, results, statements):
-        head, found, rest = text.partition(f"<!-- {table.__name__} -->\n")
+    for table in (headline, results, statements, cases):
+        head, found, rest = text.partition(f"<!-- {table.__name__} -->")
         _, closed, tail = rest.partition(END)
         if found and closed:
             text = f"{head}{found}{table(data)}{closed}{tail}"
     if END not in text:
-        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results or statements for a table")
+        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements or cases")
     write_text(page, text)
     return text != before
 
@@ -174,9 +174,14 @@ def statements(data: FullRun) -> str:
     return _markdown(["statement", "says", "verdicts", "code", "data"], lines)
 
 
+def cases(data: FullRun) -> str:
+    """How many cases there are, to stand in a sentence."""
+    return str(len(data.cases))
+
+
 def _markdown(header: list[str], rows: Iterable[list[str]]) -> str:
     lines = [header, ["---"] * len(header), *rows]
-    return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)
+    return "\n" + "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)
 
 
 def main() -> None:

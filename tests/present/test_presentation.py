@@ -314,7 +314,7 @@ def test_every_table_is_written_in_three_formats_and_nothing_is_left_over(drawn:
 
 
 def test_every_figure_is_written_in_three_formats_with_a_caption_and_nothing_is_left_over(drawn: Path) -> None:
-    names = ["collapsed", "convergence", "convergence-prop-5-3", "effectivity", "enclosure-advance-recede"]
+    names = ["problem", "collapsed", "convergence", "convergence-prop-5-3", "effectivity", "enclosure-advance-recede"]
     names += [f"convergence-{case}" for case in CASES]
     kinds = ("zone", "profiles", "body", "energy")
     names += [f"{kind}-{case}" for kind in kinds for case in ("advance-recede", "two-faces", SOLID)]
@@ -518,5 +518,12 @@ def test_a_single_level_can_be_drawn(tmp_path: Path) -> None:
     directory = write_data(tmp_path, {"advance-recede": (1.0, 28.0)}, (16,), level=8)
     shutil.rmtree(directory / "data" / "pictures")
     (directory / "data" / "pictures").mkdir()
-    names = ("collapsed", "convergence-advance-recede", "convergence", "effectivity", "enclosure-advance-recede")
+    names = (
+        "problem",
+        "collapsed",
+        "convergence-advance-recede",
+        "convergence",
+        "effectivity",
+        "enclosure-advance-recede",
+    )
     assert {path.stem for path in draw_figures(directory, drawings)} == set(names)

@@ -20,7 +20,7 @@ class Page:
     """A page in Markdown.
 
     Its blocks with a caption are files to save, under that name; those in Python without one are run in one session,
-    from top to bottom; those of the shell are typed in the directory of the files.
+    from top to bottom; those of the shell are typed in the directory of the files. Blocks of text are printed by them.
     """
 
     path: Path
@@ -47,6 +47,17 @@ class Page:
     def session(self) -> str:
         """The Python that the page runs."""
         return "\n".join(self._blocks("python"))
+
+    def printed(self, by: str) -> list[str]:
+        """What the page says that its Python, or its shell, prints: blocks of text after one of these."""
+        found, last = [], ""
+        for block in BLOCK.finditer(self.text):
+            language = block["language"].strip()
+            if language == "text" and last == by:
+                found.append(block["text"])
+            elif language in ("python", "sh") and not block["name"]:
+                last = language
+        return found
 
     @property
     def typed(self) -> list[str]:

@@ -57,13 +57,25 @@ def run(page: Page, directory: Path, command: list[str]) -> str:
     return done.stdout
 
 
+def expect(said: list[str], output: str) -> None:
+    """What a page says is printed."""
+    assert [text for text in said if text not in output] == [], output
+
+
+def test_a_page_that_says_that_something_else_is_printed_is_noticed() -> None:
+    (page,) = [page for page in SITE if page.name == "docs/tutorials/scikit-fem.md"]
+    assert len(page.printed("python")) > 1
+    with pytest.raises(AssertionError):
+        expect(page.printed("python"), page.printed("python")[0])
+
+
 @pytest.mark.parametrize("page", [page for page in PAGES if page.session], ids=lambda page: page.name)
 def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, tmp_path: Path) -> None:
     needed = NEEDS.get(page.name)
     if needed and importlib.util.find_spec(needed) is None:
         pytest.skip(f"{needed} is not installed")
     (tmp_path / "session.py").write_text(page.session, encoding="utf-8")
-    run(page, tmp_path, [sys.executable, "session.py"])
+    expect(page.printed("python"), run(page, tmp_path, [sys.executable, "session.py"]))
 
 
 TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for line in page.typed)]
@@ -75,9 +87,8 @@ TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for l
     ids=lambda page: page.name,
 )
 def test_the_commands_of_a_page_end_with_success(page: Page, tmp_path: Path) -> None:
-    for line in page.typed:
-        if words(line)[0] == "study" and not is_one_of(line, CI):
-            run(page, tmp_path, words(line))
+    typed = [line for line in page.typed if words(line)[0] == "study" and not is_one_of(line, CI)]
+    expect(page.printed("sh"), "".join(run(page, tmp_path, words(line)) for line in typed))
 
 
 INLINE = re.compile(r"`((?:make|study|\.venv/bin/\w+|pip|dask|sudo)\s[^`]+)`")
