@@ -13,6 +13,8 @@ SOMETHING = 1e-20
 powers of ten less where little of it happens to be seen; exactly nothing is what a thing leaves beside itself."""
 SMALL = 1e-3
 """A low end below this part of the high end only asks that there be something."""
+STEEPER = 0.15
+"""Room for an order that is seen of a solution without (5.36)."""
 
 
 @dataclass(frozen=True)

@@ -16,6 +16,7 @@ from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, 
 from study.ledger.files import write_text
 from study.ledger.rounding import above, below, up
 from study.ledger.verdict import REPORTED
+from study.ledger.window import STEEPER
 from study.present.article.source import FullRun
 from study.present.figures.drawing import in_style
 from study.present.picture.picture import with_every_shape
@@ -41,24 +42,26 @@ def results(data: FullRun) -> str:
 def _prop_5_4(data: FullRun) -> list[str]:
     fitted = data.rows("Prop. 5.4", "order-fitted")
     return [
-        f"Proposition 5.4: linear elements converge with order 1, in {fitted['case'].nunique()} cases",
+        f"Proposition 5.4: errors consistent with O(h) on these meshes, in {fitted['case'].nunique()} cases",
         "order 1",
         # The ends of a fit are those of its interval, in which its value is judged.
         f"fitted orders {_outwards(fitted['observed'].min(), fitted['observed'].max())}, level by level "
         + _range(data.rows("Prop. 5.4", "order")),
-        _verdict(data, "Prop. 5.4"),
+        _weighed(data, "Prop. 5.4", ORDERS),
     ]
 
 
 def _prop_5_3(data: FullRun) -> list[str]:
     seen = data.rows("Prop. 5.3", "order")
     expected = data.cases.loc[seen["case"], "expected_order"]
-    limit = above(100 * data.rows("Prop. 5.3", "limit")["high"].max(), 0)
+    limit, steeper = (above(100 * data.rows("Prop. 5.3", key)["high"].max(), 0) for key in ("limit", "limit-steeper"))
     return [
-        f"Proposition 5.3: they converge to solutions that are not smooth, in {seen['case'].nunique()} cases",
+        f"Proposition 5.3: errors consistent with convergence to solutions that are not smooth, in "
+        f"{seen['case'].nunique()} cases",
         f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
-        f"a positive limit is at most {limit} % of the errors on the two finest meshes; orders {_range(seen)}",
-        _verdict(data, "Prop. 5.3"),
+        f"a positive limit is at most {limit} % of the errors on the two finest meshes if the order is the predicted "
+        f"one, {steeper} % if it is larger by {STEEPER:g}; orders {_range(seen)}",
+        _weighed(data, "Prop. 5.3", CONVERGENCE),
     ]
 
 
@@ -74,12 +77,14 @@ def _same_mesh(data: FullRun) -> list[str]:
 
 def _own_space(data: FullRun) -> list[str]:
     label = "Thm 4.2, own space"
-    seen = data.rows(label, "order-stress")
-    seen = seen[seen["case"].map(data.cases["proved_order"]) == 1]
+    found = data.rows(label, "order-stress")
+    regular = found["case"].map(data.cases["proved_order"]) == 1
+    seen, others = found[regular], found[~regular]
+    rest = f"; {_range(others)} in {others['case'].nunique()} that is less regular" if len(others) else ""
     return [
         f"Theorem 4.2, by stresses that know no displacement: they converge to σ, in {seen['case'].nunique()} cases",
         "at least 3/2, by regularity, at most 2",
-        f"orders {_range(seen)}",
+        f"orders {_range(seen)}{rest}",
         _verdict(data, label, set(seen["case"])),
     ]
 
@@ -125,7 +130,23 @@ def _seeds(data: FullRun) -> list[str]:
 def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:
     """How many rows of a statement have each verdict, of all cases or of some."""
     mine = data.claims[data.claims["label"] == label]
-    counts = count_verdicts(mine if among is None else mine[mine["case"].isin(among)])
+    return _counted(mine if among is None else mine[mine["case"].isin(among)])
+
+
+ORDERS, CONVERGENCE = ("order", "order-fitted", "order-finest"), ("falling", "limit", "order", "order-graded")
+"""Keys of the rows that bear on what a proposition claims; the others show that they are about what was solved."""
+
+
+def _weighed(data: FullRun, label: str, keys: tuple[str, ...]) -> str:
+    """How many rows that bear on a claim have each verdict, and how many beside them."""
+    mine = data.claims[data.claims["label"] == label]
+    bears = mine["key"].isin(keys)
+    about, beside = (_counted(rows) for rows in (mine[bears], mine[~bears]))
+    return f"{about}; beside them, on what was solved, {beside}"
+
+
+def _counted(rows: pd.DataFrame) -> str:
+    counts = count_verdicts(rows)
     return ", ".join(f"{name} ({count} rows)" for name, count in counts.items() if count and name != REPORTED)
 
 

@@ -16,18 +16,18 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from study.ledger.criterion import Criterion, Groups, Measured, by_family
+from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_family
 from study.ledger.measures import ENOUGH, between_levels, exactly, greatest_ratio
 from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
-from study.ledger.window import around, at_most
+from study.ledger.window import STEEPER, Window, around, at_most
 from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
 from study.statements.prop_5_4.from_rates import GRADED
 from study.statements.prop_5_4.sweep import Rates
 
 LEVELS = ENOUGH + 1
 """Two refinements twice."""
-LIMIT = at_most(0.1, "of the two finest errors", low=-math.inf)
+LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", low=-math.inf)
 """Over two refinements an order s − δ instead of s looks like e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}): for s = 1/4
 the window answers to δ = 0.02, as sharp as the place of a front within its cell lets orders be."""
 
@@ -47,13 +47,18 @@ class Convergence(Rates):
         return found
 
 
-def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Criterion, Groups]]:
+def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
     """What is judged of a case with a predicted order, and on which mesh families."""
     uniform = {name: group for name, group in groups.items() if name != GRADED}
     graded = {name: group for name, group in groups.items() if name == GRADED}
     falling = at_most(0.999, "on every level")
     yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
-    yield _limit(expected), uniform
+    yield _limit("limit", LIMIT, expected), uniform
+    steeper = _limit("limit-steeper", Window(), expected + STEEPER)
+    yield (
+        Observation(steeper, f"s is taken {STEEPER:g} above the predicted order, as far as the row on orders allows"),
+        uniform,
+    )
     yield _order("order", "order seen", expected), uniform
     if graded:
         yield _order("order-graded", "order seen on graded meshes", 1.0), graded
@@ -61,13 +66,15 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Criterion, Group
         yield criterion, groups
 
 
-def _limit(expected: float) -> Criterion:
+def _limit(key: str, window: Window, expected: float) -> Criterion:
+    """The limit for an order: it depends on that, and nothing but the row on orders says which it is."""
+
     def measure(group: pd.DataFrame) -> Measured:
         return exactly(limit(group["h"].to_numpy(), group["error"].to_numpy(), expected))
 
-    return Criterion("limit", "limit e∞ of e = e∞ + C h^s", LIMIT, measure, ("error",), LEVELS)
+    return Criterion(key, "limit e∞ of e = e∞ + C h^s", window, measure, ("error",), LEVELS)
 
 
 def _order(key: str, quantity: str, expected: float) -> Criterion:
-    window = around(expected, 0.15, "over two refinements (no rate is claimed)")
+    window = around(expected, STEEPER, "over two refinements (no rate is claimed)")
     return between_levels(key, quantity, window, "error", 2, LEVELS)

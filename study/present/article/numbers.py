@@ -158,6 +158,10 @@ def _beyond(data: FullRun) -> Named:
     yield "discretePredictions", str(len(outcomes))
     for outcome in ("agrees", "undecided", "differs"):
         yield f"discrete{outcome.capitalize()}", str(int(outcomes.eq(outcome).sum()))
+    others = claims[~claims["key"].str.endswith(DISCRETE)].apply(agreement, axis=1)
+    yield "discreteSums", str(len(others))
+    for outcome in ("agrees", "undecided", "differs"):
+        yield f"discreteSums{outcome.capitalize()}", str(int(others.eq(outcome).sum()))
     label = "(5.20)–(5.21), (5.42)"
     constant = pd.concat([data.rows(label, key) for key in ("constant-5.21", "constant-5.42")])
     yield "roomLeast", below(1 / constant["high"].max(), 0)

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import replace
 
 import pandas as pd
 
@@ -17,6 +19,7 @@ INSIDE, BENEATH = above_nothing(1.0, "at every sampled time"), at_most(1.0, "at 
 """An error is not nothing; a lower bound on a coarse mesh may be."""
 WIDTH = 0.2
 """Width of an interval for the order that says something."""
+LAST = "no claim: what two meshes enclose is wider than what all do"
 KNOWN = "no claim: it contains the order of the errors whenever these lie within their bounds, the row above"
 
 ABOVE = largest("above", "largest error / upper bound", INSIDE, "above")
@@ -62,11 +65,18 @@ class EnclosedError(Bounds):
             found += self._rows(str(case), checked, TIGHT if case == CHECKED and len(checked) else ())
             for (family, _), series in mine.groupby(["family", "scheme"], sort=False):
                 if len(series) > 1:
-                    found.append(self._order(str(case), str(family), series, known))
+                    found += self._orders(str(case), str(family), series, known)
         return found
 
     def _rows(self, case: str, rows: pd.DataFrame, rules: tuple[Rule, ...]) -> list[Verdict]:
         return [rule.verdict(self, case, {"": rows}) for rule in rules]
+
+    def _orders(self, case: str, family: str, series: pd.DataFrame, known: bool) -> Iterator[Verdict]:
+        """The order over all levels, and beside it, if there are more than two, that of the finest pair."""
+        yield self._order(case, family, series, known)
+        if len(series) > 2:
+            last = series.sort_values("h", ascending=False).tail(2)
+            yield replace(self._order(case, family, last, known), key="order-last", verdict=REPORTED, expected=LAST)
 
     def _order(self, case: str, family: str, series: pd.DataFrame, known: bool) -> Verdict:
         """The interval for the order between the coarsest and the finest level.
@@ -80,7 +90,7 @@ class EnclosedError(Bounds):
         span = order_interval(first, last, ratio)
         sizes = [line["error"] if known else line["lowest"] + line["highest"] for line in (coarse, fine)]
         order = math.nan if known else float(fine["expected_order"])
-        quantity = f"order of max_t ‖u − u_h‖_V, n = {coarse['level']} to {fine['level']}"
+        quantity = f"order of max_t ‖u − u_h‖_V, u_h of the scheme, k with h, n = {coarse['level']} to {fine['level']}"
         verdict, expected = contains(span, order)
         found = math.log(sizes[0] / sizes[1]) / ratio, span, verdict
         return row(self, "order", quantity, Window(order, order), found, case, family, expected)
