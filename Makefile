@@ -63,7 +63,7 @@ docs: $(READY)  ## the documentation with the gallery and the API, build/docs/in
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
 		'!study\.solve\.(cholesky|multigrid|vertices)' '!study\.statements\.thm_4_2\.stands_alone' \
-		'!study\.controls\.alarms'
+		'!study\.controls\.(alarms|blindness|stress_slips)'
 
 paper: $(READY)  ## the article from the data of the full study, paper/build/article.pdf; needs latexmk
 	$(BIN)/study tables --out results

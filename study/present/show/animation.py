@@ -18,7 +18,7 @@ from study.ledger.files import write_whole
 from study.present.charts.palette import BLACK, SKY, VERMILLION
 from study.present.figures.contact_maps import draw_map, paint_values
 from study.present.figures.deformed_body import draw_keys
-from study.present.figures.deformed_mesh import BodyScale, draw_deformed_mesh
+from study.present.figures.deformed_mesh import ROUND_OFF, BodyScale, draw_deformed_mesh
 from study.present.figures.drawing import PAGE, dots, entry
 from study.present.picture.faces import FaceHistory, Polygon, Segment
 from study.present.picture.picture import Picture
@@ -128,6 +128,6 @@ def _draw_pressure(axes: Axes, face: Segment, picture: Picture, instant: int) ->
     axes.plot(face.line, face.line_pressure[instant], color=BLACK, lw=0.9)
     axes.plot(face.s, face.pressure[instant], "o", color=VERMILLION, mfc="white", ms=2.8, clip_on=False)
     top = max(float(face.pressure.max()), float(face.line_pressure.max()))
-    axes.set(xlim=(face.line.min(), face.line.max()), ylim=(0, 1.08 * top if top > 0 else 1))
+    axes.set(xlim=(face.line.min(), face.line.max()), ylim=(0, 1.08 * top if top > ROUND_OFF else 1))
     axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
     axes.set_ylabel("pressure $p$")

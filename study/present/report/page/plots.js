@@ -32,7 +32,9 @@ const largest = (...series) => Math.max(0, ...series.flat(2));
 /** Gap or pressure along a face in the plane: exact line, computed dots. */
 function drawAlong(svg, face, kind, n) {
   const { s: points, [kind]: exact } = face.line;
-  const at = axes(svg, face.range, [0, largest(exact, face[kind]) || 1], "s", kind);
+  // What is smaller is round-off around zero.
+  const top = largest(exact, face[kind]);
+  const at = axes(svg, face.range, [0, top > 1e-9 ? top : 1], "s", kind);
   element(svg, "path", { class: "exact-line", d: path(points.map((s, i) => at(s, exact[n][i]))) });
   face.s.forEach((s, i) => {
     const [cx, cy] = at(s, face[kind][n][i]);
