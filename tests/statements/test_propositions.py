@@ -193,7 +193,11 @@ def test_a_turned_body_must_have_the_errors_of_its_twin_on_equal_meshes() -> Non
         rows = twin.assign(case="b", twin="a").assign(**changes)
         return [verdict.verdict for verdict in Turned().judge(pd.concat([twin, rows]))]
 
-    assert turned() == [HOLDS, HOLDS]
+    assert turned(error=twin["error"] * (1 + 1e-13), discrete_error=twin["discrete_error"] * (1 + 1e-9)) == [
+        HOLDS,
+        HOLDS,
+    ]
+    assert turned() == [FAILS, FAILS], "its own twin"
     errors = {"error": twin["error"] * (1 + 1e-9), "discrete_error": twin["discrete_error"] * (1 + 1e-6)}
     assert turned(**errors) == [FAILS, FAILS]
     assert turned(family="unstructured") == [UNDECIDED, UNDECIDED]
