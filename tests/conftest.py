@@ -1,5 +1,6 @@
 """Shared by all tests."""
 
+import os
 from collections.abc import Iterator
 
 import pytest
@@ -9,6 +10,9 @@ from threadpoolctl import threadpool_limits
 # Machines differ in speed: a deadline would test the machine, not the mathematics.
 settings.register_profile("study", deadline=None, max_examples=25, derandomize=True)
 settings.load_profile("study")
+
+# What is printed is laid out for the terminal that the tests are watched in.
+os.environ["COLUMNS"] = "110"
 
 
 @pytest.fixture(autouse=True, scope="session")

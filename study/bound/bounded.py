@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,12 +18,13 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation, refuse_solids
-from study.bound.enclosing import Enclosure, enclose, known_error, order
+from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
 from study.bound.moduli import BoundError
 from study.bound.trajectory import DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
 from study.ledger.rounding import down, interval, up
+from study.ledger.terminal import width
 from study.solve.evolution import Scheme
 from study.solve.steps import require_steps
 
@@ -105,35 +108,47 @@ def series(level: int, found: BoundedSolution) -> pd.DataFrame:
     return frame.round({name: DIGITS for name in ("time", "error", "distance")})
 
 
-def levels(found: dict[int, BoundedSolution]) -> pd.DataFrame:
+def record(level: int, found: BoundedSolution) -> dict[str, Any]:
+    """What is kept of a level: its ``row`` of ``levels.csv`` without orders, its part of ``enclosure.csv`` as
+    ``series``, whether a known error lies ``inside``, and the ``sentences`` on what the bounds rest on."""
+    row = {
+        "level": level,
+        "h": found.enclosure.h,
+        "dofs": found.computed.space.dofs,
+        "steps": found.computed.steps,
+        "error": float(found.enclosure.error.max()),
+        "lowest": found.enclosure.lowest,
+        "highest": found.enclosure.highest,
+        "plain": found.plain.highest,
+        "kind": found.enclosure.evidence.kind,
+    }
+    return {
+        "row": row,
+        "series": series(level, found).to_dict("list"),
+        "inside": found.enclosure.contains and found.plain.contains,
+        "sentences": list(found.enclosure.evidence.sentences),
+    }
+
+
+def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     """``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of its observed order since the first level."""
-    rows, first = [], next(iter(found.values())).enclosure
-    for level, one in found.items():
-        low, high = order(first, one.enclosure) if one.enclosure is not first else (math.nan, math.nan)
-        rows.append(
-            {
-                "level": level,
-                "h": one.enclosure.h,
-                "dofs": one.computed.space.dofs,
-                "steps": one.computed.steps,
-                "error": one.enclosure.error.max(),
-                "lowest": one.enclosure.lowest,
-                "highest": one.enclosure.highest,
-                "plain": one.plain.highest,
-                "order_low": low,
-                "order_high": high,
-                "kind": one.enclosure.evidence.kind,
-            }
-        )
-    return pd.DataFrame(rows)
+    first, found = rows[0], []
+    for row in rows:
+        low, high = math.nan, math.nan
+        if row is not first:
+            coarse, fine = ((one["lowest"], one["highest"]) for one in (first, row))
+            low, high = order_interval(coarse, fine, math.log(first["h"] / row["h"]))
+        found.append({**row, "order_low": low, "order_high": high})
+    table = pd.DataFrame(found)
+    return table[[name for name in table if name != "kind"] + ["kind"]]
 
 
 def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Sequence[str]) -> str:
     """What is printed, from the tables of ``levels`` and ``series`` and the sentences on what they rest on."""
-    known = bool(table["error"].notna().all())
+    known, first = bool(table["error"].notna().all()), table["level"].iloc[0]
     lines = [
         f"{name}: ‖u(t) − u_h(t)‖_V enclosed, {'exact solution known' if known else 'solution unknown'}",
-        *sentences,
+        *(textwrap.fill(sentence, width()) for sentence in sentences),
         "",
     ]
     finest = over_time[over_time["level"] == over_time["level"].max()]
@@ -145,34 +160,39 @@ def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Seq
         ratio = f"{row.upper / row.lower:12.3f}" if row.lower > 0 else f"{'∞':>12}"
         ends = down(row.lower, SHOWN), up(row.upper, SHOWN), up(row.plain, SHOWN)
         lines.append(f"{row.time:8.4f} {ends[0]:>10} {error} {ends[1]:>10} {ratio} {ends[2]:>15}")
-    head = f"{'level':>8} {'max error in':>24} {'error':>10} {'from u_h alone':>15}   order since the first level in"
-    lines += ["", head]
+    head = f"{'level':>6} {'max error in':>22} {'error':>9} {'from u_h alone':>15}  order since level {first} in"
+    lines += ["", head.rstrip()]
     for row in table.itertuples():
-        error = f"{row.error:10.4g}" if known else f"{'unknown':>10}"
+        error = f"{row.error:.4g}" if known else "unknown"
         orders = "" if math.isnan(row.order_low) else interval(row.order_low, row.order_high, SHOWN)
         largest = interval(row.lowest, row.highest, SHOWN)
-        lines.append(f"{row.level:8d} {largest:>24} {error} {up(row.plain, SHOWN):>15}   {orders}")
+        lines.append(f"{row.level:6d} {largest:>22} {error:>9} {up(row.plain, SHOWN):>15}  {orders}".rstrip())
     return "\n".join(lines)
 
 
-def write(
-    directory: Path, table: pd.DataFrame, over_time: pd.DataFrame, found: dict[int, BoundedSolution]
-) -> list[Path]:
-    """levels.csv, enclosure.csv and trajectory-LEVEL.npz: the mesh, the times and the nodal values of u_h.
-
-    The arrays of a trajectory are p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices).
-    """
-    written = [
+def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list[Path]:
+    """levels.csv and enclosure.csv."""
+    return [
         write_text(directory / "levels.csv", table.to_csv(index=False)),
         write_text(directory / "enclosure.csv", over_time.to_csv(index=False)),
     ]
-    for level, one in found.items():
-        space = one.computed.space
-        values = np.array([space.nodal(u) for u in one.computed.nodes])
-        times = np.linspace(0, one.computed.T, len(values))
-        content = {"p": space.mesh.p, "t": space.mesh.t, "times": times, "u": values}
-        written.append(write_whole(directory / f"trajectory-{level}.npz", partial(_save, content=content)))
-    return written
+
+
+def trajectory_file(directory: Path, level: int) -> Path:
+    """Where the displacement of a level is."""
+    return directory / f"trajectory-{level}.npz"
+
+
+def write_trajectory(directory: Path, level: int, found: BoundedSolution) -> Path:
+    """The mesh, the times and the nodal values of u_h.
+
+    The arrays are p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices).
+    """
+    space = found.computed.space
+    values = np.array([space.nodal(u) for u in found.computed.nodes])
+    times = np.linspace(0, found.computed.T, len(values))
+    content = {"p": space.mesh.p, "t": space.mesh.t, "times": times, "u": values}
+    return write_whole(trajectory_file(directory, level), partial(_save, content=content))
 
 
 def _save(path: Path, content: dict[str, Array]) -> None:

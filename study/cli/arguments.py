@@ -15,6 +15,9 @@ SEEDS = 20
 """As many shaken meshes as ``study seeds`` judges."""
 TOLERANCE = 1e-12
 """Relative difference that ``study compare`` allows."""
+RESUMES = ("run", "controls", "seeds", "bound")
+RESUMED = "what is finished is kept, the same command does the rest"
+STARTS_AGAIN = "no file is half-written, the same command begins anew"
 
 
 def parser() -> argparse.ArgumentParser:
@@ -30,7 +33,8 @@ def parser() -> argparse.ArgumentParser:
 
     def add(name: str, module: str, help: str) -> argparse.ArgumentParser:
         command = commands.add_parser(name, help=help, description=help[0].upper() + help[1:] + ".")
-        command.set_defaults(command=(module, f"do_{name}"))
+        interrupted = RESUMED if name in RESUMES else STARTS_AGAIN
+        command.set_defaults(command=(module, f"do_{name}"), interrupted=interrupted)
         return command
 
     _json(add("cases", "cases", "list the exact solutions"))

@@ -1,20 +1,25 @@
-"""``study bound``: compute, enclose, write, draw."""
+"""``study bound``: compute, enclose, write, draw; resumes where it was stopped."""
 
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from functools import partial
+from typing import Any
 
 import pandas as pd
 from tqdm import tqdm
 
 from manufactured.self_proof import prove
-from study.bound.bounded import BoundedSolution, bounded_solution, check_bound, levels, series, text, write
+from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
-from study.cli.common import FAILED, OK, progress_bar
+from study.cli.common import FAILED, OK, listed, progress_bar
 from study.fem.naming import choose, family_named, resolve_data
 from study.present.figures import draw_one, enclosure
+from study.run.fingerprint import of_problem
 from study.run.resources import available, require
+from study.run.store import Store
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
@@ -28,24 +33,44 @@ def do_bound(options: argparse.Namespace) -> int:
     check_force(case)
     if case:
         prove(case.solution, f"case {case.name}")
-    check_bound(data, family, options.levels, options.steps, refined)
+    bounded.check_bound(data, family, options.levels, options.steps, refined)
     plan = {level: options.steps or rate_steps(data.body.T, level) for level in options.levels}
     finest = max(plan)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
-    found: dict[int, BoundedSolution] = {}
-    for level, steps in plan.items():
-        with progress_bar(100) as bar:
-            bar.set_description(f"level {level}")
+    store = Store(options.out / name, written=(".",))
+    with store.locked():
+        kept = []
+        for level, steps in plan.items():
+            made_by = of_problem(data, case, (family, level, scheme, steps, refined), bounded.__name__)
+            compute = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
+            kept.append(_level(store, level, made_by, compute, data.body.T))
+        table = bounded.levels([one["row"] for one in kept])
+        over_time = pd.concat([pd.DataFrame(one["series"]) for one in kept])
+        written = bounded.write(store.directory, table, over_time)
+        written += [bounded.trajectory_file(store.directory, level) for level in plan]
+        written += draw_one(store.directory, enclosure("enclosure", over_time, name))
+    print(f"written: {listed(written)}")
+    found = bounded.text(name, table, over_time, kept[-1]["sentences"])
+    print(f"\n{found}\n")
+    return OK if case is None or all(one["inside"] for one in kept) else FAILED
 
-            def progress(time: float, bar: tqdm = bar) -> None:
-                bar.update(round(100 * time / data.body.T) - bar.n)
 
-            found[level] = bounded_solution(data, case, family, level, scheme, steps, refined, progress)
-    table, over_time = levels(found), pd.concat([series(level, one) for level, one in found.items()])
-    written = write(options.out / name, table, over_time, found)
-    written += draw_one(options.out / name, enclosure("enclosure", over_time, name))
-    sentences = found[finest].enclosure.evidence.sentences
-    print(f"\n{text(name, table, over_time, sentences)}\n")
-    print("written: " + ", ".join(map(str, written)))
-    inside = all(one.enclosure.contains and one.plain.contains for one in found.values())
-    return OK if case is None or inside else FAILED
+def _level(
+    store: Store, level: int, made_by: str, compute: Callable[..., bounded.BoundedSolution], T: float
+) -> dict[str, Any]:
+    """What is kept of a level, from disk or computed."""
+    key, trajectory = f"level-{level}", bounded.trajectory_file(store.directory, level)
+    kept = store.load(key, made_by) if trajectory.is_file() else None
+    if kept is not None:
+        return kept
+    with progress_bar(100) as bar:
+        bar.set_description(f"level {level}")
+
+        def progress(time: float, bar: tqdm = bar) -> None:
+            bar.update(round(100 * time / T) - bar.n)
+
+        found = compute(progress)
+    bounded.write_trajectory(store.directory, level, found)
+    record = bounded.record(level, found)
+    store.save(key, made_by, record)
+    return record

@@ -57,6 +57,14 @@ def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Dr
         return draw_figures(directory, chosen, processes.map, show)
 
 
+def listed(paths: Sequence[Path]) -> str:
+    """Files in a line, those of one kind in one folder as one pattern."""
+    kinds: dict[str, list[Path]] = {}
+    for path in paths:
+        kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)
+    return ", ".join(f"{kind} ({len(of)})" if len(of) > 2 else ", ".join(map(str, of)) for kind, of in kinds.items())
+
+
 def exit_code(verdicts: Sequence[Verdict]) -> int:
     """0 iff every claim holds; undecided is not a pass, and what is only reported claims nothing."""
     return OK if verdicts and all(verdict.verdict in (HOLDS, REPORTED) for verdict in verdicts) else FAILED

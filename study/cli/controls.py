@@ -23,10 +23,9 @@ def do_controls(options: argparse.Namespace) -> int:
     with Processes(options.jobs) as executor, store.locked():
         with progress_bar(len(settings(chosen)) + len(chosen)) as bar:
             bar.set_description(f"{len(chosen)} defects")
-            findings = run_controls(chosen, executor, bar.update)
+            findings = run_controls(chosen, executor, store, bar.update)
         written = write_controls(options.out, findings)
-    print(f"\n{controls_text(findings)}")
-    print(f"data: {written}")
+    print(f"\ndata: {written}\n\n{controls_text(findings)}")
     return OK if all(finding.passes for finding in findings) else FAILED
 
 
@@ -35,6 +34,7 @@ def do_seeds(options: argparse.Namespace) -> int:
     check_jobs(options.jobs)
     if options.seeds < 1:
         raise UsageError(f"--seeds must be 1 or more, got {options.seeds}")
+    Store(options.out).check()
     found = {}
     with Processes(options.jobs) as processes:
         pool = Pool.of(processes)
@@ -44,6 +44,5 @@ def do_seeds(options: argparse.Namespace) -> int:
                 found[seed] = measure(seeded(seed), store, pool)
     table = tally(found)
     written = write_seeds(options.out, table)
-    print(f"\n{text(table)}")
-    print(f"data: {written}")
+    print(f"\ndata: {written}\n\n{text(table)}")
     return FAILED if table.loc[table["claimed"] == "yes", "alarms"].any() else OK

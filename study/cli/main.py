@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import importlib
 import io
+import os
 import sys
 from collections.abc import Sequence
 
 from study.cli.arguments import parser
+
+FAILED, INTERRUPTED, CLOSED = 1, 130, 141
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -18,14 +21,35 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     options = parser().parse_args(arguments)
     module, name = options.command
-    # Not before it is known what is asked for: what solves takes seconds to import.
-    refusals = importlib.import_module("study.cli.refusals")
     try:
-        return int(getattr(importlib.import_module(f"study.cli.{module}"), name)(options))
+        # Not before it is known what is asked for: what solves takes seconds to import.
+        code = int(getattr(importlib.import_module(f"study.cli.{module}"), name)(options))
+        sys.stdout.flush()
+        return code
     except KeyboardInterrupt:
-        print("study: interrupted; finished jobs are kept, the same command does the rest", file=sys.stderr)
-        return 130
+        print(f"study: interrupted; {options.interrupted}", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:
+        # Whoever read the output has seen enough.
+        _close_output()
+        return CLOSED
+    except ModuleNotFoundError as error:
+        if (error.name or "study").partition(".")[0] in ("study", "manufactured"):
+            raise
+        print(f"study: {LACKING.format(error.name)}", file=sys.stderr)
+        return FAILED
     except Exception as error:
-        code, message = refusals.answer(error)
+        code, message = importlib.import_module("study.cli.refusals").answer(error)
         print(f"study: {message}", file=sys.stderr)
+        if isinstance(error, OSError):
+            _close_output()
         return int(code)
+
+
+LACKING = "this command needs {}, which is not installed: python -m pip install '.[study]' in a clone of the repository"
+
+
+def _close_output() -> None:
+    """Let what is left of the output go nowhere: at the end it could not be written either."""
+    with open(os.devnull, "w") as nowhere:
+        os.dup2(nowhere.fileno(), 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import argparse
 
-from study.cli.common import OK, check_jobs, draw
+from study.cli.common import OK, check_jobs, draw, listed
 from study.present.figures import drawings
 from study.present.report import write_report
 from study.present.tables import write_tables
@@ -19,8 +19,7 @@ def do_tables(options: argparse.Namespace) -> int:
     read_provenance(options.out)
     with Store(options.out).steady():
         judge(options.out)
-        for path in (claims_file(options.out), *write_tables(options.out)):
-            print(path)
+        print(f"written: {listed([claims_file(options.out), *write_tables(options.out)])}")
     return OK
 
 
@@ -36,6 +35,5 @@ def do_figures(options: argparse.Namespace) -> int:
     check_jobs(options.jobs)
     read_provenance(options.out)
     with Processes(options.jobs) as executor, Store(options.out).steady():
-        for path in draw(options.out, executor, drawings):
-            print(path)
+        print(f"written: {listed(draw(options.out, executor, drawings))}")
     return OK

@@ -39,4 +39,7 @@ def answer(error: Exception) -> tuple[int, str]:
         return FAILED, str(error)
     if isinstance(error, BrokenExecutor):
         return FAILED, KILLED
+    if isinstance(error, OSError):
+        what = f"cannot read or write {error.filename}" if error.filename else "cannot write the output"
+        return USAGE, f"{what}: {error.strerror or error}; make room there, or permit it, and give the command again"
     raise error

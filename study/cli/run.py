@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Iterable
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from study.cli.common import check_jobs, draw, exit_code, measure
+from study.cli.common import check_jobs, draw, exit_code, listed, measure
 from study.cli.typed import run_line
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
@@ -19,6 +20,7 @@ from study.run.cluster import connected
 from study.run.execute import Pool, refuse_too_large, unfinished
 from study.run.plan import Plan, full, quick
 from study.run.processes import Processes
+from study.run.provenance import read_provenance
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
 from study.statements.own_cases import TRY, enough, finer, least_levels
@@ -35,7 +37,10 @@ def do_run(options: argparse.Namespace) -> int:
     scope = chosen(options)
     scope.check()
     warn_of_few_levels(scope)
-    plan, store = Plan.of(scope), Store(options.out or PLACES[options.plan])
+    store = Store(options.out or PLACES[options.plan])
+    if options.levels:
+        scope = with_levels_of(store.directory, scope)
+    plan = Plan.of(scope)
     # More processes than there is work would only be started.
     with (
         Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
@@ -49,12 +54,43 @@ def do_run(options: argparse.Namespace) -> int:
             # Drawing all takes as long as a third of the quick study.
             written += draw(store.directory, processes, drawings if options.case else overview)
     print(f"\ndata: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
-    print("written: " + ", ".join(sorted({f"{path.parent}/*{path.suffix}" for path in written})))
+    print(f"written: {listed(written)}")
     print(f"\n{rates_text(store.directory)}")
     print(ledger_text(read_claims(store.directory)))
     if any(TRY in verdict.expected for verdict in verdicts):
         print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
     return exit_code(verdicts)
+
+
+def with_levels_of(directory: Path, scope: Scope) -> Scope:
+    """A scope with the levels that a directory has of its cases, where it asks for others beside them."""
+    if not (directory / "data" / "provenance.json").exists():
+        return scope
+    planned = read_provenance(directory)["planned"]
+    for case in scope.resolved():
+        given = set(scope.levels_of(case).all)
+        had, compared = (
+            {int(row[-1]) for row in planned if row[:2] == [name, case.name]}
+            for name in ("rates.csv", "equivalence.csv")
+        )
+        if not had or not given - had:
+            continue
+        if had - given:
+            print(
+                f"study: {directory} has {case.name} on the levels {spaced(had)}: {spaced(given - had)} added",
+                file=sys.stderr,
+            )
+        scope = replace(scope, own=(*scope.own, (case.name, Levels(tuple(sorted(had | given))))))
+        if case.solution.body.dim == 2:
+            scope = replace(scope, equivalence=tuple(sorted(compared | {*scope.equivalence})))
+        else:
+            scope = replace(scope, solid_equivalence=tuple(sorted(compared | {*scope.solid_equivalence})))
+    return scope
+
+
+def spaced(levels: Iterable[int]) -> str:
+    """Levels in order."""
+    return " ".join(map(str, sorted(levels)))
 
 
 def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) -> str:
@@ -78,7 +114,8 @@ def warn_of_few_levels(scope: Scope) -> None:
 
 def chosen(options: argparse.Namespace) -> Scope:
     """The quick or the full study, or what the options make of it."""
-    scope = replace({"quick": quick, "full": full}[options.plan](), scheme=options.scheme, k=options.step)
+    study = {"quick": quick, "full": full}[options.plan]()
+    scope = replace(study, scheme=options.scheme, k=options.step, command=run_line(options))
     if options.case:
         scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import argparse
 
 from manufactured.self_proof import prove
-from study.cli.common import OK, progress_bar
+from study.cli.common import OK, listed, progress_bar
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
 from study.present.show import count_images, draw_show
 from study.run.showcase import LEVELS, STEPS, solve_showcase
+from study.run.store import Store
 
 
 def do_show(options: argparse.Namespace) -> int:
@@ -20,14 +21,14 @@ def do_show(options: argparse.Namespace) -> int:
         raise UsageError(f"--level must be 2 or more, got {level}")
     prove(case.solution, f"case {case.name}")
     directory = options.out / case.name
-    with progress_bar(STEPS + 1) as bar:
-        bar.set_description(case.name)
-        solved = solve_showcase(case, level, directory, bar.update)
-    with progress_bar(count_images(solved.picture)) as bar:
-        bar.set_description("images")
-        shown = draw_show(solved.picture, solved.series, directory, bar.update)
-    for path in shown.written:
-        print(path)
+    with Store(directory, written=(".",)).locked():
+        with progress_bar(STEPS + 1) as bar:
+            bar.set_description(case.name)
+            solved = solve_showcase(case, level, directory, bar.update)
+        with progress_bar(count_images(solved.picture)) as bar:
+            bar.set_description("images")
+            shown = draw_show(solved.picture, solved.series, directory, bar.update)
+    print(f"written: {listed(shown.written)}")
     for line in shown.left_out:
         print(f"left out: {line}")
     return OK

@@ -66,7 +66,7 @@ def seeded(seed: int) -> Plan:
 
     No pictures, and no bounds: these are proved for every mesh, and tested with random ones.
     """
-    base = replace(quick(), rough=full().rough)
+    base = replace(quick(), rough=full().rough, command="study seeds")
     scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
     jobs = [
         Job(statement, setting)

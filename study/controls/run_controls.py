@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, as_completed
-from dataclasses import dataclass
+from concurrent.futures import Executor, Future, as_completed
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,10 @@ from study.controls.control import Control
 from study.controls.slips import made
 from study.ledger.files import write_text
 from study.ledger.rounding import cell
+from study.ledger.terminal import is_narrow
 from study.ledger.verdict import FAILS, HOLDS, Verdict
+from study.run.fingerprint import of_everything
+from study.run.store import Store
 
 NO_DEFECT = "none"
 
@@ -72,20 +76,45 @@ def settings(controls: Sequence[Control[Any]]) -> list[Baseline[Any]]:
     return list(dict.fromkeys(control.setting for control in controls))
 
 
-def run_controls(controls: Sequence[Control[Any]], executor: Executor, notify: Callable[[], object]) -> list[Outcome]:
+def run_controls(
+    controls: Sequence[Control[Any]], executor: Executor, store: Store, notify: Callable[[], object]
+) -> list[Outcome]:
     """Findings of the baselines, one per setting, and of the controls, in this order.
 
-    ``notify`` is called after every measurement, of a baseline or of a control.
+    What the store holds of the same code is not measured again. ``notify`` is called after every measurement, of a
+    baseline or of a control.
     """
     places = settings(controls)
-    baselines = [executor.submit(work, setting, unchanged) for setting in places]
-    defective = [executor.submit(work, control.setting, control.defect) for control in controls]
-    for _ in as_completed(baselines + defective):
-        notify()
+    measured: list[tuple[str, Baseline[Any], Callable[[Any], Any]]] = [(str(p), p, unchanged) for p in places]
+    measured += [(control.name, control.setting, control.defect) for control in controls]
+    found: dict[str, list[Verdict]] = {}
+    running: dict[Future[list[Verdict]], tuple[str, str]] = {}
+    for name, setting, defect in measured:
+        made_by = of_everything(name, setting, defect.__qualname__)
+        kept = store.load(_key(name), made_by)
+        if kept is None:
+            running[executor.submit(work, setting, defect)] = name, made_by
+        else:
+            found[name] = [Verdict(**row) for row in kept["rows"]]
+            notify()
+    try:
+        for future in as_completed(running):
+            name, made_by = running[future]
+            found[name] = future.result()
+            store.save(_key(name), made_by, {"rows": [asdict(verdict) for verdict in found[name]]})
+            notify()
+    finally:
+        for future in running:
+            future.cancel()
     return [
-        *(Outcome.of_baseline(setting, future.result()) for setting, future in zip(places, baselines, strict=True)),
-        *(Outcome.of_control(control, future.result()) for control, future in zip(controls, defective, strict=True)),
+        *(Outcome.of_baseline(place, found[str(place)]) for place in places),
+        *(Outcome.of_control(control, found[control.name]) for control in controls),
     ]
+
+
+def _key(name: str) -> str:
+    """The name of the file of a control or of a setting among finished work."""
+    return "control__" + re.sub(r"[^\w.]+", "-", name).strip("-")
 
 
 def work(setting: Baseline[S], defect: Callable[[S], S]) -> list[Verdict]:
@@ -131,7 +160,8 @@ def controls_text(findings: Sequence[Outcome]) -> str:
 
 
 def _table(head: list[str], rows: list[tuple[str, ...]]) -> str:
-    return tabulate(rows, head, "simple", disable_numparse=True, maxcolwidths=[48, 31, 17, 9][: len(head)])
+    widths = [30, 23, 12, 9] if is_narrow() else [48, 31, 17, 9]
+    return tabulate(rows, head, "simple", disable_numparse=True, maxcolwidths=widths[: len(head)])
 
 
 def _baseline_line(finding: Outcome) -> tuple[str, ...]:

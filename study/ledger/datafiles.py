@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shlex
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields
@@ -42,13 +43,30 @@ TEXT = {
 """Columns that hold words even where they look like numbers or are empty."""
 
 
+COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds"}
+"""What makes data files that no run makes."""
+
+
 class DataError(ValueError):
     """A data file is missing or is not what ``study run`` writes."""
 
 
 def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFrame:
     """The table ``directory/data/name`` of a run; otherwise as ``read_table``."""
-    return read_table(directory / "data" / name, columns, f"study run --out {directory}")
+    command = COMMANDS.get(name)
+    again = f"{command} --out {directory}" if command else made_by(directory)
+    return read_table(directory / "data" / name, columns, again)
+
+
+def made_by(directory: Path) -> str:
+    """The command that made a directory, from its provenance; ``study run`` where that says none."""
+    try:
+        content = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))
+        plain = "study run --full" if content.get("plan") == "full" else "study run"
+        command = str(content.get("scope", {}).get("command", plain))
+    except (OSError, ValueError, AttributeError):
+        command = "study run"
+    return f"{command} --out {shlex.quote(str(directory))}"
 
 
 def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFrame:

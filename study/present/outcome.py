@@ -14,13 +14,12 @@ from tabulate import tabulate
 from study.ledger.datafiles import SERIES, by_claim, count_verdicts, read_rates
 from study.ledger.files import write_text
 from study.ledger.rounding import cell, significant
+from study.ledger.terminal import is_narrow, width
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, VERDICTS, Verdict
-
-WIDTH = 110
 
 
 def rates_text(directory: Path) -> str:
-    """A row per case and mesh family from ``rates.csv``, at most 110 columns wide.
+    """A row per case and mesh family from ``rates.csv``, as wide as the terminal, at most 110 columns.
 
     The finest level n and its error, the order of the discrete error between the two finest levels, the largest time
     share of all levels, and the orders from level to level, the last ones if not all fit.
@@ -28,16 +27,17 @@ def rates_text(directory: Path) -> str:
     rates = read_rates(directory)
     schemes = rates["scheme"].nunique() > 1
     head = ("case", "meshes", "n", "error", "disc. order", "largest time %", "orders level by level")
-    widths = (20, 25, 5, 9, 11, 7, 21) if schemes else (28, 13, 5, 9, 11, 7, 25)
+    words = (13, 13, 16) if is_narrow() else (20, 25, 21) if schemes else (28, 13, 25)
+    widths = (*words[:2], 5, 9, 5 if is_narrow() else 11, 7, words[2])
     lines: list[str] = []
     for claim, of_claim in rates.groupby("claim", sort=False):
-        rows = [_rates_row(series, schemes) for _, series in of_claim.groupby(SERIES, sort=False)]
+        rows = [_rates_row(series, schemes, (words[2] + 1) // 5) for _, series in of_claim.groupby(SERIES, sort=False)]
         lines += [str(claim), _aligned(head, rows, widths, numbers=slice(2, 6)), ""]
     return "\n".join(lines)
 
 
 def ledger_text(claims: pd.DataFrame) -> str:
-    """A row per statement of the ledger, at most 110 columns wide, then every row that does not hold.
+    """A row per statement of the ledger, as wide as ``rates_text``, then every row that does not hold.
 
     In how many cases a statement was looked at, and how many rows it has by verdict.
     """
@@ -45,7 +45,8 @@ def ledger_text(claims: pd.DataFrame) -> str:
         [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
         for label, claim, judged in by_claim(claims)
     ]
-    lines = [_aligned(("statement", "", "cases", *VERDICTS), rows, (22, 44, 5, 5, 8, 9, 5), numbers=slice(2, 7)), ""]
+    words = (12, 24) if is_narrow() else (22, 44)
+    lines = [_aligned(("statement", "", "cases", *VERDICTS), rows, (*words, 5, 5, 8, 9, 5), numbers=slice(2, 7)), ""]
     for _, row in claims[~claims["verdict"].isin([HOLDS, REPORTED])].iterrows():
         lines += _finding(row)
     count = count_verdicts(claims)
@@ -75,10 +76,9 @@ def write_junit(path: Path, verdicts: list[Verdict]) -> None:
     write_text(path, ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n")
 
 
-def _rates_row(series: pd.DataFrame, schemes: bool) -> list[str]:
+def _rates_row(series: pd.DataFrame, schemes: bool, shown: int) -> list[str]:
     finest = series.iloc[-1]
     orders = [f"{order:.2f}" for order in series["order"].dropna()]
-    shown = 4 if schemes else 5
     return [
         str(finest["case"]),
         f"{finest['family']}, {finest['scheme']}" if schemes else str(finest["family"]),
@@ -97,7 +97,7 @@ def _finding(row: pd.Series) -> list[str]:
     where = f"{row['label']}, {row['case']}" if row["case"] else str(row["label"])
     values = f"expected {expected}, observed {'no number' if pd.isna(row['observed']) else observed}"
     text = f"{row['verdict']}: {where}: {row['quantity']}: {values}{f'; because {why}' if why else ''}"
-    return textwrap.wrap(text, WIDTH, subsequent_indent="    ", break_on_hyphens=False)
+    return textwrap.wrap(text, width(), subsequent_indent="    ", break_on_hyphens=False)
 
 
 def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int], numbers: slice) -> str:

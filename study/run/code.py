@@ -31,6 +31,13 @@ def code_of(modules: Iterable[str]) -> str:
 
 
 @cache
+def code_of_all() -> str:
+    """The hash of all files of the project with code."""
+    files = sorted(path for package in PACKAGES for path in (ROOT / package).rglob("*.py"))
+    return hashlib.sha256(b"".join(path.read_bytes() for path in files)).hexdigest()
+
+
+@cache
 def closure(modules: frozenset[str]) -> frozenset[str]:
     """The modules that count, of some and of all that they import."""
     found: set[str] = set()

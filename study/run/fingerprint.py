@@ -19,9 +19,11 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from manufactured.case import Case
+from manufactured.data import Data
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named
-from study.run.code import code_of
+from study.run.code import code_of, code_of_all
 from study.statements.enclosure.bound_rows import posed
 from study.statements.shared.base import Setting, Statement
 
@@ -53,8 +55,23 @@ def modules_behind(reference: str) -> frozenset[str]:
 
 def _problem(reference: str) -> object:
     behind = posed(reference)
-    data = behind.data.body, behind.data.law, behind.data.formulas_of
-    return (behind.case.solution, behind.case.regularity) if behind.case else data
+    return _behind(behind.data, behind.case)
+
+
+def _behind(data: Data, case: Case | None) -> object:
+    return (case.solution, case.regularity) if case else (data.body, data.law, data.formulas_of)
+
+
+def of_problem(data: Data, case: Case | None, setting: Iterable[object], module: str) -> str:
+    """The hash for what a module computes in a setting of anybody's problem, or of a case."""
+    values, behind = [*setting], _behind(data, case)
+    code = code_of({module, *modules_of(behind), *modules_of(values)})
+    return _hash([versions(), by_value(behind), by_value(values), code])
+
+
+def of_everything(*setting: object) -> str:
+    """The hash for what depends on any code of the project, also on that which judges."""
+    return _hash([versions(), *map(by_value, setting), code_of_all()])
 
 
 @cache

@@ -9,7 +9,7 @@ from pathlib import Path
 import pandas as pd
 
 from manufactured.catalogue import catalogue
-from study.ledger.datafiles import CsvFile, DataError, read_csv, write_csv
+from study.ledger.datafiles import CsvFile, DataError, made_by, read_csv, write_csv
 from study.ledger.verdict import Verdict
 from study.run.measured import read_tables
 from study.run.provenance import Complete, read_provenance
@@ -82,7 +82,7 @@ def judge_statement(statement: Statement, rows: pd.DataFrame) -> list[Verdict]:
 
 def _refuse_gaps(directory: Path, tables: dict[CsvFile, pd.DataFrame], cases: pd.DataFrame) -> None:
     """Refuse measurements without their case, and bounds without their course in time."""
-    again = f"make it with `study run --out {directory}`"
+    again = f"make it with `{made_by(directory)}`"
     measured = {case for file, table in tables.items() if file.name in EVERY_CASE for case in table["case"]}
     if unknown := sorted(measured - set(cases["case"])):
         raise DataError(f"{directory}/data/cases.csv lacks {', '.join(unknown)}: {again}")

@@ -28,11 +28,21 @@ FORMAT = 2
 """Changes whenever older data files can no longer be read as they were meant."""
 
 
+WRITTEN = ("data", "tables", "figures", "article", "report.html")
+"""What a run and the commands that start from it write in their directory."""
+
+
 @dataclass(frozen=True)
 class Store:
-    """The data directory of a run, DIR/data, with its jobs in DIR/data/jobs; ``directory`` is DIR."""
+    """The data directory of a run, DIR/data, with its jobs in DIR/data/jobs.
+
+    Attributes:
+        directory: DIR.
+        written: files and folders in it that are written; "." where the whole directory is one command's own.
+    """
 
     directory: Path
+    written: tuple[str, ...] = WRITTEN
 
     @property
     def data(self) -> Path:
@@ -41,12 +51,31 @@ class Store:
     def path(self, key: str) -> Path:
         return self.data / "jobs" / f"{key}.json"
 
+    def refuse_foreign(self) -> None:
+        """Refuse a directory with files of others where this writes: the study's have a lock or a provenance.
+
+        Raises:
+            StoreError: names the first foreign file.
+        """
+        if any((self.data / mark).exists() for mark in (".lock", "provenance.json")):
+            return
+        for place in self.written:
+            found = self.directory / place
+            files = [found] if found.is_file() else sorted(path for path in found.rglob("*") if path.is_file())
+            foreign = next((path for path in files if not path.name.startswith(".")), None)
+            if foreign:
+                raise StoreError(
+                    f"{foreign} was not written by a study, and might be overwritten: give a directory of its own with "
+                    "--out, such as --out build/study"
+                )
+
     def check(self) -> None:
         """Refuse, before anything is computed, a directory that cannot be written or is of another format.
 
         Raises:
             StoreError: names the directory or the file, and the mend.
         """
+        self.refuse_foreign()
         probe = self.data / ".writable"
         write_text(probe, "")
         probe.unlink(missing_ok=True)
@@ -64,6 +93,7 @@ class Store:
         Raises:
             StoreError: another run works on the directory, or it cannot be written.
         """
+        self.refuse_foreign()
         path = self.data / ".lock"
         try:
             path.parent.mkdir(parents=True, exist_ok=True)

@@ -199,7 +199,7 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
     assert abs(table["observed"].astype(float).tolist()[2]) < 0.1
     for control in chosen:
         assert control.name in text
-    assert {path.name for path in (tmp_path / "data").iterdir()} == {"controls.csv", ".lock"}
+    assert {path.name for path in (tmp_path / "data").iterdir()} == {"controls.csv", ".lock", "jobs"}
 
 
 def test_a_harmless_defect_is_not_caught_and_the_command_fails(monkeypatch, tmp_path, capsys) -> None:

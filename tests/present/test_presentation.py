@@ -427,6 +427,18 @@ def test_terminal_tables_fit_110_columns(drawn: Path, data: Path) -> None:
         assert max(map(len, text.splitlines())) <= 110
 
 
+def test_terminal_tables_fit_a_terminal_of_80_columns(drawn: Path, data: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    path = data / "data" / "rates.csv"
+    replace(path, "rough-1.75", "a-very-long-case-name-that-says-everything-there-is-to-say")
+    second = pd.read_csv(path).assign(scheme="backward-euler")
+    pd.concat([pd.read_csv(path), second]).to_csv(path, index=False)
+    for text in (rates_text(drawn), ledger_text(drawn), rates_text(data)):
+        assert max(map(len, text.splitlines())) <= 80
+    (line,) = (line for line in rates_text(drawn).splitlines() if "64" in line and line.endswith("1.07 1.03 1.02"))
+    assert "advance" in line
+
+
 def test_the_rate_text_has_one_line_per_case_and_family(drawn: Path) -> None:
     lines = rates_text(drawn).splitlines()
     (line,) = (line for line in lines if line.startswith("advance-recede") and "shaken" in line)

@@ -47,6 +47,7 @@ class Scope:
         k: time step at every level; without it each case's own.
         statements: whether all statements are measured, or only those that are measured on every case.
         own: pairs (case, levels) of cases that have other levels.
+        command: what is typed to have it measured, for messages.
     """
 
     name: str
@@ -61,6 +62,7 @@ class Scope:
     k: float | None = None
     statements: bool = True
     own: tuple[tuple[str, Levels], ...] = ()
+    command: str = "study run"
 
     @property
     def full(self) -> bool:

@@ -1,0 +1,254 @@
+"""What a command does to directories, disks and terminals that are not as one would wish."""
+
+from __future__ import annotations
+
+import io
+import json
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from study.bound import bounded
+from study.cli import run
+from study.cli.arguments import parser
+from study.cli.main import CLOSED, INTERRUPTED, main
+from study.controls.baselines import Sweep
+from study.controls.register import Control
+from study.controls.run_controls import run_controls
+from study.ledger.datafiles import made_by
+from study.ledger.files import write_text
+from study.ledger.verdict import FAILS, HOLDS, Verdict, row
+from study.ledger.window import at_most
+from study.run.plan import Plan
+from study.run.processes import Processes
+from study.run.provenance import provenance
+from study.run.store import Store
+from study.statements.green import Green
+from study.statements.shared.scope import Scope
+
+COARSE = ["--steps", "2", "--refine", "0", "--shorter", "1"]
+COMMANDS = [
+    ["run", "--case", "full-contact", "--levels", "2", "4", "8"],
+    ["check"],
+    ["tables"],
+    ["figures"],
+    ["report"],
+    ["controls"],
+    ["seeds", "--seeds", "1"],
+]
+
+
+def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main([*arguments]) == 2
+    return capsys.readouterr().err
+
+
+def everything(directory: Path) -> dict[Path, bytes]:
+    return {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+def test_files_that_the_study_did_not_write_are_never_overwritten(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    write_text(tmp_path / "data" / "rates.csv", "mine")
+    write_text(tmp_path / "figures" / "convergence.png", "mine")
+    before = everything(tmp_path)
+    told = refused(capsys, *command, "--out", str(tmp_path))
+    assert "no finished run" in told or f"{tmp_path}/data/rates.csv was not written by a study" in told
+    assert everything(tmp_path) == before
+
+
+@pytest.mark.parametrize("command", [["bound", "ramp", "--levels", "4", *COARSE], ["show", "ramp"]])
+def test_a_folder_of_somebody_else_is_left_alone(
+    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    name = "ramp" if command[0] == "bound" else "full-contact"
+    write_text(tmp_path / name / "notes.txt", "mine")
+    told = refused(capsys, command[0], name, *command[2:], "--out", str(tmp_path))
+    assert f"{tmp_path / name}/notes.txt was not written by a study" in told
+    assert list(everything(tmp_path)) == [tmp_path / name / "notes.txt"]
+
+
+def test_other_files_beside_those_of_the_study_are_no_hindrance(tmp_path: Path) -> None:
+    write_text(tmp_path / "src" / "mine.py", "")
+    write_text(tmp_path / "README.md", "")
+    Store(tmp_path).check()
+    with Store(tmp_path).locked():
+        write_text(tmp_path / "data" / "rates.csv", "ours")
+    Store(tmp_path).check()
+
+
+def test_a_bound_resumes_with_the_levels_that_are_not_done(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+    original = bounded.bounded_solution
+
+    def counted(*arguments: Any) -> bounded.BoundedSolution:
+        asked.append(arguments[3])
+        return original(*arguments)
+
+    monkeypatch.setattr(bounded, "bounded_solution", counted)
+    monkeypatch.setattr("study.cli.bound.draw_one", lambda *_: [])
+    command = ["bound", "ramp", *COARSE, "--out", str(tmp_path)]
+    assert main([*command, "--levels", "2"]) == 0
+    assert main([*command, "--levels", "2", "4"]) == 0
+    whole = everything(tmp_path)
+    printed = capsys.readouterr().out.split("enclosed")[-1]
+    assert main([*command, "--levels", "2", "4"]) == 0
+    assert everything(tmp_path) == whole
+    assert capsys.readouterr().out.split("enclosed")[-1] == printed
+    assert asked == [2, 4]
+    (tmp_path / "ramp" / "trajectory-4.npz").unlink()
+    assert main([*command, "--levels", "2", "4", "--scheme", "bdf2"]) == 0
+    assert asked == [2, 4, 2, 4]
+
+
+def test_two_bounds_on_one_directory_are_refused_by_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    Store(tmp_path / "ramp").check()
+    lock = "import sys; from pathlib import Path; from study.run.store import Store\n"
+    lock += "with Store(Path(sys.argv[1])).locked(): print('locked', flush=True); sys.stdin.read()"
+    other = subprocess.Popen(
+        [sys.executable, "-c", lock, str(tmp_path / "ramp")], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+    )
+    assert other.stdout
+    assert other.stdout.readline() == b"locked\n"
+    told = refused(capsys, "bound", "ramp", "--levels", "4", *COARSE, "--out", str(tmp_path))
+    other.communicate()
+    assert f"another run works on {tmp_path}/ramp: wait until it ends, or give another directory with --out" in told
+
+
+def verdicts(self: Sweep, defect: Callable[[Any], Any]) -> list[Verdict]:
+    with (Path(self.case) / "calls").open("a") as calls:
+        calls.write(".")
+    state = HOLDS if defect(1) == 1 else FAILS
+    return [row(Green(), "order", "a", at_most(1.0), (0.5, (0.5, 0.5), state), "case")]
+
+
+def doubled(setup: Any) -> Any:
+    return 2 * setup
+
+
+def test_controls_resume_with_what_is_not_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Sweep, "verdicts", verdicts)
+    setting, store = Sweep(str(tmp_path)), Store(tmp_path / "out")
+    controls = [Control(name, "what", setting, doubled, "order") for name in ("one", "two")]
+    with Processes(1) as executor:
+        first = run_controls(controls[:1], executor, store, lambda: None)
+        again = run_controls(controls, executor, store, lambda: None)
+    assert (tmp_path / "calls").read_text() == "..."
+    assert again[:2] == first
+    assert [outcome.passes for outcome in again] == [True] * 3
+
+
+@pytest.mark.parametrize(
+    ("command", "told"),
+    [
+        (["run"], "what is finished is kept, the same command does the rest"),
+        (["bound", "ramp"], "what is finished is kept, the same command does the rest"),
+        (["controls"], "what is finished is kept, the same command does the rest"),
+        (["cases"], "no file is half-written, the same command begins anew"),
+        (["figures"], "no file is half-written, the same command begins anew"),
+    ],
+)
+def test_ctrl_c_says_what_is_true_of_the_command(
+    command: list[str], told: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def stop(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("importlib.import_module", stop)
+    assert main(command) == INTERRUPTED
+    assert capsys.readouterr().err == f"study: interrupted; {told}\n"
+
+
+@pytest.mark.parametrize("encoding", ["ascii", "cp1252", "utf-8"])
+@pytest.mark.parametrize("arguments", [["cases"], ["cases", "--json"], ["rates", "none.csv"]])
+def test_an_output_with_few_letters_ends_no_command(
+    encoding: str, arguments: list[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    streams = [io.TextIOWrapper(io.BytesIO(), encoding=encoding) for _ in range(2)]
+    monkeypatch.setattr("sys.stdout", streams[0])
+    monkeypatch.setattr("sys.stderr", streams[1])
+    assert main(arguments) == (2 if arguments[0] == "rates" else 0)
+    for stream in streams:
+        stream.flush()
+    text = streams[0].buffer.getvalue().decode(encoding)  # type: ignore[attr-defined]
+    if "--json" in arguments:
+        assert any("Γ" in entry["summary"] for entry in json.loads(text))
+    elif arguments == ["cases"]:
+        assert ("\\u0393" in text) == (encoding != "utf-8")
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="the system has no /dev/full")
+def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run([*STUDY, "cases"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 2
+    assert done.stderr.startswith("study: cannot write the output: No space left on device; make room")
+    assert len(done.stderr.splitlines()) == 1
+
+
+def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word() -> None:
+    read = subprocess.Popen([*STUDY, "cases"], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    assert read.stdout
+    assert read.stderr
+    read.stdout.close()
+    assert read.stderr.read() == ""
+    assert read.wait() == CLOSED
+
+
+STUDY = [sys.executable, "-c", "import sys; from study.cli.main import main; sys.exit(main())"]
+
+
+def test_a_disk_that_cannot_be_written_is_named_by_every_command(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: object) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("os.replace", full)
+    arguments = ["run --case full-contact --levels 2 4 8", "controls", "seeds", "bound ramp --levels 2", "show corner"]
+    for command in arguments:
+        told = refused(capsys, *command.split(), "--out", str(tmp_path / command[:4]))
+        assert "cannot write" in told
+        assert "No space left on device; give a directory you may write with --out" in told
+        assert "Traceback" not in told
+
+
+def planned(tmp_path: Path, *arguments: str) -> Scope:
+    """The scope of a run, whose provenance is written as if it were finished."""
+    options = parser().parse_args(["run", *arguments])
+    scope = run.with_levels_of(tmp_path, run.chosen(options))
+    write_text(tmp_path / "data" / "provenance.json", json.dumps(provenance(Plan.of(scope), tmp_path)))
+    return scope
+
+
+def test_levels_can_be_added_to_a_directory(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    planned(tmp_path, "--case", "corner", "cube-disc")
+    first = json.loads((tmp_path / "data" / "provenance.json").read_text())
+    scope = planned(tmp_path, "--case", "corner", "cube-disc", "--levels", "64")
+    then = json.loads((tmp_path / "data" / "provenance.json").read_text())
+    lost = {tuple(row) for row in first["planned"]} - {tuple(row) for row in then["planned"]}
+    assert lost == set()
+    assert dict(scope.own)["corner"].all == (8, 16, 32, 64)
+    assert f"{tmp_path} has corner on the levels 8 16 32: 64 added" in capsys.readouterr().err
+    shorter = planned(tmp_path / "other", "--case", "corner", "--levels", "8", "16")
+    assert shorter.own == ()
+
+
+def test_hints_for_repair_name_the_command_that_made_the_directory(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    planned(tmp_path, "--case", "corner", "--levels", "8", "16", "32", "--step", "0.1")
+    line = f"study run --case corner --levels 8 16 32 --step 0.1 --out {tmp_path}"
+    assert made_by(tmp_path) == line
+    assert f".csv is missing: make it with `{line}`" in refused(capsys, "check", "--out", str(tmp_path))
+    assert made_by(tmp_path / "none") == f"study run --out {tmp_path / 'none'}"
+    write_text(tmp_path / "a b" / "data" / "provenance.json", json.dumps({"plan": "full"}))
+    assert made_by(tmp_path / "a b") == f"study run --full --out '{tmp_path}/a b'"
