@@ -273,7 +273,7 @@ def test_a_second_run_gives_the_same_bytes(data: Path, text: str) -> None:
 @pytest.mark.parametrize("name", FILES)
 def test_missing_data_are_named_with_the_command_that_makes_them(data: Path, name: str) -> None:
     (data / "data" / name).unlink()
-    with pytest.raises(DataError, match=rf"{re.escape(name)} is missing: make it with `study run --out"):
+    with pytest.raises(DataError, match=rf"{re.escape(name)} is missing: make it with `study run --full --out"):
         report(data)
     assert not (data / "report.html").exists()
 

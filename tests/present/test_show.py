@@ -159,7 +159,7 @@ def test_the_shapes_of_an_animation_are_those_of_the_motion() -> None:
         (["show", "hexagone"], "study: unknown case 'hexagone'; did you mean hexagon? All: full-contact"),
         (["show", "nothing.py:case"], "there is no file nothing.py"),
         (["show", "hexagon", "--level", "1"], "--level must be 2 or more, got 1"),
-        (["show", "hexagon", "--out", "{file}"], "cannot write {file}/hexagon/.writable: "),
+        (["show", "hexagon", "--out", "{file}"], "cannot write {file}/hexagon/data/.lock: "),
     ],
 )
 def test_what_cannot_be_shown_is_refused(

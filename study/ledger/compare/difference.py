@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.ledger.datafiles import TEXT, DataError, read_csv
+from study.ledger.datafiles import TEXT, DataError, made_by, read_csv
 from study.ledger.packing import Packed
 
 IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
@@ -180,7 +180,7 @@ def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
 
 
 def _refusal(directory: Path, name: str, what: str) -> DataError:
-    return DataError(f"{directory / 'data' / name} {what}: make it again with `study run --out {directory}`")
+    return DataError(f"{directory / 'data' / name} {what}: make it again with `{made_by(directory)}`")
 
 
 def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:

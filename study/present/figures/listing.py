@@ -10,7 +10,7 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
-from study.ledger.datafiles import DataError, read_csv, read_rates
+from study.ledger.datafiles import DataError, made_by, read_csv, read_rates
 from study.present.charts.chart import Chart
 from study.present.charts.collapsed_chart import collapsed_chart
 from study.present.charts.convergence_chart import convergence_chart, overview_chart
@@ -88,7 +88,7 @@ def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
     orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
     if unknown := sorted(set(rates["case"]) - set(orders)):
         lacking = f"{directory / 'data' / 'cases.csv'} lacks the cases {', '.join(unknown)}"
-        raise DataError(f"{lacking}: make it again with `study run --out {directory}`")
+        raise DataError(f"{lacking}: make it again with `{made_by(directory)}`")
     return orders
 
 

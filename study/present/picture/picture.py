@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from study.ledger.datafiles import DataError, read_csv
+from study.ledger.datafiles import DataError, made_by, read_csv
 from study.ledger.packing import Packed
 from study.present.picture.faces import Array, FaceHistory, Polygon, Segment, values
 
@@ -148,7 +148,7 @@ def read_pictures(directory: Path) -> list[Picture]:
     """
     folder = directory / "data" / "pictures"
     if not folder.is_dir():
-        raise DataError(f"{folder} is missing: make it with `study run --out {directory}`")
+        raise DataError(f"{folder} is missing: make it with `{made_by(directory)}`")
     names = read_csv(directory, "cases.csv", ["case"])["case"]
     return [_read(path) for name in names if (path := folder / f"{name}.json").is_file()]
 

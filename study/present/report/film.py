@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from study.ledger.datafiles import DataError
+from study.ledger.datafiles import DataError, made_by
 from study.ledger.packing import short
 from study.present.picture.faces import FaceHistory, Polygon, Segment
 from study.present.picture.picture import Picture, over_time
@@ -32,7 +32,7 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
     """
     path = directory / "data" / "pictures" / f"{case}.json"
     if not path.is_file():
-        raise DataError(f"{path} is missing: make it with `study run --out {directory}`")
+        raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
         (displacement, von_mises), picture = over_time(record), Picture.of(record)
