@@ -5,7 +5,7 @@ BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/tutorials/first-solution.md
 
-.PHONY: study full controls seeds test tutorials pages bench bench-growth bench-peers bench-parallel lint docs paper lock clean
+.PHONY: study full controls seeds test wheel tutorials pages bench bench-growth bench-peers bench-parallel lint docs paper lock clean
 
 study: $(READY)  ## quick study into results/quick, a minute and a half
 	$(BIN)/study run --quick --out results/quick
@@ -27,6 +27,16 @@ seeds: $(READY)  ## the verdicts on twenty other random meshes into results/, fi
 
 test: $(READY)  ## the test suite without the slow levels
 	$(BIN)/pytest --numprocesses auto
+
+# As where others install it: from a wheel, without its extras, away from the repository.
+wheel: $(READY)  ## build the package, install it with NumPy and SymPy alone and try it there; build/wheel
+	rm -rf build/wheel
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w build/wheel .
+	$(BIN)/python .ci/base.py requirements.txt > build/wheel/base.txt
+	$(BIN)/python -m venv build/wheel/venv
+	build/wheel/venv/bin/python -m pip install --quiet --require-hashes -r build/wheel/base.txt
+	build/wheel/venv/bin/python -m pip install --quiet --no-index build/wheel/*.whl
+	cp .ci/alone.py README.md build/wheel && cd build/wheel && venv/bin/python alone.py README.md
 
 tutorials: $(READY)  ## what the documentation tells to type, the pages that take minutes
 	$(BIN)/pytest -m slow tests/project/test_pages.py
@@ -80,7 +90,7 @@ $(READY): requirements.txt pyproject.toml
 lock:  ## renew the pins
 	$(PYTHON) -m venv $(VENV)-lock
 	$(VENV)-lock/bin/python -m pip install --quiet pip-tools
-	$(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --extra dev --extra cluster --strip-extras --allow-unsafe \
+	$(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --extra study --extra dev --extra cluster --strip-extras --allow-unsafe \
 		--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-header -o requirements.txt pyproject.toml
 	rm -rf $(VENV)-lock
 

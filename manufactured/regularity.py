@@ -33,6 +33,11 @@ from dataclasses import dataclass
 class Regularity:
     """The exponents of a case.
 
+    >>> Regularity(gap=4, pressure=2, moving=True).proposition
+    'Prop. 5.4'
+    >>> Regularity(gap=2.25, pressure=1.5).order
+    0.75
+
     Attributes:
         gap: α; math.inf without a front.
         pressure: m; math.inf without a front.

@@ -35,6 +35,11 @@ class pos(sp.Function):  # type: ignore[misc]
     """The truncated power x_+^a = x^a where x > 0, and 0 elsewhere; pos(x, 0) is the step.
 
     Its derivative in x is a·pos(x, a−1), which is right away from x = 0, and everywhere for a > 1.
+
+    >>> pos(s - t, 2).diff(s)
+    2*pos(s - t, 1)
+    >>> pos(s - t, 2).subs({s: 3, t: 1}), pos(s - t, 2).subs({s: 1, t: 3})
+    (4, 0)
     """
 
     nargs = 2

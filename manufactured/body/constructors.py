@@ -21,6 +21,10 @@ def polygon(
     """The polygon with the given counter-clockwise vertices; ``kinds[i]`` holds from vertex i to i+1.
 
     A boundary condition may change within a side: list the point as a vertex. Interfaces are pairs of points.
+
+    >>> sides = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED]
+    >>> polygon([(0, 0), (1, 0), (0, 1)], sides).measure
+    0.5
     """
     if len(vertices) != len(kinds):
         raise BodyError(f"{len(vertices)} vertices need {len(vertices)} kinds, got {len(kinds)}")

@@ -64,6 +64,16 @@ class ExactSolution:
     def at(self, x: ArrayLike) -> Fields:
         """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed.
 
+        Points outside are not refused: there the formulas go on, as programs need whose vertices or points of
+        quadrature lie outside by a rounding error. They are no solution there; ask ``body.contains`` if in doubt.
+
+        >>> from manufactured import named
+        >>> solution = named("full-contact").solution
+        >>> solution.at([[0.5], [1.0]]).displacement(1.0).ravel().tolist()  # clamped on top
+        [0.0, 0.0]
+        >>> solution.body.contains(np.array([[0.5, 0.5], [0.5, 1.5]])).tolist()
+        [True, False]
+
         Raises:
             ValueError: there are not d coordinates.
         """

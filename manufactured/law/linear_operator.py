@@ -127,6 +127,9 @@ class Scaled:
 def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> Linear:
     """C τ = α(x) (2μ τ + λ (tr τ) I).
 
+    >>> isotropic(1, 0.5).at(np.zeros((2, 1)))(np.array([[1.0], [0.0], [0.0]])).ravel().tolist()  # τ = e₁ ⊗ e₁
+    [2.5, 0.5, 0.0]
+
     Raises:
         LawError: not elliptic, that is 2μ ≤ 0 or 2μ + dλ ≤ 0.
     """

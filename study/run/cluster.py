@@ -34,7 +34,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
         from distributed.comm import get_address_host_port
     except ImportError as error:
         raise UsageError(
-            f"--cluster needs Dask ({error}): python -m pip install '.[cluster]' in a clone of the repository"
+            f"--cluster needs Dask ({error}): python -m pip install '.[study,cluster]' in a clone of the repository"
         ) from error
     try:
         # A client waits long for what does not answer; this says at once that nothing listens.

@@ -90,7 +90,7 @@ def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys
     assert "known schemes" in refusal("http://127.0.0.1:8786")
     assert "missing port" in refusal("nonsense")
     monkeypatch.setitem(sys.modules, "distributed", None)
-    assert "pip install '.[cluster]' in a clone" in refusal("tcp://127.0.0.1:8786")
+    assert "pip install '.[study,cluster]' in a clone" in refusal("tcp://127.0.0.1:8786")
 
 
 def test_a_cluster_without_workers_is_refused_with_how_to_start_some(scheduler, monkeypatch) -> None:

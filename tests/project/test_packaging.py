@@ -1,0 +1,84 @@
+"""What is installed: the exact solutions with NumPy and SymPy, the study as an extra, and what says who made it."""
+
+from __future__ import annotations
+
+import doctest
+import importlib
+import json
+import pkgutil
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import yaml
+
+import manufactured
+from study.cli.main import LACKING, main
+
+ROOT = Path(__file__).parents[2]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+
+
+def names(requirements: list[str]) -> set[str]:
+    return {re.split(r"[<>=\[ ]", requirement)[0] for requirement in requirements}
+
+
+def test_the_base_is_numpy_and_sympy_and_everything_else_an_extra() -> None:
+    assert names(PROJECT["dependencies"]) == {"numpy", "sympy"}
+    pinned = set(re.findall(r"^([\w-]+)==", (ROOT / "requirements.txt").read_text(encoding="utf-8"), re.MULTILINE))
+    for extra in PROJECT["optional-dependencies"].values():
+        assert names(extra) <= pinned
+
+
+def test_manufactured_imports_nothing_else() -> None:
+    asked = (
+        "import importlib, pkgutil, sys, manufactured\n"
+        "for m in pkgutil.walk_packages(manufactured.__path__, 'manufactured.'): importlib.import_module(m.name)\n"
+        "print(*{name.partition('.')[0] for name in sys.modules})"
+    )
+    done = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True)
+    others = names(PROJECT["optional-dependencies"]["study"]) - {"numpy", "sympy"}
+    imported = {name.replace("-", "_") for name in others} | {"skfem", "PIL", "study"}
+    assert set(done.stdout.split()) & imported == set()
+
+
+@pytest.mark.parametrize("module", [m.name for m in pkgutil.walk_packages(manufactured.__path__, "manufactured.")])
+def test_examples_in_docstrings_are_true(module: str) -> None:
+    assert doctest.testmod(importlib.import_module(module)).failed == 0
+
+
+@pytest.mark.slow
+def test_the_wheel_works_with_numpy_and_sympy_alone() -> None:
+    done = subprocess.run(["make", "wheel"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "run with mpmath, numpy, signorini-study, sympy" in done.stdout
+
+
+def test_continuous_integration_tries_the_wheel() -> None:
+    for file in (".ci/run", ".github/workflows/ci.yml"):
+        assert "make wheel" in (ROOT / file).read_text(encoding="utf-8")
+
+
+def test_a_command_without_its_extra_says_how_to_install_it(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def without(name: str) -> None:
+        raise ModuleNotFoundError(f"No module named 'scipy', for {name}", name="scipy.sparse")
+
+    monkeypatch.setattr("importlib.import_module", without)
+    assert main(["cases"]) == 1
+    assert capsys.readouterr().err == f"study: {LACKING.format('scipy.sparse')}\n"
+
+
+def test_everything_that_says_what_this_is_says_the_same() -> None:
+    cited = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+    deposited = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
+    assert cited["version"] == PROJECT["version"]
+    assert cited["license"] == PROJECT["license"] == deposited["license"]
+    assert cited["title"] == deposited["title"]
+    assert " ".join(cited["abstract"].split()) == deposited["description"]
+    assert cited["keywords"] == PROJECT["keywords"] == deposited["keywords"]
+    assert cited["authors"] == PROJECT["authors"] == deposited["creators"]
