@@ -9,7 +9,7 @@ from study.cli.common import OK, listed, progress_bar
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
 from study.present.show import count_images, draw_show
-from study.run.showcase import LEVELS, STEPS, solve_showcase
+from study.run.showcase import LEVELS, STEPS, affordable_family, solve_showcase
 from study.run.store import Store
 
 
@@ -20,6 +20,7 @@ def do_show(options: argparse.Namespace) -> int:
     if level < 2:
         raise UsageError(f"--level must be 2 or more, got {level}")
     prove(case.solution, f"case {case.name}")
+    affordable_family(case, level)
     directory = options.out / case.name
     with Store(directory, written=(".",)).locked():
         with progress_bar(STEPS + 1) as bar:

@@ -11,6 +11,7 @@ import numpy as np
 
 from manufactured.case import Case
 from manufactured.tensors import Array, full
+from study.fem.mesh import MeshFamily
 from study.ledger.files import write_text
 from study.ledger.mesh_series import MeshFields, MeshSeries
 from study.run import resources
@@ -42,12 +43,22 @@ def solve_showcase(case: Case, level: int, directory: Path, notify: Callable[[],
         StoreError: the directory cannot be written; said before anything is solved.
         MeshError: the mesh of this level does not fit the body.
     """
-    dim = case.solution.body.dim
-    family = pictures.FAMILY if dim == 2 else serving(case)[0]
-    resources.require(f"level {level}", estimates.displacement(dim, level, family.name), resources.available())
+    family = affordable_family(case, level)
     write_text(directory / ".writable", "").unlink()
     motion = Motion.of(case.solution, family, level, STEPS, notify)
     return Showcase(pictures.record(case.name, motion, EVERY), mesh_series(motion, EVERY))
+
+
+def affordable_family(case: Case, level: int) -> MeshFamily:
+    """The meshes on which a case is shown.
+
+    Raises:
+        UsageError: no mesh family serves the body, or there is not the memory for this level.
+    """
+    dim = case.solution.body.dim
+    family = pictures.FAMILY if dim == 2 else serving(case)[0]
+    resources.require(f"level {level}", estimates.displacement(dim, level, family.name), resources.available())
+    return family
 
 
 def mesh_series(motion: Motion, every: int) -> MeshSeries:

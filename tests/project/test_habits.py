@@ -95,7 +95,7 @@ def test_the_citation_names_the_holder_of_the_licence_and_the_paper() -> None:
     assert CITATION["cff-version"] == "1.2.0"
     assert {"message", "title", "authors"} <= set(CITATION)
     assert CITATION["authors"] == [{"name": holder[1]}]
-    assert CITATION["license"] == PROJECT["license"]["text"]
+    assert CITATION["license"] == PROJECT["license"]
     (paper,) = CITATION["references"]
     assert {"type", "title", "authors"} <= set(paper)
     assert [author["family-names"] for author in paper["authors"]] == ["Barboteu", "Han", "Sofonea"]
