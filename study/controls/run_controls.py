@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from dataclasses import asdict, dataclass
+from hashlib import sha256
 from pathlib import Path
 from typing import Any
 
@@ -87,34 +88,38 @@ def run_controls(
     places = settings(controls)
     measured: list[tuple[str, Baseline[Any], Callable[[Any], Any]]] = [(str(p), p, unchanged) for p in places]
     measured += [(control.name, control.setting, control.defect) for control in controls]
+    keys = [_key(*one) for one in measured]
     found: dict[str, list[Verdict]] = {}
-    running: dict[Future[list[Verdict]], tuple[str, str]] = {}
-    for name, setting, defect in measured:
-        made_by = of_everything(name, setting, defect.__qualname__)
-        kept = store.load(_key(name), made_by)
+    running: dict[Future[list[Verdict]], str] = {}
+    made_by = of_everything()
+    for key, (_, setting, defect) in zip(keys, measured, strict=True):
+        kept = store.load(key, made_by)
         if kept is None:
-            running[executor.submit(work, setting, defect)] = name, made_by
+            running[executor.submit(work, setting, defect)] = key
         else:
-            found[name] = [Verdict(**row) for row in kept["rows"]]
+            found[key] = [Verdict(**row) for row in kept["rows"]]
             notify()
     try:
         for future in as_completed(running):
-            name, made_by = running[future]
-            found[name] = future.result()
-            store.save(_key(name), made_by, {"rows": [asdict(verdict) for verdict in found[name]]})
+            key = running[future]
+            found[key] = future.result()
+            store.save(key, made_by, {"rows": [asdict(verdict) for verdict in found[key]]})
             notify()
     finally:
         for future in running:
             future.cancel()
+    rows = [found[key] for key in keys]
     return [
-        *(Outcome.of_baseline(place, found[str(place)]) for place in places),
-        *(Outcome.of_control(control, found[control.name]) for control in controls),
+        *(Outcome.of_baseline(place, verdicts) for place, verdicts in zip(places, rows, strict=False)),
+        *(Outcome.of_control(one, verdicts) for one, verdicts in zip(controls, rows[len(places) :], strict=True)),
     ]
 
 
-def _key(name: str) -> str:
-    """The name of the file of a control or of a setting among finished work."""
-    return "control__" + re.sub(r"[^\w.]+", "-", name).strip("-")
+def _key(name: str, setting: Baseline[Any], defect: Callable[[Any], Any]) -> str:
+    """The name of a file among finished work; settings that are called alike, or defects, are told apart by value."""
+    value = repr((name, setting, getattr(defect, "__qualname__", type(defect).__qualname__)))
+    words = re.sub(r"[^\w.]+", "-", name).strip("-")
+    return f"control__{words}__{sha256(value.encode()).hexdigest()[:8]}"
 
 
 def work(setting: Baseline[S], defect: Callable[[S], S]) -> list[Verdict]:

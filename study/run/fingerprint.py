@@ -69,9 +69,9 @@ def of_problem(data: Data, case: Case | None, setting: Iterable[object], module:
     return _hash([versions(), by_value(behind), by_value(values), code])
 
 
-def of_everything(*setting: object) -> str:
+def of_everything() -> str:
     """The hash for what depends on any code of the project, also on that which judges."""
-    return _hash([versions(), *map(by_value, setting), code_of_all()])
+    return _hash([versions(), code_of_all()])
 
 
 @cache

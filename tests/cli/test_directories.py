@@ -7,6 +7,7 @@ import json
 import subprocess
 import sys
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -144,6 +145,11 @@ def test_controls_resume_with_what_is_not_done(tmp_path: Path, monkeypatch: pyte
     assert (tmp_path / "calls").read_text() == "..."
     assert again[:2] == first
     assert [outcome.passes for outcome in again] == [True] * 3
+    # Settings that are called alike are not mistaken for one another.
+    twice = [*controls, Control("one", "what", replace(setting, family="shaken"), doubled, "order")]
+    with Processes(1) as executor:
+        assert len(run_controls(twice, executor, store, lambda: None)) == 5
+    assert (tmp_path / "calls").read_text() == "....."
 
 
 @pytest.mark.parametrize(
