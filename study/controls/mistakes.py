@@ -259,12 +259,20 @@ def opposite_work(compare: Function) -> Function:
 
 
 def moved(over_time: Function) -> Function:
-    """u + (0, 10⁻⁶) in place of u, which is not 0 on Γ1."""
+    """u + (1, 1)/10⁶ in place of u, which is not 0 on Γ1."""
+    return _with_displacement(over_time, lambda u: u + 1e-6)
 
+
+def mirrored(over_time: Function) -> Function:
+    """−u in place of u, which penetrates where a gap is open."""
+    return _with_displacement(over_time, lambda u: -u)
+
+
+def _with_displacement(over_time: Function, change: Callable[[Array], Array]) -> Function:
     def found(trace: Any, solution: Any) -> Any:
         def at(x: Points) -> Any:
             right = solution.at(x)
-            return SimpleNamespace(displacement=lambda time: right.displacement(time) + 1e-6)
+            return SimpleNamespace(displacement=lambda time: change(right.displacement(time)))
 
         return over_time(trace, SimpleNamespace(body=solution.body, at=at))
 

@@ -237,6 +237,7 @@ STATEMENTS: tuple[Control[Any], ...] = (
         slip("constraint", "space_of", mistakes.outward),
         "smooth",
     ),
+    Control("sign of u", "−u for u", INTERPOLANT, slip("constraint", "over_time", mistakes.mirrored), "exact"),
     Control("Γ1 moved", "u + 10⁻⁶ for u", INTERPOLANT, slip("constraint", "over_time", mistakes.moved), "clamped"),
     Control(
         "bounds without contact",
