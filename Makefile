@@ -13,13 +13,15 @@ study: $(READY)  ## quick study into results/quick, a minute and a half
 full: $(READY)  ## all levels into results/, and the slow tests
 	$(BIN)/study run --full --out results
 	$(BIN)/study controls --out results
+	$(BIN)/study sensitivity --out results
 	$(BIN)/study tables --out results
 	$(BIN)/study figures --out results
 	$(BIN)/python -m study.present.pages results $(PAGES)
 	$(BIN)/pytest -m slow --numprocesses auto
 
-controls: $(READY)  ## deliberate defects that the verdicts must catch, half a minute
+controls: $(READY)  ## deliberate defects that the verdicts must catch, and how small ones they see, a minute
 	$(BIN)/study controls --out results/quick
+	$(BIN)/study sensitivity --out results/quick
 
 seeds: $(READY)  ## the verdicts on twenty other random meshes into results/, fifty minutes
 	$(BIN)/study seeds --out results

@@ -44,6 +44,7 @@ def parser() -> argparse.ArgumentParser:
     _out(check)
     _compare(add("compare", "compare", "which numbers and verdicts of two result directories differ, and by how much"))
     _spread(add("controls", "controls", "deliberate defects that the verdicts must catch; exit 0 all caught"))
+    _spread(add("sensitivity", "sensitivity", "the smallest relative defect of every piece that turns a row red"))
     seeds = add("seeds", "controls", "the verdicts on other random meshes; exit 0 all hold on all of them")
     seeds.add_argument("--seeds", type=int, default=SEEDS, metavar="N", help=f"how many (default {SEEDS})")
     _spread(seeds)

@@ -16,6 +16,8 @@ from study.fem.naming import family_named, resolve
 from study.ledger.verdict import REPORTED, Verdict
 from study.solve.steps import rate_steps, stress_steps
 from study.solve.tableau import MIDPOINT
+from study.statements.contact_force.judge import ContactForce
+from study.statements.contact_force.measure import measure_contact
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.prop_5_4.from_rates import SizeOfInterpolation
@@ -79,6 +81,33 @@ class Sweep:
         table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
         found = [verdict for statement in OF_RATES for verdict in statement.judge(table)]
         return [verdict for verdict in found if verdict.verdict != REPORTED]
+
+
+@dataclass(frozen=True)
+class ContactSweep:
+    """The contact force of a case of the catalogue on a few levels of one mesh family.
+
+    Attributes:
+        case: its name.
+        family: name of the mesh family.
+        levels: coarse to fine.
+    """
+
+    case: str
+    family: str = "one-diagonal"
+    levels: tuple[int, ...] = (8, 16, 32)
+
+    def __str__(self) -> str:
+        return f"contact force of {self.case}, n = {' '.join(map(str, self.levels))}"
+
+    def verdicts(self, defect: Callable[[Experiment], Experiment]) -> list[Verdict]:
+        case, family = resolve(self.case), family_named(self.family)
+        rows = []
+        for level in self.levels:
+            steps = stress_steps(case.solution.body.T, level, case.pace)
+            setup = defect(Experiment.of(case.solution, family, level, MIDPOINT, steps))
+            rows.append({"case": case.name, "family": family.name, "level": level, **measure_contact(setup)})
+        return ContactForce().judge(pd.DataFrame(rows))
 
 
 @dataclass(frozen=True)

@@ -75,6 +75,42 @@ class OneIteration(Signorini):
         return self.multipliers_on(gap > 0, gap)
 
 
+def contact_in_places(setup: Experiment) -> Experiment:
+    """v_ν ≤ 0 at every other vertex of Γ3 only."""
+    return _solver(setup, EveryOther)
+
+
+class EveryOther(Signorini):
+    """Half of the rows of N, with no force at the others."""
+
+    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+        super().__init__(S, N[::2])
+        self.count = N.shape[0]
+
+    def __call__(self, b: Array) -> tuple[Array, Array]:
+        u, forces = super().__call__(b)
+        multipliers = np.zeros(self.count)
+        multipliers[::2] = forces
+        return u, multipliers
+
+
+A_FIFTH = 1.2
+"""A contact force too large by a fifth, which changes no displacement where all of Γ3 is pressed down."""
+
+
+def multipliers_a_fifth_too_large(setup: Experiment) -> Experiment:
+    """1.2 λ in place of λ, beside the right u^h."""
+    return _solver(setup, Exaggerating)
+
+
+class Exaggerating(Signorini):
+    """The right displacement with too large forces."""
+
+    def __call__(self, b: Array) -> tuple[Array, Array]:
+        u, multipliers = super().__call__(b)
+        return u, A_FIFTH * multipliers
+
+
 def _solver(setup: Experiment, solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver]) -> Experiment:
     return replace(setup, problem=replace(setup.problem, solver=solver))
 
@@ -110,6 +146,18 @@ class FlippedWork(Gauge):
 
     def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
         return -super()._contact_work(strains, rates)
+
+
+def contact_load_a_fifth_too_large(setup: Experiment) -> Experiment:
+    """1.2 ∫_{Γ3} σ_ν v_ν in the load (3.7)."""
+    return _load(setup, LargerWork(setup.solution, setup.space).load)
+
+
+class LargerWork(Gauge):
+    """Green's formula with too large a term on Γ3."""
+
+    def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
+        return A_FIFTH * super()._contact_work(strains, rates)
 
 
 def load_one_step_late(setup: Experiment) -> Experiment:

@@ -34,7 +34,8 @@ def write_tables(directory: Path) -> list[Path]:
 def texts(directory: Path) -> dict[Path, str]:
     """What ``write_tables`` writes: path ↦ text; DataError as there."""
     makers = rates_table, ledger_table, equivalence_table, stress_table, bounds_table
-    made = [*(make(directory) for make in makers), *filter(None, [controls_table(directory)])]
+    of_controls = controls_table(directory), sensitivity_table(directory)
+    made = [*(make(directory) for make in makers), *filter(None, of_controls)]
     tables = [table.texts(directory / "tables") for table in made]
     return {path: text for table in tables for path, text in table.items()} | article(directory)
 
@@ -202,6 +203,16 @@ def controls_table(directory: Path) -> Table | None:
         *words(verdict="verdict", caught="caught"),
     ]
     return Table.of("controls", columns, _read(directory, "controls.csv", columns), grouped=1)
+
+
+def sensitivity_table(directory: Path) -> Table | None:
+    """The smallest defects that a row sees, in per cent, from ``sensitivity.csv``; none before `study sensitivity`."""
+    if not (directory / "data" / "sensitivity.csv").is_file():
+        return None
+    columns = [*names(case="case", family="meshes"), *words(defect="what is wrong"), *numbers(level="level")]
+    rows = _read(directory, "sensitivity.csv", [*columns, *numbers(amount="amount"), *names(seen_by="row")])
+    columns += [*numbers("{:.2g}", percent="by %"), *names(seen_by="row that fails")]
+    return Table.of("sensitivity", columns, rows.assign(percent=100 * rows["amount"]), grouped=2)
 
 
 def stress_table(directory: Path) -> Table:

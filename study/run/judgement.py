@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 
@@ -17,7 +17,7 @@ from study.statements import STATEMENTS
 from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
 from study.statements.own_cases import judge_own
 from study.statements.prop_5_4.sweep import RATES
-from study.statements.shared.base import LISTED, Statement
+from study.statements.shared.base import LISTED, REPORTED, Statement
 from study.statements.unmeasured import Listed
 
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
@@ -56,7 +56,7 @@ def verdicts(directory: Path) -> list[Verdict]:
     rows = [Complete().judge(planned, found)]
     for statement in STATEMENTS:
         if isinstance(statement.file, CsvFile):
-            rows += judge_statement(statement, judged[statement.file])
+            rows += judge_statement(statement, beside(statement, judged))
     return with_reasons(rows, judged[RATES])
 
 
@@ -64,6 +64,16 @@ def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
     """A table with what is predicted of its cases, and whether their exact solution is known."""
     new = [name for name in PREDICTED if name not in table or name == "case"]
     return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
+
+
+def beside(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.DataFrame:
+    """The rows that a statement is judged by, with those of another file beside them where it compares both."""
+    assert isinstance(statement.file, CsvFile)
+    mine, key = tables[statement.file], list(statement.file.key)
+    if statement.beside is None:
+        return mine
+    other = tables[statement.beside].set_index(key).add_suffix(REPORTED).reset_index()
+    return mine.merge(other, on=key, how="left")
 
 
 def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:

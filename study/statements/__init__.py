@@ -6,6 +6,7 @@ from study.statements.admissibility import Admissibility
 from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
 from study.statements.constraint import Interpolant, VertexConstraint
+from study.statements.contact_force.judge import ContactForce
 from study.statements.enclosure.inside import BoundedError, EnclosedError
 from study.statements.error_bounds import ErrorBounds
 from study.statements.fully_discrete import FullyDiscrete
@@ -18,6 +19,7 @@ from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
 from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.recomputed.judge import Recomputed
 from study.statements.residual import Residual
 from study.statements.shared.base import Statement
 from study.statements.thm_4_2.own_space import OwnSpace
@@ -32,6 +34,7 @@ ONE_SOLUTION = BoundedVelocity(), OneTrajectory(), SameMesh(), StandsAlone(), Ow
 PROPERTIES = Lipschitz(), NaturalConditions(), Hypercircle(), VertexConstraint(), Interpolant()
 ESTIMATES = ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
 CONVERGENCE = Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Residual()
+WEIGHED = ContactForce(), Recomputed()
 BEYOND = FullyDiscrete(), BoundedError(), EnclosedError()
 
 STATEMENTS: tuple[Statement, ...] = (
@@ -40,6 +43,7 @@ STATEMENTS: tuple[Statement, ...] = (
     *PROPERTIES,
     *ESTIMATES,
     *CONVERGENCE,
+    *WEIGHED,
     *BEYOND,
     Slips(),
     Untested(),

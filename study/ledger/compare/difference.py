@@ -19,7 +19,7 @@ IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left o
 """Equal to the byte; nothing beyond the tolerance; something; in one directory only, and not by ``study run``."""
 PROSE = {"statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law"}
 """Columns for readers: other words in them are told, but nothing was measured or judged otherwise."""
-WORDS = TEXT | PROSE | {"defect", "setting", "caught", "claimed"}
+WORDS = TEXT | PROSE | {"defect", "setting", "caught", "claimed", "seen_by"}
 """Columns that hold words even where they look like numbers; another one does if no cell of it is a number."""
 LATER = ["key", "family", "window_low", "window_high"]
 """Columns that data of earlier versions lack: no difference where only one directory has them."""
@@ -27,12 +27,15 @@ KEYS = {
     "rates.csv": ("claim", "case", "family", "scheme", "level"),
     "equivalence.csv": ("case", "form", "level", "family"),
     "stresses.csv": ("case", "family", "level"),
+    "recomputed.csv": ("case", "family", "scheme", "level"),
+    "contact.csv": ("case", "family", "level"),
     "statements.csv": ("label", "case", "family", "level", "quantity"),
     "bounds.csv": ("trajectory", "case", "family", "scheme", "level"),
     "enclosures.csv": ("trajectory", "case", "family", "scheme", "level"),
     "claims.csv": ("label", "case", "quantity"),
     "cases.csv": ("case",),
     "controls.csv": ("defect", "setting"),
+    "sensitivity.csv": ("defect", "case", "family"),
     "seeds.csv": ("label", "case", "quantity"),
 }
 """Columns that tell rows apart; those of ``NUMBERS``, enclosures and other files may share them, and keep an order."""
@@ -40,6 +43,8 @@ KEYED = ("label", "key", "case", "family")
 """Those of claims.csv where both directories have them."""
 NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
 """Numbers by which a row is found again whose words were changed."""
+OF_CONTROLS = "controls.csv", "seeds.csv", "sensitivity.csv"
+"""Files that are not of ``study run``."""
 MOST = 2000
 
 
@@ -128,7 +133,7 @@ def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileD
     paths = [directory / "data" / name for directory in directories]
     for path, other in zip(paths, ("NEW", "OLD"), strict=True):
         if not path.exists():
-            return FileDifference(name, LEFT_OUT if name in ("controls.csv", "seeds.csv") else DIFFERS, other)
+            return FileDifference(name, LEFT_OUT if name in OF_CONTROLS else DIFFERS, other)
     try:
         first, second = (path.read_bytes() for path in paths)
     except OSError as error:

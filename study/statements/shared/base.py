@@ -30,6 +30,10 @@ class Setting:
         return resolve(self.case).solution.body.dim
 
 
+REPORTED = "_reported"
+"""Behind the name of a column of another file."""
+
+
 class Statement:
     """A numbered statement of the source, or a question beyond it; two of one class are equal.
 
@@ -39,6 +43,7 @@ class Statement:
         label: its number.
         claim: what it says in words.
         file: the data file with the rows that it is judged by.
+        beside: another file, whose columns are put beside those of the rows with the same key, as ``NAME_reported``.
         rules: what is judged of every case.
         quick, full: cases of the catalogue, families and levels of the quick and of the full study.
         of_every_case: whether it is measured on every case of a run, those of users too.
@@ -47,6 +52,7 @@ class Statement:
     label: str
     claim: str
     file: DataFile
+    beside: CsvFile | None = None
     rules: Sequence[Rule] = ()
     quick: Sequence[Any] = ()
     full: Sequence[Any] = ()

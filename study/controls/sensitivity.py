@@ -1,0 +1,118 @@
+"""How small a defect may be that the gate still sees: ``study sensitivity``.
+
+One piece of Problem 5.1 is made wrong by a relative amount δ, and δ is halved, on a logarithmic scale, between amounts
+at which a row fails and at which all hold. Errors change by δ² at first, which orders and sizes hardly see; the rows of
+``study.statements.recomputed`` compare trajectories and see δ itself. These alone decide here, so that the amounts are
+upper bounds for the whole gate, and a mesh where cells are coarse is enough.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from concurrent.futures import Executor, as_completed
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from tabulate import tabulate
+from threadpoolctl import threadpool_limits
+
+from study.controls.small_defects import DEFECTS, START, SmallDefect
+from study.fem.naming import family_named, resolve
+from study.ledger.datafiles import CsvFile, Row, write_csv
+from study.ledger.verdict import FAILS
+from study.solve.steps import rate_steps
+from study.solve.tableau import MIDPOINT
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.recomputed.judge import TRAJECTORIES, Recomputed
+from study.statements.recomputed.measure import Course, gaps
+from study.statements.recomputed.plain import PlainProblem
+from study.statements.shared.base import Setting, grid
+
+LEAST, MOST = 1e-12, 1.0
+"""Amounts between which the smallest is looked for."""
+CLOSE = 1.05
+"""The amounts at which a row fails and at which none does differ by this factor in the end."""
+CASES = "full-contact", "advance-recede"
+FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
+LEVEL = 8
+"""The coarsest of both studies, where trajectories are compared."""
+PLACES = grid(CASES, FAMILIES, (LEVEL,))
+SENSITIVITY = CsvFile(
+    "sensitivity.csv", ("defect", "case", "family"), ("defect", "case", "family", "level", "amount", "seen_by")
+)
+
+
+@dataclass(frozen=True, eq=False)
+class Place:
+    """One mesh, with the course that trajectories are compared with."""
+
+    setting: Setting
+    setup: Experiment
+    plain: PlainProblem
+    course: Course
+
+    @classmethod
+    def of(cls, setting: Setting) -> Place:
+        """The study's own experiment there; loads are kept, as every defect asks for the same."""
+        case = resolve(setting.case)
+        steps = rate_steps(case.solution.body.T, setting.level, case.pace)
+        setup = Experiment.of(case.solution, family_named(setting.family), setting.level, MIDPOINT, steps)
+        setup = replace(setup, problem=replace(setup.problem, load=cache(setup.problem.load)))
+        plain = PlainProblem(setup.solution, setup.space.mesh)
+        return cls(setting, setup, plain, list(plain.march(2 * steps)))
+
+    def failing(self, setup: Experiment) -> list[str]:
+        """The keys of rows that fail."""
+        row = {**vars(self.setting), "h": setup.space.h, **gaps(setup, self.plain, self.course)}
+        table = {self.setting.family: pd.DataFrame([row])}
+        verdicts = [rule.verdict(Recomputed(), self.setting.case, table) for rule in TRAJECTORIES]
+        return [verdict.key for verdict in verdicts if verdict.verdict == FAILS]
+
+    def smallest(self, defect: SmallDefect) -> tuple[float, str]:
+        """The smallest amount at which a row fails, within ``CLOSE``, and that row; ∞ if none does at ``MOST``."""
+        holds, fails = LEAST, MOST
+        if not (seen := self.failing(defect.apply(self.setup, fails))):
+            return float("inf"), ""
+        while fails > CLOSE * holds:
+            amount = float(np.sqrt(holds * fails))
+            if found := self.failing(defect.apply(self.setup, amount)):
+                fails, seen = amount, found
+            else:
+                holds = amount
+        return fails, seen[0]
+
+
+def lines(setting: Setting) -> list[Row]:
+    """The rows of ``sensitivity.csv`` for one mesh; none for a start that is zero, of which nothing is a part."""
+    with threadpool_limits(1):
+        place = Place.of(setting)
+        chosen = [defect for defect in DEFECTS if defect is not START or place.setup.problem.u0.any()]
+        found = [(defect.name, *place.smallest(defect)) for defect in chosen]
+    return [{**vars(setting), "defect": name, "amount": amount, "seen_by": row} for name, amount, row in found]
+
+
+def run_sensitivity(executor: Executor, notify: Callable[[], object]) -> pd.DataFrame:
+    """``sensitivity.csv``; ``notify`` is called after every mesh."""
+    waiting = [executor.submit(lines, setting) for setting in PLACES]
+    for _ in as_completed(waiting):
+        notify()
+    return pd.DataFrame([row for future in waiting for row in future.result()], columns=list(SENSITIVITY.columns))
+
+
+def write_sensitivity(directory: Path, table: pd.DataFrame) -> Path:
+    """``data/sensitivity.csv``."""
+    path = directory / "data" / SENSITIVITY.name
+    write_csv(path, table)
+    return path
+
+
+def sensitivity_text(table: pd.DataFrame) -> str:
+    """The amounts in per cent, a line for every defect and a column for every mesh."""
+    wide = table.assign(percent=[f"{100 * amount:.2g}" for amount in table["amount"]])
+    wide = wide.pivot(index=["case", "defect"], columns="family", values="percent")
+    order = list(dict.fromkeys(zip(table["case"], table["defect"], strict=True)))
+    lines = [[*key, *wide.loc[key, list(FAMILIES)]] for key in order]
+    return tabulate(lines, ["case", "wrong by %", *FAMILIES], "simple", disable_numparse=True)

@@ -1,0 +1,127 @@
+"""Pieces of Problem 5.1 that are wrong by a relative amount, for ``study.controls.sensitivity``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from manufactured.body import Kind
+from manufactured.law import Linear
+from manufactured.tensors import Array, identity
+from study.controls.defects import Altered
+from study.fem.gauge import Gauge
+from study.fem.independent import work_on
+from study.fem.material import means
+from study.fem.moments import Amplitudes
+from study.solve.evolution import SemiDiscrete
+from study.solve.signorini import Signorini
+from study.statements.prop_5_4.experiment import Experiment
+
+
+@dataclass(frozen=True)
+class SmallDefect:
+    """A piece that is wrong by a relative amount."""
+
+    name: str
+    apply: Callable[[Experiment, float], Experiment]
+
+
+def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callable[[Experiment, float], Experiment]:
+    """F + δ times a part of F."""
+
+    def apply(setup: Experiment, amount: float) -> Experiment:
+        load, part = setup.problem.load, more(setup)
+        return replace(setup, problem=replace(setup.problem, load=lambda time: load(time) + amount * part(time)))
+
+    return apply
+
+
+def surface_load(setup: Experiment) -> Callable[[float], Array]:
+    """t ↦ (f_2, v)_{L²(Γ2)}."""
+    return cache(lambda time: work_on(Kind.LOADED, setup.solution, setup.space, time))
+
+
+def body_force(setup: Experiment) -> Callable[[float], Array]:
+    """t ↦ (f_0, v)_H, what is left of the load (3.7)."""
+    load, surface = setup.problem.load, surface_load(setup)
+    return lambda time: load(time) - surface(time)
+
+
+class WorkOnFaces(Gauge):
+    """Gives ∫_{Γ3} p v_ν alone for a load."""
+
+    def load(self, time: float) -> Array:
+        amplitudes: tuple[Amplitudes, Amplitudes] = self._amplitudes(time), self._amplitudes(time, rate=True)
+        return self._contact_work(*amplitudes)
+
+
+def contact_load(setup: Experiment) -> Callable[[float], Array]:
+    """t ↦ ∫_{Γ3} σ_ν v_ν, which Green's formula takes from (σ, ε(v))_Q."""
+    return cache(WorkOnFaces(setup.solution, setup.space).load)
+
+
+def slow_clock(setup: Experiment, amount: float) -> Experiment:
+    """F((1 − δ) t) in place of F(t)."""
+    load = setup.gauge.load
+    return replace(setup, problem=replace(setup.problem, load=lambda time: load((1 - amount) * time)))
+
+
+def wrong_start(setup: Experiment, amount: float) -> Experiment:
+    """(1 + δ) Π^h u_0."""
+    return replace(setup, problem=replace(setup.problem, u0=(1 + amount) * setup.problem.u0))
+
+
+def wrong_forces(setup: Experiment, amount: float) -> Experiment:
+    """(1 + δ) λ beside the right u^h."""
+
+    class Wrong(Signorini):
+        def __call__(self, b: Array) -> tuple[Array, Array]:
+            u, multipliers = super().__call__(b)
+            return u, (1 + amount) * multipliers
+
+    return replace(setup, problem=replace(setup.problem, solver=Wrong))
+
+
+def shear(tensor: Linear) -> Array:
+    """2μ I of an isotropic tensor."""
+    return (tensor.matrix[0, 0] - tensor.matrix[0, 1]) * np.eye(len(tensor.matrix))
+
+
+def bulk(tensor: Linear) -> Array:
+    """λ 1 ⊗ 1 of an isotropic tensor."""
+    unit = identity(tensor.dim)
+    return tensor.matrix[0, 1] * np.multiply.outer(unit, unit)
+
+
+def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callable[[Experiment, float], Experiment]:
+    """A modulus of A or G times 1 + δ in the matrix that is solved with."""
+
+    def apply(setup: Experiment, amount: float) -> Experiment:
+        law: Linear = getattr(setup.solution.law, tensor)
+        wrong = amount * setup.space.form(part(law), means(setup.space, law.factor))
+
+        def alter(problem: SemiDiscrete) -> SemiDiscrete:
+            return replace(problem, **{matrix: getattr(problem, matrix) + wrong})
+
+        return replace(setup, scheme=Altered(setup.scheme, alter))
+
+    return apply
+
+
+START = SmallDefect("start u_0^h", wrong_start)
+DEFECTS = (
+    SmallDefect("load f", loaded_by(lambda setup: setup.problem.load)),
+    SmallDefect("surface load f_2", loaded_by(surface_load)),
+    SmallDefect("body force f_0", loaded_by(body_force)),
+    SmallDefect("contact load", loaded_by(contact_load)),
+    SmallDefect("contact force λ", wrong_forces),
+    SmallDefect("μ of A", modulus("M", "A", shear)),
+    SmallDefect("λ of A", modulus("M", "A", bulk)),
+    SmallDefect("μ of G", modulus("reference", "G", shear)),
+    SmallDefect("λ of G", modulus("reference", "G", bulk)),
+    START,
+    SmallDefect("time t", slow_clock),
+)

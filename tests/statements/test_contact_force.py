@@ -1,0 +1,105 @@
+"""What is judged of the contact force can come out otherwise, and is computed from other pieces than the solve."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from manufactured.catalogue import named
+from study.fem.mesh import OneDiagonal
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.solve.tableau import MIDPOINT
+from study.statements.contact_force.judge import ContactForce
+from study.statements.contact_force.measure import Forces, measure_contact
+from study.statements.prop_5_4.experiment import Experiment
+
+LEVELS = np.array([8.0, 16.0, 32.0])
+
+
+def table(case: str = "a", family: str = "one-diagonal", levels=LEVELS, **changes) -> pd.DataFrame:
+    h = 1 / levels
+    rows = {"case": case, "family": family, "level": levels, "h": h, "penetration": 1e-16, "pulling": 0.0}
+    rows |= {"pressure": h**1.3, "dual": h**1.7, "resultant": h**2}
+    rows |= dict.fromkeys(["pressure_time_share", "dual_time_share", "resultant_time_share"], 0.1)
+    return pd.DataFrame(rows).assign(**changes)
+
+
+def verdicts(rows: pd.DataFrame) -> dict[str, str]:
+    return {verdict.key: verdict.verdict for verdict in ContactForce().judge(rows)}
+
+
+def test_the_predicted_behaviour_holds_in_every_row() -> None:
+    assert set(verdicts(pd.concat([table(), table(family="shaken")])).values()) == {HOLDS}
+
+
+@pytest.mark.parametrize(
+    ("column", "value", "key"),
+    [
+        ("pressure", 0.2, "order-pressure"),
+        ("pressure", 1 / LEVELS**0.8, "order-pressure"),
+        ("pressure", 1 / LEVELS**2.3, "order-pressure"),
+        ("dual", 0.2, "order-dual-superclose"),
+        ("dual", 1 / LEVELS**1.2, "order-dual-superclose"),
+        ("resultant", 1 / LEVELS**0.9, "order-resultant"),
+        ("resultant", 0.06, "resultant"),
+        ("dual_time_share", 0.51, "time-share"),
+        ("penetration", 1e-9, "penetration"),
+        ("penetration", np.nan, "penetration"),
+        ("pulling", 1e-9, "pulling"),
+    ],
+)
+def test_a_wrong_force_fails(column: str, value, key: str) -> None:
+    assert verdicts(table(**{column: value}))[key] == FAILS
+
+
+def test_on_other_meshes_order_one_is_enough_and_less_is_not() -> None:
+    assert verdicts(table(family="shaken", dual=1 / LEVELS))["order-dual-other"] == HOLDS
+    assert verdicts(table(family="shaken", dual=1 / LEVELS**0.8))["order-dual-other"] == FAILS
+
+
+def test_two_levels_leave_orders_undecided() -> None:
+    found = verdicts(table().iloc[:2])
+    assert {key for key, verdict in found.items() if verdict == UNDECIDED} == {key for key in found if "order" in key}
+
+
+def test_where_the_face_lands_with_a_velocity_no_order_is_claimed() -> None:
+    found = verdicts(table("lift-and-land", pressure=1.0))
+    assert {key for key, verdict in found.items() if verdict != REPORTED} == {"penetration", "pulling"}
+
+
+@pytest.fixture(scope="module")
+def setup() -> Experiment:
+    return Experiment.of(named("full-contact").solution, OneDiagonal(), 4, MIDPOINT, 4)
+
+
+def test_forces_with_the_moments_of_the_pressure_miss_nothing_but_in_l2(setup: Experiment) -> None:
+    forces = Forces.of(setup)
+    moments = np.concatenate([face.moments(face.pressure(0.3)) for face in forces.faces])
+    (pressure, dual, resultant), sizes = forces.squares(0.3, moments)
+    assert dual <= 1e-25 * sizes[1]
+    assert resultant <= 1e-25 * sizes[2]
+    assert 0 < pressure < sizes[0]
+
+
+def test_forces_too_large_by_a_fifth_are_wrong_by_a_fifth(setup: Experiment) -> None:
+    forces = Forces.of(setup)
+    moments = np.concatenate([face.moments(face.pressure(0.3)) for face in forces.faces])
+    squares, sizes = forces.squares(0.3, 1.2 * moments)
+    np.testing.assert_allclose(np.sqrt(squares / sizes)[1:], 0.2, rtol=1e-10)
+
+
+def test_the_dual_norm_is_a_supremum(setup: Experiment) -> None:
+    forces, rng = Forces.of(setup), np.random.default_rng(0)
+    y, M, N = rng.standard_normal(setup.space.N.shape[0]), setup.problem.M, setup.space.N
+    norm = np.sqrt(y @ forces.W @ y)
+    quotients = [abs(y @ (N @ v)) / np.sqrt(v @ M @ v) for v in rng.standard_normal((50, setup.space.dofs))]
+    assert max(quotients) < norm
+    best = np.linalg.solve(M.toarray(), N.T @ y)
+    assert y @ (N @ best) / np.sqrt(best @ M @ best) == pytest.approx(norm)
+
+
+def test_more_steps_change_what_the_time_share_says(setup: Experiment) -> None:
+    found = measure_contact(setup)
+    assert found["pressure_time_share"] < 0.1
+    assert found["penetration"] < 1e-14
