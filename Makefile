@@ -3,9 +3,11 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
-PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/tutorials/first-solution.md
+PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
+	docs/tutorials/first-solution.md
 
-.PHONY: study full controls seeds test wheel tutorials pages bench bench-growth bench-peers bench-parallel lint docs paper lock clean
+.PHONY: study full controls seeds test wheel tutorials pages codes codes-venv codes-check bench bench-growth bench-peers \
+	bench-parallel lint docs paper lock clean
 
 study: $(READY)  ## quick study into results/quick, a minute and a half
 	$(BIN)/study run --quick --out results/quick
@@ -45,6 +47,22 @@ tutorials: $(READY)  ## what the documentation tells to type, the pages that tak
 
 pages: $(READY)  ## the tables of README and documentation from the data of the full study
 	$(BIN)/python -m study.present.pages results $(PAGES)
+
+codes: $(READY)  ## other people's contact codes, those that are installed, into results/codes, half an hour
+	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py
+	$(BIN)/python -m study.present.pages results $(PAGES)
+
+codes-venv: build/codes-venv/.ready  ## the codes that come as wheels, in an environment of their own
+
+build/codes-venv/.ready: examples/codes/requirements.txt
+	$(PYTHON) -m venv build/codes-venv
+	build/codes-venv/bin/python -m pip install --quiet -r examples/codes/requirements.txt
+	touch $@
+
+codes-check: $(READY) build/codes-venv/.ready  ## two of them on one case, a minute: their classes are the committed ones
+	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --only kratos_mortar ngsolve_penalty \
+		--cases advance-recede --families one-diagonal --levels 8 16 \
+		--tasks build/codes-check/tasks --out build/codes-check --check
 
 # Benchmarks are not tests: a slow machine or a missing peer is no failure.
 bench: $(READY)  ## ratios of timings into results/benchmarks, some minutes; warns where one got worse

@@ -177,13 +177,13 @@ def refresh(page: Path, data: FullRun) -> bool:
         DataError: it has no marks.
     """
     text = before = page.read_text(encoding="utf-8")
-    for table in (headline, results, statements, cases):
+    for table in (headline, results, statements, cases, codes):
         head, found, rest = text.partition(f"<!-- {table.__name__} -->")
         _, closed, tail = rest.partition(END)
         if found and closed:
             text = f"{head}{found}{table(data)}{closed}{tail}"
     if END not in text:
-        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements or cases")
+        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements, cases or codes")
     write_text(page, text)
     return text != before
 
@@ -209,6 +209,26 @@ def statements(data: FullRun) -> str:
 def cases(data: FullRun) -> str:
     """How many cases there are, to stand in a sentence."""
     return str(len(data.cases))
+
+
+def codes(data: FullRun) -> str:
+    """Other people's contact codes with their parameters: classes and the worst of each, in Markdown."""
+    if data.codes is None:
+        raise DataError("results/codes is missing: make it with `make codes`")
+    header = ["code", "parameters", "class (series of meshes)", "order in V", "distance / error"]
+    lines = [
+        [
+            f"{row['code']} {row['version']}",
+            str(row["variant"]),
+            str(row["classes"]),
+            _outwards(row["order_low"], row["order_high"]),
+            up(row["share"], 2),
+            up(row["excess"], 3),
+            up(row["invariance"], 2),
+        ]
+        for row in data.codes.rows().to_dict("records")
+    ]
+    return _markdown([*header, "pressure / that of K^h", "scales"], lines)
 
 
 def _markdown(header: list[str], rows: Iterable[list[str]]) -> str:

@@ -34,7 +34,9 @@ def full() -> FullRun:
 
 
 @pytest.mark.parametrize(
-    "path", [README, page("explanation/results"), page("reference/statements")], ids=lambda p: p.name
+    "path",
+    [README, page("explanation/results"), page("reference/statements"), page("explanation/other-codes")],
+    ids=lambda p: p.name,
 )
 def test_the_tables_of_a_page_come_from_the_committed_data(path: Page, full: FullRun, tmp_path: Path) -> None:
     copy = tmp_path / "page.md"

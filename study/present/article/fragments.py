@@ -37,7 +37,7 @@ def article(directory: Path) -> dict[Path, str]:
     data = FullRun.read(directory)
     if data is None:
         return {}
-    tables = (ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips)
+    tables = (ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips, codes)
     texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
     return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
@@ -170,6 +170,21 @@ def slips(data: FullRun) -> str:
     ]
     headings = ["place", "printed", "how it is read here, and why"]
     return tabular(headings, "".join(folding(width) for width in (0.14, 0.3, 0.5)), body)
+
+
+def codes(data: FullRun) -> str:
+    """Other people's contact codes with their parameters, one row each; nothing where there are no data."""
+    rows = [] if data.codes is None else data.codes.rows().to_dict("records")
+    body = [
+        [prose(f"{row['code']} {row['version']}"), encode_letters(str(row["variant"])), prose(str(row["classes"]))]
+        + [
+            f"{row['order_low']:.2f}--{row['order_high']:.2f}",
+            *(_number(row[name], up) for name in ("share", "excess")),
+        ]
+        for row in rows
+    ]
+    headings = ["code", "parameters", "class (series)", "order", r"\(d/e\)", r"\(e_p\)"]
+    return tabular(headings, "".join(folding(width) for width in (0.17, 0.25, 0.22)) + "rrr", body)
 
 
 def _cell(data: FullRun, label: str, key: str, case: str, form: Callable[[pd.Series], str]) -> str:

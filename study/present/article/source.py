@@ -9,6 +9,7 @@ from typing import Any
 
 import pandas as pd
 
+from study.ledger.codes import Codes
 from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
 
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
@@ -21,7 +22,7 @@ SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cub
 
 @dataclass(frozen=True)
 class FullRun:
-    """The data files of a full run, cases indexed by their names, and what it was made with."""
+    """The data files of a full run, cases indexed by their names, what it was made with, and other codes."""
 
     rates: pd.DataFrame
     claims: pd.DataFrame
@@ -31,6 +32,7 @@ class FullRun:
     controls: pd.DataFrame
     seeds: pd.DataFrame
     provenance: dict[str, Any]
+    codes: Codes | None
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
@@ -55,6 +57,7 @@ class FullRun:
             controls=read_csv(directory, "controls.csv", CONTROLS).fillna({"caught": ""}),
             seeds=read_csv(directory, "seeds.csv", SEEDS).fillna(""),
             provenance=made,
+            codes=Codes.read(directory),
         )
 
     def rows(self, label: str, key: str, case: str | None = None) -> pd.DataFrame:

@@ -10,8 +10,10 @@ from pathlib import Path
 import pandas as pd
 from matplotlib.figure import Figure
 
+from study.ledger.codes import Codes
 from study.ledger.datafiles import DataError, made_by, read_csv, read_rates
 from study.present.charts.chart import Chart
+from study.present.charts.codes_chart import codes_chart
 from study.present.charts.collapsed_chart import collapsed_chart
 from study.present.charts.convergence_chart import convergence_chart, overview_chart
 from study.present.charts.enclosure_chart import enclosure_chart, enclosure_charts
@@ -54,7 +56,7 @@ def overview(directory: Path) -> list[Drawing]:
 
     ``problem``, a sketch; ``collapsed`` and ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the
     rough ones; ``contact-work`` where it was measured; ``effectivity`` of ``bounds.csv``; ``growth`` of
-    ``benchmarks/growth.csv`` where it is.
+    ``benchmarks/growth.csv`` and ``codes`` of ``codes/`` where they are.
     """
     found, rates = [Drawing("problem", draw_sketch, CAPTION)], read_rates(directory)
     orders = _expected_orders(directory, rates)
@@ -75,6 +77,9 @@ def overview(directory: Path) -> list[Drawing]:
     growth = read_growth(directory)
     if growth is not None:
         found.append(Drawing("growth", partial(draw_growth, growth), caption_growth(growth)))
+    codes = Codes.read(directory)
+    if codes is not None:
+        found.append(_chart("codes", codes_chart(codes)))
     return found
 
 

@@ -1,0 +1,127 @@
+"""Adapters are driven as they are stated, and what ``make codes`` keeps is what the judge says."""
+
+from __future__ import annotations
+
+import csv
+import importlib
+import json
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
+from typing import Any
+
+import pytest
+
+from study.fem.naming import family_named, resolve
+from study.ledger.codes import Codes
+from study.ledger.datafiles import DataError
+from study.present.charts.codes_chart import codes_chart
+from study.run.task_data import frozen, write_task
+from study.run.tasks import Task
+
+ROOT = Path(__file__).parents[2]
+CODES, RESULTS = ROOT / "examples" / "codes", ROOT / "results"
+
+
+@pytest.fixture(scope="module", autouse=True)
+def found() -> Iterator[None]:
+    sys.path.insert(0, str(CODES))
+    yield
+    sys.path.remove(str(CODES))
+
+
+def module(name: str) -> ModuleType:
+    return importlib.import_module(name)
+
+
+@pytest.fixture(scope="module")
+def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    place = tmp_path_factory.mktemp("tasks")
+    for case, levels in (("corner", (4, 8)), ("cube-disc", (2, 4))):
+        for n in levels:
+            write_task(place, frozen(Task(resolve(case), family_named("one-diagonal"), n), (0.15, 0.55)))
+    return place
+
+
+@pytest.mark.parametrize("adapter", ["this_study", "scikit_fem"])
+def test_an_adapter_whose_code_is_here_is_exact_in_the_plane_and_in_space(
+    adapter: str, directory: Path, tmp_path: Path
+) -> None:
+    module("drive").main(adapter, str(directory), str(tmp_path))
+    rows = json.loads((tmp_path / f"{adapter}.json").read_text())
+    assert {(row["case"], row["verdict"]) for row in rows} == {(c, "exact for P1") for c in ("corner", "cube-disc")}
+    assert max(row["invariance"] for row in rows) < 1e-10
+    errors, classes = module("run_codes").table(rows)
+    assert len(errors) == 4
+    assert [row["class"] for row in classes] == ["exact for P1"] * 2
+
+
+def test_a_task_that_a_code_cannot_express_is_named_with_the_reason(directory: Path) -> None:
+    tasks = module("contact_judge").read_tasks(directory)
+
+    def make(task: Any) -> Any:
+        raise module("common").CannotExpressError("no springs in this code")
+
+    row = module("drive").variant_on(make, tasks[:2])
+    key = dict.fromkeys(("code", "version", "variant", "case", "family"), "x")
+    errors, (left,) = module("run_codes").table([key | row])
+    assert errors == []
+    assert (left["class"], left["reason"]) == ("not expressed", "no springs in this code")
+
+
+def test_a_code_that_is_not_installed_is_said_to_be_missing() -> None:
+    adapter = module("run_codes").Adapter
+    assert adapter("a", Path("no-such-python"), ("os",), "").missing()
+    assert adapter("b", Path(sys.executable), ("no_such_module",), "").missing()
+    assert adapter("c", Path(sys.executable), ("os",), "", "no-such-program").missing()
+    assert not adapter("d", Path(sys.executable), ("os",), "").missing()
+
+
+def test_a_class_that_is_not_the_committed_one_is_reported(tmp_path: Path) -> None:
+    with (RESULTS / "codes" / "classes.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    differing = module("run_codes").differing
+    assert differing(rows, RESULTS / "codes" / "classes.csv") == []
+    rows[0]["class"] = "wrong"
+    (told,) = differing(rows, RESULTS / "codes" / "classes.csv")
+    assert told.endswith("↦ wrong")
+
+
+def test_committed_classes_are_those_of_the_committed_errors() -> None:
+    codes, classify = Codes.read(RESULTS), module("contact_judge").classify
+    assert codes is not None
+    key = list(KEY)
+    classes = codes.classes.set_index(key)["class"]
+    seen = set()
+    for name, rows in codes.errors.sort_values("level").groupby(key):
+        errors = [SimpleNamespace(**row) for row in rows.to_dict("records")]
+        assert classes[name] == classify(list(rows["h"]), errors), name
+        seen.add(classes[name])
+    assert seen >= {"exact for P1", "consistent", "stagnates", "wrong"}
+
+
+def test_the_caption_counts_what_the_order_does_not_see() -> None:
+    codes = Codes.read(RESULTS)
+    assert codes is not None
+    errors, classes = codes.errors, codes.classes
+    passed = classes[(abs(classes["order_in_v"] - 1) <= 0.15) & classes["class"].isin(["stagnates", "wrong"])]
+    caption = codes_chart(codes).caption
+    assert int(re.search(r"of (\d+) runs whose", caption)[1]) == len(passed)  # type: ignore[index]
+    worst = 0.0
+    for row in passed.to_dict("records"):
+        mine = errors[(errors[list(KEY)] == [row[name] for name in KEY]).all(axis=1)].sort_values("level").iloc[-1]
+        worst = max(worst, mine["pressure"] / mine["best_pressure"])
+    assert f"up to {worst:.0f} times" in caption
+
+
+KEY = ("code", "variant", "case", "family")
+
+
+def test_results_without_other_codes_have_none_and_half_a_table_is_refused(tmp_path: Path) -> None:
+    assert Codes.read(tmp_path) is None
+    (tmp_path / "codes").mkdir()
+    (tmp_path / "codes" / "errors.csv").write_text("code,version\na,1\n")
+    with pytest.raises(DataError, match="make codes"):
+        Codes.read(tmp_path)
