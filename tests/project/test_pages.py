@@ -61,7 +61,7 @@ def run(page: Page, directory: Path, command: list[str]) -> str:
 
 def expect(said: list[str], output: str) -> None:
     """What a page says is printed."""
-    assert [text for text in said if text not in output] == [], output
+    assert [text for text in said if text.rstrip() not in output] == [], output
 
 
 def test_a_page_that_says_that_something_else_is_printed_is_noticed() -> None:
