@@ -33,7 +33,7 @@ KEYS = {
     "claims.csv": ("label", "case", "quantity"),
     "cases.csv": ("case",),
     "controls.csv": ("defect", "setting"),
-    "seeds.csv": ("label", "case", "quantity"),
+    "seeds.csv": ("label", "key", "case"),
 }
 """Columns that tell rows apart; those of ``NUMBERS``, enclosures and other files may share them, and keep an order."""
 KEYED = ("label", "key", "case", "family")
