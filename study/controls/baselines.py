@@ -68,7 +68,8 @@ class Sweep:
 
     def __str__(self) -> str:
         turned = f" turned by {self.angle:g}" if self.angle else ""
-        return f"{self.case}{turned}, n = {' '.join(map(str, self.levels))}"
+        meshes = "" if self.family == Sweep.family else f" on {self.family} meshes"
+        return f"{self.case}{turned}{meshes}, n = {' '.join(map(str, self.levels))}"
 
     def verdicts(self, defect: Callable[[Experiment], Experiment]) -> list[Verdict]:
         case, family = resolve(self.case), family_named(self.family)

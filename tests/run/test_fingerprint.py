@@ -89,7 +89,7 @@ def test_words_windows_and_figures_measure_nothing_anew(anew) -> None:
         anew(
             ("study.fem.gauge", '"""', '"""In other words: '),
             ("study.fem.space", "\nclass ", "\n# A comment.\n\nclass "),
-            ("study.statements.prop_5_4.evidence", "at_most(0.02", "at_most(0.03"),
+            ("study.statements.prop_5_4.evidence", "above_nothing(0.02", "above_nothing(0.03"),
             ("study.ledger.measures", "ENOUGH = 3", "ENOUGH = 4"),
             ("study.ledger.terminal", "WIDTH = 110", "WIDTH = 100"),
         )
