@@ -30,6 +30,7 @@ def old(tmp_path: Path) -> Path:
     for path in [*(RESULTS / "data").glob("*.csv"), RESULTS / "data" / SPACE, RESULTS / "data" / PLANE]:
         (tmp_path / "old" / path.relative_to(RESULTS)).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(path, tmp_path / "old" / path.relative_to(RESULTS))
+    (tmp_path / "old" / "data" / ".lock").touch()
     return tmp_path / "old"
 
 

@@ -65,6 +65,7 @@ def copy(tmp_path: Path) -> Path:
     (tmp_path / "data").mkdir()
     for name in (*(f"{name}.csv" for name in NAMES), "provenance.json"):
         shutil.copy(RESULTS / "data" / name, tmp_path / "data" / name)
+    shutil.copytree(RESULTS / "codes", tmp_path / "codes")
     return tmp_path
 
 

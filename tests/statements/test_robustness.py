@@ -49,7 +49,7 @@ from manufactured.cases import (
 from manufactured.cases.laws import lame
 from manufactured.factor import UNIFORM, layers
 from study.fem.mesh import FAMILIES, Graded, MeshFamily, OneDiagonal
-from study.ledger.verdict import HOLDS
+from study.ledger.verdict import HOLDS, REPORTED
 from study.run.fingerprint import by_value
 from study.run.plan import quick
 from study.solve.steps import rate_steps
@@ -236,7 +236,11 @@ def alarms(case: Case) -> list[str]:
     table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
     verdicts = [verdict for statement in JUDGES for verdict in statement.judge(table)]
     assert case.proposition in {verdict.label for verdict in verdicts}
-    return [f"{v.quantity}: {v.observed:.4g} in [{v.low:.4g}, {v.high:.4g}]" for v in verdicts if v.verdict != HOLDS]
+    return [
+        f"{v.quantity}: {v.observed:.4g} in [{v.low:.4g}, {v.high:.4g}]"
+        for v in verdicts
+        if v.verdict not in (HOLDS, REPORTED)
+    ]
 
 
 EVERYWHERE = {"gap", "pressure", "A", "G", "ratio_A", "ratio_G", "speed", "place"}

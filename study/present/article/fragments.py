@@ -132,7 +132,7 @@ def enclosures(data: FullRun) -> str:
     deep = [str(case) for case, part in rows.groupby("case", sort=False) if len(part) > 2]
     body = [
         [prose(str(row["case"])), prose(str(row["family"])), str(row["level"]), _number(row["h"])]
-        + ["--" if pd.isna(row[name]) else _number(row[name], rounded) for name, rounded in ENDS.items()]
+        + ["--" if pd.isna(row[name]) else _number(row[name], rounded, 4) for name, rounded in ENDS.items()]
         for _, row in rows[rows["case"].isin(deep)].iterrows()
     ]
     headings = ["problem", "meshes", *(rf"\({name}\)" for name in "nh"), "lower end", "error", "upper end"]
@@ -221,9 +221,9 @@ def _regularity(data: FullRun, case: str) -> str:
     return encode_letters(short)
 
 
-def _number(value: float, rounded: Callable[[float, int], str] = _nearest) -> str:
-    """A measured number to three significant digits."""
-    return encode(f"{float(rounded(value, 3)):#.3g}".rstrip("."))
+def _number(value: float, rounded: Callable[[float, int], str] = _nearest, digits: int = 3) -> str:
+    """A measured number to some significant digits."""
+    return encode(f"{float(rounded(value, digits)):#.{digits}g}".rstrip("."))
 
 
 def window_ends(row: pd.Series) -> str:
