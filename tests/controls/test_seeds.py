@@ -19,12 +19,12 @@ from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import around
 from study.run.job import Job
 from study.run.plan import Plan, full, quick
-from study.statements.enclosure.courses import Bounds
 from study.statements.contact_force.judge import ContactForce
+from study.statements.enclosure.courses import Bounds
 from study.statements.fully_discrete import FullyDiscrete
-from study.statements.recomputed.judge import Recomputed
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.recomputed.judge import Recomputed
 from study.statements.shared.base import Statement
 from study.statements.shared.scope import Scope
 from study.statements.thm_4_2.own_space import OwnSpace
