@@ -25,7 +25,7 @@ controls: $(READY)  ## deliberate defects that the verdicts must catch, and how 
 	$(BIN)/study controls --out results/quick
 	$(BIN)/study sensitivity --out results/quick
 
-seeds: $(READY)  ## the verdicts on twenty other random meshes into results/, fifty minutes
+seeds: $(READY)  ## an hour of fresh random meshes: how often chance turns the ledger red, added to the record
 	$(BIN)/study seeds --out results
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
@@ -93,7 +93,7 @@ docs: $(READY)  ## the documentation with the gallery and the API, build/docs/in
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
 		'!study\.solve\.(cholesky|multigrid|vertices)' '!study\.statements\.thm_4_2\.stands_alone' \
-		'!study\.controls\.(alarms|blindness|stress_slips)'
+		'!study\.controls\.(seeded|blindness|stress_slips)'
 
 paper: $(READY)  ## the article from the data of the full study, paper/build/article.pdf; needs latexmk
 	$(BIN)/study tables --out results

@@ -11,8 +11,8 @@ from pathlib import Path
 SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 MODES = ("frozen", "march")
-SEEDS = 20
-"""As many shaken meshes as ``study seeds`` judges."""
+MINUTES = 60.0
+"""As long as ``study seeds`` draws new seeds."""
 TOLERANCE = 1e-12
 """Relative difference that ``study compare`` allows."""
 RESUMES = ("run", "controls", "seeds", "bound")
@@ -45,8 +45,11 @@ def parser() -> argparse.ArgumentParser:
     _compare(add("compare", "compare", "which numbers and verdicts of two result directories differ, and by how much"))
     _spread(add("controls", "controls", "deliberate defects that the verdicts must catch; exit 0 all caught"))
     _spread(add("sensitivity", "sensitivity", "the smallest relative defect of every piece that turns a row red"))
-    seeds = add("seeds", "controls", "the verdicts on other random meshes; exit 0 all hold on all of them")
-    seeds.add_argument("--seeds", type=int, default=SEEDS, metavar="N", help=f"how many (default {SEEDS})")
+    seeds = add("seeds", "seeds", "how often chance turns the ledger red: judge fresh random meshes, add to the record")
+    seeds.add_argument(
+        "--minutes", type=_finite, default=MINUTES, metavar="M", help="how long (default 60; 0: only the table)"
+    )
+    seeds.add_argument("--seed", type=int, metavar="N", help="measure this one again, add nothing")
     _spread(seeds)
     rates = add("rates", "rates", "orders of a published or foreign error table")
     rates.add_argument("file", type=Path, metavar="FILE.csv", help="columns h or n, and one or more of errors")

@@ -1,160 +1,140 @@
-"""The verdicts on other random meshes: none may hang on the one seed that the study shakes its meshes with.
+"""How often the ledger is red by chance, from the record of seeds: row by row and for all that is claimed.
 
-For every seed, all that the quick study judges is measured on meshes shaken with that seed, of every case that such
-meshes serve, and judged as the ledger is. A row of the ledger that does not hold raises an alarm. What the ledger does
-not claim on shaken meshes, because it alarms too often there, is measured and counted as well.
+A row is judged by the seeds that were drawn since the last change to its rule, levels or window; seeds before it stay
+in the record and do not count. ``data/seeds.csv`` has a line for each row, and two in front for all claimed rows
+together: ``every`` counts seeds that were measured whole, ``light`` all seeds with the rows that are measured on each
+of them.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+import math
+from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 from tabulate import tabulate
 
-from manufactured.case import Case
-from study.fem.mesh import MeshFamily, Shaken
-from study.fem.naming import family_named
-from study.ledger.datafiles import write_csv
-from study.ledger.verdict import HOLDS, REPORTED, Verdict
-from study.run.job import Job
-from study.run.plan import Plan, full, quick
-from study.statements import STATEMENTS
-from study.statements.enclosure.courses import Bounds
-from study.statements.interpolation import InterpolationOnContact
-from study.statements.pictures import Pictures
-from study.statements.shared.base import Setting, Statement, grid
-from study.statements.shared.scope import Scope
-from study.statements.thm_4_2.own_space import OwnSpace
+from manufactured.tensors import Array
+from study.controls.record import Line, Record, RowKey, two_sided, unpacked
+from study.controls.seeded import LIGHT, WHOLE, claimed
+from study.ledger.chance import PROMISE, interval, tail
+from study.ledger.datafiles import ALL_ROWS, raised, write_csv
 
-SEEDS = 20
-NOT_CLAIMED = {
-    ("(5.24)", ""): "orders of a trace hang on few edges of random length",
-    ("Thm 4.2, own space", "natural-front"): "the pressure's error is that of the one cell in which the front rests",
-    ("Thm 4.2, own space", "rough-trace"): "the same, and an order of the multipliers that is not understood",
-}
-"""Label and case, or every case, of what the ledger does not claim on shaken meshes, and why."""
-TRACES = ("no-contact", "advance-recede")
-"""Cases whose traces are interpolated."""
+COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
+COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
+"""``seeds.csv``: what the row is; the number of the first seed that counts and how many do; what was found: alarms with
+the interval of their rate at 95 %, the extreme places in the window, and the model of the tail with the p-value of its
+test and the rate that follows."""
+NAMED = PROMISE / 10
+"""A row whose tail alone takes so much of what is promised for all rows is named."""
 
 
 @dataclass(frozen=True)
-class SeededScope(Scope):
-    """The quick study on shaken meshes alone.
+class Seen:
+    """A row with the places that count.
 
     Attributes:
-        seed: of the meshes, which are called shaken-SEED.
+        key: (label, key, case).
+        rule: the fingerprint of the rule.
+        places: on every seed that was drawn, not a number where it was not judged by this rule, (seeds,).
+        both: whether both ends of its window are ends.
     """
 
-    seed: int = 0
+    key: RowKey
+    rule: str
+    places: Array
+    both: bool
+
+    @classmethod
+    def of(cls, record: Record) -> list[Seen]:
+        """The rows of a record, each by the rule that judged it last."""
+        latest: dict[RowKey, tuple[str, Line]] = {}
+        for (*row, rule), line in record.lines.items():
+            key = (row[0], row[1], row[2])
+            if key not in latest or len(line.places) > len(latest[key][1].places):
+                latest[key] = rule, line
+        wide = 2 * len(record.draws)
+        return [
+            cls(key, rule, unpacked(line.places.ljust(wide, ".")), two_sided(line.window_low, line.window_high))
+            for key, (rule, line) in latest.items()
+        ]
 
     @property
-    def family(self) -> str:
-        """The name of the meshes."""
-        return f"{Shaken().name}-{self.seed}"
+    def claimed(self) -> bool:
+        return claimed(self.key[0], self.key[2])
 
-    def families_of(self, case: Case) -> list[MeshFamily]:
-        """The shaken meshes, where they serve."""
-        family = family_named(self.family)
-        return [family] if family.serves(case.solution.body) else []
-
-
-def seeded(seed: int) -> Plan:
-    """The quick study with a seed, but for rough cases, which need the levels of the full one on random meshes.
-
-    No pictures, and no bounds: these are proved for every mesh, and tested with random ones.
-    """
-    base = replace(quick(), rough=full().rough, command="study seeds")
-    scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
-    jobs = [
-        Job(statement, setting)
-        for statement in STATEMENTS
-        if not isinstance(statement, Pictures | Bounds)
-        for setting in (statement.settings(scope) if statement.of_every_case else on_shaken(statement, scope))
-    ]
-    return Plan(scope, tuple(jobs))
+    def line(self, part: str) -> dict[str, object]:
+        """Its line of ``seeds.csv``; ``part`` is the least part of the plan that has it."""
+        where = np.flatnonzero(np.isfinite(self.places))
+        places = self.places[where]
+        alarms = int((abs(places) > 1).sum())
+        low, high = interval(alarms, len(places))
+        model = tail(places, self.both)
+        known = (*self.key, self.rule, part, "yes" if self.claimed else "no", int(where[0]) + 1, len(places))
+        found = alarms, low, high, float(places.min()), float(places.max()), model.model, model.fit, model.rate
+        return dict(zip(COLUMNS, (*known, *found), strict=True))
 
 
-def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
-    """The settings of the quick study on shaken meshes; where it has none those of the full one, up to its levels.
-
-    Where nothing is claimed on shaken meshes it is measured nevertheless: the traces of (5.24), and stresses on their
-    own space at all levels of the full study, of every case that it has on shaken meshes or does not claim there.
-    """
-    if isinstance(statement, InterpolationOnContact):
-        return grid(TRACES, (scope.family,), (16, 32, 64))
-    everywhere = [setting for setting in statement.settings(replace(scope, name="full")) if is_shaken(setting)]
-    if isinstance(statement, OwnSpace):
-        unclaimed = [case for label, case in NOT_CLAIMED if label == statement.label]
-        levels = sorted({setting.level for setting in everywhere})
-        everywhere += grid(unclaimed, (scope.family,), levels)
-    else:
-        quickly = statement.settings(scope)
-        finest = max((setting.level for setting in quickly), default=0)
-        shaken = [setting for setting in quickly if is_shaken(setting)]
-        everywhere = shaken or [setting for setting in everywhere if setting.level <= finest]
-    return [replace(setting, family=scope.family) for setting in everywhere]
+def tally(record: Record) -> pd.DataFrame:
+    """The lines of ``seeds.csv``: those of all rows together, then one for each row."""
+    rows = Seen.of(record)
+    whole = np.array([draw.part == WHOLE for draw in record.draws])
+    on_each = [bool(np.isfinite(row.places[~whole]).any()) for row in rows]
+    parts = [LIGHT if light else WHOLE for light in on_each]
+    table = pd.DataFrame([row.line(part) for row, part in zip(rows, parts, strict=True)], columns=COLUMNS)
+    places = np.array([row.places for row in rows])
+    mine = (table["claimed"] == "yes").to_numpy()
+    light = mine & np.array(on_each)
+    every = _together("every", table[mine], places[mine][:, whole])
+    of_light = _together("light", table[light], places[light])
+    return pd.concat([pd.DataFrame([every, of_light], columns=COLUMNS), table], ignore_index=True)
 
 
-def is_shaken(setting: Setting) -> bool:
-    """Whether a setting has the shaken meshes of the study."""
-    return setting.family == Shaken().name
+def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
+    """On how many seeds one of some rows or more raised an alarm, from their places (rows, seeds); tails are summed."""
+    judged = int(np.isfinite(places).any(axis=0).sum())
+    red = int((abs(np.nan_to_num(places)) > 1).any(axis=0).sum())
+    low, high = interval(red, judged)
+    ends = (float(np.nanmin(places)), float(np.nanmax(places))) if judged else (math.nan, math.nan)
+    # A row without a model, or rows that were on no seed yet, may do anything.
+    rate = float(rows["rate_tail"].sum(skipna=False)) if judged else math.nan
+    known = ALL_ROWS, key, f"{len(rows)} rows", "", "", "yes", int(rows["since"].max()) if len(rows) else 0, judged
+    return dict(zip(COLUMNS, (*known, red, low, high, *ends, "sum", math.nan, rate), strict=True))
 
 
-def tally(found: Mapping[int, Sequence[Verdict]]) -> pd.DataFrame:
-    """One line for each row of the ledger that is judged: on how many seeds it was and on how many it did not hold.
-
-    Columns label, key, case, quantity, expected, seeds, alarms, lowest and highest observed value, claimed.
-    """
-    rows = pd.DataFrame(
-        {
-            "label": verdict.label,
-            "key": verdict.key,
-            "case": verdict.case,
-            # One row is wanted for all seeds: their meshes have names of their own.
-            "quantity": verdict.quantity.removesuffix(f", {verdict.family} meshes"),
-            "expected": verdict.expected,
-            "observed": verdict.observed,
-            "alarm": verdict.verdict != HOLDS,
-        }
-        for verdicts in found.values()
-        for verdict in verdicts
-        if verdict.verdict != REPORTED
-    )
-    groups = rows.groupby(["label", "key", "case", "quantity", "expected"], sort=False)
-    table = groups.agg(
-        seeds=("alarm", "size"), alarms=("alarm", "sum"), lowest=("observed", "min"), highest=("observed", "max")
-    ).reset_index()
-    claims = ["no" if _not_claimed(row.label, row.case) else "yes" for row in table.itertuples()]
-    return table.assign(claimed=claims)
+def newer(table: pd.DataFrame) -> pd.DataFrame:
+    """The claimed rows whose rule is newer than the first seed that rows of their part were judged on."""
+    first = table.groupby("part")["since"].transform("min")
+    return table[(table["claimed"] == "yes") & (table["label"] != ALL_ROWS) & (table["since"] > first)]
 
 
-def _not_claimed(label: str, case: str) -> bool:
-    return (label, case) in NOT_CLAIMED or (label, "") in NOT_CLAIMED
+def verdict(table: pd.DataFrame) -> str:
+    """Whether the promise is kept for all claimed rows."""
+    return raised(table).verdict
 
 
 def text(table: pd.DataFrame) -> str:
-    """What was judged, and every alarm."""
-    claimed = table[table["claimed"] == "yes"]
+    """The rates of all rows together, every alarm, and the rows whose tails take much of what is promised."""
+    ledger, rows = table[table["label"] == ALL_ROWS], table[table["label"] != ALL_ROWS]
     lines = [
-        (label, part["case"].nunique(), len(part), int(part["seeds"].sum()), int(part["alarms"].sum()))
-        for label, part in claimed.groupby("label", sort=False)
+        (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}", f"{one.rate_tail:.2%}")
+        for one in ledger.itertuples()
     ]
-    alarms = [
-        (row.label, row.case, row.quantity, f"{row.alarms} of {row.seeds}", row.claimed)
-        for row in table[table["alarms"] > 0].itertuples()
+    named = rows[(rows["alarms"] > 0) | ((rows["rate_tail"] > NAMED) & (rows["claimed"] == "yes"))]
+    weak = [
+        (one.label, one.key, one.case, f"{one.alarms} of {one.seeds}", one.tail, f"{one.rate_tail:.1e}", one.claimed)
+        for one in named.sort_values("rate_tail", ascending=False).itertuples()
     ]
     return "\n".join(
         [
-            tabulate(lines, ["statement", "cases", "rows", "judged", "alarms"], "simple"),
+            tabulate(lines, ["seeds with", "", "seeds", "red", "rate, 95 %", "by the tails"], "simple"),
             "",
-            tabulate(
-                alarms, ["alarm", "case", "quantity", "seeds", "claimed"], "simple", maxcolwidths=[18, 18, 48, 9, 7]
-            ),
+            tabulate(weak, ["row", "", "case", "alarms", "tail", "rate", "claimed"], "simple"),
             "",
-            f"{len(claimed)} claimed rows, {claimed['seeds'].sum()} verdicts: {claimed['alarms'].sum()} alarms",
+            f"{len(newer(table))} rows have a rule that is newer than the first seed: seeds count since then",
+            f"at most {PROMISE:.0%} of fresh seeds may turn the ledger red: {verdict(table)}",
         ]
     )
 

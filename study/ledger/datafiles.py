@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from study.ledger.chance import kept
 from study.ledger.files import write_text
 from study.ledger.orders import RatesError, orders
 from study.ledger.verdict import VERDICTS, Verdict
@@ -21,7 +22,9 @@ from study.ledger.verdict import VERDICTS, Verdict
 SERIES = ["claim", "case", "family", "scheme"]
 RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
 RATES += ["time_share", "predicted_interpolation"]
-SEEDS = ["label", "key", "case", "seeds", "alarms", "claimed"]
+SEEDS = ["label", "key", "case", "since", "seeds", "alarms", "rate_low", "rate_high", "rate_tail", "claimed"]
+ALL_ROWS = "all claimed rows"
+"""The label of the lines of ``seeds.csv`` about all that is claimed."""
 LEDGER = [field.name for field in fields(Verdict)]
 TEXT = {
     *SERIES,
@@ -207,19 +210,39 @@ def caught(controls: pd.DataFrame) -> tuple[int, int]:
 
 
 class Alarms(NamedTuple):
-    """How many rows are claimed on other random meshes, on how many seeds, verdicts, and how many do not hold."""
+    """What other random meshes made of all claimed rows.
+
+    Attributes:
+        rows: how many there are.
+        seeds, red: seeds that were measured whole, and those of them on which a row or more did not hold.
+        low, high: the interval of that rate at 95 %.
+        by_tail: the rate that the tails of all rows together let one expect, at most.
+        light_seeds, light_red: all seeds, and those on which a row or more of those measured on each did not hold.
+        verdict: whether the rate that is promised is kept.
+    """
 
     rows: int
     seeds: int
-    verdicts: int
-    alarms: int
+    red: int
+    low: float
+    high: float
+    by_tail: float
+    light_seeds: int
+    light_red: int
+    verdict: str
 
 
 def raised(seeds: pd.DataFrame) -> Alarms:
-    """The sums over the claimed rows of ``seeds.csv``."""
-    claimed = seeds[seeds["claimed"] == "yes"]
-    numbers = claimed["seeds"].max(), claimed["seeds"].sum(), claimed["alarms"].sum()
-    return Alarms(len(claimed), *map(int, numbers))
+    """What ``seeds.csv`` says of all claimed rows; DataError if it has no such lines."""
+    together = seeds[seeds["label"] == ALL_ROWS].set_index("key")
+    if not {"every", "light"} <= set(together.index):
+        raise DataError("seeds.csv has no lines about all claimed rows: make it again with `study seeds`")
+    every, light = together.loc["every"], together.loc["light"]
+    low, high, by_tail = (float(every[name]) for name in ("rate_low", "rate_high", "rate_tail"))
+    rows = int((seeds["claimed"] == "yes").sum()) - len(together)
+    counts = (int(line[name]) for line in (every, light) for name in ("seeds", "alarms"))
+    whole, red, on_each, light_red = counts
+    return Alarms(rows, whole, red, low, high, by_tail, on_each, light_red, kept(low, by_tail))
 
 
 def read_claims(directory: Path) -> pd.DataFrame:

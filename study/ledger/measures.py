@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from study.ledger.criterion import Criterion, Groups, Measure, Measured
-from study.ledger.orders import Array, RatesError, fit, orders
+from study.ledger.orders import Array, RatesError, fit, orders, weighted_order
 from study.ledger.verdict import FAILS, REPORTED, Named, Verdict
 from study.ledger.window import Window, at_most
 
@@ -87,6 +87,27 @@ def order(key: str, quantity: str, window: Window, column: str, last: int = 0, l
 
     def measure(group: pd.DataFrame) -> Measured:
         return exactly(fit(*_errors(group.tail(last) if last else group, column)).order)
+
+    return Criterion(key, quantity, window, or_none(measure), (column,), levels)
+
+
+def weighted(
+    key: str, quantity: str, window: Window, column: str, power: int, last: int = 0, levels: int = ENOUGH
+) -> Criterion:
+    """The order in h by least squares with weights h^−power over all levels or the last ones."""
+
+    def measure(group: pd.DataFrame) -> Measured:
+        return exactly(weighted_order(*_errors(group.tail(last) if last else group, column), power))
+
+    return Criterion(key, quantity, window, or_none(measure), (column,), levels)
+
+
+def growth(key: str, quantity: str, window: Window, column: str, power: int, levels: int) -> Criterion:
+    """What a column grows by from the coarsest level to the finest, by the same least squares over all levels."""
+
+    def measure(group: pd.DataFrame) -> Measured:
+        h, values = _errors(group, column)
+        return exactly((h[-1] / h[0]) ** weighted_order(h, values, power))
 
     return Criterion(key, quantity, window, or_none(measure), (column,), levels)
 

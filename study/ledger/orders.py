@@ -55,6 +55,18 @@ def fit(h: Array, error: Array) -> Fit:
     return Fit(float(line.slope), float(line.slope) - half, float(line.slope) + half)
 
 
+def weighted_order(h: Array, error: Array, power: float) -> float:
+    """The least-squares order with weights h^−power, the best linear one where log e_i has a variance ~ h_i^power.
+
+    Raises:
+        RatesError: as ``orders``.
+    """
+    orders(h, error)
+    x, y, weights = np.log(h), np.log(error), np.asarray(h, dtype=float) ** -power
+    x = x - np.average(x, weights=weights)
+    return float((weights * x) @ y / ((weights * x) @ x))
+
+
 def limit(h: Array, error: Array, order: float) -> float:
     """e∞ in e = e∞ + C h^p for the given p, over the geometric mean of the two finest errors.
 
@@ -64,3 +76,11 @@ def limit(h: Array, error: Array, order: float) -> float:
     x, e = (np.exp(np.log(np.asarray(v, dtype=float)[-4:]).reshape(2, 2).mean(axis=1)) for v in (h, error))
     x = x**order
     return float((e[1] * x[0] - e[0] * x[1]) / (x[0] - x[1]) / e[1])
+
+
+def fitted_limit(h: Array, error: Array, order: float) -> float:
+    """The same by least squares of (e_i − e∞ − C h_i^p)/e_i over all levels, for errors that differ by chance alone."""
+    e = np.asarray(error, dtype=float)
+    columns = np.stack([1 / e, np.asarray(h, dtype=float) ** order / e], axis=1)
+    (found, _), *_ = np.linalg.lstsq(columns, np.ones_like(e), rcond=None)
+    return float(found / np.sqrt(e[-1] * e[-2]))

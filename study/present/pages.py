@@ -6,12 +6,14 @@ python -m study.present.pages results README.md docs/explanation/results.md …
 from __future__ import annotations
 
 import json
+import math
 import sys
 from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
 
+from study.ledger.chance import PROMISE
 from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, raised
 from study.ledger.files import write_text
 from study.ledger.rounding import above, below, up
@@ -120,11 +122,17 @@ def _defects(data: FullRun) -> list[str]:
 def _seeds(data: FullRun) -> list[str]:
     found = raised(data.seeds)
     return [
-        f"other random meshes: what is claimed on shaken meshes, on those of {found.seeds} seeds",
-        "every row holds on all of them",
-        f"{found.alarms} alarms in {found.verdicts} verdicts of {found.rows} rows",
-        "fails" if found.alarms else "holds",
+        f"chance: all {found.rows} rows that are claimed on shaken meshes, on those of {found.seeds} fresh seeds",
+        f"at most {PROMISE:.0%} of seeds turn the ledger red",
+        f"red on {found.red}: {found.low:.1%} … {found.high:.1%} of seeds; {_tails(found.by_tail)}; "
+        f"rows that cost little: red on {found.light_red} of {found.light_seeds}",
+        found.verdict,
     ]
+
+
+def _tails(rate: float) -> str:
+    """What the tails of all rows together let one expect, if they are known."""
+    return "too few for the tails of all rows" if math.isnan(rate) else f"by the tails of all rows at most {rate:.2%}"
 
 
 def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:

@@ -30,11 +30,12 @@ from study.fem.gauge import DEGREE, FACET_POINTS, rules
 from study.fem.material import on_cells
 from study.fem.quadrature import facet_rule
 from study.ledger.criterion import Observation
-from study.ledger.measures import order
+from study.ledger.measures import order, weighted
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.random_meshes import CELLS
 
 INSTANTS = 8
 """Norms in time are those of the midpoint rule with so many nodes."""
@@ -60,10 +61,10 @@ class NaturalConditions(ListedNumbers):
             "it is bounded by the row above, and what is of first order in it depends on how the triangles along Γ3 "
             "lie",
         ),
-        order("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly"),
-        order("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly"),
+        weighted("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly", CELLS),
+        weighted("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly", CELLS),
     )
-    quick = grid(("advance-recede",), ("shaken",), (8, 16, 32))
+    quick = grid(("advance-recede",), ("shaken",), (12, 24, 48))
     full = grid(
         ("advance-recede", "travelling-patch", "yield-and-release"),
         ("one-diagonal", "criss-cross", "shaken", "unstructured"),

@@ -5,20 +5,32 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import fields, replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
+from study.cli import seeds
 from study.cli.main import main
-from study.controls.alarms import NOT_CLAIMED, SEEDS, SeededScope, seeded, tally, text
+from study.controls.alarms import Seen, tally
+from study.controls.record import Record
+from study.controls.rules import row_of, rules
+from study.controls.seeded import EVERY, LIGHT, NOT_CLAIMED, WHOLE, SeededScope, claimed, costly, seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
+from study.ledger.criterion import Criterion
+from study.ledger.datafiles import read_csv
 from study.ledger.errors import UsageError
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
-from study.ledger.window import around
+from study.ledger.measures import exactly
+from study.ledger.verdict import Verdict
+from study.ledger.window import at_most
+from study.run.execute import Pool
 from study.run.job import Job
 from study.run.plan import Plan, full, quick
+from study.run.processes import Processes
+from study.run.store import Store
 from study.statements.contact_force.judge import ContactForce
 from study.statements.enclosure.courses import Bounds
 from study.statements.fully_discrete import FullyDiscrete
@@ -28,6 +40,7 @@ from study.statements.recomputed.judge import Recomputed
 from study.statements.shared.base import Statement
 from study.statements.shared.scope import Scope
 from study.statements.thm_4_2.own_space import OwnSpace
+from study.statements.uniqueness import OneTrajectory
 
 RESULTS = Path(__file__).parents[2] / "results"
 JOBS = seeded(3).jobs
@@ -78,59 +91,190 @@ def test_the_study_of_a_seed_is_the_quick_one_but_for_the_seed() -> None:
     assert Scope(**others) == replace(quick(), rough=full().rough, command="study seeds")
 
 
-def judged(key: str, seed: int, state: str, observed: float = 1.0) -> Verdict:
-    """A row about the meshes of a seed."""
-    span, family = (observed, observed), f"shaken-{seed}"
-    return row(FirstOrder(), key, f"the {key}", around(1, 0.1), (observed, span, state), "advance-recede", family)
-
-
-VERDICT = judged("order", 0, HOLDS)
-
-
-def test_alarms_are_counted_row_by_row_whatever_the_meshes_are_called() -> None:
-    other, third = judged("order", 1, FAILS, 0.8), judged("order", 2, UNDECIDED, 0.9)
-    table = tally({0: [VERDICT, judged("p", 0, REPORTED)], 1: [other], 2: [third]})
-    (line,) = table.itertuples(index=False)
-    assert (line.key, line.quantity, line.seeds, line.alarms, line.lowest, line.highest, line.claimed) == (
-        "order",
-        "the order",
-        3,
-        2,
-        0.8,
-        1.0,
-        "yes",
-    )
-    assert "1 claimed rows, 3 verdicts: 2 alarms" in text(table)
-
-
 @pytest.mark.parametrize(("label", "case"), NOT_CLAIMED)
-def test_what_is_not_claimed_is_counted_and_raises_no_alarm(label: str, case: str) -> None:
-    failing = replace(VERDICT, label=label, case=case or "full-contact", verdict=FAILS)
-    table = tally({0: [VERDICT, failing]})
-    assert list(table["claimed"]) == ["yes", "no"]
-    assert "1 claimed rows, 1 verdicts: 0 alarms" in text(table)
+def test_what_is_not_claimed_is_measured_and_raises_no_alarm(label: str, case: str) -> None:
+    assert not claimed(label, case or "full-contact")
+    assert claimed(label, "advance-recede") == bool(case)
+    assert any(job.statement.label == label and case in ("", job.setting.case) for job in JOBS)
 
 
-def test_no_seeds_are_refused(tmp_path, capsys) -> None:
-    assert main(["seeds", "--seeds", "0", "--out", str(tmp_path)]) == 2
-    assert "--seeds must be 1 or more, got 0" in capsys.readouterr().err
+def test_the_light_part_lacks_what_costs_most_and_nothing_else() -> None:
+    light = seeded(3, LIGHT).jobs
+    assert set(light) < set(JOBS)
+    assert {job.statement.label for job in set(JOBS) - set(light)} == {
+        "Thm 4.2, own space",
+        "Prop. 5.3",
+        "Prop. 5.4",
+        "(5.24)",
+    }
+    left_out = [job for job in JOBS if costly(job) and job.statement.label == "Prop. 5.4"]
+    assert all(job.setting.dim == 3 for job in left_out)
+    assert sum(job.cost for job in light) < 0.15 * sum(job.cost for job in JOBS)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--minutes", "-1"], "--minutes must be 0, to make the table again from the record, or more, got -1"),
+        (["--seed", "-1"], "--seed must be 0 or more"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(tmp_path, capsys, options: list[str], message: str) -> None:
+    assert main(["seeds", *options, "--jobs", "1", "--out", str(tmp_path)]) == 2
+    assert message in capsys.readouterr().err
+
+
+def few(seed: int, part: str = WHOLE) -> Plan:
+    """Three quick settings in place of all."""
+    whole = seeded(seed)
+    chosen = [job for job in whole.jobs if job.statement.label in ("Thm 4.1, 5.2", "K^h")]
+    return Plan(whole.scope, tuple(chosen if part == WHOLE else chosen[:3]))
+
+
+def test_seeds_are_drawn_fresh_and_added_to_the_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    stopped_after(monkeypatch, 2)
+    seeds_of(tmp_path)
+    first = Record.read(tmp_path)
+    assert [(draw.part, draw.judged > 0, draw.alarms) for draw in first.draws] == [(LIGHT, True, 0)] * 2
+    stopped_after(monkeypatch, EVERY - 2)
+    seeds_of(tmp_path)
+    record = Record.read(tmp_path)
+    assert record.draws[:2] == first.draws
+    assert [draw.part for draw in record.draws] == [LIGHT] * (EVERY - 1) + [WHOLE]
+    assert len({draw.seed for draw in record.draws}) == EVERY
+    assert all(record.lines[known].places.startswith(line.places) for known, line in first.lines.items())
+    table = pd.read_csv(tmp_path / "data" / "seeds.csv")
+    assert set(table["seeds"]) == {1, EVERY}
+    assert not any((tmp_path / "seeds").iterdir())
+
+
+def test_an_interrupted_run_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """The seed that was begun is finished first, from the jobs that it has: none is dropped for what it showed."""
+    stopped_after(monkeypatch, 0, jobs=1)
+    assert seeds_of(tmp_path) == 1
+    begun = Record.read(tmp_path).pending()
+    assert begun is not None
+    kept = [*tmp_path.glob("seeds/*/data/jobs/*.json")]
+    assert len(kept) == 1
+    written = kept[0].stat().st_mtime_ns
+    stopped_after(monkeypatch, 0, jobs=1)
+    seeds_of(tmp_path)
+    assert kept[0].stat().st_mtime_ns == written
+    stopped_after(monkeypatch, 1)
+    seeds_of(tmp_path)
+    (draw,) = Record.read(tmp_path).draws
+    assert (draw.seed, draw.judged > 0) == (begun.seed, True)
+
+
+def test_a_seed_can_be_repeated_and_says_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+    stopped_after(monkeypatch, EVERY)
+    seeds_of(tmp_path)
+    before = Record.read(tmp_path)
+    for draw in (before.draws[0], before.draws[-1]):
+        assert main(["seeds", "--seed", str(draw.seed), "--jobs", "1", "--out", str(tmp_path)]) == 0
+        assert f"{draw.judged} places are the same, 0 are others" in capsys.readouterr().out
+    assert main(["seeds", "--seed", "5", "--jobs", "1", "--out", str(tmp_path)]) == 0
+    assert "the record does not have this seed" in capsys.readouterr().out
+    assert Record.read(tmp_path) == before
 
 
 @pytest.fixture(scope="module")
-def committed() -> pd.DataFrame:
-    return pd.read_csv(RESULTS / "data" / "seeds.csv", keep_default_na=False)
+def measured(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Plan]:
+    """Data of one seed."""
+    directory, plan = tmp_path_factory.mktemp("seed"), few(11)
+    with Processes(1) as processes:
+        seeds.judged(plan, Store(directory), Pool.of(processes), "", float("inf"))
+    return directory, plan
 
 
-def test_the_committed_verdicts_hold_on_twenty_other_random_meshes(committed: pd.DataFrame) -> None:
-    claimed = committed[committed["claimed"] == "yes"]
-    assert claimed["alarms"].sum() == 0
-    (seeds,) = set(committed["seeds"])
-    assert seeds == SEEDS
-    assert {row.label for row in claimed.itertuples()} >= {"Prop. 5.4", "Prop. 5.3", "Thm 4.2", "Thm 4.2, own space"}
+def test_the_fingerprint_of_a_rule_is_that_of_every_seed(measured: tuple[Path, Plan], tmp_path: Path) -> None:
+    directory, plan = measured
+    found, other = rules(directory, plan, plan), few(12)
+    with Processes(1) as processes:
+        verdicts = seeds.judged(other, Store(tmp_path), Pool.of(processes), "", float("inf"))
+    assert rules(tmp_path, other, other) == found
+    assert {row_of(verdict) for verdict in verdicts if verdict.label != "data"} == set(found)
 
 
-def test_what_is_not_claimed_on_random_meshes_alarms_there(committed: pd.DataFrame) -> None:
-    """Or there would be no reason not to claim it."""
-    alarms = committed[committed["claimed"] == "no"].groupby(["label", "case"])["alarms"].sum()
-    for label, case in NOT_CLAIMED:
-        assert alarms[label].sum() > 0 if not case else alarms[label, case] > 0
+def test_another_window_statistic_or_level_is_another_rule_of_these_rows_alone(
+    measured: tuple[Path, Plan], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    directory, plan = measured
+    before, (first, *others) = rules(directory, plan, plan), OneTrajectory.rules
+    assert isinstance(first, Criterion)
+    changes = (
+        replace(first, window=at_most(2 * first.window.high)),
+        replace(first, measure=lambda table: exactly(2 * table[first.needs[0]].iloc[-1])),
+    )
+    for change in changes:
+        monkeypatch.setattr(OneTrajectory, "rules", (change, *others))
+        after = rules(directory, plan, plan)
+        changed = {row[:2] for row in before if after[row] != before[row]}
+        assert changed == {(OneTrajectory.label, first.key)}
+    monkeypatch.undo()
+    finer = [replace(job, setting=replace(job.setting, level=9)) if job is plan.jobs[0] else job for job in plan.jobs]
+    longer = Plan(plan.scope, tuple(finer))
+    after = rules(directory, longer, longer)
+    assert {row[2] for row in before if after[row] != before[row]} == {plan.jobs[0].setting.case}
+
+
+def test_rows_about_more_than_was_measured_have_no_rule(measured: tuple[Path, Plan]) -> None:
+    directory, plan = measured
+    part = Plan(plan.scope, plan.jobs[1:])
+    lacking = plan.jobs[0].setting.case
+    assert lacking not in {row[2] for row in rules(directory, part, plan)}
+
+
+def seeds_of(directory: Path) -> int:
+    return main(["seeds", "--jobs", "1", "--out", str(directory)])
+
+
+def stopped_after(monkeypatch: pytest.MonkeyPatch, finished: int, jobs: int = 10**9) -> None:
+    """The time is up after so many seeds, or so many jobs."""
+    clock, ended, calls = [0.0], [0], [0]
+    monkeypatch.undo()
+    monkeypatch.setattr(seeds, "seeded", few)
+    real = seeds.judged
+
+    def judged(*given: Any) -> list[Verdict]:
+        found = real(*given)
+        ended[0] += 1
+        clock[0] = 1e9 if ended[0] >= finished else 0.0
+        return found
+
+    class Counting(seeds.Watch):
+        def __call__(self, cost: float) -> None:
+            calls[0] += 1
+            # The first call is about jobs that were done before.
+            clock[0] = 1e9 if calls[0] > jobs else 0.0
+            super().__call__(cost)
+
+    monkeypatch.setattr(seeds, "judged", judged)
+    monkeypatch.setattr(seeds, "Watch", Counting)
+    monkeypatch.setattr(seeds, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+
+
+@pytest.fixture(scope="module")
+def committed() -> Record:
+    return Record.read(RESULTS)
+
+
+def test_the_committed_record_keeps_what_is_promised(committed: Record) -> None:
+    table = tally(committed)
+    assert table.loc[table["claimed"] == "yes", "alarms"].sum() == 0
+    written = read_csv(RESULTS, "seeds.csv", table.columns)
+    assert list(written["key"]) == list(table["key"])
+    assert written["seeds"].equals(table["seeds"])
+    assert {row.key[0] for row in Seen.of(committed)} >= {"Prop. 5.4", "Prop. 5.3", "Thm 4.2", "Thm 4.2, own space"}
+
+
+def test_rows_of_the_committed_record_have_the_windows_of_the_ledger(committed: Record) -> None:
+    """Or seeds would count for windows that they were not judged by."""
+    claims = read_csv(RESULTS, "claims.csv", ["label", "key", "case", "window_low", "window_high"])
+    windows = {
+        tuple(row[:3]): row[3:] for row in claims[["label", "key", "case", "window_low", "window_high"]].to_numpy()
+    }
+    latest = {row.key: committed.lines[(*row.key, row.rule)] for row in Seen.of(committed)}
+    shared = [(latest[key], window) for key, window in windows.items() if key in latest]
+    assert len(shared) > 400
+    assert all((line.window_low, line.window_high) == pytest.approx(window) for line, window in shared)

@@ -232,7 +232,7 @@ def test_a_level_of_a_bound_beyond_the_memory_is_refused_by_the_command(tmp_path
 
 def test_other_random_meshes_beyond_the_memory_are_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
     monkeypatch.setattr("study.run.execute.available", lambda: 0.1 * GIB)
-    assert main(["seeds", "--seeds", "1", "--jobs", "1", "--out", str(tmp_path)]) == 2
+    assert main(["seeds", "--jobs", "1", "--out", str(tmp_path)]) == 2
     assert "GiB of memory, 0.1 GiB are available" in capsys.readouterr().err
 
 

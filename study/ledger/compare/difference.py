@@ -36,7 +36,7 @@ KEYS = {
     "cases.csv": ("case",),
     "controls.csv": ("defect", "setting"),
     "sensitivity.csv": ("defect", "case", "family"),
-    "seeds.csv": ("label", "case", "quantity"),
+    "seeds.csv": ("label", "key", "case"),
 }
 """Columns that tell rows apart; those of ``NUMBERS``, enclosures and other files may share them, and keep an order."""
 KEYED = ("label", "key", "case", "family")

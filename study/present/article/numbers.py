@@ -10,6 +10,7 @@ from collections.abc import Iterator
 
 import pandas as pd
 
+from study.ledger.chance import PROMISE
 from study.ledger.datafiles import by_claim, caught, count_verdicts, raised
 from study.ledger.margin import agreement
 from study.ledger.rounding import above, below
@@ -43,18 +44,15 @@ def _ledger(data: FullRun) -> Named:
 
 
 def _seeds(data: FullRun) -> Named:
-    """How the verdicts fare on other random meshes, and rows that are not claimed there: the worst of each kind."""
-    for name, number in zip(("seedRows", "seeds", "seedVerdicts", "seedAlarms"), raised(data.seeds), strict=True):
-        yield name, str(number)
-    unclaimed = data.seeds[data.seeds["claimed"] == "no"]
-    worst = unclaimed.groupby("label")["alarms"].max(), unclaimed.groupby("case")["alarms"].max()
-    yield "seedTrace", str(worst[0]["(5.24)"])
-    yield "seedNatural", str(worst[1]["natural-front"])
-    yield "seedRough", str(worst[1]["rough-trace"])
-    multipliers = unclaimed["key"].eq("order-displacement")
-    rough = unclaimed[multipliers & unclaimed["case"].eq("rough-trace")]
-    yield "seedRoughLow", below(rough["lowest"].min(), 1)
-    yield "seedRoughHigh", above(rough["highest"].max(), 1)
+    """How often chance turned the ledger red on fresh random meshes, and how often the tails let one expect it."""
+    found = raised(data.seeds)
+    yield "seedRows", str(found.rows)
+    yield "seeds", str(found.seeds)
+    yield "seedRed", str(found.red)
+    yield "seedsLight", str(found.light_seeds)
+    yield "seedRedLight", str(found.light_red)
+    yield "seedRateTail", "not known yet" if math.isnan(found.by_tail) else f"at most {_percent(found.by_tail)}"
+    yield "seedPromise", _percent(PROMISE)
 
 
 def _plan(data: FullRun) -> Named:

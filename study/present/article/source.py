@@ -55,7 +55,7 @@ class FullRun:
             bounds=read_csv(directory, "bounds.csv", BOUNDS),
             equivalence=read_csv(directory, "equivalence.csv", EQUIVALENCE),
             controls=read_csv(directory, "controls.csv", CONTROLS).fillna({"caught": ""}),
-            seeds=read_csv(directory, "seeds.csv", SEEDS).fillna(""),
+            seeds=read_csv(directory, "seeds.csv", SEEDS),
             provenance=made,
             codes=Codes.read(directory),
         )

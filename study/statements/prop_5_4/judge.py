@@ -14,12 +14,16 @@ from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Named, Verdict, row
 from study.ledger.window import Window, above_nothing, around, at_least, at_most, between
 from study.statements.prop_5_4.evidence import EVIDENCE, SIZES, over
 from study.statements.prop_5_4.sweep import Rates
+from study.statements.shared.random_meshes import LEADING, in_leading_term, is_random
 
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE_SHARE = above_nothing(0.6, "of the interpolation error: by Pythagoras both errors differ by ≤ 20 %")
 DISCRETE_TIME = above_nothing(0.3, "of the discrete error")
-SOLID = around(1, 0.1)
+RANDOM = "; random meshes: in the leading term"
+"""Of interpolation, in place of h."""
+SOLID = around(1, 0.1, RANDOM.removeprefix("; "))
+OF_THE_TERM = around(1, 0.15, "least squares, as the error is compared with this term there")
 NOT_AT_START = 0.99
 """A largest error this much above the one at t = 0 comes after it."""
 FORESEEN = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share of 0.6 leaves 0.8 of it")
@@ -47,9 +51,12 @@ class FirstOrder(Rates):
         """The rows of a case, from its lines of ``rates.csv``."""
         groups = by_family(rows)
         solid = SOLIDS if int(rows["dim"].iloc[0]) == 3 else ()
-        orders = [criterion.verdict(self, case, groups) for criterion in (*errors(expected), SIZES)]
+        in_h = in_leading_term(groups)
+        orders = [criterion.verdict(self, case, in_h) for criterion in (*errors(expected), SIZES)]
         discrete = [criterion.verdict(self, case, chosen) for criterion, chosen in discrete_errors(groups)]
-        rest = [rule.verdict(self, case, groups) for rule in (StartShare(), *EVIDENCE, *solid)]
+        rest = [rule.verdict(self, case, groups) for rule in (StartShare(), *EVIDENCE)]
+        rest += [criterion.verdict(self, case, in_h) for criterion in solid]
+        rest += [criterion.verdict(self, case, chosen) for criterion, chosen in leading_term(groups)]
         return [*orders, *discrete, *rest]
 
     def _after_start(self, rows: pd.DataFrame) -> Verdict:
@@ -61,9 +68,13 @@ class FirstOrder(Rates):
 
 
 def errors(expected: float) -> tuple[Criterion, Criterion]:
-    """The order of the error from level to level, and fitted, whose interval must exclude the orders 0 and 2."""
-    by_level = around(expected, 0.15, "every consecutive order")
-    line = around(expected, 0.1, "least squares; interval in (0, 2)")
+    """The order of the error from level to level, and fitted, whose interval must exclude the orders 0 and 2.
+
+    On random meshes they are orders in the leading term of interpolation on them, which is of order h by
+    ``leading_term``.
+    """
+    by_level = around(expected, 0.15, f"every consecutive order{RANDOM}")
+    line = around(expected, 0.1, f"least squares; interval in (0, 2){RANDOM}")
     return (
         consecutive("order", "order of the error, level by level", by_level, "error"),
         fitted("order-fitted", "order of the error, fitted", line, "error", ENOUGH + 1, Window(0.0, 2.0)),
@@ -77,6 +88,13 @@ SOLIDS = (
     ),
 )
 """In 3D, where few levels can be had, the finest pair alone must be nearer to 1."""
+
+
+def leading_term(groups: Groups) -> Iterator[tuple[Criterion, Groups]]:
+    """On random meshes: that what takes the place of h in the orders of errors there is of order h itself."""
+    if shaken := {name: group for name, group in groups.items() if is_random(name)}:
+        quantity = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, random meshes"
+        yield order("leading-order", quantity, OF_THE_TERM, LEADING, ENOUGH + 1), shaken
 
 
 def discrete_errors(groups: Groups) -> Iterator[tuple[Criterion, Groups]]:

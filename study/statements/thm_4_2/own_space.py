@@ -33,15 +33,19 @@ from manufactured.regularity import Regularity
 from study.fem.mesh import Graded
 from study.fem.naming import resolve
 from study.ledger.criterion import Criterion, Observation, Rule
-from study.ledger.measures import among, change, largest, order
+from study.ledger.measures import among, growth, largest, order, weighted
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, above_nothing, at_least, at_most, between
+from study.statements.shared.random_meshes import ALONG, CELLS
 from study.statements.thm_4_2.stress_sweep import Stresses
 
 MARGIN, SMOOTH = 0.15, 0.3
 """Below a predicted order that is a singularity's; below 2, to which the boundary adds its own on coarse meshes."""
 JUDGED, PAIR = 3, 2
 """Orders are taken over the last levels, up to so many; fewer levels than a pair have none."""
+IN_CELLS = ("stress", "strain", "primal_stress")
+"""Their errors are sums over all cells. Those of the pressure are sums over the edges on Γ3, those of multipliers are
+largest along a front that moves: over as many cells as there are along a line."""
 TIME = above_nothing(1.0, "by the order 3/2 in k the error in time is then ≤ 0.55 of the error")
 RATIO = "‖σ − σ^h‖_Q / that of the best polynomials"
 ADMISSIBLE = "σ^hν continuous, P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3, strongly"
@@ -73,11 +77,13 @@ class OwnSpace(Stresses):
 def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
     """What is judged of a solution on a mesh family."""
     for name, orders in predicted(regularity, family).items():
-        yield order(f"order-{name}", f"order of {QUANTITIES[name]}", orders.window, name, JUDGED, PAIR)
+        parts = CELLS if name in IN_CELLS else ALONG
+        yield weighted(f"order-{name}", f"order of {QUANTITIES[name]}", orders.window, name, parts, JUDGED, PAIR)
     # The finest one is shown.
     ratios = Criterion("ratio", RATIO, at_least(1), lambda of: among(of["ratio"].iloc[-1], of["ratio"]), ("ratio",))
     yield Observation(ratios, "the best polynomials are those of a larger space")
-    yield change("growth", f"growth of {RATIO}, finest over coarsest", at_most(1.25, "bounded"), "ratio", PAIR)
+    quantity = f"growth of {RATIO}, coarsest to finest, fitted"
+    yield growth("growth", quantity, at_most(1.25, "bounded"), "ratio", CELLS, PAIR)
     yield largest("admissible", ADMISSIBLE, above_nothing(1e-9), "admissibility")
     yield largest("time-share", "time share of ‖σ − σ^h‖_Q", TIME, "time_share")
     in_the_maximum = order("order-sup", "order of max_n ‖σ − σ^h‖_Q", Window(), "stress_sup", JUDGED, PAIR)

@@ -1,0 +1,136 @@
+"""``study seeds``: judge what the ledger claims on fresh random meshes, and add what was found to the record."""
+
+from __future__ import annotations
+
+import argparse
+import secrets
+import shutil
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from tqdm import tqdm
+
+from study.cli.common import FAILED, OK, check_jobs, progress_bar
+from study.controls.alarms import tally, text, verdict, write_seeds
+from study.controls.record import Draw, Record
+from study.controls.rules import row_of, rules
+from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
+from study.ledger.errors import UsageError
+from study.ledger.verdict import HOLDS, REPORTED, Verdict
+from study.run.collect import collect
+from study.run.execute import Pool, execute
+from study.run.judgement import judge
+from study.run.plan import Plan
+from study.run.processes import Processes
+from study.run.store import Store
+
+BITS = 62
+"""Of a seed: no two that are drawn are the same, and 64-bit integers of other programs hold them."""
+
+
+class TimeIsUpError(Exception):
+    """The time that was asked for is over; what is measured is kept."""
+
+
+@dataclass(frozen=True)
+class Watch:
+    """Shows progress, and ends the work when its time is up."""
+
+    bar: tqdm
+    end: float
+
+    def __call__(self, cost: float) -> None:
+        """A job has ended, and is kept."""
+        self.bar.update(round(cost))
+        if time.monotonic() >= self.end:
+            raise TimeIsUpError
+
+
+def do_seeds(options: argparse.Namespace) -> int:
+    """``study seeds``: as many fresh seeds as the time allows, or one again."""
+    check_jobs(options.jobs)
+    if options.minutes < 0:
+        raise UsageError(
+            f"--minutes must be 0, to make the table again from the record, or more, got {options.minutes:g}"
+        )
+    if options.seed is not None and options.seed < 0:
+        raise UsageError(f"--seed must be 0 or more, got {options.seed}")
+    Store(options.out).check()
+    with Processes(options.jobs) as processes:
+        pool = Pool.of(processes)
+        if options.seed is not None:
+            return _again(options.seed, options.out, pool)
+        with Store(options.out).locked():
+            _fill(options.out, pool, time.monotonic() + 60 * options.minutes)
+    record = Record.read(options.out)
+    if not any(draw.judged >= 0 for draw in record.draws):
+        print("no seed was finished; the same command goes on with the one that was begun")
+        return FAILED
+    table = tally(record)
+    written = write_seeds(options.out, table)
+    print(f"\n{text(table)}\ndata: {written}, {written.parent}/seeds/*.csv")
+    return OK if verdict(table) == HOLDS else FAILED
+
+
+def _fill(directory: Path, pool: Pool, end: float) -> None:
+    """Judge seeds until the time is up: first the one that was begun, then others as they are drawn."""
+    while time.monotonic() < end:
+        record = Record.read(directory)
+        draw = record.pending()
+        if draw is None:
+            draw = Draw(secrets.randbits(BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
+            # Before anything is known of it: no seed that was drawn can be left out.
+            record = record.drawn(draw.seed, draw.part)
+            record.write(directory)
+        store, plan = _store(directory, draw.seed), seeded(draw.seed, draw.part)
+        try:
+            found = judged(plan, store, pool, f"seed {len(record.draws)}, {draw.part}", end)
+        except TimeIsUpError:
+            return
+        known = rules(store.directory, plan, seeded(draw.seed))
+        mine = [verdict for verdict in found if row_of(verdict) in known]
+        record.judged(draw.seed, mine, known, claimed).write(directory)
+        shutil.rmtree(store.directory)
+
+
+def _store(directory: Path, seed: int) -> Store:
+    return Store(directory / "seeds" / str(seed))
+
+
+def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[Verdict]:
+    """Measure what is missing and judge all of it.
+
+    Raises:
+        TimeIsUpError: before all is measured.
+    """
+    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
+        bar.set_description(name)
+        execute(plan.jobs, store, pool, Watch(bar, end))
+        collect(plan, store)
+    return [verdict for verdict in judge(store.directory) if verdict.verdict != REPORTED]
+
+
+def _again(seed: int, directory: Path, pool: Pool) -> int:
+    """One seed, whole: what it says, and whether the record says the same."""
+    store, plan = _store(directory, seed), seeded(seed)
+    found = judged(plan, store, pool, f"seed {seed}", float("inf"))
+    record, known = Record.read(directory), rules(store.directory, plan, plan)
+    shutil.rmtree(store.directory)
+    rows = [verdict for verdict in found if row_of(verdict) in known]
+    red = [row for row in rows if row.verdict != HOLDS and claimed(row.label, row.case)]
+    print(
+        "\n".join([f"{row.label}, {row.key}, {row.case}: {row.observed:.6g}, expected {row.expected}" for row in red])
+    )
+    print(f"{len(rows)} rows, of which {len(red)} that are claimed do not hold")
+    print(_beside(record, seed, rows, known))
+    return FAILED if red else OK
+
+
+def _beside(record: Record, seed: int, rows: Sequence[Verdict], known: dict[tuple[str, str, str], str]) -> str:
+    """Whether the record has the same places for a seed."""
+    if all(draw.seed != seed for draw in record.draws):
+        return "the record does not have this seed"
+    same, other = record.agreement(seed, rows, known)
+    return f"the record has this seed: {same} places are the same, {other} are others"

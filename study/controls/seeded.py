@@ -1,0 +1,108 @@
+"""What is measured of a seed: all that the study judges on shaken meshes, on those of this seed.
+
+Some of it costs most of the time: stresses on their own space, rough solutions, which need the levels of the full study
+on random meshes, and solids. It is measured on one of ``EVERY`` seeds, all else on each: then an hour says as much as
+it can of every row. How many seeds a row was judged on stands with the row.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields, replace
+
+from manufactured.case import Case
+from study.fem.mesh import MeshFamily, Shaken
+from study.fem.naming import family_named
+from study.run.job import Job
+from study.run.plan import Plan, full, quick
+from study.statements import STATEMENTS
+from study.statements.enclosure.courses import Bounds
+from study.statements.interpolation import InterpolationOnContact
+from study.statements.pictures import Pictures
+from study.statements.prop_5_3 import Convergence
+from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.shared.base import Setting, Statement, grid
+from study.statements.shared.random_meshes import is_random
+from study.statements.shared.scope import Scope
+from study.statements.thm_4_2.own_space import OwnSpace
+
+WHOLE, LIGHT = "whole", "light"
+"""The parts of the plan: all of it, and what costs little."""
+EVERY = 5
+"""One of so many seeds is measured whole: then both parts take about the same time."""
+NOT_CLAIMED = {
+    ("(5.24)", ""): "orders of a trace hang on few edges of random length",
+    ("Thm 4.2, own space", "natural-front"): "the pressure's error is that of the one cell in which the front rests",
+    ("Thm 4.2, own space", "rough-trace"): "the same, and an order of the multipliers that is not understood",
+}
+"""Label and case, or every case, of what the ledger does not claim on shaken meshes, and why."""
+TRACES = ("no-contact", "advance-recede")
+"""Cases whose traces are interpolated."""
+
+
+def claimed(label: str, case: str) -> bool:
+    """Whether the ledger claims the rows of a statement on shaken meshes."""
+    return (label, case) not in NOT_CLAIMED and (label, "") not in NOT_CLAIMED
+
+
+@dataclass(frozen=True)
+class SeededScope(Scope):
+    """The quick study on shaken meshes alone.
+
+    Attributes:
+        seed: of the meshes, which are called shaken-SEED.
+    """
+
+    seed: int = 0
+
+    @property
+    def family(self) -> str:
+        """The name of the meshes."""
+        return f"{Shaken().name}-{self.seed}"
+
+    def families_of(self, case: Case) -> list[MeshFamily]:
+        """The shaken meshes, where they serve."""
+        family = family_named(self.family)
+        return [family] if family.serves(case.solution.body) else []
+
+
+def seeded(seed: int, part: str = WHOLE) -> Plan:
+    """The quick study with a seed, but for rough cases, which need the levels of the full one on random meshes.
+
+    No pictures, and no bounds: these are proved for every mesh, and tested with random ones.
+    """
+    base = replace(quick(), rough=full().rough, command="study seeds")
+    scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
+    jobs = [
+        Job(statement, setting)
+        for statement in STATEMENTS
+        if not isinstance(statement, Pictures | Bounds)
+        for setting in (statement.settings(scope) if statement.of_every_case else on_shaken(statement, scope))
+    ]
+    return Plan(scope, tuple(job for job in jobs if part == WHOLE or not costly(job)))
+
+
+def costly(job: Job) -> bool:
+    """Whether a job is left out where little time is spent."""
+    solid = isinstance(job.statement, FirstOrder) and job.setting.dim == 3
+    return solid or isinstance(job.statement, OwnSpace | Convergence | InterpolationOnContact)
+
+
+def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
+    """The settings of the quick study on shaken meshes; where it has none those of the full one, up to its levels.
+
+    Where nothing is claimed on shaken meshes it is measured nevertheless: the traces of (5.24), and stresses on their
+    own space at all levels of the full study, of every case that it has on shaken meshes or does not claim there.
+    """
+    if isinstance(statement, InterpolationOnContact):
+        return grid(TRACES, (scope.family,), (16, 32, 64))
+    everywhere = [setting for setting in statement.settings(replace(scope, name="full")) if is_random(setting.family)]
+    if isinstance(statement, OwnSpace):
+        unclaimed = [case for label, case in NOT_CLAIMED if label == statement.label]
+        levels = sorted({setting.level for setting in everywhere})
+        everywhere += grid(unclaimed, (scope.family,), levels)
+    else:
+        quickly = statement.settings(scope)
+        finest = max((setting.level for setting in quickly), default=0)
+        shaken = [setting for setting in quickly if is_random(setting.family)]
+        everywhere = shaken or [setting for setting in everywhere if setting.level <= finest]
+    return [replace(setting, family=scope.family) for setting in everywhere]

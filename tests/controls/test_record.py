@@ -1,0 +1,159 @@
+"""The record of seeds adds and never replaces, and counts no seed for a rule that it was not judged by."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from study.controls.alarms import newer, tally, text
+from study.controls.record import Record, packed, place, unpacked
+from study.controls.seeded import LIGHT, WHOLE, claimed
+from study.ledger.datafiles import DataError, raised
+from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict, row
+from study.ledger.window import Window, around, at_least, at_most
+from study.statements.prop_5_4.judge import FirstOrder
+
+WINDOW = around(1, 0.1)
+ROW = ("Prop. 5.4", "order", "advance-recede")
+
+
+def judged(value: float, key: str = "order", window: Window = WINDOW, state: str = "") -> Verdict:
+    verdict = state or (HOLDS if window.contains(value) else FAILS)
+    return row(FirstOrder(), key, f"the {key}", window, (value, (value, value), verdict), "advance-recede", "shaken-7")
+
+
+def after(values: list[float], rule: str = "a", record: Record | None = None, part: str = WHOLE) -> Record:
+    """A record with so many more seeds."""
+    record = record or Record()
+    for value in values:
+        seed = 100 + len(record.draws)
+        record = record.drawn(seed, part).judged(seed, [judged(value)], {ROW: rule}, claimed)
+    return record
+
+
+@pytest.mark.parametrize(
+    ("value", "window", "expected"),
+    [
+        (1.05, around(1, 0.1), 0.5),
+        (0.9, around(1, 0.1), -1.0),
+        (0.3, at_most(0.6), 0.5),
+        (-0.05, at_most(0.1, low=-np.inf), -0.5),
+        (8.0, at_least(4), 0.5),
+        (3.0, at_least(0.0), 0.0),
+    ],
+)
+def test_a_place_is_the_share_of_the_window_that_a_row_uses(value: float, window: Window, expected: float) -> None:
+    assert place(judged(value, window=window)) == pytest.approx(expected, abs=1e-9)
+
+
+def test_an_alarm_is_a_place_beyond_whatever_raised_it() -> None:
+    assert place(judged(1.2)) == pytest.approx(2.0)
+    assert place(judged(0.85)) == pytest.approx(-1.5)
+    for verdict in (judged(float("nan"), state=FAILS), judged(1.0, state=UNDECIDED), judged(1.1 + 1e-9, state=FAILS)):
+        assert abs(unpacked(packed(place(verdict)))[0]) > 1
+
+
+def test_the_interval_of_a_fitted_order_is_no_place_of_the_order() -> None:
+    fitted = replace(judged(0.98, key="order-fitted"), low=0.91, high=1.05)
+    assert place(fitted) == pytest.approx(-0.2)
+    assert place(replace(fitted, key="order")) == pytest.approx(-0.9)
+
+
+def test_what_is_written_is_read_again(tmp_path: Path) -> None:
+    record = after([1.0, 1.05, 0.95, 1.2])
+    record.write(tmp_path)
+    again = Record.read(tmp_path)
+    assert again == record
+    (line,) = again.lines.values()
+    assert unpacked(line.places) == pytest.approx([0, 0.5, -0.5, 2.0], abs=2e-3)
+    assert [draw.alarms for draw in again.draws] == [0, 0, 0, 1]
+
+
+def test_nothing_in_it_is_replaced() -> None:
+    record = after([1.0, 1.05])
+    with pytest.raises(DataError, match="seed 100 is in the record already"):
+        record.drawn(100, LIGHT)
+    with pytest.raises(DataError, match="seed 100 was judged already"):
+        record.judged(100, [judged(1.0)], {ROW: "a"}, claimed)
+    longer = after([0.9], record=record)
+    (before,), (behind,) = record.lines.values(), longer.lines.values()
+    assert behind.places.startswith(before.places)
+    assert longer.draws[:2] == record.draws
+
+
+def test_seeds_judged_by_another_rule_count_for_nothing() -> None:
+    """Else a window could be widened until the seeds that were drawn before are quiet."""
+    old = after([1.2] * 5 + [1.0] * 5)
+    table = tally(after([1.0] * 3, rule="b", record=old))
+    line = table[table["key"] == "order"].iloc[0]
+    assert (line["rule"], line["seeds"], line["alarms"], line["since"]) == ("b", 3, 0, 11)
+    assert raised(table).seeds == 3
+    assert len(after([1.0], rule="b", record=old).lines) == 2
+
+
+def test_a_row_with_a_newer_rule_than_the_others_is_named() -> None:
+    record = after([1.0, 1.01])
+    both = [judged(1.0), judged(1.0, key="size")]
+    seed = 100 + len(record.draws)
+    rules = {ROW: "a", (ROW[0], "size", ROW[2]): "c"}
+    record = record.drawn(seed, WHOLE).judged(seed, both, rules, claimed)
+    assert list(newer(tally(record))["key"]) == ["size"]
+
+
+def test_rows_that_cost_little_are_counted_on_every_seed() -> None:
+    costly = (ROW[0], "size", ROW[2])
+    record = after([1.0, 1.2, 1.0], part=LIGHT)
+    both = [judged(1.0), judged(1.3, key="size")]
+    record = record.drawn(9, WHOLE).judged(9, both, {ROW: "a", costly: "c"}, claimed)
+    found = raised(tally(record))
+    assert (found.rows, found.seeds, found.red, found.light_seeds, found.light_red) == (2, 1, 1, 4, 1)
+    assert found.verdict == "fails"
+
+
+def test_a_seed_that_is_begun_is_in_the_record_and_counts_for_nothing(tmp_path: Path) -> None:
+    record = after([1.0]).drawn(7, LIGHT)
+    record.write(tmp_path)
+    assert Record.read(tmp_path).pending() == record.draws[-1]
+    assert raised(tally(record)).seeds == 1
+
+
+def test_a_row_whose_tail_leaves_the_window_is_named() -> None:
+    """No alarm has been seen, and one is to be expected on one seed in a hundred."""
+    rng = np.random.default_rng(3)
+    record = after(list(np.minimum(1.0 + rng.normal(0.06, 0.017, 60), 1.099)))
+    table = tally(record)
+    assert table["alarms"].sum() == 0
+    assert re.search(r"^Prop. 5.4 +order +advance-recede +0 of 60", text(table), re.MULTILINE)
+    assert raised(table).by_tail > 1e-3
+
+
+@pytest.mark.parametrize(
+    "spoil",
+    [
+        lambda line: line.replace(line[-3:-1], "!!"),
+        lambda line: line[:-1] + "aaaa\n",
+        lambda line: line[:-2] + "\n",
+    ],
+)
+def test_a_damaged_record_is_refused(tmp_path: Path, spoil) -> None:
+    after([1.0, 1.05]).write(tmp_path)
+    path = tmp_path / "data" / "seeds" / "places.csv"
+    head, line = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    path.write_text(head + spoil(line), encoding="utf-8")
+    with pytest.raises(DataError, match="is damaged"):
+        Record.read(tmp_path)
+
+
+def test_all_rows_and_a_hundred_and_fifty_seeds_take_less_than_400_kB(tmp_path: Path) -> None:
+    values, count = [1.0, 1.033], 150
+    record = after(values * (count // 2))
+    (line,) = record.lines.values()
+    known = [("(3.9)–(3.11), (4.14)", "a-long-key", f"fixed-front-off-vertex {i}", "0123456789") for i in range(750)]
+    lines = dict.fromkeys(known, line)
+    replace(record, lines=lines).write(tmp_path)
+    size = sum(path.stat().st_size for path in (tmp_path / "data" / "seeds").iterdir())
+    assert size < 400_000

@@ -1,0 +1,91 @@
+"""Rates of alarms: intervals by count, and tails of distributions that are known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from study.ledger.chance import FEWEST, PROMISE, Tail, interval, kept, tail
+from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
+
+
+@pytest.mark.parametrize(("alarms", "judged"), [(0, 100), (1, 100), (7, 120), (20, 20)])
+def test_the_interval_has_the_tails_that_clopper_and_pearson_ask_for(alarms: int, judged: int) -> None:
+    low, high = interval(alarms, judged)
+    if alarms:
+        assert stats.binom.sf(alarms - 1, judged, low) == pytest.approx(0.025)
+    if alarms < judged:
+        assert stats.binom.cdf(alarms, judged, high) == pytest.approx(0.025)
+    assert low <= alarms / judged <= high
+
+
+def test_no_alarm_on_a_hundred_seeds_says_little_and_none_on_no_seed_nothing() -> None:
+    assert interval(0, 100) == (0.0, pytest.approx(1 - 0.025 ** (1 / 100)))
+    assert interval(0, 0) == (0.0, 1.0)
+
+
+def samples(model: stats.rv_continuous, size: int, seed: int = 1) -> np.ndarray:
+    return model.rvs(size=size, random_state=np.random.default_rng(seed))
+
+
+@pytest.mark.parametrize("distance", [2.0, 3.0, 4.0])
+def test_the_tail_of_a_normal_row_is_that_of_the_normal_distribution(distance: float) -> None:
+    found = tail(samples(stats.norm(1 - 0.1 * distance, 0.1), 2000), False)
+    assert found.model == "normal"
+    assert found.rate == pytest.approx(stats.norm.sf(distance), rel=0.4)
+
+
+def test_few_seeds_give_a_rate_that_counts_how_few_they_are() -> None:
+    """On the average it is that of one more seed; estimates in place of the truth would give too little."""
+    rates = [tail(samples(stats.norm(0.7, 0.1), 10, seed), False) for seed in range(400)]
+    normal = [found.rate for found in rates if found.model == "normal"]
+    assert np.mean(normal) == pytest.approx(stats.t.sf(3 / math.sqrt(1.1), 9), rel=0.5)
+    assert np.mean(normal) > 3 * stats.norm.sf(3)
+
+
+def test_both_ends_of_a_window_count_where_it_has_two() -> None:
+    places = samples(stats.norm(-0.7, 0.1), 3000)
+    assert tail(places, True).rate == pytest.approx(stats.norm.sf(3), rel=0.5)
+    assert tail(places, False).rate < 1e-12
+
+
+def test_a_heavy_tail_is_not_taken_for_a_normal_one() -> None:
+    heavy = stats.lognorm(1.0, scale=0.05)
+    found = tail(samples(heavy, 3000), False)
+    assert (found.model, found.serves) == ("Pareto", True)
+    assert found.rate == pytest.approx(heavy.sf(1), rel=1.0)
+    assert found.rate > 0.2 * heavy.sf(1)
+
+
+def test_a_bounded_tail_ends() -> None:
+    found = tail(samples(stats.beta(2, 1, scale=0.99), 1000), False)
+    assert found.model == "Pareto"
+    assert found.rate < 1e-3
+
+
+def test_what_does_not_vary_is_not_red_by_chance() -> None:
+    assert tail(np.full(20, 0.999), True) == Tail("constant", 0.0)
+    assert tail(np.full(20, 1.5), True) == Tail("constant", 1.0)
+
+
+def test_too_few_seeds_have_no_tail() -> None:
+    few = tail(np.linspace(0, 0.5, FEWEST - 1), True)
+    assert few.model == "none"
+    assert math.isnan(few.rate)
+    assert not few.serves
+
+
+@pytest.mark.parametrize(
+    ("least", "by_tail", "state"),
+    [
+        (0.0, PROMISE / 2, HOLDS),
+        (0.0, PROMISE * 2, UNDECIDED),
+        (0.0, math.nan, UNDECIDED),
+        (PROMISE * 1.01, PROMISE / 2, FAILS),
+    ],
+)
+def test_the_promise_is_kept_if_neither_count_nor_tails_contradict_it(least: float, by_tail: float, state: str) -> None:
+    assert kept(least, by_tail) == state
