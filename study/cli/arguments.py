@@ -49,6 +49,7 @@ def parser() -> argparse.ArgumentParser:
     seeds.add_argument(
         "--minutes", type=_finite, default=MINUTES, metavar="M", help="how long (default 60; 0: only the table)"
     )
+    seeds.add_argument("--seeds", type=int, metavar="N", help="at most so many fresh ones")
     seeds.add_argument("--seed", type=int, metavar="N", help="measure this one again, add nothing")
     _spread(seeds)
     rates = add("rates", "rates", "orders of a published or foreign error table")

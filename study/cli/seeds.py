@@ -57,13 +57,16 @@ def do_seeds(options: argparse.Namespace) -> int:
         )
     if options.seed is not None and options.seed < 0:
         raise UsageError(f"--seed must be 0 or more, got {options.seed}")
+    if options.seeds is not None and options.seeds < 1:
+        raise UsageError(f"--seeds must be 1 or more, got {options.seeds}")
     Store(options.out).check()
     with Processes(options.jobs) as processes:
         pool = Pool.of(processes)
         if options.seed is not None:
             return _again(options.seed, options.out, pool)
         with Store(options.out).locked():
-            _fill(options.out, pool, time.monotonic() + 60 * options.minutes)
+            most = float("inf") if options.seeds is None else options.seeds
+            _fill(options.out, pool, time.monotonic() + 60 * options.minutes, most)
     record = Record.read(options.out)
     if not any(draw.judged >= 0 for draw in record.draws):
         print("no seed was finished; the same command goes on with the one that was begun")
@@ -74,9 +77,11 @@ def do_seeds(options: argparse.Namespace) -> int:
     return OK if verdict(table) == HOLDS else FAILED
 
 
-def _fill(directory: Path, pool: Pool, end: float) -> None:
-    """Judge seeds until the time is up: first the one that was begun, then others as they are drawn."""
-    while time.monotonic() < end:
+def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
+    """Judge at most so many seeds until the time is up: first the one that was begun, then others as they are drawn."""
+    done = 0
+    while done < most and time.monotonic() < end:
+        done += 1
         record = Record.read(directory)
         draw = record.pending()
         if draw is None:

@@ -1,8 +1,8 @@
 """What is measured of a seed: all that the study judges on shaken meshes, on those of this seed.
 
 Some of it costs most of the time: stresses on their own space, rough solutions, which need the levels of the full study
-on random meshes, and solids. It is measured on one of ``EVERY`` seeds, all else on each: then an hour says as much as
-it can of every row. How many seeds a row was judged on stands with the row.
+on random meshes, errors that are computed once more, and solids. It is measured on one of ``EVERY`` seeds, all else on
+each: then an hour says as much as it can of every row. How many seeds a row was judged on stands with the row.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from study.statements.interpolation import InterpolationOnContact
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.recomputed.judge import Recomputed
 from study.statements.shared.base import Setting, Statement, grid
 from study.statements.shared.random_meshes import is_random
 from study.statements.shared.scope import Scope
@@ -84,7 +85,7 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
 def costly(job: Job) -> bool:
     """Whether a job is left out where little time is spent."""
     solid = isinstance(job.statement, FirstOrder) and job.setting.dim == 3
-    return solid or isinstance(job.statement, OwnSpace | Convergence | InterpolationOnContact)
+    return solid or isinstance(job.statement, OwnSpace | Convergence | InterpolationOnContact | Recomputed)
 
 
 def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
