@@ -16,6 +16,7 @@ from typing import Any
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.data import Data
+from manufactured.multiscale import multiscale
 from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, MeshFamily, Shaken
 from study.ledger.errors import UsageError
@@ -42,7 +43,7 @@ def family_named(name: str) -> MeshFamily:
 @lru_cache
 def resolve(reference: str) -> Case:
     """The case behind a catalogue name or FILE.py:NAME, NAME a Case or a function making one; UsageError if none is."""
-    found = _from_file(reference) if _is_file(reference) else choose("case", reference, catalogue())
+    found = _from_file(reference) if _is_file(reference) else choose("case", reference, (*catalogue(), *multiscale()))
     if not isinstance(found, Case):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected a manufactured.Case")
     return found
@@ -56,7 +57,8 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     ``manufactured.problems``.
     """
     name = reference.rpartition(":")[2]
-    found = _from_file(reference) if _is_file(reference) else choose("problem", reference, (*catalogue(), *problems()))
+    known = (*catalogue(), *multiscale(), *problems())
+    found = _from_file(reference) if _is_file(reference) else choose("problem", reference, known)
     if isinstance(found, OpenProblem):
         return found.name, found.data, None
     if isinstance(found, Case):

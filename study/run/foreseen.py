@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from manufactured.case import Case
+from manufactured.proved import proved_order
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError
 from study.run.plan import Plan
@@ -32,7 +33,7 @@ def describe(case: Case) -> dict[str, Any]:
         "zone": motion,
         "regularity": str(case.regularity),
         "expected_order": case.order,
-        "proved_order": case.regularity.proved_order,
+        "proved_order": proved_order(case),
         "twin": case.twin,
         "statements": f"{case.proposition}, Thm 4.2",
         "reason": case.reason,

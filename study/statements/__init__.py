@@ -7,6 +7,8 @@ from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
 from study.statements.constraint import Interpolant, VertexConstraint
 from study.statements.contact_force.judge import ContactForce
+from study.statements.contact_work.judged_work import WorkOfContact
+from study.statements.edge_work import EdgeWork
 from study.statements.enclosure.inside import BoundedError, EnclosedError
 from study.statements.error_bounds import ErrorBounds
 from study.statements.fully_discrete import FullyDiscrete
@@ -35,7 +37,7 @@ PROPERTIES = Lipschitz(), NaturalConditions(), Hypercircle(), VertexConstraint()
 ESTIMATES = ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
 CONVERGENCE = Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Residual()
 WEIGHED = ContactForce(), Recomputed()
-BEYOND = FullyDiscrete(), BoundedError(), EnclosedError()
+BEYOND = EdgeWork(), WorkOfContact(), FullyDiscrete(), BoundedError(), EnclosedError()
 
 STATEMENTS: tuple[Statement, ...] = (
     *PROBLEM,

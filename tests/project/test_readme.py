@@ -84,7 +84,7 @@ def test_the_row_on_smoothness_shows_whatever_orders_were_seen_and_gives_no_verd
     data = FullRun.read(tmp_path)
     assert data is not None
     (row,) = [line for line in results(data).splitlines() if "(5.36)" in line]
-    assert row.endswith("| orders 0.60 … 0.71 | reported |")
+    assert row.endswith("| orders 0.60 … 0.71 in 3 cases that miss one of them | reported |")
 
 
 def test_the_cases_it_names_for_an_error_largest_at_the_start_are_those_of_the_data() -> None:

@@ -23,7 +23,7 @@ DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
 
 def macros(data: FullRun) -> str:
     """\\newcommand lines, sorted by nothing but their subject."""
-    groups = (_ledger, _seeds, _plan, _smooth, _rough, _equivalence, _bounds, _beyond, _made_with)
+    groups = (_ledger, _seeds, _plan, _smooth, _rough, _equivalence, _bounds, _work, _beyond, _made_with)
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
     return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
 
@@ -105,10 +105,9 @@ def _rough(data: FullRun) -> Named:
     missing = seen[seen["case"].map(data.cases["expected_order"]) == 1]
     yield "missing", str(len(missing))
     yield from _extremes("missingSeen", missing)
-    yield "missingProved", f"{proved[missing['case']].min():g}"
     for name, case in (("natural", "natural-front"), ("trace", "rough-trace"), ("moving", "moving-rough")):
         yield from _extremes(f"{name}Seen", seen[seen["case"] == case])
-        yield f"{name}Proved", f"{proved[case]:g}"
+    yield "movingProved", f"{proved['moving-rough']:g}"
 
 
 def _equivalence(data: FullRun) -> Named:
@@ -147,6 +146,25 @@ def _bounds(data: FullRun) -> Named:
     yield "checkLevel", str(finest["level"])
     yield "checkUpper", above(finest["upper"], 2)
     yield "checkLower", below(finest["lower"], 2)
+
+
+def _work(data: FullRun) -> Named:
+    """The work of contact, on edges and altogether."""
+    edges, label = "beyond: work on edges", "beyond: work of contact"
+    for name, key in (("Solution", "solution"), ("All", "all")):
+        yield f"edge{name}", above(data.rows(edges, key)["high"].max(), 2)
+    for name, key in (
+        ("Order", "order"),
+        ("Mean", "order-mean"),
+        ("Spread", "spread"),
+        ("Irregular", "order-irregular"),
+    ):
+        yield from _extremes(f"work{name}", data.rows(label, key))
+    for name in ("error", "excess"):
+        yield from _extremes(f"work{name.capitalize()}", data.rows(label, name))
+    shares = data.rows(label, "share")["observed"]
+    yield "workShareLeast", below(shares.min(), 2)
+    yield "workExcessMost", above(data.rows(label, "excess-share")["high"].max(), 2)
 
 
 def _beyond(data: FullRun) -> Named:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from manufactured.case import Case
+from manufactured.catalogue import catalogue
 from study.fem.mesh import FAMILIES, MeshFamily
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
@@ -68,6 +69,11 @@ class Scope:
     def full(self) -> bool:
         """Whether it is the full study."""
         return self.name == "full"
+
+    @property
+    def whole(self) -> bool:
+        """Whether every case of the catalogue is studied."""
+        return {case.name for case in catalogue()} <= set(self.cases)
 
     def resolved(self) -> list[Case]:
         """The cases."""

@@ -1,0 +1,6 @@
+"""Solutions with details of many sizes, each lifted to a depth in proportion to its size."""
+
+from manufactured.multiscale.strip import StripFace
+from manufactured.multiscale.trains import multiscale
+
+__all__ = ["StripFace", "multiscale"]

@@ -1,0 +1,169 @@
+"""The work of contact: the lemma on one edge, its rows, and what must break them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from manufactured.exact.solution import FaceFields
+from manufactured.tensors import Array
+from study.fem.naming import family_named, resolve
+from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
+from study.fem.space import Space
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+from study.statements.contact_work.judged_work import WorkOfContact
+from study.statements.contact_work.resolved import Resolved, pressing_on
+from study.statements.contact_work.total_work import TotalWork, shaken, vertices_on
+from study.statements.edge_work import C_0, EQUAL, EdgeWork, beta, supremum
+from study.statements.shared.base import Setting
+
+GRID = "one-diagonal"
+
+
+def test_the_seminorm_of_a_straight_line_is_known() -> None:
+    # ∬ |x − y|^{1−2ϱ} = 2/((2 − 2ϱ)(3 − 2ϱ)).
+    for rho in (0.05, 0.25, 0.5):
+        found = seminorm(FIRST[0], SECOND[0], rho)
+        assert found == pytest.approx(math.sqrt(2 / ((2 - 2 * rho) * (3 - 2 * rho))), rel=1e-3)
+
+
+def test_hat_functions_have_the_same_seminorm() -> None:
+    v = np.random.default_rng(0).normal(size=PANELS + 1)
+    nodes = np.linspace(0, 1, PANELS + 1)
+    direct = seminorm(np.interp(FIRST[0], nodes, v), np.interp(SECOND[0], nodes, v), 0.5)
+    assert v @ gram(PANELS, 0.5) @ v == pytest.approx(float(direct) ** 2)
+
+
+def test_both_bounds_meet_where_the_constant_of_the_article_is() -> None:
+    assert beta(np.array(EQUAL)) == pytest.approx(C_0)
+    assert beta(np.linspace(0.001, 0.999, 999)).max() <= C_0 < 0.388
+
+
+def contact_sets() -> Iterator[Array]:
+    """Random sets of contact on (0, 1), as unions of panels."""
+    rng = np.random.default_rng(2002)
+    for changes in (1, 1, 1, 2, 2, 3, 5, 9) * 5:
+        ends = np.sort(rng.choice(np.arange(1, PANELS), changes, replace=False))
+        panels = (np.searchsorted(ends, np.arange(PANELS), side="right") + rng.integers(2)) % 2 == 0
+        yield np.repeat(panels, FIRST[0].size // PANELS)
+
+
+@pytest.mark.parametrize("rho", [0.05, 0.25, 0.5])
+def test_no_pressure_and_no_gap_exceed_the_bound_on_an_edge_and_some_are_not_small(rho: float) -> None:
+    shares = [supremum(touching, rho) for touching in contact_sets()]
+    assert max(shares) <= 1
+    assert max(shares) > 0.02
+
+
+def test_a_bound_of_another_power_of_the_contact_set_is_exceeded(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Were β proportional to |N| and |C|, whichever is smaller, small sets would exceed it.
+    wrong: Callable[[Array], Array] = lambda part: C_0 * np.minimum(part, 1 - part) ** 2  # noqa: E731
+    monkeypatch.setattr("study.statements.edge_work.beta", wrong)
+    assert max(supremum(touching, 0.5) for touching in contact_sets()) > 1
+
+
+def edge_rows(levels: tuple[int, ...] = (16, 32)) -> pd.DataFrame:
+    statement = EdgeWork()
+    settings = [Setting(case, GRID, n) for case in ("trains", "merging-patches") for n in levels]
+    return pd.DataFrame([row for s in settings for _, row in statement.records(s, statement.measure(s))])
+
+
+def verdict_of(verdicts: list[Verdict], key: str) -> set[str]:
+    return {verdict.verdict for verdict in verdicts if verdict.key == key}
+
+
+def test_the_work_on_every_edge_is_within_its_bound() -> None:
+    assert {verdict.verdict for verdict in EdgeWork().judge(edge_rows())} == {HOLDS}
+
+
+def test_a_pressure_off_the_zone_of_contact_breaks_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
+    stated = FaceFields.stated_pressure
+
+    def everywhere(self: FaceFields, time: float) -> Array:
+        """A constant more: the seminorm does not see it."""
+        return np.asarray(stated(self, time) + 1e4)
+
+    monkeypatch.setattr(FaceFields, "stated_pressure", everywhere)
+    verdicts = EdgeWork().judge(edge_rows((32,)))
+    assert FAILS in verdict_of(verdicts, "solution") & verdict_of(verdicts, "constant")
+
+
+def work_rows(work: Callable[[int], float], spread: float = 0.5) -> pd.DataFrame:
+    """Rows with h = 1/n, an error of order 1 and work as given."""
+    rows = []
+    for family in (GRID, "shaken"):
+        for n in (16, 32, 64, 128):
+            numbers = {"work": work(n), "mean work": work(n), "spread": n**-spread, "error": 3 / n, "excess": 1 / n}
+            common = {"case": "trains", "family": family, "level": n, "h": 1 / n}
+            rows += [{**common, "quantity": name, "value": value} for name, value in numbers.items()]
+    return pd.DataFrame(rows)
+
+
+def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes() -> None:
+    verdicts = WorkOfContact().judge(work_rows(lambda n: 1 / n))
+    assert verdict_of(verdicts, "order") == verdict_of(verdicts, "spread") == verdict_of(verdicts, "share") == {HOLDS}
+    assert verdict_of(verdicts, "order-irregular") == verdict_of(verdicts, "excess") == {REPORTED}
+
+
+@pytest.mark.parametrize("order", [0.8, 1.5])
+def test_work_of_another_order_fails(order: float) -> None:
+    verdicts = WorkOfContact().judge(work_rows(lambda n: float(n) ** -order))
+    assert verdict_of(verdicts, "order") == verdict_of(verdicts, "order-mean") == {FAILS}
+
+
+def test_a_spread_that_stays_and_work_that_cannot_be_seen_fail() -> None:
+    verdicts = WorkOfContact().judge(work_rows(lambda n: 0.01 / n, spread=0.0))
+    assert verdict_of(verdicts, "spread") == verdict_of(verdicts, "share") == {FAILS}
+
+
+def test_too_few_levels_decide_nothing() -> None:
+    rows = work_rows(lambda n: 1 / n)
+    assert verdict_of(WorkOfContact().judge(rows[rows["level"] <= 32]), "order") == {UNDECIDED}
+
+
+@pytest.fixture(scope="module")
+def coarse() -> Resolved:
+    solution = resolve("trains").solution
+    return Resolved.of(solution, Space(family_named("shaken")(solution.body, 8), solution.body))
+
+
+def test_functions_of_the_space_are_the_same_on_the_refined_mesh(coarse: Resolved) -> None:
+    space, fine = coarse.space, coarse.gauge.space
+    matrix, slope = np.array([[1.0, 2.0], [3.0, 4.0]]), space.mesh.p[1].max() - space.mesh.p[1]
+    # Linear and zero on Γ1 = {y = 1}.
+    v = space.interpolate(matrix[:, :1] * slope)
+    assert coarse.inclusion @ v == pytest.approx(fine.interpolate(matrix[:, :1] * (1 - fine.mesh.p[1])))
+    some = np.random.default_rng(1).normal(size=space.dofs)
+    assert energy(fine, coarse.inclusion @ some) == pytest.approx(energy(space, some))
+
+
+def energy(space: Space, v: Array) -> float:
+    """‖ε(v)‖²."""
+    return float(np.sum(space.volumes * space.strain(v) ** 2))
+
+
+def test_cells_are_small_where_details_are_and_large_elsewhere(coarse: Resolved) -> None:
+    mesh = coarse.gauge.space.mesh
+    sides = np.linalg.norm(mesh.p[:, mesh.t] - np.roll(mesh.p[:, mesh.t], 1, axis=1), axis=0).max(axis=0)
+    assert sides.min() < 2.0**-9 / 4 / 3 * 1.5
+    assert sides[mesh.p[1, mesh.t].min(axis=0) > 0.5].min() > 0.05
+
+
+def test_the_work_is_the_same_through_the_load_and_on_the_face(coarse: Resolved) -> None:
+    solution, space = coarse.solution, coarse.space
+    total = TotalWork(solution)
+    nodes = solution.at(space.mesh.p)
+    # R grows like t², whose midpoint rule with eight nodes is known.
+    at_end = -pressing_on(coarse)(1.0) @ space.interpolate(nodes.displacement(1.0))
+    assert total(vertices_on(space)) == pytest.approx(at_end * np.mean(((np.arange(8) + 0.5) / 8) ** 2), rel=1e-3)
+
+
+def test_random_vertices_keep_the_ends_and_their_order() -> None:
+    (moved,) = shaken([np.linspace(0, 1, 9)], np.random.default_rng(3))
+    assert moved[[0, -1]].tolist() == [0, 1]
+    assert np.all(np.diff(moved) > 0)
+    assert not np.allclose(moved, np.linspace(0, 1, 9))
