@@ -11,8 +11,8 @@ from study.fem.mesh import FAMILIES, MeshError
 from study.fem.naming import resolve
 from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
-from study.statements.enclosure.bound_rows import posed
 from study.statements.contact_work.judged_work import WorkOfContact
+from study.statements.enclosure.bound_rows import posed
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.pictures import Pictures
