@@ -38,7 +38,9 @@ class Factor:
     def __post_init__(self) -> None:
         strange = sorted(map(str, self.formula.free_symbols - {x1, x2, x3}))
         if strange:
-            raise FormulaError(f"{self.formula} has {', '.join(strange)}; a factor is a formula of x1, x2 and x3")
+            raise FormulaError(
+                f"{self.formula} has {', '.join(strange)}; a factor is a formula of x1, x2 and x3 of ``manufactured``"
+            )
         if not 0 < self.low <= self.high < float("inf"):
             raise FormulaError(f"a factor needs bounds 0 < low ≤ high < ∞, got {self.low} and {self.high}")
 

@@ -106,7 +106,23 @@ KINKED = (sp.Heaviside, sp.DiracDelta, sp.Piecewise, sp.Abs, sp.Min, sp.Max, sp.
 """Functions with kinks or jumps, whose derivatives SymPy does not take in the sense that is meant."""
 
 
-def _hint(expression: sp.Expr) -> str:
+def refuse_kinks(*formulas: sp.Expr | float | None) -> None:
+    """Kinks and jumps have to be written with ``pos``; None is no formula.
+
+    Said before anything else about a formula: exponents, symbols and dimensions are looked for where kinks are known.
+
+    Raises:
+        FormulaError: they are written in another way; the message says how to write them.
+    """
+    for expression in map(sp.sympify, formulas):
+        if expression is not None and expression.has(*KINKED):
+            raise FormulaError(
+                f"{expression}: write fronts with pos(x, a), so that derivatives are known"
+                f"{written_with_pos(expression)}"
+            )
+
+
+def written_with_pos(expression: sp.Expr) -> str:
     """How the first power of Max(x, 0), or the first |x|, is written with ``pos``; empty where there is none."""
     for power in sp.preorder_traversal(expression):
         base, exponent = power.as_base_exp() if isinstance(power, sp.Expr) else (power, 1)
@@ -136,15 +152,12 @@ class Jet:
     )
 
     def __post_init__(self) -> None:
+        refuse_kinks(self.expression)
         strange = sorted(map(str, self.expression.free_symbols - {*self.variables, t}))
         if strange:
             raise FormulaError(
                 f"{self.expression} has {', '.join(strange)}; use the symbols s (s1, s2 in 3D) and t "
                 "of ``manufactured``, and numbers for everything else"
-            )
-        if self.expression.has(*KINKED):
-            raise FormulaError(
-                f"{self.expression}: write fronts with pos(x, a), so that derivatives are known{_hint(self.expression)}"
             )
 
     def __call__(self, points: Array, time: Array | complex, order: int = 0) -> Values:

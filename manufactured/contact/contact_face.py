@@ -14,7 +14,7 @@ from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, re
 from manufactured.law import KelvinVoigt, LawError, Linear
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
-from manufactured.symbols import FormulaError, Jet, Values, s, s1, s2
+from manufactured.symbols import FormulaError, Jet, Values, refuse_kinks, s, s1, s2
 from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
 
 VARIABLES = {2: (s,), 3: (s1, s2)}
@@ -37,6 +37,9 @@ class ContactFace:
         profile: how the data fade into the body.
         rough: the coordinates s at which the strain is singular or kinked for all times, so that
             quadrature can split cells there.
+
+    Raises:
+        FormulaError: a kink is not written with ``pos``, other symbols than those, or a rough place is no number.
     """
 
     part: Part
@@ -47,6 +50,7 @@ class ContactFace:
     rough: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
+        refuse_kinks(self.gap, self.strain.formula, self.level)
         # Compiled here, so that a formula that cannot be used is refused where it is written.
         self.gap_rate_jet, self.level_jet  # noqa: B018
         if not np.isfinite(self.rough).all():
@@ -68,10 +72,12 @@ class ContactFace:
         """The face for a linear law, where gap and pressure say everything (``face_strain.Memory``).
 
         Raises:
-            LawError: G is not linear (give q with ``face_strain.Prescribed`` instead), or ``initial`` is
-                given for a law that couples nn with sn.
-            FormulaError: the pressure is not piecewise polynomial in t.
+            LawError: the law has another dimension than the part, G is not linear (give q with
+                ``face_strain.Prescribed`` instead), or ``initial`` is given for a law that couples nn with sn.
+            FormulaError: a kink is not written with ``pos``, or the pressure is not piecewise polynomial in t.
         """
+        refuse_kinks(gap, pressure, level, initial)
+        law.require_dimension(part.dim)
         if not isinstance(law.G, Linear):
             raise LawError(f"{law.name}: only a linear G turns a pressure into a strain; prescribe the strain")
         pressure, variables = sp.sympify(pressure), VARIABLES[law.dim]

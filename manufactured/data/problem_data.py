@@ -91,11 +91,11 @@ class Data:
             lines: where the formulas have kinks.
 
         Raises:
-            LoadError: the dimension of the law is not that of the body.
+            LawError: the dimension of the law is not that of the body.
             FormulaError: wrong components or symbols, or f_2 on a part that is not of Γ2.
         """
         dim, place = body.dim, (x1, x2, x3)[: body.dim]
-        _require_dimension(law, dim)
+        law.require_dimension(dim)
         force = compiled(f0, dim, "f0", (*place, t))
         surface_load = _surface_load(body, f2 or {}, (*place, t))
         displacement = tuple(map(own_formula, [0] * dim if u0 is None else u0))
@@ -124,14 +124,6 @@ class Data:
         """
         with np.errstate(all="ignore"):  # what is not finite is refused below
             check(self)
-
-
-def _require_dimension(law: KelvinVoigt, dim: int) -> None:
-    if law.dim != dim:
-        raise LoadError(
-            f"the law {law.name} acts in dimension {law.dim}, the body has dimension {dim}; give its tensors that "
-            f"dimension, such as isotropic(1, 0.5, dim={dim})"
-        )
 
 
 def _surface_load(

@@ -29,8 +29,8 @@ class ExactSolution:
         singular: vertices of the body at which the strain is singular.
 
     Raises:
-        ValueError: the law's dimension is not the body's, the faces are not the pieces of Γ3, or a
-            lifting ends with a kink inside the body.
+        LawError: the law's dimension is not the body's.
+        ValueError: the faces are not the pieces of Γ3, or a lifting ends with a kink inside the body.
     """
 
     body: Body
@@ -40,8 +40,7 @@ class ExactSolution:
     singular: tuple[tuple[float, ...], ...] = ()
 
     def __post_init__(self) -> None:
-        if self.law.dim != self.body.dim:
-            raise ValueError(f"the law acts in dimension {self.law.dim}, the body has dimension {self.body.dim}")
+        self.law.require_dimension(self.body.dim)
         pieces = self.body.of(Kind.CONTACT)
         if [face.part for face in self.faces] != list(pieces):
             raise ValueError(f"the body has {len(pieces)} piece(s) Γ3,i, so give one contact face for each, in order")

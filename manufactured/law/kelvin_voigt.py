@@ -29,6 +29,18 @@ class KelvinVoigt:
     def dim(self) -> int:
         return self.A.dim
 
+    def require_dimension(self, dim: int) -> None:
+        """Refuse a body, or a part of one, of another dimension.
+
+        Raises:
+            LawError: the law does not act in this dimension.
+        """
+        if self.dim != dim:
+            raise LawError(
+                f"the law {self.name} acts in dimension {self.dim}, the body has dimension {dim}; give its tensors "
+                f"that dimension, such as isotropic(1, 0.5, dim={dim})"
+            )
+
     def stress(self, strain_rate: Tensors, strain: Tensors) -> Tensors:
         """σ = A ε̇ + G(ε) of a homogeneous law: (D, ...), (D, ...) → (D, ...)."""
         return self.A(strain_rate) + self.G(strain)

@@ -9,7 +9,7 @@ import sympy as sp
 
 from manufactured.body import Part
 from manufactured.singular.singular_field import SingularAtPoints, SingularField
-from manufactured.symbols import Jet, s
+from manufactured.symbols import Jet, refuse_kinks, s
 from manufactured.tensors import Points
 
 
@@ -24,6 +24,9 @@ class SingularFace:
         level: ψ(s, t).
         field: the displacement.
         rough: coordinates s of the singular points.
+
+    Raises:
+        FormulaError: a kink of a formula is not written with ``pos``.
     """
 
     part: Part
@@ -32,6 +35,9 @@ class SingularFace:
     level: sp.Expr
     field: SingularField
     rough: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        refuse_kinks(self.gap, self.pressure, self.level)
 
     @cached_property
     def gap_jet(self) -> Jet:

@@ -14,7 +14,7 @@ from functools import reduce
 import numpy as np
 import sympy as sp
 
-from manufactured.symbols import pos
+from manufactured.symbols import pos, written_with_pos
 from manufactured.tensors import Array
 
 Pair = tuple[Array, Array]
@@ -145,4 +145,6 @@ def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
     if type(formula) in KNOWN:
         return KNOWN[type(formula)](u, order)
     names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *REWRITTEN, pos)))
-    raise RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
+    raise RangeError(
+        f"{formula} has no known range of its derivatives; known are powers and {names}{written_with_pos(formula)}"
+    )

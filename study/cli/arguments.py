@@ -116,7 +116,7 @@ def _export(export: argparse.ArgumentParser) -> None:
     export.add_argument("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)")
     slab = "also mesh the foundation, so many segments long"
     export.add_argument("--foundation", type=int, metavar="SEGMENTS", help=slab)
-    export.add_argument("--to", type=Path, default=Path("tasks"), metavar="DIR", help="directory (default tasks)")
+    _out(export, "tasks", "--to")
 
 
 def _spread(command: argparse.ArgumentParser) -> None:
@@ -128,10 +128,9 @@ def _jobs(command: argparse.ArgumentParser) -> None:
     command.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (default: all cores)")
 
 
-def _out(command: argparse.ArgumentParser, default: str = "results") -> None:
-    command.add_argument(
-        "--out", type=Path, default=Path(default), metavar="DIR", help=f"directory (default {default})"
-    )
+def _out(command: argparse.ArgumentParser, default: str = "results", *also: str) -> None:
+    where = f"directory (default {default})"
+    command.add_argument("--out", *also, type=Path, default=Path(default), metavar="DIR", help=where)
 
 
 def _json(command: argparse.ArgumentParser) -> None:

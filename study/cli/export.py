@@ -4,11 +4,23 @@ from __future__ import annotations
 
 import argparse
 
+from manufactured.case import Case
 from manufactured.self_proof import prove
 from study.cli.common import OK
 from study.fem.naming import family_named, resolve
 from study.ledger.errors import UsageError
-from study.run.task_data import INSTANTS, frozen, march, with_foundation, write_task
+from study.run.foundation import require_segments
+from study.run.store import Store
+from study.run.task_data import (
+    INSTANTS,
+    Data,
+    frozen,
+    march,
+    require_instants,
+    require_scale,
+    with_foundation,
+)
+from study.run.task_files import write_task
 from study.run.tasks import Task
 from study.solve.steps import require_steps
 
@@ -16,25 +28,31 @@ from study.solve.steps import require_steps
 def do_export(options: argparse.Namespace) -> int:
     """``study export``."""
     case = resolve(options.case)
-    _check(options)
+    families = [family_named(name) for name in options.family]
+    tasks = [Task(case, family, level) for family in families for level in options.levels]
+    _check(options, case)
     prove(case.solution, f"case {case.name}")
-    T = case.solution.body.T
-    instants = options.instants or [T * part for part in INSTANTS]
-    for family in options.family:
-        for level in options.levels:
-            task = Task(case, family_named(family), level)
-            if options.mode == "frozen":
-                data = frozen(task, instants, options.scale)
-            else:
-                data = march(task, options.steps or level, options.scale)
-            if options.foundation is not None:
-                data = with_foundation(data, options.foundation)
-            path = write_task(options.to, data)
+    with Store(options.out, written=(".",)).locked():
+        for task in tasks:
+            path = write_task(options.out, _data(task, options))
             print(f"{path}  {path.stat().st_size / 1000:.1f} kB")
     return OK
 
 
-def _check(options: argparse.Namespace) -> None:
+def _data(task: Task, options: argparse.Namespace) -> Data:
+    if options.mode == "frozen":
+        data = frozen(task, _instants(options, task.case), options.scale)
+    else:
+        data = march(task, options.steps or task.level, options.scale)
+    return data if options.foundation is None else with_foundation(data, options.foundation)
+
+
+def _instants(options: argparse.Namespace, case: Case) -> list[float]:
+    return options.instants or [case.solution.body.T * part for part in INSTANTS]
+
+
+def _check(options: argparse.Namespace, case: Case) -> None:
+    """Refuse, before the directory is marked, what cannot be written."""
     if min(options.levels) < 2:
         raise UsageError(f"--levels must be 2 or more, got {min(options.levels)}")
     if options.mode == "march" and options.instants:
@@ -45,3 +63,7 @@ def _check(options: argparse.Namespace) -> None:
         if options.steps < 1:
             raise UsageError(f"--steps must be 1 or more, got {options.steps}")
         require_steps(options.steps)
+    require_instants(_instants(options, case), case.solution.body.T)
+    require_scale(options.scale)
+    if options.foundation is not None:
+        require_segments(options.foundation, case.solution.body.dim)

@@ -13,6 +13,14 @@ MARGIN, DEPTH = 0.25, 0.25
 """By how much a slab is longer than its face at each end, and how thick it is, relative to the length of the face."""
 
 
+def require_segments(segments: int, dim: int) -> None:
+    """Raise UsageError for a foundation in space, or of fewer than one segment."""
+    if dim != 2:
+        raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")
+    if segments < 1:
+        raise UsageError(f"--foundation must be 1 or more, got {segments}")
+
+
 def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
     """Two triangles for each of so many equal segments below a straight face.
 
@@ -24,10 +32,7 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
     Raises:
         UsageError: in space, or fewer than one segment.
     """
-    if face.shape[1] != 2:
-        raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")
-    if segments < 1:
-        raise UsageError(f"--foundation must be 1 or more, got {segments}")
+    require_segments(segments, face.shape[1])
     # With the body below, the axes (along, −ν) are right-handed.
     along = np.array([-normal[1], normal[0]])
     s = face @ along

@@ -1,12 +1,8 @@
-"""Tasks as JSON: the files of the format ``contact-task`` (docs/reference/tasks.md)."""
+"""Tasks as keys and numbers: the content of the format ``contact-task`` (docs/reference/tasks.md)."""
 
 from __future__ import annotations
 
-import gzip
-import hashlib
-import json
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,18 +21,12 @@ from study.solve.tableau import MIDPOINT
 FORMAT, VERSION = "contact-task", 1
 INSTANTS = 0.15, 0.55, 0.9
 """Frozen instants, if none are given, in units of T: in no case does one meet a jump in time or a vertex of n = 2^k."""
-DIGITS = 13
-"""Decimal digits kept of the largest number of an array, and of its others as many decimal places."""
-FINER = {"reference": 14}
-"""Digits of that from which distances are measured that may be zero: rounding grows like 1/h in them."""
 Data = dict[str, Any]
 
 
 def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
     """The static problems at some instants, with what answers are judged by."""
-    T = task.solution.body.T
-    if not instants or min(instants) < 0 or max(instants) > T:
-        raise UsageError(f"--instants must lie in [0, {T:g}], got {', '.join(f'{t:g}' for t in instants)}")
+    require_instants(instants, task.solution.body.T)
     loads = [
         {
             "time": float(t),
@@ -49,6 +39,18 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
     ]
     judge = [_judged(task, t, t, task.static(t)) for t in instants]
     return {**_head(task, "frozen", scale), "steps": loads, "judge": judge}
+
+
+def require_instants(instants: Sequence[float], T: float) -> None:
+    """Raise UsageError for instants outside [0, T], or none."""
+    if not instants or min(instants) < 0 or max(instants) > T:
+        raise UsageError(f"--instants must lie in [0, {T:g}], got {', '.join(f'{t:g}' for t in instants)}")
+
+
+def require_scale(scale: float) -> None:
+    """Raise UsageError for a factor of loads that is not positive."""
+    if not 0 < scale < float("inf"):
+        raise UsageError(f"--scale must be a positive number, got {scale:g}")
 
 
 def march(task: Task, steps: int, scale: float = 1.0) -> Data:
@@ -80,8 +82,7 @@ def _judged(task: Task, time: float, balanced: float, reference: Array) -> Data:
 
 
 def _head(task: Task, mode: str, scale: float) -> Data:
-    if not 0 < scale < float("inf"):
-        raise UsageError(f"--scale must be a positive number, got {scale:g}")
+    require_scale(scale)
     space, law = task.space, task.solution.law
     mesh, clamped = space.mesh, [space.vertices(part) for part, _ in space.on(Kind.CLAMPED)]
     numbers = {"A": law.A, "G": law.G}
@@ -129,31 +130,3 @@ def with_foundation(data: Data, segments: int) -> Data:
         slab(vertices[np.unique(piece["facets"])], np.asarray(piece["normal"]), segments) for piece in data["contact"]
     ]
     return {**data, "foundation": pieces}
-
-
-def write_task(directory: Path, data: Data) -> Path:
-    """NAME.json.gz, the same bytes for the same data, and its line in SHA256SUMS."""
-    directory.mkdir(parents=True, exist_ok=True)
-    scale = "" if data["scale"] == 1 else f"-times-{data['scale']:g}"
-    path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.gz"
-    text = json.dumps(plain(data), separators=(",", ":"))
-    path.write_bytes(gzip.compress(text.encode(), 9, mtime=0))
-    sums = directory / "SHA256SUMS"
-    kept = [line for line in (sums.read_text().splitlines() if sums.exists() else []) if line.split()[1] != path.name]
-    line = f"{hashlib.sha256(path.read_bytes()).hexdigest()}  {path.name}"
-    sums.write_text("\n".join(sorted([*kept, line], key=lambda one: one.split()[1])) + "\n")
-    return path
-
-
-def plain(value: Any, digits: int = DIGITS) -> Any:
-    """The same of lists and numbers, floats of an array rounded: an error of 10^−digits of the largest."""
-    if isinstance(value, dict):
-        return {key: plain(one, FINER.get(key, DIGITS)) for key, one in value.items()}
-    if isinstance(value, list):
-        return [plain(one, digits) for one in value]
-    if not isinstance(value, np.ndarray):
-        return value
-    largest = abs(value).max(initial=0.0)
-    if value.dtype.kind == "f" and 0 < largest < np.inf:
-        return np.round(value, digits - int(np.ceil(np.log10(largest)))).tolist()
-    return value.tolist()

@@ -40,6 +40,7 @@ COMMANDS = [
     ["report"],
     ["controls"],
     ["seeds", "--seeds", "1"],
+    ["sensitivity"],
 ]
 
 
@@ -64,15 +65,22 @@ def test_files_that_the_study_did_not_write_are_never_overwritten(
     assert everything(tmp_path) == before
 
 
-@pytest.mark.parametrize("command", [["bound", "ramp", "--levels", "4", *COARSE], ["show", "ramp"]])
+OWNED = [
+    (["bound", "ramp", "--levels", "4", *COARSE], "ramp"),
+    (["show", "full-contact"], "full-contact"),
+    (["export", "full-contact", "--levels", "4"], ""),
+]
+"""Commands whose directory is theirs alone, and its name below ``--out``."""
+
+
+@pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export"])
 def test_a_folder_of_somebody_else_is_left_alone(
-    command: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    command: list[str], folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    name = "ramp" if command[0] == "bound" else "full-contact"
-    write_text(tmp_path / name / "notes.txt", "mine")
-    told = refused(capsys, command[0], name, *command[2:], "--out", str(tmp_path))
-    assert f"{tmp_path / name}/notes.txt was not written by a study" in told
-    assert list(everything(tmp_path)) == [tmp_path / name / "notes.txt"]
+    write_text(tmp_path / folder / "notes.txt", "mine")
+    told = refused(capsys, *command, "--out", str(tmp_path))
+    assert f"{tmp_path / folder / 'notes.txt'} was not written by a study" in told
+    assert list(everything(tmp_path)) == [tmp_path / folder / "notes.txt"]
 
 
 def test_other_files_beside_those_of_the_study_are_no_hindrance(tmp_path: Path) -> None:
@@ -110,18 +118,21 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done(
     assert asked == [2, 4, 2, 4]
 
 
-def test_two_bounds_on_one_directory_are_refused_by_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    Store(tmp_path / "ramp").check()
+@pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export"])
+def test_two_commands_on_one_directory_are_refused_by_name(
+    command: list[str], folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    Store(tmp_path / folder).check()
     lock = "import sys; from pathlib import Path; from study.run.store import Store\n"
     lock += "with Store(Path(sys.argv[1])).locked(): print('locked', flush=True); sys.stdin.read()"
     other = subprocess.Popen(
-        [sys.executable, "-c", lock, str(tmp_path / "ramp")], stdin=subprocess.PIPE, stdout=subprocess.PIPE
+        [sys.executable, "-c", lock, str(tmp_path / folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
     )
     assert other.stdout
     assert other.stdout.readline() == b"locked\n"
-    told = refused(capsys, "bound", "ramp", "--levels", "4", *COARSE, "--out", str(tmp_path))
+    told = refused(capsys, *command, "--out", str(tmp_path))
     other.communicate()
-    assert f"another run works on {tmp_path}/ramp: wait until it ends, or give another directory with --out" in told
+    assert f"another run works on {tmp_path / folder}: wait until it ends, or give another directory with" in told
 
 
 def verdicts(self: Sweep, defect: Callable[[Any], Any]) -> list[Verdict]:
@@ -219,8 +230,8 @@ def test_a_disk_that_cannot_be_written_is_named_by_every_command(
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.replace", full)
-    arguments = ["run --case full-contact --levels 2 4 8", "controls", "seeds", "bound ramp --levels 2", "show corner"]
-    for command in arguments:
+    arguments = ["run --case full-contact --levels 2 4 8", "controls", "seeds", "sensitivity", "bound ramp --levels 2"]
+    for command in [*arguments, "show corner", "export corner --levels 4"]:
         told = refused(capsys, *command.split(), "--out", str(tmp_path / command[:4]))
         assert "cannot write" in told
         assert "No space left on device; give a directory you may write with --out" in told

@@ -8,11 +8,14 @@ import sys
 from importlib.metadata import version
 from pathlib import Path
 
+import numpy as np
 import pytest
 import sympy as sp
 
-from manufactured import BodyError, Data, FormulaError, KelvinVoigt, Kind, LoadError, isotropic, polygon, unit_square
+from manufactured import BodyError, Data, FormulaError, KelvinVoigt, Kind, LawError, isotropic, polygon, unit_square
 from manufactured.symbols import Jet, pos, s, t
+from study.bound.ranges import Boxes
+from study.bound.univariate import RangeError
 from study.cli.arguments import FAMILIES as FAMILY_NAMES
 from study.cli.arguments import SCHEMES as SCHEME_NAMES
 from study.cli.arguments import TOLERANCE, parser
@@ -82,9 +85,61 @@ def test_a_kink_in_other_words_is_answered_with_pos(formula: sp.Expr, instead: s
         assert float(written.subs(place)) == pytest.approx(float(formula.subs(place)))
 
 
-def test_a_law_of_another_dimension_than_the_body_is_refused_in_words() -> None:
+OWN = """
+from sympy import Max
+from manufactured import *
+body = unit_square()
+law = KelvinVoigt(isotropic(1, 1{of}), isotropic(1, 1{of}), "solid")
+(floor,) = body.of(Kind.CONTACT)
+z = t / 2 - s
+face = {face}
+mine = Case("mine", "", ExactSolution(body, law, (face,)), Regularity(gap=4, pressure=3, moving=True), 1, "none")
+"""
+LINEAR = "ContactFace.linear(floor, law, 1.0, {}, {}, {})"
+
+
+@pytest.mark.parametrize(
+    ("face", "kink", "instead"),
+    [
+        (LINEAR.format("pos(-z, 4)", "40*Max(z, 0)**2", "z"), "Max(0, -s + t/2)**2", "pos(-s + t/2, 2)"),
+        (LINEAR.format("Max(-z, 0)**3", "pos(z, 2)", "z"), "Max(0, s - t/2)**3", "pos(s - t/2, 3)"),
+        (LINEAR.format("pos(-z, 4)", "pos(z, 2)", "Max(z, 0)"), "Max(0, -s + t/2)", "pos(-s + t/2, 1)"),
+        (
+            "ContactFace(floor, pos(-z, 4), Prescribed(((1.0, -Max(z, 0)**2),)), z)",
+            "Max(0, -s + t/2)**2",
+            "pos(-s + t/2, 2)",
+        ),
+    ],
+)
+@pytest.mark.parametrize("of", ["", ", dim=3"])
+def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(
+    face: str, kink: str, instead: str, of: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "mine.py"
+    path.write_text(OWN.format(face=face, of=of), encoding="utf-8")
+    told = refused(capsys, "run", "--case", f"{path}:mine", "--levels", "4", "--out", str(tmp_path / "out"))
+    assert f"instead of {kink} write {instead}\n" in told
+    assert "label" not in told
+    assert len(told.splitlines()) == 1
+
+
+def test_a_kink_in_the_data_of_a_bound_is_answered_with_pos_where_it_costs_the_guarantee() -> None:
+    with pytest.raises(RangeError, match=r"known are powers and .*; instead of Max\(0, s\) write pos\(s, 1\)"):
+        Boxes({s: (np.zeros(1), np.ones(1))}, (s,), 1)(2 * sp.Max(s, 0))
+
+
+@pytest.mark.parametrize(
+    "face", [LINEAR.format("pos(-z, 4)", "pos(z, 3)", "z"), "ContactFace(floor, 0, Prescribed(((1.0, 0),)), z)"]
+)
+def test_a_law_of_another_dimension_than_the_body_is_refused_in_words(
+    face: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = "the law solid acts in dimension 3, the body has dimension 2; give its tensors that dimension, such as iso"
+    path = tmp_path / "mine.py"
+    path.write_text(OWN.format(face=face, of=", dim=3"), encoding="utf-8")
+    assert words in refused(capsys, "run", "--case", f"{path}:mine", "--out", str(tmp_path / "out"))
     solid = KelvinVoigt(isotropic(1, 1, dim=3), isotropic(1, 1, dim=3), "solid")
-    with pytest.raises(LoadError, match="the law solid acts in dimension 3, the body has dimension 2"):
+    with pytest.raises(LawError, match=words):
         Data.formulas(unit_square(), solid, f0=(0, 0))
 
 

@@ -18,7 +18,8 @@ from study.fem.naming import family_named, resolve
 from study.ledger.codes import Codes
 from study.ledger.datafiles import DataError
 from study.present.charts.codes_chart import codes_chart
-from study.run.task_data import frozen, write_task
+from study.run.task_data import frozen
+from study.run.task_files import write_task
 from study.run.tasks import Task
 
 ROOT = Path(__file__).parents[2]

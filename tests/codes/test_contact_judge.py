@@ -17,7 +17,8 @@ import pytest
 from study.cli.main import main
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import family_named, resolve
-from study.run.task_data import frozen, march, plain, with_foundation, write_task
+from study.run.task_data import frozen, march, with_foundation
+from study.run.task_files import plain, write_task
 from study.run.tasks import Task
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
@@ -236,8 +237,20 @@ def test_the_command_writes_the_same_bytes_again_and_their_sums(tmp_path: Path, 
     ],
 )
 def test_what_cannot_be_exported_is_refused(options: list[str], message: str, tmp_path: Path, capsys: Any) -> None:
-    assert main(["export", *options, "--to", str(tmp_path)]) == 2
+    assert main(["export", *options, "--to", str(tmp_path / "out")]) == 2
     assert message in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_line_of_the_sums_that_is_none_is_named(tmp_path: Path, capsys: Any) -> None:
+    command = ["export", "full-contact", "--levels", "4", "--instants", "0.5", "--out", str(tmp_path)]
+    assert main(command) == 0
+    with (tmp_path / "SHA256SUMS").open("a") as sums:
+        sums.write("mine\n")
+    before = {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
+    assert main([*command, "--scale", "2"]) == 2
+    assert "SHA256SUMS, line 2: stands 'mine', expected a sum and a file; remove the line" in capsys.readouterr().err
+    assert {path: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()} == before
 
 
 def test_tasks_for_two_levels_are_small_enough_to_commit(tmp_path: Path) -> None:
