@@ -37,7 +37,7 @@ def headline(data: FullRun) -> str:
 
 def results(data: FullRun) -> str:
     """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if rows lack."""
-    rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, _regularity, _work, _defects, _seeds)
+    rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, _regularity, _work, _time, _defects, _seeds)
     return _markdown(["claim", "predicted", "observed", "verdict"], [row(data) for row in rows])
 
 
@@ -119,6 +119,17 @@ def _work(data: FullRun) -> list[str]:
         "beyond the paper: contact at every scale, with a trace that has no bound: the root of the work of contact",
         "order 1, on grids, where it can be seen",
         f"orders {_range(seen)} in {seen['case'].nunique()} cases",
+        _verdict(data, label),
+    ]
+
+
+def _time(data: FullRun) -> list[str]:
+    label = "beyond: O(h + k)"
+    share = above(data.rows(label, "data")["high"].max(), 2)
+    return [
+        "beyond the paper: O(h + k) for backward Euler, no condition between h and k",
+        "proved: the error in time is at most k (‖u̇^h(0+)‖/√2 + 3 Var f) on every mesh",
+        f"error / bound at most {share}; orders in k {_range(data.rows(label, 'order'))}",
         _verdict(data, label),
     ]
 

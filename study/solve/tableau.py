@@ -95,7 +95,7 @@ BACKWARD_EULER = Tableau("backward-euler", 1.0, 1.0, (1.0,))
 MIDPOINT = Tableau("midpoint", 2.0, 1.0, (1.0,), theta=0.5)
 """M (u_n − u_{n−1})/k + G((u_n + u_{n−1})/2) + N_{K^h}(u_n) ∋ F(t_{n−1/2}).
 
-Order 2, falling to 1.5 in the maximum norm when vertices change between contact and release.
+Order 2 while no vertex lands; where a landing takes the load off a neighbour in contact, 1 (``statements.landings``).
 """
 
 BDF2 = Tableau("bdf2", 2.0, 1.5, (2.0, -0.5), starting=BACKWARD_EULER, kept=2)

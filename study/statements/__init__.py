@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from study.statements.admissibility import Admissibility
+from study.statements.backward_euler import BackwardEuler
 from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
 from study.statements.constraint import Interpolant, VertexConstraint
@@ -16,6 +17,7 @@ from study.statements.green import Green
 from study.statements.hypercircle import Hypercircle
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
+from study.statements.landings import Landings
 from study.statements.lipschitz import Lipschitz
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
@@ -37,7 +39,7 @@ PROPERTIES = Lipschitz(), NaturalConditions(), Hypercircle(), VertexConstraint()
 ESTIMATES = ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
 CONVERGENCE = Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Residual()
 WEIGHED = ContactForce(), Recomputed()
-BEYOND = EdgeWork(), WorkOfContact(), FullyDiscrete(), BoundedError(), EnclosedError()
+BEYOND = EdgeWork(), WorkOfContact(), BackwardEuler(), FullyDiscrete(), Landings(), BoundedError(), EnclosedError()
 
 STATEMENTS: tuple[Statement, ...] = (
     *PROBLEM,

@@ -23,7 +23,7 @@ DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
 
 def macros(data: FullRun) -> str:
     """\\newcommand lines, sorted by nothing but their subject."""
-    groups = (_ledger, _seeds, _plan, _smooth, _rough, _equivalence, _bounds, _work, _beyond, _made_with)
+    groups = (_ledger, _seeds, _plan, _smooth, _rough, _equivalence, _bounds, _work, _time, _beyond, _made_with)
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
     return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
 
@@ -165,6 +165,18 @@ def _work(data: FullRun) -> Named:
     shares = data.rows(label, "share")["observed"]
     yield "workShareLeast", below(shares.min(), 2)
     yield "workExcessMost", above(data.rows(label, "excess-share")["high"].max(), 2)
+
+
+def _time(data: FullRun) -> Named:
+    """Errors in time beside their bounds, and orders where many vertices land."""
+    label = "beyond: O(h + k)"
+    yield "timeByData", above(data.rows(label, "data")["high"].max(), 2)
+    yield "timeBySolution", above(data.rows(label, "solution")["high"].max(), 2)
+    yield from _extremes("timeOrder", data.rows(label, "order"))
+    uniform = data.rows(label, "uniform")
+    yield "timeGrowth", above(100 * (uniform[["low", "high"]] - 1).abs().max(axis=None), 0)
+    for name, key in (("rollingMid", "midpoint-rolling"), ("rollingBdf", "bdf2-rolling"), ("ownMid", "midpoint-own")):
+        yield from _extremes(name, data.rows("beyond: landings", key))
 
 
 def _beyond(data: FullRun) -> Named:

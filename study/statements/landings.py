@@ -1,0 +1,136 @@
+"""Beyond the source: second-order schemes have the order 1 where a landing kicks a loaded neighbour loose.
+
+Where a vertex of Γ3 lands, u̇^h jumps, and by the inertia-free balance its neighbours feel it at once. If this takes
+the load off a neighbour in contact, that lifts off in the same instant. In the step with the landing, complementarity
+at its end allows this neighbour an impulse or a gap, and the exact solution has had both: an error ∝ k, which stays.
+
+*Two unknowns show it*: S u̇ + N_K(u) ∋ F, K = {u ≥ 0}, S = [[2, −1], [−1, 2]], F = (3/20, −2), u(0) = (0, 2/5). The
+first rests under load until the second lands at t = 2/5, and rises with the velocity 3/40 from then on. Let the landing
+be at (n + θ)k. A step that asks for complementarity at its end, backward Euler or the midpoint rule, leaves u_1 at 0 if
+θ ≥ 3/20, when it is (1 − θ)·3k/40: an error in ‖·‖_S of √2·(1 − θ)·3k/40 for good. For k = 2^{−j}, j ≥ 4, θ is 2/5,
+4/5, 3/5, 1/5 in turn, so that errors are between √2·3/200 and √2·6/100 of k, and both ends are attained: no order
+above 1, and no order for two successive steps. The article has the proof.
+
+*In P1*: a load that rolls along Γ3 so that pressure does not vanish at the front. Predicted: orders in k of BDF2 and the
+midpoint rule between 1 and 3/2, scattered from halving to halving. Under the own load of the case the pressure vanishes
+at the fronts, so that a landing kicks nothing loose: 2 for the midpoint rule.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import scipy.sparse as sps
+
+from manufactured.tensors import Array
+from study.fem.space import Space
+from study.ledger.criterion import Criterion, Measured, Observation, Rule
+from study.ledger.measures import every, exactly, or_none
+from study.ledger.orders import fit
+from study.ledger.window import Window, around, between
+from study.solve.evolution import Scheme, SemiDiscrete
+from study.solve.paths import furthest, path
+from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+
+COUNTS = (16, 32, 64, 128, 256, 512, 1024)
+"""Steps: six halvings of k."""
+FINEST = 8192
+"""Steps of the midpoint rule that stands for u^h."""
+LANDING, RISE = 0.4, 0.075
+PROVED = Window(
+    math.sqrt(2) * 0.2 * RISE * (1 - 1e-9), math.sqrt(2) * 0.8 * RISE * (1 + 1e-9), "proved, both ends attained"
+)
+NO_THEORY = "no theory says what is left of the order in P1"
+
+
+def two_unknowns() -> SemiDiscrete:
+    """The problem with two unknowns on [0, 1]."""
+    S, none = sps.csc_array([[2.0, -1.0], [-1.0, 2.0]]), sps.csc_array((2, 2))
+    force, start = np.array([0.15, -2.0]), np.array([0.0, LANDING])
+    return SemiDiscrete(S, none, None, sps.csr_array(-np.eye(2)), lambda t: force, start, 1.0)
+
+
+def their_solution(t: Array) -> Array:
+    """Its exact solution, (times, 2)."""
+    return np.stack([RISE * np.maximum(t - LANDING, 0), np.maximum(LANDING - t, 0)], axis=1)
+
+
+def rolling(space: Space, t: float) -> Array:
+    """F(t) of the traction (1 − 5 sin 2π(2s − 4t))ν on the first piece of Γ3, s from one of its ends to the other."""
+    part, vertices = space.contact[0]
+    along = space.mesh.p[:, vertices] - part.corners[:, :1]
+    s = np.linalg.norm(along, axis=0) / part.measure
+    traction = 1 - 5 * np.sin(2 * np.pi * (2 * s - 4 * t))
+    rows = np.zeros(space.N.shape[0])
+    rows[: len(vertices)] = np.gradient(s) * part.measure * traction
+    return np.asarray(space.N.T @ rows)
+
+
+def order_of(scheme: Scheme, load: str, window: Window) -> Observation:
+    """The order of a scheme in k under a load."""
+    columns = tuple(f"{load} {scheme.name} {count}" for count in COUNTS)
+
+    def measure(group: pd.DataFrame) -> Measured:
+        return exactly(fit(1 / np.array(COUNTS), group[list(columns)].iloc[-1].to_numpy()).order)
+
+    quantity = f"{scheme.name}: order in k over six halvings, {load} load"
+    return Observation(Criterion(f"{scheme.name}-{load}", quantity, window, or_none(measure), columns), NO_THEORY)
+
+
+def rules() -> Iterator[Rule]:
+    """What is judged: the two unknowns; and reported: orders in P1."""
+    for scheme in (BACKWARD_EULER, MIDPOINT):
+        quantity = f"{scheme.name}: error / k of two unknowns"
+        yield every(f"{scheme.name}-two", quantity, PROVED, *(f"two {scheme.name} {count}" for count in COUNTS))
+    for scheme in (BDF2, MIDPOINT):
+        yield order_of(scheme, "rolling", between(1, 1.5, 0.15, 0.15))
+        yield order_of(scheme, "own", around(2, 0.3))
+
+
+class Landings(ListedNumbers):
+    """Orders of second-order schemes where many vertices land."""
+
+    label = "beyond: landings"
+    claim = "a landing that kicks a loaded neighbour loose leaves second-order schemes the order 1 in k"
+    rules = tuple(rules())
+    full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        setup = Experiment.at(setting, MIDPOINT, FINEST)
+        rolled = replace(setup.problem, load=lambda t: rolling(setup.space, t), u0=np.zeros(setup.space.dofs))
+        found = {**two_errors(), **in_space(setup.problem, "own"), **in_space(rolled, "rolling")}
+        return with_h(setup.space.h, found)
+
+
+def two_errors() -> dict[str, float]:
+    """Errors over k for the two unknowns."""
+    problem, found = two_unknowns(), {}
+    for scheme in (BACKWARD_EULER, MIDPOINT):
+        for count in COUNTS:
+            exact = their_solution(np.arange(count + 1) / count)
+            found[f"two {scheme.name} {count}"] = count * furthest(problem, path(problem, scheme, count), exact)
+    return found
+
+
+def in_space(problem: SemiDiscrete, load: str) -> dict[str, float]:
+    """Errors of both schemes in P1 at the nodes, and the number of landings of the reference."""
+    exact = path(problem, MIDPOINT, FINEST)
+    found = {}
+    for scheme in (BDF2, MIDPOINT):
+        for count in COUNTS:
+            found[f"{load} {scheme.name} {count}"] = furthest(
+                problem, exact[:: FINEST // count], path(problem, scheme, count)
+            )
+    return {**found, f"{load} landings": float(landings(problem, exact))}
+
+
+def landings(problem: SemiDiscrete, states: Array) -> int:
+    """How often a vertex of Γ3 comes into contact."""
+    touching = -1e-12 * abs(states).max() <= (problem.N @ states[1:].T).T
+    return int((touching[1:] & ~touching[:-1]).sum())

@@ -1,0 +1,169 @@
+"""O(h + k) for backward Euler with its constants, and what second-order schemes lose at landings."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.sparse as sps
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from study.ledger.verdict import FAILS, HOLDS, REPORTED
+from study.solve.evolution import SemiDiscrete
+from study.solve.gradient_flow import GradientFlow
+from study.solve.paths import furthest, interpolated, path
+from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
+from study.statements import backward_euler, landings
+from study.statements.backward_euler import BackwardEuler
+from study.statements.landings import Landings, their_solution, two_unknowns
+from study.statements.shared.base import Setting
+
+FINE = 2048
+STEPS = (1, 2, 8, 32)
+
+
+def random_flow(seed: int, n: int = 4) -> SemiDiscrete:
+    """A gradient flow with n unknowns: any M > 0, G ≥ 0, cone, start in it, and a load that turns."""
+    rng = np.random.default_rng(seed)
+    roots = rng.standard_normal((2, n, n))
+    M, G = roots[0] @ roots[0].T + 0.1 * np.eye(n), 10 ** rng.uniform(-2, 1) * roots[1] @ roots[1].T
+    amplitude, phase, frequency = rng.standard_normal((2, n)) * 3, rng.uniform(0, 6, n), rng.uniform(0, 20, n)
+    u0 = np.where(rng.random(n) < 0.5, 0.0, rng.random(n))
+
+    def load(t: float) -> np.ndarray:
+        return amplitude[0] + amplitude[1] * np.sin(frequency * t + phase)
+
+    return SemiDiscrete(sps.csc_array(M), sps.csc_array(G), None, sps.csr_array(-np.eye(n)), load, u0, 1.0)
+
+
+def flow_of(problem: SemiDiscrete) -> GradientFlow:
+    return GradientFlow(problem, np.array([problem.load(t) for t in np.arange(FINE + 1) / FINE]))
+
+
+@settings(max_examples=25, deadline=None)
+@given(seed=st.integers(0, 2**32))
+def test_both_bounds_hold_for_any_gradient_flow_and_the_one_with_the_solution_is_the_smaller(seed: int) -> None:
+    problem = random_flow(seed)
+    flow, fine = flow_of(problem), path(problem, BACKWARD_EULER, FINE)
+    room = flow.a_priori(FINE)
+    for steps in STEPS:
+        states = path(problem, BACKWARD_EULER, steps)
+        bound = flow.a_posteriori(states)
+        assert furthest(problem, fine, interpolated(states, FINE)) <= bound + room
+        assert bound <= flow.a_priori(steps) * (1 + 1e-9)
+
+
+def test_the_constants_are_not_vacuous() -> None:
+    """A rod that is pulled back and forth through a stop comes within a third of the bound by its solution."""
+    one = sps.csc_array(np.eye(1))
+    pulled = SemiDiscrete(one, 0 * one, None, sps.csr_array(-np.eye(1)), lambda t: np.full(1, t), np.zeros(1), 1.0)
+    flow, fine = flow_of(pulled), path(pulled, BACKWARD_EULER, FINE)
+    states = path(pulled, BACKWARD_EULER, 8)
+    assert furthest(pulled, fine, interpolated(states, FINE)) > flow.a_posteriori(states) / 3
+
+
+def test_the_first_velocity_is_that_of_the_evolution() -> None:
+    """z = u̇(0+): here the first unknown stays where it is, as nothing pulls it off."""
+    problem = two_unknowns()
+    assert flow_of(problem).start == pytest.approx([0.0, -1.0])
+
+
+def rows_of(statement: BackwardEuler | Landings, case: str, family: str, levels: tuple[int, ...]) -> pd.DataFrame:
+    rows = [
+        row
+        for level in levels
+        for setting in [Setting(case, family, level)]
+        for _, row in statement.records(setting, statement.measure(setting))
+    ]
+    return pd.DataFrame(rows)
+
+
+@pytest.fixture(scope="module")
+def in_time() -> pd.DataFrame:
+    return rows_of(BackwardEuler(), "advance-recede", "shaken", (4, 8, 16))
+
+
+def test_backward_euler_is_judged_by_its_theorem(in_time: pd.DataFrame) -> None:
+    assert {verdict.key: verdict.verdict for verdict in BackwardEuler().judge(in_time)} == dict.fromkeys(
+        ["data", "solution", "order", "uniform", "reference"], HOLDS
+    )
+
+
+@pytest.mark.parametrize(
+    ("quantity", "change", "key"),
+    [
+        ("4 by data", lambda value, level: 11 * value, "data"),
+        ("256 by solution", lambda value, level: 5 * value, "solution"),
+        ("4 error", lambda value, level: 2 * value, "order"),
+        ("256 error", lambda value, level: value * level, "uniform"),
+        ("reference", lambda value, level: 0 * value, "reference"),
+    ],
+)
+def test_every_row_about_backward_euler_can_fail(in_time: pd.DataFrame, quantity: str, change, key: str) -> None:
+    mine = in_time["quantity"] == quantity
+    wrong = in_time.assign(value=in_time["value"].where(~mine, change(in_time["value"], in_time["level"])))
+    (verdict,) = (verdict for verdict in BackwardEuler().judge(wrong) if verdict.key == key)
+    assert verdict.verdict == FAILS
+
+
+def test_a_scheme_that_sees_the_load_of_another_time_is_not_within_the_bounds() -> None:
+    """Half the load of the right time and half of one an eighth later: of order 0."""
+    problem = random_flow(3)
+    late = replace(problem, load=lambda t: (problem.load(t) + problem.load(t + 1 / 8)) / 2)
+    flow, fine = flow_of(problem), path(problem, BACKWARD_EULER, FINE)
+    states = path(late, BACKWARD_EULER, 512)
+    assert furthest(problem, fine, interpolated(states, FINE)) > flow.a_posteriori(states)
+
+
+@pytest.mark.parametrize("scheme", [BACKWARD_EULER, MIDPOINT], ids=lambda scheme: scheme.name)
+@pytest.mark.parametrize("j", range(4, 13))
+def test_two_unknowns_leave_second_order_schemes_the_order_one(scheme, j: int) -> None:
+    """√2 (1 − θ)·3k/40 for a landing at (n + θ)k, θ ≥ 3/20, exactly."""
+    k = 2.0**-j
+    theta = 0.4 / k % 1
+    exact = their_solution(np.arange(2**j + 1) * k)
+    problem = two_unknowns()
+    error = furthest(problem, path(problem, scheme, 2**j), exact)
+    assert error == pytest.approx(math.sqrt(2) * 0.075 * (1 - theta) * k, rel=1e-6)
+
+
+def test_two_unknowns_leave_bdf2_the_order_one_too() -> None:
+    problem = two_unknowns()
+    parts = [
+        2**j * furthest(problem, path(problem, BDF2, 2**j), their_solution(np.arange(2**j + 1) / 2**j))
+        for j in range(4, 13)
+    ]
+    assert 0.05 < min(parts) < max(parts) < 0.25
+
+
+def test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(landings, "FINEST", 1024)
+    rows = rows_of(Landings(), "travelling-patch", "shaken", (4,))
+    found = {verdict.key: verdict.verdict for verdict in Landings().judge(rows)}
+    assert [found[f"{name}-two"] for name in ("backward-euler", "midpoint")] == [HOLDS, HOLDS]
+    assert {found[f"{name}-{load}"] for name in ("bdf2", "midpoint") for load in ("own", "rolling")} == {REPORTED}
+    mine = rows["quantity"] == "two midpoint 1024"
+    (verdict,) = (
+        verdict
+        for verdict in Landings().judge(rows.assign(value=rows["value"].where(~mine, rows["value"] / 8)))
+        if verdict.key == "midpoint-two"
+    )
+    assert verdict.verdict == FAILS
+
+
+def test_a_landing_is_counted_once() -> None:
+    problem = two_unknowns()
+    assert landings.landings(problem, path(problem, MIDPOINT, 64)) == 1
+
+
+def test_interpolants_pass_through_their_nodes() -> None:
+    states = np.array([[0.0], [2.0], [1.0]])
+    assert interpolated(states, 4).ravel() == pytest.approx([0, 1, 2, 1.5, 1])
+
+
+def test_errors_of_backward_euler_are_taken_at_all_times() -> None:
+    assert backward_euler.FINEST % max(backward_euler.COUNTS) == 0
