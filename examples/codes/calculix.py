@@ -15,12 +15,11 @@ from functools import partial
 from pathlib import Path
 
 import numpy as np
-from common import CannotExpressError, forces, normal_modulus, young
+from common import MARGIN, CannotExpressError, forces, normal_modulus, slab, young
 from contact_judge import Task
 
 CODE = "CalculiX"
 SMALL = 1e-4
-MARGIN = 0.25
 
 
 def _version() -> str:
@@ -29,19 +28,6 @@ def _version() -> str:
 
 
 VERSION = _version()
-
-
-def slab(face: np.ndarray, normal: np.ndarray, segments: int) -> tuple[np.ndarray, np.ndarray]:
-    """Vertices and positive triangles; those of the first half have the side that touches as their first edge."""
-    along = np.array([-normal[1], normal[0]])
-    s = face @ along
-    length = np.ptp(s)
-    steps = np.linspace(s.min() - MARGIN * length, s.max() + MARGIN * length, segments + 1) - s[0]
-    near = face[0] + np.multiply.outer(steps, along)
-    far, k = near + MARGIN * length * normal, np.arange(segments)
-    m = segments + 1
-    cells = [np.stack([k + 1, k, k + m], 1), np.stack([k + 1, k + m, k + m + 1], 1)]
-    return np.concatenate([near, far]), np.concatenate(cells)
 
 
 def deck(task: Task, load: np.ndarray, behaviour: str) -> str:

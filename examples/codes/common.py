@@ -8,6 +8,9 @@ import subprocess
 import numpy as np
 from contact_judge import Task
 
+MARGIN = 0.25
+"""By which a slab is longer than its face at both ends, and as thick, relative to the face."""
+
 
 class CannotExpressError(ValueError):
     """The code has no means for this task."""
@@ -67,3 +70,17 @@ def young(task: Task) -> tuple[float, float]:
     """(E, ν) of a homogeneous isotropic C in plane strain or in space."""
     mu, lam = lame(task)
     return mu * (3 * lam + 2 * mu) / (lam + mu), lam / (2 * (lam + mu))
+
+
+def slab(face: np.ndarray, normal: np.ndarray, segments: int) -> tuple[np.ndarray, np.ndarray]:
+    """A foundation of its own for codes without rigid ones: vertices, and positive triangles, of which the first
+    ``segments`` have the side that touches as their first edge."""
+    along = np.array([-normal[1], normal[0]])
+    s = face @ along
+    length = np.ptp(s)
+    steps = np.linspace(s.min() - MARGIN * length, s.max() + MARGIN * length, segments + 1) - s[0]
+    near = face[0] + np.multiply.outer(steps, along)
+    far, k = near + MARGIN * length * normal, np.arange(segments)
+    m = segments + 1
+    cells = [np.stack([k + 1, k, k + m], 1), np.stack([k + 1, k + m, k + m + 1], 1)]
+    return np.concatenate([near, far]), np.concatenate(cells)

@@ -16,28 +16,14 @@ from pathlib import Path
 
 import KratosMultiphysics as kratos  # noqa: N813
 import numpy as np
-from common import CannotExpressError, forces, young
+from common import MARGIN, CannotExpressError, forces, slab, young
 from contact_judge import Task
 from KratosMultiphysics import StructuralMechanicsApplication as structural  # noqa: N813
 from KratosMultiphysics.StructuralMechanicsApplication.structural_mechanics_analysis import StructuralMechanicsAnalysis
 
 CODE, VERSION = "Kratos", version("KratosContactStructuralMechanicsApplication")
 SMALL = 1e-5
-MARGIN = 0.25
 kratos.Logger.GetDefaultOutput().SetSeverity(kratos.Logger.Severity.WARNING)
-
-
-def slab(face: np.ndarray, normal: np.ndarray, segments: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Vertices, positive triangles and the edges that touch a face, of which the slab is longer at both ends."""
-    along = np.array([-normal[1], normal[0]])
-    s = face @ along
-    length = np.ptp(s)
-    steps = np.linspace(s.min() - MARGIN * length, s.max() + MARGIN * length, segments + 1) - s[0]
-    near = face[0] + np.multiply.outer(steps, along)
-    far, k = near + MARGIN * length * normal, np.arange(segments)
-    m = segments + 1
-    cells = np.concatenate([np.stack([k + 1, k, k + m], 1), np.stack([k + 1, k + m, k + m + 1], 1)])
-    return np.concatenate([near, far]), cells, np.stack([k + 1, k], 1)
 
 
 def mdpa(task: Task, segments: int | None) -> str:
@@ -50,7 +36,8 @@ def mdpa(task: Task, segments: int | None) -> str:
         corners = np.unique(edges)
         start = sum(map(len, points))
         per = segments or int(len(edges) * (1 + 2 * MARGIN))
-        vertices, triangles, touching = slab(task.vertices[corners], np.array(piece["normal"]), per)
+        vertices, triangles = slab(task.vertices[corners], np.array(piece["normal"]), per)
+        touching = triangles[:per, :2]
         points.append(vertices)
         cells.append((2, triangles + start))
         parts[f"slave{i}"] = corners, range(len(lines), len(lines) + len(edges))
