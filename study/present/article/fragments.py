@@ -24,6 +24,8 @@ def _nearest(value: float, digits: int) -> str:
     return f"{value:.{digits}g}"
 
 
+ROUNDED = 1e-6
+"""A defect that is seen however small it is: the start has to be Π^h u_0 up to rounding."""
 ENDS = {"lowest": down, "error": _nearest, "highest": up, "upper": up, "lower": down}
 """How the columns of an enclosure are rounded: outwards."""
 
@@ -37,7 +39,7 @@ def article(directory: Path) -> dict[Path, str]:
     data = FullRun.read(directory)
     if data is None:
         return {}
-    tables = (ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips, codes)
+    tables = (ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips, codes, sensitivity)
     texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
     return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
@@ -185,6 +187,16 @@ def codes(data: FullRun) -> str:
     ]
     headings = ["code", "parameters", "class (series)", "order", r"\(d/e\)", r"\(e_p\)"]
     return tabular(headings, "".join(folding(width) for width in (0.17, 0.25, 0.22)) + "rrr", body)
+
+
+def sensitivity(data: FullRun) -> str:
+    """The smallest defects in per cent that turn a row red on every mesh family; nothing where there are no data."""
+    if data.sensitivity is None:
+        return tabular(["case"], "l", [])
+    largest = data.sensitivity.groupby(["case", "defect"], sort=False)["amount"].max().unstack("defect")
+    largest = largest[[name for name in data.sensitivity["defect"].unique() if largest[name].min() > ROUNDED]]
+    body = [[prose(str(case)), *(_number(100 * amount, up, 2) for amount in row)] for case, row in largest.iterrows()]
+    return tabular(["case", *map(encode, largest.columns)], "l" + "r" * largest.shape[1], body)
 
 
 def _cell(data: FullRun, label: str, key: str, case: str, form: Callable[[pd.Series], str]) -> str:

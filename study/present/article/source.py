@@ -15,6 +15,7 @@ from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
 EQUIVALENCE = ["case", "displacement_gap", "stress_gap", "membership", "displacement_bound", "stress_bound"]
 BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest", "upper", "lower"]
+SENSITIVITY = ["defect", "case", "family", "amount", "seen_by"]
 CONTROLS = ["defect", "what", "label", "quantity", "caught"]
 SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
 """Cases without which a run, of chosen cases, is not the one the article is about."""
@@ -22,7 +23,10 @@ SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cub
 
 @dataclass(frozen=True)
 class FullRun:
-    """The data files of a full run, cases indexed by their names, what it was made with, and other codes."""
+    """The data files of a full run, cases indexed by their names, and what it was made with.
+
+    What other codes made of the cases, and how small a defect is seen, are there where they were measured.
+    """
 
     rates: pd.DataFrame
     claims: pd.DataFrame
@@ -33,6 +37,7 @@ class FullRun:
     seeds: pd.DataFrame
     provenance: dict[str, Any]
     codes: Codes | None
+    sensitivity: pd.DataFrame | None
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
@@ -48,6 +53,7 @@ class FullRun:
         cases = read_csv(directory, "cases.csv", CASES).set_index("case", drop=False).rename_axis(None)
         if made.get("plan") != "full" or not set(cases["case"]) >= SPOKEN:
             return None
+        file = "sensitivity.csv"
         return cls(
             rates=read_rates(directory),
             claims=read_claims(directory),
@@ -58,6 +64,7 @@ class FullRun:
             seeds=read_csv(directory, "seeds.csv", SEEDS),
             provenance=made,
             codes=Codes.read(directory),
+            sensitivity=read_csv(directory, file, SENSITIVITY) if (directory / "data" / file).is_file() else None,
         )
 
     def rows(self, label: str, key: str, case: str | None = None) -> pd.DataFrame:
