@@ -11,6 +11,7 @@ import pandas as pd
 
 from study.ledger.codes import Codes
 from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
+from study.present.windows import earlier
 
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
 EQUIVALENCE = ["case", "displacement_gap", "stress_gap", "membership", "displacement_bound", "stress_bound"]
@@ -22,7 +23,7 @@ SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cub
 
 @dataclass(frozen=True)
 class FullRun:
-    """The data files of a full run, cases indexed by their names, what it was made with, and other codes."""
+    """The data files of a full run, cases indexed by names; what it was made with, other codes, earlier windows."""
 
     rates: pd.DataFrame
     claims: pd.DataFrame
@@ -33,6 +34,7 @@ class FullRun:
     seeds: pd.DataFrame
     provenance: dict[str, Any]
     codes: Codes | None
+    earlier: pd.DataFrame | None
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
@@ -58,6 +60,7 @@ class FullRun:
             seeds=read_csv(directory, "seeds.csv", SEEDS).fillna(""),
             provenance=made,
             codes=Codes.read(directory),
+            earlier=earlier(directory),
         )
 
     def rows(self, label: str, key: str, case: str | None = None) -> pd.DataFrame:
