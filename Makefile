@@ -4,7 +4,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
-	docs/tutorials/first-solution.md
+	docs/tutorials/first-solution.md docs/explanation/windows.md
 
 .PHONY: study full controls seeds test wheel tutorials pages codes codes-venv codes-check bench bench-growth bench-peers \
 	bench-parallel lint docs paper lock clean

@@ -23,6 +23,7 @@ from study.present.article.source import FullRun
 from study.present.figures.drawing import in_style
 from study.present.picture.picture import with_every_shape
 from study.present.show.animation import write_gif
+from study.present.windows import Change, added, changes
 
 
 def headline(data: FullRun) -> str:
@@ -196,13 +197,13 @@ def refresh(page: Path, data: FullRun) -> bool:
         DataError: it has no marks.
     """
     text = before = page.read_text(encoding="utf-8")
-    for table in (headline, results, statements, cases, codes):
+    for table in (headline, results, statements, cases, codes, windows, new_windows):
         head, found, rest = text.partition(f"<!-- {table.__name__} -->")
         _, closed, tail = rest.partition(END)
         if found and closed:
             text = f"{head}{found}{table(data)}{closed}{tail}"
     if END not in text:
-        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements, cases or codes")
+        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements, cases, codes, …")
     write_text(page, text)
     return text != before
 
@@ -248,6 +249,35 @@ def codes(data: FullRun) -> str:
         for row in data.codes.rows().to_dict("records")
     ]
     return _markdown([*header, "pressure / that of K^h", "scales"], lines)
+
+
+def windows(data: FullRun) -> str:
+    """The windows that are not what they were, in Markdown; DataError if one changed for no reason that is stated."""
+    found = changes(_earlier(data), data.claims)
+    alike: dict[tuple[str, str, str], list[Change]] = {}
+    for change in found:
+        alike.setdefault((change.before, change.today, change.why), []).append(change)
+    return _markdown(
+        ["rows", "then", "today", "why"],
+        [
+            [", ".join(f"{one.label} *{one.key}* ({one.rows})" for one in group), before, today, why]
+            for (before, today, why), group in alike.items()
+        ],
+    )
+
+
+def new_windows(data: FullRun) -> str:
+    """Rows that are claimed today and were not known then, in Markdown."""
+    lines = [
+        [f"{one.label} *{one.key}* ({one.rows})", one.today, one.why] for one in added(_earlier(data), data.claims)
+    ]
+    return _markdown(["rows", "window", "why"], lines)
+
+
+def _earlier(data: FullRun) -> pd.DataFrame:
+    if data.earlier is None:
+        raise DataError("results/history/windows.csv is missing: it is part of the repository")
+    return data.earlier
 
 
 def _markdown(header: list[str], rows: Iterable[list[str]]) -> str:

@@ -20,6 +20,7 @@ from study.ledger.datafiles import CsvFile, in_series, line
 from study.run.foreseen import Foreseen
 from study.statements.enclosure.bound_rows import posed
 from study.statements.enclosure.courses import BOUNDS, ENCLOSURES, KEY, TIMES
+from study.statements.prop_5_4.from_rates import GRADED
 from study.statements.prop_5_4.sweep import RATES
 
 Tables = Mapping[CsvFile, pd.DataFrame]
@@ -163,6 +164,17 @@ def _size(known: dict[tuple[object, str, int], float], foreseen: Foreseen, case:
     return known[key]
 
 
+def families(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
+    """Errors on meshes of two families differ; a coarse graded mesh may be one without a finer part."""
+    rates = tables[RATES]
+    place, uniform = [rates[name] for name in ("case", "scheme", "level")], rates["family"] != GRADED
+    for column in ("error", "discrete_error"):
+        same = pd.concat([*place, rates[column].map("{:.9e}".format)], axis=1)[uniform].duplicated(keep=False)
+        kept = ~same.reindex(rates.index, fill_value=False)
+        wanted = pd.Series("another number than on the meshes of another family", rates.index)
+        yield from breaches(RATES.name, rates, column, kept, wanted)
+
+
 def predicted_bounds(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
     """The predicted order in ``bounds.csv`` is that of the problem, and its errors are known or not together."""
     bounds = tables[BOUNDS]
@@ -211,5 +223,5 @@ def _at(known: pd.DataFrame, found: Iterator[Breach]) -> Iterator[Breach]:
 
 
 RELATIONS: tuple[Relation, ...] = (
-    propositions, something, sizes, planned_steps, orders, shares, triangles, predicted_bounds, courses,
+    propositions, something, sizes, planned_steps, orders, shares, triangles, families, predicted_bounds, courses,
 )  # fmt: skip

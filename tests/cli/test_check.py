@@ -101,6 +101,17 @@ def emptied(directory: Path) -> None:
     planned(lambda keys: [])(directory)
 
 
+def unshaken(directory: Path) -> None:
+    """The rows of shaken meshes are those of one-diagonal ones."""
+    table = texts(directory / "data" / RATES)
+    key = ["case", "scheme", "level"]
+    plain = table[table["family"] == "one-diagonal"].set_index(key)
+    for row in table.index[table["family"] == "shaken"]:
+        place = tuple(table.loc[row, key])
+        table.loc[row] = {**plain.loc[place], **dict(zip(key, place, strict=True)), "family": "shaken"}
+    write_csv(directory / "data" / RATES, table)
+
+
 def refusal(directory: Path, capsys: pytest.CaptureFixture[str], code: int = 2) -> str:
     capsys.readouterr()
     assert main(["check", "--out", str(directory)]) == code
@@ -195,6 +206,10 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
     "the order of a problem": (
         edit("bounds.csv", "expected_order", to("0.5"), "case == 'advance-recede'", 1),
         r"bounds.csv, line \d+, column expected_order: stands 0.5, expected 1",
+    ),
+    "meshes that are not shaken": (
+        unshaken,
+        r"rates.csv, line \d+, column error: stands .*, expected another number than on the meshes of another family",
     ),
     "a row of statements twice": (twice("statements.csv"), r"statements.csv, line \d+: .* stands in line 3 already"),
     "a word in a statement": (edit("statements.csv", "value", to("x"), rows=1), r"statements.csv, line 2, column va"),

@@ -35,7 +35,10 @@ def full() -> FullRun:
 
 @pytest.mark.parametrize(
     "path",
-    [README, page("explanation/results"), page("reference/statements"), page("explanation/other-codes")],
+    [
+        README,
+        *map(page, ("explanation/results", "reference/statements", "explanation/other-codes", "explanation/windows")),
+    ],
     ids=lambda p: p.name,
 )
 def test_the_tables_of_a_page_come_from_the_committed_data(path: Page, full: FullRun, tmp_path: Path) -> None:

@@ -19,6 +19,7 @@ from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4.measure import measure_case
+from study.statements.shared.base import ListedNumbers
 from study.statements.thm_4_2.gaps import compare
 from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.stress_errors import measure_stresses
@@ -26,6 +27,7 @@ from study.statements.thm_4_2.stress_errors import measure_stresses
 RESULTS = Path(__file__).parents[2] / "results"
 RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
 EQUIVALENCE = pd.read_csv(RESULTS / "data" / "equivalence.csv")
+STATEMENT_NUMBERS = pd.read_csv(RESULTS / "data" / "statements.csv")
 CASES = [case.name for case in catalogue()]
 MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"]
 
@@ -62,6 +64,23 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
         again = measure_stresses(case, family, row["level"], row["steps"])
         for column in ("unknowns", "h", "stress", "strain", "pressure", "displacement", "primal_stress"):
             assert again[column] == pytest.approx(row[column], rel=1e-5), (row["case"], column)
+
+
+LISTS = [statement for statement in STATEMENTS if isinstance(statement, ListedNumbers)]
+
+
+@pytest.mark.parametrize("statement", LISTS, ids=lambda statement: type(statement).__name__)
+def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement: ListedNumbers) -> None:
+    """At the coarsest place in the plane; what is rounding on one machine is rounding on another."""
+    place = min(
+        (place for place in statement.places(full=True) if place.dim == 2),
+        key=lambda place: (place.level, place.case, place.family),
+    )
+    numbers = STATEMENT_NUMBERS.query(
+        "label == @statement.label and case == @place.case and family == @place.family and level == @place.level"
+    ).set_index("quantity")["value"]
+    for _, row in statement.records(place, statement.measure(place)):
+        assert row["value"] == pytest.approx(numbers[row["quantity"]], rel=1e-5, abs=1e-9), row["quantity"]
 
 
 def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path: Path) -> None:

@@ -11,6 +11,7 @@ import pandas as pd
 
 from study.ledger.codes import Codes
 from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
+from study.present.windows import earlier
 
 CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
 EQUIVALENCE = ["case", "displacement_gap", "stress_gap", "membership", "displacement_bound", "stress_bound"]
@@ -25,7 +26,7 @@ SPOKEN = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cub
 class FullRun:
     """The data files of a full run, cases indexed by their names, and what it was made with.
 
-    What other codes made of the cases, and how small a defect is seen, are there where they were measured.
+    What other codes made of the cases, how small a defect is seen, and earlier windows are there where they were found.
     """
 
     rates: pd.DataFrame
@@ -38,6 +39,7 @@ class FullRun:
     provenance: dict[str, Any]
     codes: Codes | None
     sensitivity: pd.DataFrame | None
+    earlier: pd.DataFrame | None
 
     @classmethod
     def read(cls, directory: Path) -> FullRun | None:
@@ -65,6 +67,7 @@ class FullRun:
             provenance=made,
             codes=Codes.read(directory),
             sensitivity=read_csv(directory, file, SENSITIVITY) if (directory / "data" / file).is_file() else None,
+            earlier=earlier(directory),
         )
 
     def rows(self, label: str, key: str, case: str | None = None) -> pd.DataFrame:

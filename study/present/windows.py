@@ -1,0 +1,101 @@
+"""Every window of the ledger that is not what it was at the end of the first round, and why.
+
+``results/history/windows.csv`` has the windows of the rows that were claimed then. A window that changed without a
+reason in ``WHY``, and a row that is claimed no longer, is an error: nothing is loosened unseen.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from study.ledger.datafiles import DataError
+from study.ledger.verdict import REPORTED
+from study.ledger.window import SOMETHING, Window
+
+COMMIT = "27a936c"
+"""The last commit of the first round."""
+PLACE = ["label", "key", "case", "family"]
+NOT_NOTHING = "evidence may not be exactly nothing: that of a thing beside itself is"
+WHY: dict[tuple[str, str], str] = {
+    (
+        "Prop. 5.4",
+        "start-share",
+    ): "a largest error at t = 0, where nothing was solved, passed by an escape clause; now it "
+    "fails, or is reported where ‖u − Π^h u‖_V is as large there",
+}
+"""Reasons by label and key, for what is not only a low end."""
+
+
+@dataclass(frozen=True)
+class Change:
+    """Rows of one label and key whose window changed alike."""
+
+    label: str
+    key: str
+    before: str
+    today: str
+    why: str
+    rows: int
+
+
+def earlier(directory: Path) -> pd.DataFrame | None:
+    """The rows that were claimed then: label, key, case, family, then_low, then_high; None without a record."""
+    path = directory / "history" / "windows.csv"
+    if not path.is_file():
+        return None
+    table = pd.read_csv(path, keep_default_na=False)
+    places = table.assign(place=table.pop("cases").str.split(" ")).explode("place", ignore_index=True)
+    ends = places.pop("place").str.replace("_", " ").str.partition("@")
+    found = places.assign(case=ends[0], family=ends[2])
+    return found.rename(columns={"low": "then_low", "high": "then_high"})
+
+
+def changes(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
+    """What changed since, in the order of the ledger; DataError if something has no reason."""
+    both = then.merge(claims.fillna({"family": ""}), on=PLACE, how="left", validate="one_to_one")
+    return [Change(*found, rows) for found, rows in Counter(_differences(both)).items()]
+
+
+def added(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
+    """Labels and keys that are claimed today and were not known then."""
+    known = set(then[["label", "key"]].itertuples(index=False, name=None))
+    claimed = claims[claims["verdict"] != REPORTED]
+    found = []
+    for (label, key), rows in claimed.groupby(["label", "key"], sort=False):
+        if (label, key) not in known:
+            numbers, _, why = str(rows["expected"].iloc[0]).partition(": ")
+            found.append(Change(str(label), str(key), "", numbers, why, len(rows)))
+    return found
+
+
+def _differences(rows: pd.DataFrame) -> Iterator[tuple[str, str, str, str, str]]:
+    for row in rows.to_dict("records"):
+        then = Window(row["then_low"], row["then_high"])
+        now = Window(row["window_low"], row["window_high"])
+        gone = pd.isna(row["verdict"])
+        if not gone and row["verdict"] != REPORTED and _same(then, now):
+            continue
+        today = "no longer there" if gone else "reported" if row["verdict"] == REPORTED else now.text
+        yield row["label"], row["key"], then.text, today, _why(row, then, None if gone else now)
+
+
+def _same(one: Window, other: Window) -> bool:
+    return bool(np.allclose([one.low, one.high], [other.low, other.high], rtol=1e-9, atol=0, equal_nan=True))
+
+
+def _why(row: dict[str, object], then: Window, now: Window | None) -> str:
+    if now and row["verdict"] != REPORTED and then.low == 0 and now.low == SOMETHING and now.high == then.high:
+        return NOT_NOTHING
+    try:
+        return WHY[str(row["label"]), str(row["key"])]
+    except KeyError:
+        raise DataError(
+            f"the window of {row['label']}, {row['key']} for {row['case']} was {then.text} at {COMMIT} and is "
+            f"{now.text if now else 'gone'}: say why in {__name__}.WHY, or take it back"
+        ) from None

@@ -1,0 +1,101 @@
+"""Random meshes are random, everywhere and by as much as they say, and no cell of any family is close to degenerate."""
+
+from __future__ import annotations
+
+from itertools import product
+
+import numpy as np
+import pytest
+
+from manufactured import Body, catalogue, unit_square
+from manufactured.body import box
+from manufactured.tensors import Array, Points
+from study.fem.mesh import FAMILIES, MeshFamily, OneDiagonal, Shaken, cell_volumes
+from study.statements.shared.places import fits, spacing
+
+LEVEL = {2: 24, 3: 9}
+LEAST = {"one-diagonal": 26, "criss-cross": 26, "shaken": 12, "unstructured": 20, "graded": 8}
+"""Smallest angles in degrees: of cells of 45° in bodies that are sheared to 27°, and of random ones."""
+
+
+def smallest_angle(corners: Array) -> float:
+    """Of triangles (2, 3, n), in degrees."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    lengths = np.linalg.norm(sides, axis=0)
+    cosines = -np.sum(sides * np.roll(sides, 1, axis=1), axis=0) / (lengths * np.roll(lengths, 1, axis=0))
+    return float(np.degrees(np.arccos(cosines.max())))
+
+
+@pytest.mark.parametrize("body", [unit_square(), box()], ids=["square", "cube"])
+def test_vertices_are_moved_evenly_up_to_what_is_announced(body: Body) -> None:
+    """Uniform on ± a in each direction: the largest is close to a, the mean square a²/3, directions are independent."""
+    n, dim = LEVEL[body.dim], body.dim
+    plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
+    inside = ((plain > 0) & (plain < 1)).all(axis=0)
+    moved = (shaken - plain)[:, inside] * n / (Shaken().amplitude * 2 / dim)
+    assert (abs(moved).max(axis=1) <= 1 + 1e-12).all()
+    assert (abs(moved).max(axis=1) > 0.98).all()
+    assert np.mean(moved**2, axis=1) == pytest.approx(1 / 3, abs=6 / np.sqrt(moved.size))
+    assert abs(np.corrcoef(moved) - np.eye(dim)).max() < 6 / np.sqrt(moved.shape[1])
+    assert (abs(moved).max(axis=0) > 1e-3).all()
+
+
+@pytest.mark.parametrize("body", [unit_square(), box()], ids=["square", "cube"])
+def test_vertices_on_the_boundary_slide_in_it(body: Body) -> None:
+    n = LEVEL[body.dim]
+    plain, shaken = OneDiagonal()(body, n).p, Shaken()(body, n).p
+    for axis, side in product(range(body.dim), (0, 1)):
+        on = plain[axis] == side
+        assert abs(shaken[axis, on] - side).max() <= 1e-15
+        others = np.delete((shaken - plain)[:, on], axis, axis=0) * n
+        assert np.sqrt(np.mean(others**2)) > 0.3 * Shaken().amplitude
+
+
+def test_two_levels_and_two_seeds_are_moved_otherwise() -> None:
+    body, resting = unit_square(), OneDiagonal()(unit_square(), 8).p
+
+    def shifts(family: Shaken, n: int) -> Points:
+        """At the vertices of level 8."""
+        step = n // 8
+        grid = (family(body, n).p - OneDiagonal()(body, n).p).reshape(2, n + 1, n + 1)[:, ::step, ::step]
+        return n * grid.reshape(2, -1)[:, ((resting > 0) & (resting < 1)).all(axis=0)]
+
+    one, finer, other = shifts(Shaken(), 8), shifts(Shaken(), 16), shifts(Shaken(seed=1), 8)
+    for another in (finer, other):
+        assert abs(np.corrcoef(one.ravel(), another.ravel())[0, 1]) < 0.5
+
+
+def shapes() -> list[tuple[str, Body]]:
+    """The bodies of the catalogue, each once."""
+    found = {}
+    for case in catalogue():
+        body = case.solution.body
+        key = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
+        found.setdefault(key, (case.name, body))
+    return list(found.values())
+
+
+MESHES = [(name, body, family) for name, body in shapes() for family in FAMILIES if family.serves(body)]
+
+
+@pytest.mark.parametrize(("name", "body", "family"), MESHES, ids=[f"{name}, {f.name}" for name, _, f in MESHES])
+def test_no_cell_is_close_to_degenerate(name: str, body: Body, family: MeshFamily) -> None:
+    """In 3D shaken simplices keep a fifth of their volume, in the plane angles stay away from 0."""
+    step = spacing(name, family.name)
+    for n in (2 * step, 3 * step) if body.dim == 3 else [step * -(-n // step) for n in (8, 16, 32)]:
+        assert fits(family, body, n)
+        mesh = family(body, n)
+        volumes = cell_volumes(mesh)
+        if body.dim == 3:
+            assert volumes.min() > 0.2 * volumes.mean()
+        else:
+            assert smallest_angle(mesh.p[:, mesh.t]) > LEAST[family.name]
+
+
+def test_shaking_as_announced_leaves_angles_and_a_quarter_more_does_not() -> None:
+    """Where all vertices of a cell are moved as far as they may: an angle is extreme there, or nearly so."""
+    path = np.array([[0.0, 1.0, 1.0], [0.0, 0.0, 1.0]])
+    extreme = np.moveaxis(np.array(list(product([-1, 1], repeat=6))).reshape(-1, 2, 3), 0, 2)
+    least, beyond = (smallest_angle(path[..., None] + a * extreme) for a in (0.2, 0.249))
+    assert least > 9 > 1 > beyond
+    assert Shaken().amplitude == 0.2

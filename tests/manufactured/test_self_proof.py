@@ -1,0 +1,74 @@
+"""Every condition of the self-proof can fail, and what is not a number fails it."""
+
+from __future__ import annotations
+
+import math
+import re
+
+import numpy as np
+import pytest
+
+from manufactured import SelfProofError, examine, named, prove
+from manufactured.exact import ExactSolution, Fields
+from manufactured.exact.solution import FaceFields
+from manufactured.self_proof.finding import Finding, worst
+
+OFF = 1e-6
+"""A relative defect that no condition may let pass."""
+LAYERS, PATCH = named("layered-unmet").solution, named("travelling-patch").solution
+
+SMALL_DEFECTS = [
+    (Fields, "body_force", r"(2.2) Div σ + f_0 = 0"),
+    (Fields, "surface_load", r"(2.4) σν = f_2"),
+    (Fields, "stress", r"(2.1) σ = Aε(u̇) + Gε(u)"),
+    (Fields, "strain", r"(2.10) ε(u) = sym ∇u"),
+    (Fields, "strain_rate", r"(2.10) ε(u̇) = sym ∇u̇"),
+    (Fields, "velocity", r"(2.6) u̇ = ∂u/∂t"),
+    (FaceFields, "gap", r"(2.5) w = −u_ν"),
+    (FaceFields, "stated_pressure", r"(2.5) p = −σ_ν"),
+]
+
+
+def violated(solution: ExactSolution) -> str:
+    """The conditions that are, in words."""
+    with pytest.raises(SelfProofError) as refusal:
+        prove(solution, "a case")
+    return "\n".join(finding.condition for finding in refusal.value.findings)
+
+
+@pytest.mark.parametrize(("where", "name", "condition"), SMALL_DEFECTS, ids=lambda one: str(one).partition(") ")[0])
+def test_a_field_that_is_off_by_a_millionth_violates_its_condition(monkeypatch, where, name, condition: str) -> None:
+    right = getattr(where, name)
+    monkeypatch.setattr(where, name, lambda *given, **options: (1 + OFF) * right(*given, **options))
+    assert condition in violated(PATCH)
+
+
+@pytest.mark.parametrize(("where", "name", "condition"), SMALL_DEFECTS, ids=lambda one: str(one).partition(") ")[0])
+def test_a_field_that_is_no_number_at_one_point_violates_its_condition(
+    monkeypatch, where, name, condition: str
+) -> None:
+    right = getattr(where, name)
+
+    def with_a_hole(*given, **options):
+        found = np.array(right(*given, **options))
+        found[..., 0] = math.nan
+        return found
+
+    monkeypatch.setattr(where, name, with_a_hole)
+    assert condition in violated(PATCH)
+
+
+def test_each_numbered_condition_is_examined_where_it_has_something_to_say() -> None:
+    numbers = {re.match(r"\([\d.]+\)", finding.condition)[0] for finding in examine(LAYERS)}
+    assert numbers == {"(2.1)", "(2.2)", "(2.3)", "(2.4)", "(2.5)", "(2.6)", "(2.9)", "(2.10)", "(3.1)", "(3.2)"}
+    said = [finding.condition for finding in examine(LAYERS)]
+    for words in ("Div σ + f_0", "σν continuous", "u(t) = u_0 + ∫u̇ dt", "σ_τ = 0", "u_ν ≤ 0", "σ_ν ≤ 0", "w > 0 off"):
+        assert any(words in one for one in said), words
+
+
+@pytest.mark.parametrize("defect", [math.nan, math.inf])
+def test_what_is_no_number_passes_nothing(defect: float) -> None:
+    assert not Finding("(2.2)", defect, 1e-9, (0.0,), 0.0).passes
+    x, scale = np.zeros((2, 2)), np.ones((1, 2))
+    assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, defect]]), scale).passes
+    assert not worst("(2.2)", x, np.zeros(1), np.array([[0.0, 1e-8]]), np.array([[defect, 1.0]])).passes

@@ -1,0 +1,70 @@
+"""No window is loosened, and no row given up, without a reason that stands on the page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from study.ledger.datafiles import DataError, read_claims
+from study.ledger.verdict import REPORTED
+from study.ledger.window import SOMETHING
+from study.present import windows
+from study.present.windows import NOT_NOTHING, added, changes, earlier
+
+RESULTS = Path(__file__).parents[2] / "results"
+CLAIMS = read_claims(RESULTS)
+THEN = earlier(RESULTS)
+KEY = CLAIMS["label"].eq("Prop. 5.4") & CLAIMS["key"].eq("order-fitted")
+
+
+def test_all_rows_of_the_first_round_are_compared_each_once() -> None:
+    assert len(THEN) == 1435
+    assert not THEN.duplicated(["label", "key", "case", "family"]).any()
+    assert THEN["case"].isin(CLAIMS["case"]).all()
+
+
+def test_every_change_of_the_committed_ledger_has_a_reason() -> None:
+    assert all(change.why for change in [*changes(THEN, CLAIMS), *added(THEN, CLAIMS)])
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        {"window_high": 1.2},
+        {"window_low": 0.95},
+        {"window_low": 0.0},
+        {"verdict": REPORTED},
+        {"key": "order-adjusted"},
+    ],
+    ids=str,
+)
+def test_a_window_that_is_moved_or_a_row_that_is_given_up_needs_one(edit: dict[str, object]) -> None:
+    edited = CLAIMS.copy()
+    for column, value in edit.items():
+        edited.loc[KEY, column] = value
+    with pytest.raises(DataError, match=r"the window of Prop\. 5\.4, order-fitted for .* was 0\.9 … 1\.1 at 27a936c"):
+        changes(THEN, edited)
+
+
+def test_a_reason_is_shown_with_the_number_of_rows(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(windows.WHY, ("Prop. 5.4", "order-fitted"), "the reason")
+    edited = CLAIMS.copy()
+    edited.loc[KEY, "window_high"] = 1.2
+    (change,) = [one for one in changes(THEN, edited) if one.key == "order-fitted"]
+    assert (change.before, change.today, change.why, change.rows) == (
+        "0.9 … 1.1",
+        "0.9 … 1.2",
+        "the reason",
+        int(KEY.sum()),
+    )
+
+
+def test_a_low_end_above_nothing_is_its_own_reason_and_no_other_change_of_the_same_row_is() -> None:
+    then = pd.DataFrame([{"label": "a", "key": "b", "case": "c", "family": "", "then_low": 0.0, "then_high": 1.0}])
+    row = {"label": "a", "key": "b", "case": "c", "family": "", "verdict": "holds", "window_high": 1.0}
+    (change,) = changes(then, pd.DataFrame([{**row, "window_low": SOMETHING}]))
+    assert change.why == NOT_NOTHING
+    with pytest.raises(DataError):
+        changes(then, pd.DataFrame([{**row, "window_low": SOMETHING, "window_high": 2.0}]))

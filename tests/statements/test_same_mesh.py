@@ -1,0 +1,99 @@
+"""Theorem 4.2 on one mesh: what is allowed is what is proved, and no step is left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import pytest
+
+from study.fem.mesh import OneDiagonal
+from study.fem.naming import resolve
+from study.solve.stress_problem import StressProblem
+from study.solve.stress_programme import StressState
+from study.solve.tableau import BACKWARD_EULER
+from study.statements.thm_4_2.gaps import Gaps, gaps, problems
+
+STEPS = 4
+Change = Callable[[int, StressState], StressState]
+
+
+@lru_cache
+def both():
+    return problems(resolve("full-contact").solution, OneDiagonal(), 4)
+
+
+@dataclass(frozen=True, eq=False)
+class Changed(StressProblem):
+    """Problem 3.2 whose states are reported with a change."""
+
+    honest: StressProblem
+    change: Change
+
+    def march(self, steps: int) -> Iterator[StressState]:
+        for n, state in enumerate(self.honest.march(steps)):
+            yield self.change(n, state)
+
+
+def found(change: Change) -> Gaps:
+    displacements, honest = both()
+    changed = Changed(honest.space, honest.law, honest.N, honest.load, honest.u0, honest, change)
+    return gaps(displacements, changed, STEPS)
+
+
+@pytest.mark.parametrize("left", [(1e-6, 0.0, 0.0, 0.0), (1e-8, 4e-8, 9e-8, 1.6e-7)], ids=["once", "always"])
+def test_what_is_allowed_is_what_the_proof_gives_for_the_gaps_at_which_the_solver_stopped(left) -> None:
+    """k^{1/2} R and (L_A/k + L_G)^{1/2} R over the largest sizes, R the sum of the roots of all gaps, by hand."""
+    displacements, stresses = both()
+    law, space, k, R = stresses.law, stresses.space, displacements.T / STEPS, float(np.sum(np.sqrt(left)))
+    before, size_u, size_s = displacements.u0, 0.0, 0.0
+    for state in list(BACKWARD_EULER.march(displacements, STEPS))[1:]:
+        strain, rate = space.strain(state.u), space.strain(state.u - before) / k
+        sigma = law.A(rate) + law.G(strain)
+        size_u = max(size_u, float(np.sqrt(np.einsum("In,In,n->", law.A(strain), strain, space.volumes))))
+        size_s = max(size_s, float(np.sqrt(np.einsum("In,In,n->", sigma, sigma, space.volumes))))
+        before = state.u
+    largest = [float(np.linalg.eigvalsh(tensor.matrix).max()) for tensor in (law.A, law.G)]
+    now = found(lambda n, state: replace(state, gap=left[n - 1] if n else 0.0))
+    assert now.displacement_bound == pytest.approx(np.sqrt(k) * R / size_u, rel=1e-9)
+    assert now.stress_bound == pytest.approx(np.sqrt(largest[0] / k + largest[1]) * R / size_s, rel=1e-9)
+
+
+def test_an_error_of_the_size_that_is_allowed_for_one_step_is_seen() -> None:
+    """The norms of gap and bound are those of the proof: ‖C^{1/2} Δε‖² = gap makes ‖Δu‖_V at most k^{1/2} gap^{1/2}."""
+    displacements, stresses = both()
+    law, space, k = stresses.law, stresses.space, displacements.T / STEPS
+    d = np.random.default_rng(0).standard_normal(space.dofs)
+    strain = space.strain(d)
+    gap = float(np.einsum("In,In,n->", law.A(strain) / k + law.G(strain), strain, space.volumes))
+    scale = 1e-4
+    now = found(lambda n, s: replace(s, u=s.u + scale * d * (n == 1), gap=scale**2 * gap if n == 1 else 0.0))
+    assert 0.5 < now.displacement_gap / now.displacement_bound < 1
+
+
+@pytest.mark.parametrize("step", range(1, STEPS + 1))
+@pytest.mark.parametrize(
+    ("what", "seen_by"),
+    [
+        ("u", ("displacement_gap", "energy_gap", "membership")),
+        ("stress", ("stress_gap", "admissibility", "energy_gap")),
+    ],
+)
+def test_no_step_is_left_out(step: int, what: str, seen_by: tuple[str, ...]) -> None:
+    honest, off = (found(_off(what, n)) for n in (-1, step))
+    for name in Gaps._fields:
+        assert (getattr(off, name) > 1e-6) == (name in seen_by), name
+        assert getattr(honest, name) < 1e-6, name
+
+
+def _off(what: str, step: int) -> Change:
+    """1 % of random numbers in the displacement or the stress of one step."""
+
+    def change(n: int, state: StressState) -> StressState:
+        value = getattr(state, what)
+        noise = np.random.default_rng(n).standard_normal(value.shape) * abs(value).max()
+        return replace(state, **{what: value + 0.01 * noise}) if n == step else state
+
+    return change
