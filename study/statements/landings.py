@@ -11,9 +11,9 @@ be at (n + θ)k. A step that asks for complementarity at its end, backward Euler
 4/5, 3/5, 1/5 in turn, so that errors are between √2·3/200 and √2·6/100 of k, and both ends are attained: no order
 above 1, and no order for two successive steps. The article has the proof.
 
-*In P1*: a load that rolls along Γ3 so that pressure does not vanish at the front. Predicted: orders in k of BDF2 and the
-midpoint rule between 1 and 3/2, scattered from halving to halving. Under the own load of the case the pressure vanishes
-at the fronts, so that a landing kicks nothing loose: 2 for the midpoint rule.
+*In P1*: a load that rolls along Γ3 so that pressure does not vanish at the front. Predicted: orders in k of BDF2 and
+the midpoint rule between 1 and 3/2, scattered from halving to halving. Under the own load of the case the pressure
+vanishes at the fronts, so that a landing kicks nothing loose: 2 for the midpoint rule.
 """
 
 from __future__ import annotations
