@@ -57,6 +57,8 @@ def parser() -> argparse.ArgumentParser:
     rates.add_argument("--expected", type=_finite, metavar="P", help="judge the orders against this one")
     _json(rates)
     _bound(add("bound", "bound", "enclose the error of a computed displacement, exact solution or not"))
+    certify = "bounds of errors as a theorem, with a certificate that a program of its own checks"
+    _certify(add("certify", "certify", certify))
     _export(add("export", "export", "a case as plain data, with which other people's contact codes are verified"))
     show = add("show", "show", "storyboard, animation and ParaView files of a case, solved on one mesh")
     show.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
@@ -96,13 +98,26 @@ def _compare(differ: argparse.ArgumentParser) -> None:
 
 def _bound(bound: argparse.ArgumentParser) -> None:
     bound.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a case, a problem without a solution, or your own")
-    bound.add_argument("--levels", nargs="+", type=int, default=[8, 16], metavar="N", help="increasing (default 8 16)")
+    _enclosed(bound, levels=(8, 16), shorter=4)
+    _out(bound, "bounds")
+
+
+def _certify(certify: argparse.ArgumentParser) -> None:
+    certify.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a problem in formulas")
+    _enclosed(certify, levels=(4, 8), shorter=2)
+    _out(certify, "certificates")
+
+
+def _enclosed(bound: argparse.ArgumentParser, levels: tuple[int, ...], shorter: int) -> None:
+    default = " ".join(map(str, levels))
+    increasing = f"increasing (default {default})"
+    bound.add_argument("--levels", nargs="+", type=int, default=list(levels), metavar="N", help=increasing)
     bound.add_argument("--family", default="unstructured", help=f"meshes: {', '.join(FAMILIES)} (default unstructured)")
     bound.add_argument("--scheme", default="midpoint", help=f"of u_h: {', '.join(SCHEMES)} (default midpoint)")
     bound.add_argument("--steps", type=int, metavar="N", help="time steps of u_h at every level")
     bound.add_argument("--refine", type=int, default=1, metavar="R", help="refinements of the mesh of ũ (default 1)")
-    bound.add_argument("--shorter", type=int, default=4, metavar="Q", help="steps of ũ in one of u_h (default 4)")
-    _out(bound, "bounds")
+    steps = f"steps of ũ in one of u_h (default {shorter})"
+    bound.add_argument("--shorter", type=int, default=shorter, metavar="Q", help=steps)
 
 
 def _export(export: argparse.ArgumentParser) -> None:

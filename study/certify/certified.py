@@ -1,0 +1,167 @@
+"""Making the certificate of one level: u_h and ũ as ``study bound`` computes them, on rational meshes."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from fractions import Fraction
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from manufactured.data import Data
+from manufactured.tensors import Array
+from study.bound.discretisation import Discretisation
+from study.bound.equilibration import Equilibration
+from study.bound.trajectory import DiscreteSolution, Refined, compute, spline
+from study.certify import checker
+from study.certify.rational_mesh import Twins, in_doubles, rational_mesh
+from study.certify.statement import statement
+from study.certify.tensor_field import constants
+from study.certify.witnesses import COARSE, DISPLACEMENT, FINE, AdmissibleRounding, StressEncoder, bits_below
+from study.fem.mesh import MeshFamily, Unstructured
+from study.ledger.files import write_whole
+from study.solve.evolution import Scheme
+
+CONSTANTS_LEVEL = 12
+"""Level of the mesh on which the constants of the body are proved."""
+BELOW, DAMPING = 1e-9, 32
+"""Relative distance of the m that is proved from the eigenvalue, and its bits after the point."""
+
+
+@dataclass(frozen=True, eq=False)
+class Making:
+    """The problem and the parts of its certificates that all levels share."""
+
+    data: Data
+    family: MeshFamily
+    scheme: Scheme
+    refined: Refined
+
+    def check(self) -> None:
+        """Refuse what is not served before time is spent: BoundError."""
+        statement(self.data)
+
+    def certificate(
+        self, level: int, steps: int, progress: Callable[[float], object] = lambda time: None
+    ) -> dict[str, Any]:
+        """The certificate of one level."""
+        stated = statement(self.data)
+        problem = checker.Problem(stated)
+        mesh = rational_mesh(self.family(self.data.body, level), self.data.body)
+        exact = checker.Mesh.of(mesh, problem)
+        coarse = Discretisation(self.data, in_doubles(exact))
+        computed = compute(coarse, self.scheme, steps)
+        fine = self.refined.discretisation(coarse)
+        for _ in range(self.refined.refinements):
+            exact = exact.refined()
+        twins = Twins(fine.mesh, exact)
+        least = rational_mesh(Unstructured()(self.data.body, CONSTANTS_LEVEL), self.data.body)
+        nodes = [node for _, node in self.refined.nodes(fine, computed)]
+        return {
+            "format": checker.FORMAT,
+            "level": level,
+            "problem": stated,
+            "constants": constants(least, problem),
+            "m": str(_damping(fine)),
+            "mesh": mesh,
+            "refinements": self.refined.refinements,
+            "computed": _nodal(computed),
+            **_rounded(problem, twins, fine, nodes, progress),
+        }
+
+
+def _damping(fine: Discretisation) -> Fraction:
+    m = float(fine.moduli.values.min())
+    return max(Fraction(math.floor(m * (1 - BELOW) * 2**DAMPING), 2**DAMPING), Fraction(0))
+
+
+def _nodal(computed: DiscreteSolution) -> list[list[float]]:
+    """The doubles of u_h, in the numbers of its mesh."""
+    return [computed.space.nodal(u).T.ravel().tolist() for u in computed.nodes]
+
+
+def _rounded(
+    problem: checker.Problem,
+    twins: Twins,
+    fine: Discretisation,
+    nodes: list[Array],
+    progress: Callable[[float], object],
+) -> dict[str, Any]:
+    """ũ and σ̃."""
+    V, exact = fine.displacements, twins.exact
+    order = np.concatenate([twins.vertices, V.mesh.p.shape[1] + twins.edges])
+    bits = bits_below(max(float(abs(u).max()) for u in nodes), DISPLACEMENT)
+    rounding = AdmissibleRounding(problem, exact, bits)
+    displacement = {"bits": bits, "nodes": [rounding(V.coefficients(u)[order]) for u in nodes]}
+    stress = _stresses(problem, twins, fine, nodes, progress)
+    return {"displacement": displacement, "stress": stress}
+
+
+def _stresses(
+    problem: checker.Problem,
+    twins: Twins,
+    fine: Discretisation,
+    nodes: list[Array],
+    progress: Callable[[float], object],
+) -> dict[str, Any]:
+    """σ̃ at the knots and its control points between them, in turns."""
+    encoder, equilibration = StressEncoder(problem, twins, fine), Equilibration(fine)
+    # Loads are rounded as if tractions were of the size 1; the unit is found after the stresses.
+    kept = list(_found(encoder, equilibration, problem, twins, nodes, progress))
+    largest = max(float(abs(tractions).max()) for tractions, *_ in kept)
+    bits = bits_below(largest, FINE)
+    coarse = FINE - COARSE
+    numbers = [encoder.numbers(one, bits, coarse) for one in kept]
+    return {
+        "bits": bits,
+        "coarse": coarse,
+        "tractions": [tractions for tractions, _ in numbers],
+        "inner": [inner for _, inner in numbers],
+    }
+
+
+def _found(
+    encoder: StressEncoder,
+    equilibration: Equilibration,
+    problem: checker.Problem,
+    twins: Twins,
+    nodes: list[Array],
+    progress: Callable[[float], object],
+) -> Iterator[tuple[Array, Array, Array]]:
+    """(σ̃N of the edges, σ̃ on cells, twice the area times f̃_0) at knots and control points."""
+    loads, T = checker.Loads(problem, twins.exact, LOAD_BITS), problem.T
+    k = T / (len(nodes) - 1)
+    discretisation = equilibration.discretisation
+    knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
+    viscous = discretisation.data.law.A.at(discretisation.stresses.points)
+    steps = [float(t) for t in np.linspace(0, float(T), len(nodes))]
+
+    def one(load: checker.Load, u: Array, rate: Array) -> tuple[Array, Array, Array]:
+        target = viscous(discretisation.strain(rate)) + equilibration.elastic(u)
+        given = encoder.loads(load, LOAD_BITS)
+        stress = encoder.bernstein(equilibration.residual(given, target, u).values + target)
+        return encoder.tractions(stress), stress, encoder.nodal(load, LOAD_BITS)
+
+    for j, piece in enumerate(spline(zip(steps, nodes, strict=True))):
+        a, b = knots[j], knots[j + 1]
+        first, last = piece.rate(end=False), piece.rate(end=True)
+        if not j:
+            yield one(loads.at_knot(a), piece.start, first)
+        yield one(loads.control(a, b), piece.control, (first + last) / 2)
+        yield one(loads.at_knot(b), piece.end, last)
+        progress(float(b))
+
+
+LOAD_BITS = 45
+"""Bits of the loads that the stresses of the study balance."""
+
+
+def write(path: Path, certificate: dict[str, Any]) -> Path:
+    """Write a certificate; equal ones are equal files."""
+    text = json.dumps(certificate, separators=(",", ":")).encode()
+    return write_whole(path, lambda file: file.write_bytes(gzip.compress(text, 9, mtime=0)))

@@ -1,0 +1,44 @@
+"""``study certify``: compute, write certificates, check them."""
+
+from __future__ import annotations
+
+import argparse
+
+from tqdm import tqdm
+
+from study.bound import bounded
+from study.bound.trajectory import Refined
+from study.certify import checker
+from study.certify.certified import Making, write
+from study.cli.common import OK, listed, progress_bar
+from study.fem.naming import choose, family_named, resolve_data
+from study.solve.steps import rate_steps
+from study.solve.tableau import SCHEMES
+
+
+def do_certify(options: argparse.Namespace) -> int:
+    """``study certify``: one certificate for each level, and what the checker finds in them."""
+    name, data, _ = resolve_data(options.problem)
+    scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
+    refined = Refined(options.refine, options.shorter)
+    making = Making(data, family, scheme, refined)
+    making.check()
+    bounded.check_bound(data, family, options.levels, options.steps, refined)
+    directory = options.out / name
+    directory.mkdir(parents=True, exist_ok=True)
+    paths = []
+    for level in options.levels:
+        with progress_bar(100) as bar:
+            bar.set_description(f"level {level}")
+
+            def progress(time: float, bar: tqdm = bar, T: float = data.body.T) -> None:
+                bar.update(round(100 * time / T) - bar.n)
+
+            found = making.certificate(level, options.steps or rate_steps(data.body.T, level), progress)
+        paths.append(write(directory / f"certificate-{level}.json.gz", found))
+    print(f"written: {listed(paths)}; now they are checked\n")
+    code = checker.main([str(path) for path in paths])
+    print(
+        f"\nto check them without this package: python checker.py {' '.join(map(str, paths))}, with {checker.__file__}"
+    )
+    return code or OK

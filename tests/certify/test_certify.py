@@ -1,0 +1,228 @@
+"""What ``study certify`` proves is what ``study bound`` computes; what it does not serve is refused in words."""
+
+from __future__ import annotations
+
+import importlib.util
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from sympy import Expr, Rational, sin, sqrt
+
+from manufactured import (
+    Data,
+    FrobeniusBall,
+    KelvinVoigt,
+    Kind,
+    Linear,
+    Yield,
+    isotropic,
+    polygon,
+    pos,
+    t,
+    unit_square,
+    x1,
+)
+from manufactured.factor import layers, x2
+from manufactured.law import Linear as Tensor
+from study.bound.bounded import bounded_solution
+from study.bound.discretisation import Discretisation
+from study.bound.moduli import BoundError
+from study.bound.trajectory import Refined
+from study.certify import checker
+from study.certify.certified import Making
+from study.certify.rational_mesh import Twins, in_doubles, rational_mesh
+from study.certify.statement import rational, statement, voigt
+from study.certify.witnesses import AdmissibleRounding, StressEncoder
+from study.cli.main import main
+from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.solve.tableau import MIDPOINT
+
+PROBLEMS = Path(__file__).parents[2] / "examples" / "certificates" / "problems.py"
+LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+
+
+@cache
+def problem(name: str) -> Data:
+    spec = importlib.util.spec_from_file_location("problems", PROBLEMS)
+    assert spec is not None
+    assert spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    found: Data = getattr(module, name)()
+    return found
+
+
+@cache
+def certified(name: str, family: MeshFamily, level: int, steps: int, refined: Refined) -> checker.Found:
+    return checker.read(Making(problem(name), family, MIDPOINT, refined).certificate(level, steps)).check()
+
+
+def test_what_is_proved_is_what_is_computed() -> None:
+    family, refined = OneDiagonal(), Refined(0, 1)
+    found = certified("square", family, 4, 8, refined)
+    computed = bounded_solution(problem("square"), None, family, 4, MIDPOINT, 8, refined).enclosure
+    assert float(found.last) == pytest.approx(computed.bound[-1], rel=1.5e-6)
+    assert float(found.low) == pytest.approx(computed.lowest, rel=1.5e-6)
+    assert float(found.high) == pytest.approx(computed.highest, rel=1.5e-6)
+
+
+def test_better_witnesses_prove_a_narrower_interval_for_the_same_error() -> None:
+    wide, narrow = (certified("square", OneDiagonal(), 4, 2, Refined(r, 1)) for r in (0, 1))
+    assert wide.low < narrow.low < narrow.high < wide.high
+
+
+def test_shaken_meshes_are_served() -> None:
+    found = certified("square", Shaken(), 4, 4, Refined(0, 1))
+    assert 0 < found.low < found.high
+
+
+CORNERS = [(0, 0), (2, 0), (3, 1), (3, 2), (0, 2)]
+KINDS = [Kind.CONTACT, Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+
+
+def test_two_faces_of_contact_that_meet_are_served() -> None:
+    data = Data.formulas(polygon(CORNERS, KINDS), LAW, f0=(0, -4 * t), f2={2: (-t, 0)})
+    making = Making(data, Unstructured(), MIDPOINT, Refined(0, 1))
+    found = checker.read(making.certificate(4, 4)).check()
+    assert 0 < found.low < found.high
+
+
+def formulas(f0: Any = (0, 0), law: KelvinVoigt = LAW, **more: Any) -> Data:
+    return Data.formulas(unit_square(), law, f0=f0, **more)
+
+
+REFUSED: dict[str, tuple[Data, str]] = {
+    "no polynomial": (formulas((0, sin(x1))), "f_0 has .*certificates serve polynomials"),
+    "not rational": (formulas((0, sqrt(3) * t)), "coefficients are not rational"),
+    "a kink in f_0": (formulas((0, pos(x1 - t, 3))), "f_0 has a kink"),
+    "two kinks": (formulas(f2={1: (pos(x2 - t, 1) * pos(t - x2 / 2, 2), 0)}), "f_2 has the summand"),
+    "a fractional power": (formulas(f2={1: (pos(x2 - t, Rational(3, 2)), 0)}), "f_2 has the summand"),
+    "a law that yields": (
+        formulas(law=KelvinVoigt(isotropic(1, 0.5), Yield(2.0, FrobeniusBall(0.1)), "yields")),
+        "G is not linear and uniform",
+    ),
+    "layers": (
+        formulas(law=KelvinVoigt(isotropic(1, 0.5, factor=layers((0, 1), 0.5, 2)), isotropic(1, 1), "layers")),
+        "A is not linear and uniform",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", REFUSED, ids=str)
+def test_what_is_not_served_is_refused_in_words(name: str) -> None:
+    data, message = REFUSED[name]
+    with pytest.raises(BoundError, match=message):
+        statement(data)
+
+
+def test_cases_are_refused_by_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["certify", "full-contact", "--out", str(tmp_path)]) == 2
+    assert "certificates serve data that are formulas" in capsys.readouterr().err
+
+
+def test_the_command_writes_certificates_and_checks_them(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    options = ["--levels", "2", "4", "--steps", "2", "--refine", "0", "--shorter", "1", "--family", "one-diagonal"]
+    assert main(["certify", f"{PROBLEMS}:square", *options, "--out", str(tmp_path)]) == 0
+    assert "level 4, 32 cells: max ‖u − u_h‖_V in [" in capsys.readouterr().out
+    assert (tmp_path / "square" / "certificate-4.json.gz").is_file()
+
+
+def test_doubles_are_read_as_the_fractions_that_are_meant() -> None:
+    assert (rational(0.8), rational(1 / 3)) == (Fraction(4, 5), Fraction(1, 3))
+    assert rational(3**0.5) == Fraction(3**0.5)
+    root = 2**0.5
+    coupled = np.array([[3, 1, 0.3 * root], [1, 2, 0], [0.3 * root, 0, 2 * 0.7]])
+    assert voigt(Tensor(coupled).matrix)[0][2] == Fraction(3, 10)
+    assert voigt(Tensor(coupled).matrix)[2][2] == Fraction(7, 10)
+
+
+def test_loads_are_read_as_they_are() -> None:
+    push = 4 * t * pos(1 - (x1 - t / 2) ** 2, 3) + x1 * t**2
+    formula = checker.formula(statement(formulas(f2={1: (push, 0)}))["loads"]["1"][0])
+    for place in ((0.5, 1.0, 0.25), (1.75, 0.0, 0.5), (0.0, 0.5, 1.0)):
+        exact = [Fraction(c) for c in place]
+        wanted = float(push.subs(dict(zip((x1, x2, t), place, strict=True))))
+        assert float(checker.at(formula, exact)) == pytest.approx(wanted, abs=1e-14)
+
+
+@pytest.mark.parametrize("normals", [[(1, 4)], [(0, -1)], [(0, -1), (1, -1)], [(0, -1), (-3, -1)]], ids=str)
+def test_rounded_displacements_are_admissible_and_near(normals: list[tuple[int, int]]) -> None:
+    rng = np.random.default_rng(0)
+    for _ in range(50):
+        value = [int(c) for c in rng.integers(-(10**9), 10**9, 2)]
+        rounded = AdmissibleRounding._admissible(value, normals)
+        products = [x * rounded[0] + y * rounded[1] for x, y in normals]
+        assert max(products) <= 0
+        if all(x * value[0] + y * value[1] < -100 for x, y in normals):
+            assert max(abs(a - b) for a, b in zip(value, rounded, strict=True)) < 20
+
+
+def test_stresses_come_back_from_their_numbers() -> None:
+    """What the checker decodes is the stress that was encoded, in every cell and component."""
+    data = problem("bracket")
+    stated = checker.Problem(statement(data))
+    exact = checker.Mesh.of(rational_mesh(Unstructured()(data.body, 4), data.body), stated)
+    fine = Discretisation(data, in_doubles(exact))
+    twins = Twins(fine.mesh, exact)
+    encoder = StressEncoder(stated, twins, fine)
+    bits, coarse = 50, 4
+    load = checker.Loads(stated, exact, bits).at_knot(Fraction(1))
+    strain = fine.strain(np.random.default_rng(3).normal(size=fine.displacements.dofs))
+    found = fine.equilibrium(encoder.loads(load, bits), strain, None)
+    stress = encoder.bernstein(found.values)
+    tractions, inner = encoder.numbers((encoder.tractions(stress), stress, encoder.nodal(load, bits)), bits, coarse)
+    decoder = checker.Stresses(exact, stated, {"bits": bits, "coarse": coarse})
+    field, unbalanced = decoder.field(decoder.tractions(tractions, load)[0], inner, load)
+    scale = [exact.denominator / exact.determinant(cell) ** 2 / decoder.unit for cell in exact.cells]
+    mine = np.array(field, dtype=float) * np.array(scale)[:, None, None]
+    theirs = np.einsum("na,ctaI->cItn", encoder.to_orthogonal, stress).reshape(mine.shape)
+    assert abs(mine - theirs).max() < 1e-8 * abs(theirs).max()
+    assert float(unbalanced) < 1e-9 * abs(theirs).max()
+
+
+@pytest.mark.parametrize("family", [OneDiagonal(), Shaken(), Unstructured()], ids=lambda family: family.name)
+def test_meshes_are_those_of_the_families_up_to_a_little(family: MeshFamily) -> None:
+    body = problem("wedge").body
+    mesh = family(body, 4)
+    exact = checker.Mesh.of(rational_mesh(mesh, body), checker.Problem(statement(problem("wedge"))))
+    moved = abs(in_doubles(exact).p - mesh.p).max()
+    assert moved < 0.02
+
+
+def kinked(height: Expr) -> Data:
+    return formulas(f2={1: (-height, 0)})
+
+
+def test_a_load_with_a_moving_kink_is_enclosed() -> None:
+    """What f̃ leaves out of f is at most what is proved, by a fine quadrature."""
+    data = kinked(pos(x2 - t / 2 - Rational(1, 5), 2))
+    stated = checker.Problem(statement(data))
+    exact = checker.Mesh.of(rational_mesh(OneDiagonal()(data.body, 2), data.body), stated)
+    loads, a, b = checker.Loads(stated, exact, 40), Fraction(1, 4), Fraction(1, 2)
+    proved = float(loads.missed(a, b, Fraction(1), Fraction(1)))
+    knots = [loads.at_knot(a), loads.control(a, b), loads.at_knot(b)]
+    total, points, times = 0.0, (np.arange(400) + 0.5) / 400, (np.arange(40) + 0.5) / 40
+    for e in loads.lines:
+        p, q = (np.array([float(c) for c in exact.place(v)]) for v in exact.edges[e])
+        values = np.array([np.array(knot.traction[e], dtype=float).reshape(4, 2) for knot in knots]) / loads.unit
+        shapes = np.array(
+            [np.prod([(points - j / 3) / ((i - j) / 3) for j in range(4) if j != i], axis=0) for i in range(4)]
+        )
+        for s in times:
+            bernstein = np.array([(1 - s) ** 2, 2 * s * (1 - s), s**2])
+            f = np.einsum("a,aid,ip->dp", bernstein, values, shapes) / np.linalg.norm(q - p)
+            y = p[1] + points * (q[1] - p[1])
+            exact_load = -(np.maximum(y - (0.25 + 0.25 * s) / 2 - 0.2, 0) ** 2)
+            total += np.linalg.norm(q - p) * np.mean((f[0] - exact_load) ** 2) / len(times)
+    assert total**0.5 < proved < 6 * total**0.5
+
+
+def test_the_law_in_voigt_and_in_mandel_is_one() -> None:
+    tensor = Linear(np.array([[3, 1, 0.2], [1, 2, 0.1], [0.2, 0.1, 1.5]]))
+    C = np.array([[float(c) for c in row] for row in voigt(tensor.matrix)])
+    strain = np.array([0.3, -0.2, 0.5])
+    assert C @ (strain * [1, 1, 2**0.5]) == pytest.approx(tensor.matrix @ strain / [1, 1, 2**0.5])

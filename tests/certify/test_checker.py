@@ -1,0 +1,249 @@
+"""The checker of certificates: it needs nothing else, rounds outward and refuses what proves nothing."""
+
+from __future__ import annotations
+
+import ast
+import copy
+import gzip
+import json
+import math
+import subprocess
+import sys
+from collections.abc import Callable
+from fractions import Fraction
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from study.bound.growth import Added as AddedFloat
+from study.bound.growth import grown
+from study.certify import checker
+from study.certify.checker import RefusedError
+
+HERE = Path(__file__).parents[2] / "examples" / "certificates"
+CERTIFICATES = sorted(HERE.glob("*.json.gz"))
+
+
+@cache
+def stored(name: str) -> Any:
+    return json.loads(gzip.decompress((HERE / f"{name}-4.json.gz").read_bytes()))
+
+
+def certificate(name: str = "square") -> Any:
+    return copy.deepcopy(stored(name))
+
+
+def test_it_imports_the_standard_library_only() -> None:
+    tree = ast.parse(Path(checker.__file__).read_text())
+    names = [n.module or "" for n in ast.walk(tree) if isinstance(n, ast.ImportFrom)]
+    names += [alias.name for n in ast.walk(tree) if isinstance(n, ast.Import) for alias in n.names]
+    assert {name.partition(".")[0] for name in names} <= set(sys.stdlib_module_names)
+
+
+def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path: Path) -> None:
+    copied = tmp_path / "check.py"
+    copied.write_text(Path(checker.__file__).read_text())
+    command = [sys.executable, "-I", "-S", str(copied), str(HERE / "square-4.json.gz")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env={"PYTHONIOENCODING": "utf-8"})
+    assert "level 4, 32 cells: max ‖u − u_h‖_V in [0.0" in done.stdout
+
+
+@pytest.mark.parametrize("path", CERTIFICATES, ids=lambda path: path.name)
+def test_committed_certificates_prove_positive_intervals(path: Path) -> None:
+    found = checker.load(path).check()
+    assert 0 < found.low < found.high < 10 * found.low
+
+
+def edit(*keys: Any, to: Any = None, by: Callable[[Any], Any] | None = None) -> Callable[[Any], None]:
+    """Change one entry."""
+
+    def change(data: Any) -> None:
+        for key in keys[:-1]:
+            data = data[key]
+        data[keys[-1]] = by(data[keys[-1]]) if by else to
+
+    return change
+
+
+def drop_a_cell(data: Any) -> None:
+    data["mesh"]["cells"].pop()
+
+
+def repeat_a_cell(data: Any) -> None:
+    data["mesh"]["cells"].append(data["mesh"]["cells"][0])
+
+
+def turn_a_cell(data: Any) -> None:
+    data["mesh"]["cells"][0].reverse()
+
+
+def hang_a_node(data: Any) -> None:
+    """Cut a cell in two without its neighbour."""
+    mesh = data["mesh"]
+    boundary = checker.Certificate(data).mesh.parts
+    n, (a, b, c) = next((n, cell) for n, cell in enumerate(mesh["cells"]) if tuple(sorted(cell[:2])) not in boundary)
+    mesh["denominator"] *= 2
+    mesh["points"] = [[2 * x, 2 * y] for x, y in mesh["points"]]
+    p, q = mesh["points"][a], mesh["points"][b]
+    mesh["points"].append([(p[0] + q[0]) // 2, (p[1] + q[1]) // 2])
+    mesh["cells"][n : n + 1] = [[a, len(mesh["points"]) - 1, c], [len(mesh["points"]) - 1, b, c]]
+    data["computed"] = [[*u, 0.0, 0.0] for u in data["computed"]]
+
+
+def numbers_on(data: Any, kind: str) -> int:
+    """The place of the second component of a vertex on a part, away from its ends."""
+    exact = checker.Certificate(data)
+    edges = [edge for edge, part in exact.mesh.parts.items() if exact.problem.kinds[part] == kind]
+    inner = [v for edge in edges for v in edge if sum(v in other for other in edges) == 2]
+    return 2 * inner[0] + 1
+
+
+def enter_the_foundation(data: Any) -> None:
+    # Γ3 is the bottom.
+    data["displacement"]["nodes"][-1][numbers_on(data, "contact")] = -1
+
+
+def leave_the_wall(data: Any) -> None:
+    data["displacement"]["nodes"][0][numbers_on(data, "clamped")] = 1
+
+
+def move_u_h_on_the_wall(data: Any) -> None:
+    data["computed"][1][numbers_on(data, "clamped")] = 2.0**-60
+
+
+def pull_on_the_foundation(data: Any) -> None:
+    data["stress"]["tractions"][4][0] = 1
+
+
+def jump_in_a_piece(data: Any) -> None:
+    """u_h with nodes inside halves of pieces of ũ."""
+    data["computed"].append(data["computed"][-1])
+
+
+TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
+    "another format": (edit("format", to="signorini-certificate 2"), "not a certificate"),
+    "ũ enters the foundation": (enter_the_foundation, "ũ_ν > 0 on Γ3"),
+    "ũ leaves the wall": (leave_the_wall, "ũ does not vanish on Γ1"),
+    "u_h leaves the wall": (move_u_h_on_the_wall, "u_h does not vanish on Γ1"),
+    "the foundation pulls": (pull_on_the_foundation, "σ̃_ν > 0 on Γ3"),
+    "a cell is missing": (drop_a_cell, "a boundary inside the polygon|does not fit side"),
+    "a cell is there twice": (repeat_a_cell, "two cells lie on the same side"),
+    "a cell is clockwise": (turn_a_cell, "not counter-clockwise"),
+    "a hanging node": (hang_a_node, "a boundary inside the polygon|does not fit side"),
+    "a vertex off the boundary": (edit("mesh", "points", 1, 1, by=lambda y: y - 1), "does not fit|boundary inside"),
+    "a clockwise polygon": (edit("problem", "vertices", by=lambda v: v[::-1]), "the polygon is not counter-clockwise"),
+    "a polygon that meets itself": (edit("problem", "vertices", 2, to=["-1", "1/2"]), "meet|not counter-clockwise"),
+    "no wall": (edit("problem", "kinds", 2, to="loaded"), "no part is clamped"),
+    "A is not elliptic": (edit("problem", "A", 0, 0, to="0"), "A is not symmetric and positive definite"),
+    "A is not symmetric": (edit("problem", "A", 0, 1, to="1/3"), "A is not symmetric and positive definite"),
+    "G is not monotone": (edit("problem", "G", 2, 2, to="-1"), "G is not symmetric and positive semidefinite"),
+    "too much damping": (edit("m", to="2001/1000"), "G − mA is not positive semidefinite"),
+    "negative damping": (edit("m", to="-1"), "m is negative"),
+    "a smaller constant in Ω": (edit("constants", "volume", by=lambda x: str(2 * Fraction(x))), "constant of forces"),
+    "a smaller constant on Γ2": (edit("constants", "surface", by=lambda x: str(2 * Fraction(x))), "constant of loads"),
+    "another tensor field": (edit("constants", "field", 3, 0, by=lambda x: x + 2**28), "the tensor field does not"),
+    "a stress is missing": (edit("stress", "tractions", by=lambda x: x[:-1]), "shorter|not a certificate"),
+    "a traction is missing": (edit("stress", "tractions", 0, by=lambda x: x[:-1]), "tractions have another size"),
+    "a traction is no integer": (edit("stress", "tractions", 3, 20, by=float), "no integer"),
+    "a traction is not finite": (edit("stress", "tractions", 3, 20, to=math.nan), "no integer"),
+    "u_h is not finite": (edit("computed", 1, 7, to=math.inf), "not a certificate"),
+    "ũ has too few numbers": (edit("displacement", "nodes", 1, by=lambda x: x[:-2]), "ũ has another size"),
+    "u_h jumps inside a piece": (jump_in_a_piece, "u_h has a node inside"),
+    "f_0 with a kink": (edit("problem", "force", 1, 0, 2, to=1), "f_0 with kinks"),
+    "f_2 on Γ3": (edit("problem", "loads", by=lambda x: {"0": x["1"]}), "which is not of Γ2"),
+    "time runs backwards": (edit("problem", "T", to="-1"), "T is not positive"),
+    "u_0 off the wall": (edit("problem", "start", 0, to=[["1", 0, 0]]), "u_0 does not vanish on Γ1"),
+    "u_0 in the foundation": (edit("problem", "start", 1, to=[["-1", 0, 0], ["1", 0, 1]]), "u_0ν ≤ 0 on Γ3"),
+}
+
+
+@pytest.mark.parametrize("tampered", TAMPERED, ids=str)
+def test_what_is_tampered_with_is_refused(tampered: str) -> None:
+    change, message = TAMPERED[tampered]
+    data = certificate()
+    change(data)
+    with pytest.raises(RefusedError, match=message):
+        checker.read(data).check()
+
+
+CLAIMS = {
+    "another load": edit("problem", "loads", "1", 0, 0, 0, 0, 0, to="-3"),
+    "another force": edit("problem", "force", 1, 0, 0, 0, 0, by=lambda c: str(2 * Fraction(c))),
+    "another start": edit("problem", "start", 1, to=[["1/10", 0, 0], ["-1/10", 0, 1]]),
+    "a traction moved": edit("stress", "tractions", 6, 40, by=lambda x: x + 2**34),
+    "an inner number moved": edit("stress", "inner", 6, 40, by=lambda x: x + 2**12),
+    "ũ moved": edit("displacement", "nodes", 3, 30, by=lambda x: x + 2**36),
+}
+
+
+@pytest.mark.parametrize("claim", CLAIMS, ids=str)
+def test_witnesses_of_something_else_prove_less(claim: str) -> None:
+    """They stay true: an interval is wider, by what they do not fit."""
+    data, plain = certificate(), checker.read(certificate()).check()
+    CLAIMS[claim](data)
+    assert checker.read(data).check().last > plain.last
+
+
+def test_numbers_that_claim_a_bound_are_not_read() -> None:
+    data = certificate()
+    data |= {"bound": 0, "low": "1", "high": "1"}
+    assert checker.read(data).check() == checker.read(certificate()).check()
+
+
+def test_u_h_is_what_the_interval_is_about() -> None:
+    """An error that is added to u_h moves the interval by as much."""
+    data, plain = certificate(), checker.read(certificate()).check()
+    place = numbers_on(data, "contact")
+    for u in data["computed"]:
+        u[place] += 1.0
+    found = checker.read(data).check()
+    assert found.low > plain.high + 1 / 2
+
+
+def test_certificates_of_two_problems_give_no_order(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert checker.main([str(HERE / f"{name}-4.json.gz") for name in ("square", "wedge")]) == 1
+    assert "another problem than that of the first" in capsys.readouterr().out
+
+
+def test_a_file_that_is_no_certificate_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "nothing.json.gz"
+    path.write_bytes(b"nothing")
+    assert checker.main([str(path)]) == 1
+    assert "REFUSED: not a certificate" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("x", [Fraction(1, 3), Fraction(2), Fraction(355, 113), Fraction(10**9, 7), Fraction(1, 10**6)])
+def test_roots_and_logarithms_are_enclosed(x: Fraction) -> None:
+    low, high = checker.root(x, above=False), checker.root(x)
+    assert low**2 <= x <= high**2
+    assert high - low <= Fraction(1, 2**99)
+    low, high = checker.logarithm(x)
+    assert low <= Fraction(math.log(x)) + Fraction(1, 2**45)
+    assert high >= Fraction(math.log(x)) - Fraction(1, 2**45)
+    assert 0 < high - low < Fraction(1, 2**50)
+
+
+@pytest.mark.parametrize("x", [0.0, 1e-6, 0.3, 2.0, 11.0, 23.0, 30.0])
+def test_exponentials_are_bounded_from_above(x: float) -> None:
+    exact = 1.0 if x == 0 else -math.expm1(-x) / x
+    assert math.exp(-x) * (1 - 1e-15) <= float(checker.decay(Fraction(x))) <= math.exp(-x) * 1.5
+    assert exact * (1 - 1e-15) <= float(checker.mean_decay(Fraction(x))) <= exact * (1 + 1e-4)
+
+
+def test_the_bound_grows_as_that_of_the_study() -> None:
+    problem = checker.Problem(certificate()["problem"])
+    growth, rng = checker.Growth(problem, Fraction(2)), np.random.default_rng(1)
+    for y in (0.0, 0.01, 1.0):
+        rho = rng.normal(size=(3, 5))
+        M = [[Fraction(float(c)) for c in row] for row in rho @ rho.T]
+        k, contact, loads = Fraction(1, 8), Fraction(1, 1000), Fraction(1, 100)
+        found = growth(Fraction(y), checker.Added(k, M, contact, loads))
+        A, G = (np.array([[float(c) for c in row] for row in m]) for m in (problem.A, problem.G))
+        values, v = np.linalg.eig(np.linalg.solve(A, G))
+        v = v / np.sqrt(np.einsum("ij,ik,kj->j", v, A, v))
+        squares = np.einsum("Ii,IJ,Ji->i", v, rho @ rho.T, v) / float(k)
+        added = AddedFloat(float(k), squares[:, None], np.zeros(1), float(contact), float(loads))
+        assert [float(x) for x in found] == pytest.approx(grown(y, values, added), rel=1e-8)
