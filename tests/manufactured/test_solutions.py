@@ -185,3 +185,12 @@ def test_the_catalogue_covers_what_the_ledger_promises() -> None:
     assert sum(bool(body.refine) for body in bodies) == 2
     assert any(case.twin for case in CASES.values())
     assert all(case.reason and case.summary for case in CASES.values())
+
+
+@pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.twin])
+def test_a_twin_is_the_same_body_in_another_position(name: str) -> None:
+    """Or a case would be compared with itself: the same distances between corners, not the same corners."""
+    own, twin = (CASES[of].solution.body.vertices for of in (name, CASES[name].twin))
+    distances = [np.linalg.norm(corners[:, :, None] - corners[:, None], axis=0) for corners in (own, twin)]
+    assert distances[0] == pytest.approx(distances[1])
+    assert abs(own - twin).max() > 0.1
