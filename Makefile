@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
 	docs/tutorials/first-solution.md docs/explanation/windows.md
 
-.PHONY: study full controls seeds test wheel tutorials pages codes codes-venv codes-check bench bench-growth bench-peers \
+.PHONY: study full controls seeds test wheel tutorials pages codes codes-venv codes-check certificates certificates-check bench bench-growth bench-peers \
 	bench-parallel lint docs paper lock clean
 
 study: $(READY)  ## quick study into results/quick, a minute and a half
@@ -63,6 +63,17 @@ codes-check: $(READY) build/codes-venv/.ready  ## two of them on one case, a min
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --only kratos_mortar ngsolve_penalty \
 		--cases advance-recede --families one-diagonal --levels 8 16 \
 		--tasks build/codes-check/tasks --out build/codes-check --check
+
+certificates: $(READY)  ## bounds as theorems: certificates of three problems, levels 4, 8 and 16, half an hour, 60 MB
+	OMP_NUM_THREADS=1 $(BIN)/study certify examples/certificates/problems.py:square --family one-diagonal \
+		--levels 4 8 16 --out build/certificates
+	for name in wedge bracket; do OMP_NUM_THREADS=1 $(BIN)/study certify examples/certificates/problems.py:$$name \
+		--levels 4 8 16 --out build/certificates || exit 1; done
+
+certificates-check:  ## the committed certificates, by the checker alone: a copy of its file, Python without packages
+	mkdir -p build && cp study/certify/checker.py build/checker.py
+	for name in square wedge bracket; do \
+		$(PYTHON) -I -S build/checker.py examples/certificates/$$name-4.json.gz || exit 1; done
 
 # Benchmarks are not tests: a slow machine or a missing peer is no failure.
 bench: $(READY)  ## ratios of timings into results/benchmarks, some minutes; warns where one got worse

@@ -18,6 +18,7 @@ from study.cli.main import parser
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 ELSEWHERE = {
     "python examples/errors.py": "project/test_habits.py::test_the_example_prints_the_table_beside_it",
+    "python checker.py": "certify/test_checker.py::test_a_copy_of_the_file_checks_a_certificate_without_any_package",
     "python -m pip install .": "project/test_packaging.py::test_the_wheel_works_with_numpy_and_sympy_alone",
     "dask scheduler": "run/test_cluster.py::scheduler",
     "dask worker": "run/test_cluster.py::cluster",
@@ -29,6 +30,7 @@ EXCLUDED = {
     "make full": "half an hour: the nightly workflow runs it",
     "make seeds": "an hour: the nightly workflow runs it",
     "make codes": "half an hour, and codes that are optional: CI runs two of them by make codes-check",
+    "make certificates": "half an hour; CI checks the certificates that are committed by make certificates-check",
     "make bench": "times the machine",
     "sudo apt-get": "changes the system, for peers that are optional",
     ".venv/bin/pip install osqp": "changes the environment, for a peer that is optional",
