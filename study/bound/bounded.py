@@ -131,21 +131,32 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
 
 
 def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of its observed order since the first level."""
-    first, found = rows[0], []
-    for row in rows:
-        low, high = math.nan, math.nan
-        if row is not first:
-            coarse, fine = ((one["lowest"], one["highest"]) for one in (first, row))
-            low, high = order_interval(coarse, fine, math.log(first["h"] / row["h"]))
-        found.append({**row, "order_low": low, "order_high": high})
+    """``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of two observed orders of it.
+
+    ``order`` is the one since the first level, ``pair`` that since the level before.
+    """
+    found = []
+    for before, row in zip([None, *rows[:-1]], rows, strict=True):
+        orders = {"order": _order(rows[0] if before else None, row), "pair": _order(before, row)}
+        ends = {
+            f"{name}_{end}": x for name, span in orders.items() for end, x in zip(("low", "high"), span, strict=True)
+        }
+        found.append({**row, **ends})
     table = pd.DataFrame(found)
     return table[[name for name in table if name != "kind"] + ["kind"]]
 
 
+def _order(coarse: dict[str, Any] | None, fine: dict[str, Any]) -> tuple[float, float]:
+    """The interval of the order between two levels; no numbers without a coarser one."""
+    if coarse is None:
+        return math.nan, math.nan
+    before, after = ((one["lowest"], one["highest"]) for one in (coarse, fine))
+    return order_interval(before, after, math.log(coarse["h"] / fine["h"]))
+
+
 def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Sequence[str]) -> str:
     """What is printed, from the tables of ``levels`` and ``series`` and the sentences on what they rest on."""
-    known, first = bool(table["error"].notna().all()), table["level"].iloc[0]
+    known = bool(table["error"].notna().all())
     lines = [
         f"{name}: ‖u(t) − u_h(t)‖_V enclosed, {'exact solution known' if known else 'solution unknown'}",
         *(textwrap.fill(sentence, width()) for sentence in sentences),
@@ -160,14 +171,29 @@ def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Seq
         ratio = f"{row.upper / row.lower:12.3f}" if row.lower > 0 else f"{'∞':>12}"
         ends = down(row.lower, SHOWN), up(row.upper, SHOWN), up(row.plain, SHOWN)
         lines.append(f"{row.time:8.4f} {ends[0]:>10} {error} {ends[1]:>10} {ratio} {ends[2]:>15}")
-    head = f"{'level':>6} {'max error in':>22} {'error':>9} {'from u_h alone':>15}  order since level {first} in"
-    lines += ["", head.rstrip()]
+    return "\n".join([*lines, "", *_intervals(table, known)])
+
+
+def _intervals(table: pd.DataFrame, known: bool) -> list[str]:
+    """Lines with the intervals of the error on each level, and of the orders: since the first one, since the last."""
+    several, since = len(table) > 2, f"since level {table['level'].iloc[0]} in"
+    head = f"{'level':>6} {'max error in':>22} {'error':>9} {'from u_h alone':>15}  {f'order {since}':>22}"
+    lines = [head + (f"  {'since the one before in':>24}" if several else "")]
     for row in table.itertuples():
         error = f"{row.error:.4g}" if known else "unknown"
-        orders = "" if math.isnan(row.order_low) else interval(row.order_low, row.order_high, SHOWN)
+        orders = _shown(row.order_low, row.order_high, 22)
+        if several:
+            orders += f"  {_shown(row.pair_low, row.pair_high, 24)}"
         largest = interval(row.lowest, row.highest, SHOWN)
         lines.append(f"{row.level:6d} {largest:>22} {error:>9} {up(row.plain, SHOWN):>15}  {orders}".rstrip())
-    return "\n".join(lines)
+    if len(table) > 1:
+        steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
+        lines += ["", f"orders are those of the fully discrete u_h, with {steps}"]
+    return lines
+
+
+def _shown(low: float, high: float, columns: int) -> str:
+    return f"{'' if math.isnan(low) else interval(low, high, SHOWN):>{columns}}"
 
 
 def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list[Path]:

@@ -1260,7 +1260,7 @@ class Certificate:
 
     def __init__(self, data: Any) -> None:
         require(data.get("format") == FORMAT, f"not a certificate: the format is not {FORMAT!r}")
-        self.statement, self.level = data["problem"], data["level"]
+        self.level = data["level"]
         integers(self.level)
         problem = self.problem = Problem(data["problem"])
         self.volume, self.surface = load_constants(data["constants"], problem)
@@ -1416,47 +1416,46 @@ def decimal(x: Q, above: bool, digits: int = 8) -> str:
     return f"{'-' if whole < 0 else ''}{abs(whole) // 10**digits}.{abs(whole) % 10**digits:0{digits}d}"
 
 
-def read(data: Any) -> Certificate:
-    """The certificate of what a file holds; RefusedError if it is none."""
+def verified(data: Any) -> Found:
+    """What a certificate proves; RefusedError if it is none."""
     try:
-        return Certificate(data)
+        return Certificate(data).check()
     except RefusedError:
         raise
     except (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError) as error:
         raise RefusedError(f"not a certificate: {type(error).__name__}: {error}") from error
 
 
-def load(path: Path) -> Certificate:
-    """Read a certificate; RefusedError if the file has none."""
+def load(path: Path) -> Any:
+    """What a file holds; RefusedError if it is no certificate."""
     try:
-        data = json.loads(gzip.decompress(path.read_bytes()))
+        return json.loads(gzip.decompress(path.read_bytes()))
     except (ValueError, EOFError, OSError) as error:
         raise RefusedError(f"not a certificate: {error}") from error
-    return read(data)
 
 
 def main(paths: Sequence[str]) -> int:
     """Check files and print what they prove; 0 if none is refused."""
-    kept: list[tuple[Certificate, Found]] = []
+    kept: list[Found] = []
+    stated: Any = None
     for path in paths:
         try:
-            certificate = load(Path(path))
-            found = certificate.check()
-            require(not kept or kept[0][0].statement == certificate.statement, "another problem than that of the first")
+            data = load(Path(path))
+            found = verified(data)
+            require(not kept or stated == data["problem"], "another problem than that of the first")
         except RefusedError as refusal:
             print(f"{path}: REFUSED: {refusal}")
             return 1
-        kept.append((certificate, found))
+        stated = data["problem"]
+        kept.append(found)
         interval = f"[{decimal(found.low, False)}, {decimal(found.high, True)}]"
         print(f"{path}: level {found.level}, {found.cells} cells: max ‖u − u_h‖_V in {interval}")
-    if kept:
-        print(json.dumps(kept[0][0].statement))
-    for i, (_, fine) in enumerate(kept):
-        for _, coarse in kept[:i]:
-            span = order(coarse, fine)
-            if span:
-                ends = f"[{decimal(span[0], False, 4)}, {decimal(span[1], True, 4)}]"
-                print(f"order from level {coarse.level} to {fine.level} in {ends}")
+    for fine, coarse in ((fine, coarse) for i, fine in enumerate(kept) for coarse in kept[:i]):
+        span = order(coarse, fine)
+        if span:
+            ends = f"[{decimal(span[0], False, 4)}, {decimal(span[1], True, 4)}]"
+            print(f"order from level {coarse.level} to {fine.level} in {ends}")
+    print(json.dumps(stated))
     return 0 if kept else 1
 
 

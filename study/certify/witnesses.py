@@ -21,9 +21,9 @@ from study.certify.rational_mesh import Twins
 from study.stresses.composite import SIDES
 from study.stresses.loads import Loads
 
-FINE, COARSE = 40, 17
+FINE, COARSE = 38, 20
 """Bits of the numbers on which balance rests, and of the others, relative to the largest traction."""
-DISPLACEMENT = 40
+DISPLACEMENT = 38
 """Bits of ũ, relative to its largest value."""
 EDGE_PLACES = np.array([[math.comb(3, i) * (n / 3) ** i * (1 - n / 3) ** (3 - i) for i in range(4)] for n in range(4)])
 """Values at 0, 1/3, 2/3, 1 from Bernstein coefficients of degree 3."""

@@ -43,6 +43,7 @@ from manufactured import (
 from manufactured.cases.laws import not_proportional
 from manufactured.data import Data
 from manufactured.tensors import Array, Points, Tensors
+from study.bound.bounded import _intervals, levels
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error, order
 from study.bound.equilibration import Equilibration
@@ -781,3 +782,23 @@ def test_nodes_at_unequal_distances_are_refused() -> None:
     nodes.append((1.0, 3 * nodes[-1][1]))
     with pytest.raises(BoundError, match="equally spaced in time"):
         list(Majorant(discretisation)(spline(nodes), 1.0))
+
+
+def test_orders_are_enclosed_since_the_first_level_and_since_the_one_before() -> None:
+    """E = (1, 1/2, 1/8) at h = (1, 1/2, 1/4): the order is 3/2 over all levels and 2 on the last pair."""
+    ends = [(0.9, 1.1), (0.45, 0.55), (0.11, 0.14)]
+    rest = {"dofs": 1, "error": math.nan, "plain": 1.0, "kind": "guaranteed"}
+    rows = [
+        {"level": 2**i, "h": 0.5**i, "steps": 2**i, "lowest": low, "highest": high, **rest}
+        for i, (low, high) in enumerate(ends)
+    ]
+    table = levels(rows).set_index("level")
+    for name, first in (("order", 0), ("pair", 1)):
+        low, high = (math.log2(a / b) / (2 - first) for a, b in ((ends[first][0], 0.14), (ends[first][1], 0.11)))
+        assert table.loc[4, [f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([low, high])
+    assert table.loc[1, ["order_low", "pair_low"]].isna().all()
+    lines = _intervals(table.reset_index(), known=False)
+    assert lines[0].split()[-10:] == ["order", "since", "level", "1", "in", "since", "the", "one", "before", "in"]
+    assert lines[3].count("[") == 3
+    assert lines[-1].endswith("with steps that follow the mesh")
+    assert _intervals(table.reset_index().head(2).assign(steps=4), known=False)[-1].endswith("same steps on every mesh")

@@ -53,7 +53,7 @@ def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path: P
 
 @pytest.mark.parametrize("path", CERTIFICATES, ids=lambda path: path.name)
 def test_committed_certificates_prove_positive_intervals(path: Path) -> None:
-    found = checker.load(path).check()
+    found = checker.verified(checker.load(path))
     assert 0 < found.low < found.high < 10 * found.low
 
 
@@ -166,7 +166,7 @@ def test_what_is_tampered_with_is_refused(tampered: str) -> None:
     data = certificate()
     change(data)
     with pytest.raises(RefusedError, match=message):
-        checker.read(data).check()
+        checker.verified(data)
 
 
 CLAIMS = {
@@ -182,24 +182,24 @@ CLAIMS = {
 @pytest.mark.parametrize("claim", CLAIMS, ids=str)
 def test_witnesses_of_something_else_prove_less(claim: str) -> None:
     """They stay true: an interval is wider, by what they do not fit."""
-    data, plain = certificate(), checker.read(certificate()).check()
+    data, plain = certificate(), checker.verified(certificate())
     CLAIMS[claim](data)
-    assert checker.read(data).check().last > plain.last
+    assert checker.verified(data).last > plain.last
 
 
 def test_numbers_that_claim_a_bound_are_not_read() -> None:
     data = certificate()
     data |= {"bound": 0, "low": "1", "high": "1"}
-    assert checker.read(data).check() == checker.read(certificate()).check()
+    assert checker.verified(data) == checker.verified(certificate())
 
 
 def test_u_h_is_what_the_interval_is_about() -> None:
     """An error that is added to u_h moves the interval by as much."""
-    data, plain = certificate(), checker.read(certificate()).check()
+    data, plain = certificate(), checker.verified(certificate())
     place = numbers_on(data, "contact")
     for u in data["computed"]:
         u[place] += 1.0
-    found = checker.read(data).check()
+    found = checker.verified(data)
     assert found.low > plain.high + 1 / 2
 
 
