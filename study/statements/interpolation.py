@@ -12,6 +12,7 @@ and have the order min(2, α + 1/2).
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -25,12 +26,13 @@ from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import Criterion, Measured, Observation, Rule, by_case
-from study.ledger.measures import ENOUGH, between_levels, consecutive, order
+from study.ledger.measures import ENOUGH, between_levels, consecutive, order, weighted
 from study.ledger.verdict import Verdict
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.places import EVERY, different, material, named, place, shape, space_of
+from study.statements.shared.random_meshes import CELLS, is_random
 
 TIMES = (0.23, 0.61)
 """Fractions of T, at which no case begins or ends anything."""
@@ -56,15 +58,21 @@ FIELDS = {"smooth": SMOOTH, **{f"u-{fraction}": at(fraction) for fraction in TIM
 """The v, by what the keys of their rows say of them."""
 
 
+def in_V(key: str, v: str) -> Iterator[Criterion]:
+    """Orders of ‖v − Π^h v‖_V: of every pair of levels; on random meshes of all, with the number of cells as weights.
+
+    Of a pair of coarse random meshes the order hangs on the cells that happen to lie where v bends.
+    """
+    quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
+    yield consecutive(key, f"{quantity}, level by level", around(1.0, ROOM), v)
+    yield weighted(f"{key}-random", f"{quantity}, random meshes, fitted", around(1.0, ROOM), v, CELLS)
+
+
 class InterpolationInV(ListedNumbers):
     """Orders of ‖v − Π^h v‖_V, for the cases with u(t) ∈ H² on each cell."""
 
     label = "(5.23)"
     claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
-    rules = tuple(
-        consecutive(key, f"order of ‖v − Π^h v‖_V, v = {v}, level by level", around(1.0, ROOM), v)
-        for key, v in FIELDS.items()
-    )
 
     def places(self, full: bool) -> list[Setting]:
         if full:
@@ -79,6 +87,15 @@ class InterpolationInV(ListedNumbers):
         samples = {at(fraction): gauge.sample(fraction * solution.body.T) for fraction in TIMES}
         found = {name: gauge.distance(sample, sample.interpolant) for name, sample in samples.items()}
         return with_h(space.h, {**found, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        found = []
+        for case, groups in by_case(rows):
+            for key, v in FIELDS.items():
+                for rule, random in zip(in_V(key, v), (False, True), strict=True):
+                    if mine := {family: table for family, table in groups.items() if is_random(family) is random}:
+                        found.append(rule.verdict(self, case, mine))
+        return found
 
 
 def distance_in_V(solution: ExactSolution, space: Space, field: Field) -> float:
