@@ -30,7 +30,13 @@ def verdicts(rows: pd.DataFrame) -> dict[str, str]:
 
 
 def test_the_predicted_behaviour_holds_in_every_row() -> None:
-    assert set(verdicts(pd.concat([table(), table(family="shaken")])).values()) == {HOLDS}
+    assert set(verdicts(pd.concat([table(), table(family="criss-cross")])).values()) == {HOLDS}
+
+
+def test_on_random_meshes_the_order_of_the_pressure_is_reported_and_all_else_judged() -> None:
+    found = verdicts(pd.concat([table(family="one-diagonal"), table(family="shaken", pressure=0.2)]))
+    assert found.pop("order-pressure-random") == REPORTED
+    assert set(found.values()) == {HOLDS}
 
 
 @pytest.mark.parametrize(
