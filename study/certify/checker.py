@@ -97,7 +97,7 @@ def common(rows: Iterable[Iterable[Q]]) -> tuple[list[list[int]], int]:
     return [[x.numerator * (denominator // x.denominator) for x in row] for row in kept], denominator
 
 
-def solve(rows: list[dict[int, Q]], unknowns: int, first: int = 0) -> tuple[list[dict[int, Q]], list[int]]:
+def solve(rows: list[dict[int, Q]], unknowns: int) -> tuple[list[dict[int, Q]], list[int]]:
     """Row-reduced equations on the unknowns; columns ≥ ``unknowns`` are right sides. Rows, and their pivots."""
     reduced: list[dict[int, Q]] = []
     pivots: list[int] = []
@@ -177,12 +177,9 @@ def value(p: Poly, place: Sequence[Q]) -> Q:
     return found
 
 
-def size_of(p: Poly, radii: Sequence[Q], left_out: Sequence[int] = ()) -> Q:
-    """A bound of |p| for |v_i| ≤ r_i, without the terms whose exponents are all at most those given."""
-    return sum(
-        (abs(value({key: c}, radii)) for key, c in p.items() if not left_out or any(map(int.__gt__, key, left_out))),
-        Q(0),
-    )
+def size_of(p: Poly, radii: Sequence[Q]) -> Q:
+    """A bound of |p| for |v_i| ≤ r_i."""
+    return sum((abs(value({key: c}, radii)) for key, c in p.items()), Q(0))
 
 
 @dataclass(frozen=True)
@@ -497,6 +494,10 @@ LEGENDRE: list[Poly] = [
     {(0,): Q(-1), (1,): Q(12), (2,): Q(-30), (3,): Q(20)},
 ]
 """Orthogonal on [0, 1]; the l-th is (−1)^l times itself if the interval is turned around."""
+CUBICS: list[Poly] = [
+    {(j,): Q((-1) ** (j - i) * math.comb(3, i) * math.comb(3 - i, j - i)) for j in range(i, 4)} for i in range(4)
+]
+"""Bernstein polynomials on [0, 1]."""
 BARYCENTRIC = [{(0, 0): Q(1), (1, 0): Q(-1), (0, 1): Q(-1)}, {(1, 0): Q(1)}, {(0, 1): Q(1)}]
 CORNERS = [(Q(0), Q(0)), (Q(1), Q(0)), (Q(0), Q(1))]
 CENTRE = (Q(1, 3), Q(1, 3))
@@ -571,7 +572,7 @@ def element() -> Element:
                 stress[pivot][c - 90] = stress[pivot].get(c - 90, Q(0)) + x
             elif c != pivot:
                 stress[pivot][36 + inner_unknowns.index(c)] = -x
-    change, squares = _orthogonal()
+    change, squares = orthogonal()
     found = []
     for component, third, new in product(range(3), range(3), change):
         entries = [Q(0)] * 45
@@ -622,7 +623,7 @@ def _equations(balance: list[list[Q]]) -> list[dict[int, Q]]:
     for third, beta, d in product(range(3), SQUARE, (0, 1)):
         vertices = [CORNERS[(third + 1) % 3], CORNERS[(third + 2) % 3], CENTRE]
         left = {}
-        for v, (gx, gy) in enumerate(_slopes(vertices)):
+        for v, (gx, gy) in enumerate(slopes(vertices)):
             start = 30 * third + place[tuple(b + (i == v) for i, b in enumerate(beta))]
             for c, g in ((0, gx), (2, gy)) if d == 0 else ((2, gx), (1, gy)):
                 left[start + c] = left.get(start + c, Q(0)) + 3 * g
@@ -648,14 +649,14 @@ def _bernstein(p: Poly) -> list[Q]:
     ]
 
 
-def _slopes(vertices: list[Vector]) -> list[Vector]:
+def slopes(vertices: list[Vector]) -> list[Vector]:
     """The gradients of barycentric coordinates."""
     area = cross(minus(vertices[1], vertices[0]), minus(vertices[2], vertices[0]))
     turned = [minus(vertices[(i + 2) % 3], vertices[(i + 1) % 3]) for i in range(3)]
     return [(-y / area, x / area) for x, y in turned]
 
 
-def _orthogonal() -> tuple[list[list[Q]], list[Q]]:
+def orthogonal() -> tuple[list[list[Q]], list[Q]]:
     """Orthogonal polynomials on a third from its Bernstein polynomials, (10, 10), and the squares of their norms.
 
     The first three are 1, s = λ_a − λ_b and w = 3λ_c − 1; the reference third has a sixth of twice its area 1/2.
@@ -697,9 +698,9 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
     field = [[Q(x, unit) for x in four] for four in data["field"]]
     compliance = inverse(problem.A)
     for cell in mesh.cells:
-        slopes = _slopes([mesh.place(v) for v in cell])
+        gradients = slopes([mesh.place(v) for v in cell])
         divergence = [
-            sum(field[v][k] * g[0] + field[v][k + 1] * g[1] for v, g in zip(cell, slopes, strict=True))
+            sum(field[v][k] * g[0] + field[v][k + 1] * g[1] for v, g in zip(cell, gradients, strict=True))
             for k in range(3)
         ]
         for v in cell:
@@ -741,19 +742,12 @@ class Loads:
 
     def __init__(self, problem: Problem, mesh: Mesh, bits: int) -> None:
         self.problem, self.mesh, self.unit = problem, mesh, 1 << bits
-        self.lines = {e: self._line(edge) for e, edge in enumerate(mesh.edges) if self._is_loaded(edge)}
-        self.lengths = {
-            e: root(Q(inner(d, d), mesh.denominator**2))
-            for e, d in ((e, mesh.along(mesh.edges[e])) for e in self.lines)
-        }
-        self.nodes = [mesh.place(v) for v in range(len(mesh.points))] if self.acts else []
-        self.nodes += [((p[0] + q[0]) / 2, (p[1] + q[1]) / 2) for p, q in self._ends()] if self.acts else []
-
-    def _is_loaded(self, edge: tuple[int, int]) -> bool:
-        return self.mesh.parts.get(edge) in self.problem.loads
-
-    def _ends(self) -> Iterator[tuple[Vector, Vector]]:
-        return ((self.mesh.place(a), self.mesh.place(b)) for a, b in self.mesh.edges)
+        self.lines = {e: self._line(edge) for e, edge in enumerate(mesh.edges) if mesh.parts.get(edge) in problem.loads}
+        alongs = {e: mesh.along(mesh.edges[e]) for e in self.lines}
+        self.lengths = {e: root(Q(inner(d, d), mesh.denominator**2)) for e, d in alongs.items()}
+        places = [mesh.place(v) for v in range(len(mesh.points))]
+        middles = [((places[a][0] + places[b][0]) / 2, (places[a][1] + places[b][1]) / 2) for a, b in mesh.edges]
+        self.nodes = [*places, *middles] if self.acts else []
 
     @property
     def acts(self) -> bool:
@@ -831,13 +825,11 @@ class Loads:
         total = Q(0)
         for e, line in self.lines.items():
             local = [tuple(_in_time(term, (a + b) / 2) for term in f) for f in line]
-            total += up(sum((self._missed_on(e, d, f, b - a) for d, f in enumerate(local)), Q(0)) / self._shorter(e))
+            shorter = self.lengths[e] - Q(1, 1 << GRID)
+            total += up(sum((self._missed_on(e, f, b - a) for f in local), Q(0)) / shorter)
         return root(total)
 
-    def _shorter(self, e: int) -> Q:
-        return self.lengths[e] - Q(1, 1 << GRID)
-
-    def _missed_on(self, e: int, d: int, f: Formula, k: Q) -> Q:
+    def _missed_on(self, e: int, f: Formula, k: Q) -> Q:
         """The mean over the edge and the piece of a bound of (|e| f − |e| f̃)² in one component."""
         radii, length = (Q(1, 2), k / 2), self.lengths[e]
         # The length is one of √ rounded up, and f̃ is rounded.
@@ -1011,20 +1003,12 @@ class Stresses:
         integers(self.bits, self.coarse)
         require(self.bits > 0 <= self.coarse, "the stresses have no unit")
         self.element = element()
-        thirds = [affine(1, Q(0), v0=Q(1)), affine(1, Q(1), v0=Q(-1))]
-        bernstein = [
-            plus(
-                {},
-                times(reduce(times, [thirds[0]] * i, {(0,): Q(1)}), reduce(times, [thirds[1]] * (3 - i), {(0,): Q(1)})),
-                Q(math.comb(3, i)),
-            )
-            for i in range(4)
-        ]
+        places = [[Q(j, 3) for j in range(4) if j != i] for i in range(4)]
         lagrange = [
-            reduce(times, [affine(1, Q(-j, i - j), v0=Q(3, i - j)) for j in range(4) if j != i], {(0,): Q(1)})
-            for i in range(4)
+            reduce(times, [{(0,): -x / (Q(i, 3) - x), (1,): 1 / (Q(i, 3) - x)} for x in others])
+            for i, others in enumerate(places)
         ]
-        rows, self.scale = common([*legendre(bernstein), *legendre(lagrange)])
+        rows, self.scale = common([*legendre(CUBICS), *legendre(lagrange)])
         self.from_bernstein, self.from_values = rows[:4], rows[4:]
         self.contact = [e for e, edge in enumerate(mesh.edges) if self._kind(edge) == "contact"]
         self.free = [e for e, edge in enumerate(mesh.edges) if self._kind(edge) in (None, "clamped")]
@@ -1054,7 +1038,7 @@ class Stresses:
             x, y = self.mesh.along(self.mesh.edges[e])
             modes = [sum(map(mul, row, tau)) for row in self.from_bernstein]
             found[e] = [c for mode in modes for c in (mode * y, -mode * x)]
-        for i, e in enumerate(self.free, start=0):
+        for i, e in enumerate(self.free):
             start = 4 * len(self.contact) + 8 * i
             eight = [*numbers[start : start + 4], *(x << self.coarse for x in numbers[start + 4 : start + 8])]
             found[e] = [x * self.scale * denominator for x in eight]
@@ -1114,16 +1098,12 @@ class Residual:
         """k: step between two nodes of ũ; ``bits``: of displacements given here."""
         self.space, self.k = displacements, k
         problem = stresses.problem
-        (self.A, self.G), law = self._laws(problem)
+        rows, law = common([*problem.A, *problem.G])
+        self.A, self.G = rows[:3], rows[3:]
         below, above = stresses.unit, 9 * law * k.numerator << bits  # 18 of the thirds, and 2 of the strains
         self.unit = math.lcm(below, above)
         self.of_stress, self.of_law = self.unit // below, self.unit // above
         self.element = stresses.element
-
-    @staticmethod
-    def _laws(problem: Problem) -> tuple[list[list[list[int]]], int]:
-        rows, over = common([*problem.A, *problem.G])
-        return [rows[:3], rows[3:]], over
 
     def field(self, stress: Field, u: Sequence[int], step: Sequence[int]) -> Field:
         """ρ with ε(ũ) from u and ε(ũ̇) from a difference of nodes, divided by k."""

@@ -17,6 +17,7 @@ cell. No inequality of Korn's is needed. The largest min(μ, κ) is a semidefini
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from fractions import Fraction
 from typing import Any
 
@@ -24,6 +25,7 @@ import clarabel
 import numpy as np
 import scipy.sparse as sps
 
+from manufactured.tensors import Array
 from study.bound.moduli import BoundError
 from study.certify import checker
 
@@ -35,8 +37,8 @@ WITH_FORCE, WITHOUT = Fraction(1), Fraction(1, 100)
 """μ over κ: where there is no f_0, C_Ω serves rounding errors only."""
 SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
 """Shares of μ that are given up until the rounded field proves the rest."""
-TRIANGLE = [(i, j) for j in range(5) for i in range(j + 1)]
-"""Entries of a symmetric 5 × 5 matrix as clarabel takes them."""
+ENTRIES = ((0, 0), (0, 1), (1, 1))
+"""Of a symmetric 2 × 2 matrix, to whose k-th Φ contributes its entries k and k + 1."""
 
 
 def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
@@ -60,57 +62,56 @@ def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
     raise BoundError("no constant of the loads was found for this body: its mesh may have cells that are too flat")
 
 
-def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple[np.ndarray, float]:
+def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple[Array, float]:
     """Φ at the vertices, (vertices, 4), and the largest κ with μ = inside · κ."""
-    A = np.array([[float(c) for c in row] for row in problem.A])
-    unknowns, cones = 4 * len(mesh.points) + 1, []
-    rows: list[Any] = []
-    right: list[Any] = []
-    for cell in mesh.cells:
-        slopes = checker._slopes([mesh.place(v) for v in cell])
-        for v in cell:
-            block = np.zeros((5, 5, unknowns))
-            for w, g in zip(cell, slopes, strict=True):
-                for k, (i, j) in enumerate(((0, 0), (0, 1), (1, 1))):
-                    block[i, j, 4 * w + k] += float(g[0])
-                    block[i, j, 4 * w + k + 1] += float(g[1])
-            block[[0, 1], [0, 1], -1] -= inside
-            for stress, entries in enumerate(((0, 1), (2, 3), (1, 2))):
-                for column, entry in enumerate(entries):
-                    block[column, 2 + stress, 4 * v + entry] += 1
-            constant = np.zeros((5, 5))
-            constant[2:, 2:] = A
-            constant[[0, 1], [0, 1]] = -MARGIN
-            _add(rows, right, block, constant, 5)
-            cones.append(clarabel.PSDTriangleConeT(5))
-    for edge, part in mesh.parts.items():
-        if problem.kinds[part] == "clamped":
-            continue
-        start, end = (np.array([float(c) for c in x]) for x in problem.sides[part])
-        normal = np.array([(end - start)[1], (start - end)[0]]) / np.linalg.norm(end - start)
-        for v in edge:
-            block = np.zeros((2, 2, unknowns))
-            for k, (i, j) in enumerate(((0, 0), (0, 1), (1, 1))):
-                block[i, j, [4 * v + k, 4 * v + k + 1]] -= normal
-            if part in problem.loads:
-                block[[0, 1], [0, 1], -1] -= 1
-            _add(rows, right, block, -MARGIN * np.eye(2), 2)
-            cones.append(clarabel.PSDTriangleConeT(2))
+    blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh, problem)]
+    unknowns = 4 * len(mesh.points) + 1
+    rows, right = zip(*(_triangle(linear, constant) for linear, constant in blocks), strict=True)
+    cones = [clarabel.PSDTriangleConeT(len(constant)) for _, constant in blocks]
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     objective = np.zeros(unknowns)
     objective[-1] = -1.0
-    nothing = sps.csc_matrix((unknowns, unknowns))
-    solver = clarabel.DefaultSolver(
-        nothing, objective, sps.csc_matrix(sps.vstack(rows)), np.concatenate(right), cones, settings
-    )
+    matrix, nothing = sps.csc_matrix(sps.vstack(rows)), sps.csc_matrix((unknowns, unknowns))
+    solver = clarabel.DefaultSolver(nothing, objective, matrix, np.concatenate(right), cones, settings)
     x = np.array(solver.solve().x)
     return x[:-1].reshape(-1, 4), float(x[-1])
 
 
-def _add(rows: list[Any], right: list[Any], block: np.ndarray, constant: np.ndarray, size: int) -> None:
-    """constant + block·x ⪰ 0, off the diagonal times √2."""
-    entries = [(i, j) for j in range(size) for i in range(j + 1)]
+def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iterator[tuple[Array, Array]]:
+    """Schur's complement at the vertices of the cells, as (5, 5, unknowns) and what is constant."""
+    constant = -MARGIN * np.eye(5)
+    constant[2:, 2:] = [[float(c) for c in row] for row in problem.A]
+    for cell in mesh.cells:
+        divergence = np.zeros((5, 5, 4 * len(mesh.points) + 1))
+        for w, g in zip(cell, checker.slopes([mesh.place(v) for v in cell]), strict=True):
+            for k, entry in enumerate(ENTRIES):
+                divergence[entry][[4 * w + k, 4 * w + k + 1]] += [float(g[0]), float(g[1])]
+        divergence[[0, 1], [0, 1], -1] -= inside
+        for v in cell:
+            block = divergence.copy()
+            for stress, columns in enumerate(((0, 1), (2, 3), (1, 2))):
+                block[[0, 1], 2 + stress, [4 * v + column for column in columns]] += 1
+            yield block, constant
+
+
+def _on_boundary(mesh: checker.Mesh, problem: checker.Problem) -> Iterator[tuple[Array, Array]]:
+    """−Φ(ν) at the ends of edges that are not of Γ1, less κ where there is a load."""
+    for edge, part in mesh.parts.items():
+        start, end = (np.array([float(c) for c in x]) for x in problem.sides[part])
+        normal = np.array([(end - start)[1], (start - end)[0]]) / np.linalg.norm(end - start)
+        for v in edge if problem.kinds[part] != "clamped" else ():
+            block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
+            for k, entry in enumerate(ENTRIES):
+                block[entry][[4 * v + k, 4 * v + k + 1]] -= normal
+            if part in problem.loads:
+                block[[0, 1], [0, 1], -1] -= 1
+            yield block, -MARGIN * np.eye(2)
+
+
+def _triangle(linear: Array, constant: Array) -> tuple[sps.csr_matrix, Array]:
+    """constant + linear · x ⪰ 0 as clarabel takes it: the upper triangle by columns, off the diagonal times √2."""
+    entries = [(i, j) for j in range(len(constant)) for i in range(j + 1)]
     scale = np.array([1.0 if i == j else np.sqrt(2) for i, j in entries])
-    rows.append(sps.csr_matrix(-scale[:, None] * np.array([block[i, j] for i, j in entries])))
-    right.append(scale * np.array([constant[i, j] for i, j in entries]))
+    rows, columns = zip(*entries, strict=True)
+    return sps.csr_matrix(-scale[:, None] * linear[rows, columns]), scale * constant[rows, columns]

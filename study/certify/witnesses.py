@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
@@ -117,8 +116,8 @@ class StressEncoder:
         kinds = [problem.kinds[self.exact.parts[e]] if e in self.exact.parts else "" for e in self.exact.edges]
         self.contact = np.array([kind == "contact" for kind in kinds])
         self.free = np.array([kind in ("", "clamped") for kind in kinds], dtype=bool)
-        self.modes = np.array([[float(c) for c in row] for row in checker.legendre(_cubics())])
-        self.to_orthogonal = np.array([[float(c) for c in row] for row in checker._orthogonal()[0]])
+        self.modes = np.array([[float(c) for c in row] for row in checker.legendre(checker.CUBICS)])
+        self.to_orthogonal = np.array([[float(c) for c in row] for row in checker.orthogonal()[0]])
 
     def loads(self, load: checker.Load, bits: int) -> Loads:
         """f̃ as the study takes loads."""
@@ -215,14 +214,6 @@ class StressEncoder:
         weights = np.sqrt(self.squares)
         basis = (self.rows[:, :, 36:] * weights[None, :, None]).reshape(90, 9)
         return np.moveaxis(left * weights, 0, 1).reshape(len(stress), 90) @ np.linalg.pinv(basis).T
-
-
-def _cubics() -> list[checker.Poly]:
-    """Bernstein polynomials of degree 3 on [0, 1]."""
-    return [
-        {(j,): Fraction((-1) ** (j - i) * math.comb(3, i) * math.comb(3 - i, j - i)) for j in range(i, 4)}
-        for i in range(4)
-    ]
 
 
 def _polar_forms() -> Array:

@@ -75,6 +75,12 @@ def test_better_witnesses_prove_a_narrower_interval_for_the_same_error() -> None
     assert wide.low < narrow.low < narrow.high < wide.high
 
 
+@pytest.mark.parametrize("name", ["square", "wedge", "bracket"])
+def test_committed_certificates_state_the_problems_beside_them(name: str) -> None:
+    stored = checker.load(PROBLEMS.parent / f"{name}-4.json.gz")
+    assert stored["problem"] == statement(problem(name))
+
+
 def test_shaken_meshes_are_served() -> None:
     found = certified("square", Shaken(), 4, 4, Refined(0, 1))
     assert 0 < found.low < found.high
