@@ -49,17 +49,23 @@ class Seen:
 
     @classmethod
     def of(cls, record: Record) -> list[Seen]:
-        """The rows of a record, each by the rule that judged it last."""
+        """The rows of a record, each by the rule that judged it last.
+
+        A row that the last whole seed, which has all of them, and those after it do not have is one that is no longer
+        in the ledger.
+        """
         latest: dict[RowKey, tuple[str, Line]] = {}
         for (*row, rule), line in record.lines.items():
             key = (row[0], row[1], row[2])
             if key not in latest or len(line.places) > len(latest[key][1].places):
                 latest[key] = rule, line
         wide = 2 * len(record.draws)
-        return [
+        found = [
             cls(key, rule, unpacked(line.places.ljust(wide, ".")), two_sided(line.window_low, line.window_high))
             for key, (rule, line) in latest.items()
         ]
+        whole = [n for n, draw in enumerate(record.draws) if draw.part == WHOLE and draw.judged >= 0]
+        return [row for row in found if np.isfinite(row.places[max(whole, default=0) :]).any()]
 
     @property
     def claimed(self) -> bool:

@@ -15,7 +15,7 @@ import pytest
 from study.cli import seeds
 from study.cli.main import main
 from study.controls.alarms import Seen, tally
-from study.controls.record import Record
+from study.controls.record import Line, Record, packed
 from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, NOT_CLAIMED, WHOLE, SeededScope, claimed, costly, seeded
 from study.fem.mesh import Shaken
@@ -31,8 +31,10 @@ from study.run.job import Job
 from study.run.plan import Plan, full, quick
 from study.run.processes import Processes
 from study.run.store import Store
+from study.statements.contact_work.judged_work import WorkOfContact
 from study.statements.enclosure.courses import Bounds
 from study.statements.fully_discrete import FullyDiscrete
+from study.statements.landings import Landings
 from study.statements.pictures import Pictures
 from study.statements.shared.base import Statement
 from study.statements.shared.scope import Scope
@@ -73,7 +75,8 @@ def test_every_case_and_statement_that_the_ledger_judges_on_shaken_meshes_is_amo
     def of_cases(statement: Statement) -> bool:
         return statement.of_every_case or isinstance(statement, OwnSpace)
 
-    assert {type(statement) for statement, _ in kinds(shaken) - kinds(JOBS)} == {FullyDiscrete}
+    # Nothing is claimed of these on shaken meshes.
+    assert {type(statement) for statement, _ in kinds(shaken) - kinds(JOBS)} == {FullyDiscrete, Landings, WorkOfContact}
 
 
 def test_pictures_and_bounds_are_left_out() -> None:
@@ -261,6 +264,14 @@ def stopped_after(monkeypatch: pytest.MonkeyPatch, finished: int, jobs: int = 10
 @pytest.fixture(scope="module")
 def committed() -> Record:
     return Record.read(RESULTS)
+
+
+def test_rows_that_are_no_longer_in_the_ledger_do_not_count(committed: Record) -> None:
+    """The last whole seed and those after it do not have them; what is in the record of them stays there."""
+    known = ("a label", "a key", "a case", "r000000000")
+    gone = replace(committed, lines={**committed.lines, known: Line(0.0, 1.0, packed(2.0))})
+    assert known[:3] not in {row.key for row in Seen.of(gone)}
+    assert tally(gone).equals(tally(committed))
 
 
 def test_the_committed_record_keeps_what_is_promised(committed: Record) -> None:

@@ -23,7 +23,7 @@ from study.present.article.source import FullRun
 ROOT = Path(__file__).parents[2]
 PAPER, RESULTS = ROOT / "paper", ROOT / "results"
 SOURCES = sorted(PAPER.glob("*.tex"))
-NAMES = ("rates", "claims", "cases", "bounds", "equivalence", "controls", "seeds")
+NAMES = ("rates", "claims", "cases", "bounds", "equivalence", "controls", "sensitivity", "seeds")
 
 SETTINGS = {
     "95": "confidence of intervals, in per cent",

@@ -15,7 +15,7 @@ from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.thm_4_2.same_mesh import SameMesh
 
 
-def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="shaken", **changes) -> pd.DataFrame:
+def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="criss-cross", **changes) -> pd.DataFrame:
     h = 1 / np.array(levels, dtype=float)
     rows = pd.DataFrame(
         {
@@ -131,7 +131,7 @@ def test_an_error_that_is_largest_at_the_start_passes_nothing_and_has_to_be_fore
 
 
 def test_missing_rows_leave_the_data_undecided() -> None:
-    planned = {("a", "shaken", "midpoint", "8"), ("a", "shaken", "midpoint", "16")}
+    planned = {("a", "criss-cross", "midpoint", "8"), ("a", "criss-cross", "midpoint", "16")}
     assert Complete().judge(planned, planned).verdict == HOLDS
     assert Complete().judge(planned, set()).verdict == UNDECIDED
 
