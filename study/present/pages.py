@@ -6,6 +6,7 @@ python -m study.present.pages results README.md docs/explanation/results.md …
 from __future__ import annotations
 
 import json
+import re
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -192,7 +193,7 @@ def statements(data: FullRun) -> str:
         code = ", ".join(
             f"[`{path}`](../../{path}{'__init__.py' if path.endswith('/') else ''})" for path in where["code"]
         )
-        lines.append([label, claim, counts, code, ", ".join(f"`{name}`" for name in where["data"])])
+        lines.append([label, _literal(claim), counts, code, ", ".join(f"`{name}`" for name in where["data"])])
     return _markdown(["statement", "says", "verdicts", "code", "data"], lines)
 
 
@@ -248,6 +249,11 @@ def _earlier(data: FullRun) -> pd.DataFrame:
     if data.earlier is None:
         raise DataError("results/history/windows.csv is missing: it is part of the repository")
     return data.earlier
+
+
+def _literal(text: str) -> str:
+    """A text whose subscripts are not taken for emphasis."""
+    return re.sub(r"([*_])", r"\\\1", text)
 
 
 def _markdown(header: list[str], rows: Iterable[list[str]]) -> str:
