@@ -15,5 +15,6 @@ html_static_path = ["static"]
 html_css_files = ["site.css"]
 html_math_renderer = "mathml"
 html_show_sphinx = False
+html_show_copyright = False  # LICENSE has it
 html_copy_source = False
 html_theme_options = {"navigation_with_keys": True}

@@ -20,6 +20,11 @@ from study.present.figures.drawing import in_style
 from study.present.picture.picture import with_every_shape
 from study.present.show.showing import write_gif
 
+HEAD = """Every exact solution of the catalogue in motion, computed on one mesh: the body, deformed, with the pressure
+of the foundation, and beside it the pressure along the contact face, exact (line) and computed (dots), over the exact
+contact zone (blue). [A first exact solution](/tutorials/first-solution.md) says how to evaluate one;
+[How the exact solutions are made](/explanation/exact-solutions.md), what the exponents α and m are.
+"""
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 
@@ -83,7 +88,7 @@ def write_gallery(app: Sphinx) -> None:
         entry(case, draw_film(ROOT / "results" / "data" / "pictures" / f"{case.name}.json", directory / "films"))
         for case in catalogue()
     ]
-    (directory / "gallery.md").write_text("# Gallery\n\n" + "\n".join(pages), encoding="utf-8")
+    (directory / "gallery.md").write_text(f"# Gallery\n\n{HEAD}\n" + "\n".join(pages), encoding="utf-8")
 
 
 def setup(app: Sphinx) -> dict[str, bool]:

@@ -16,6 +16,7 @@ from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.common import FAILED, OK, listed, progress_bar
 from study.fem.naming import choose, family_named, resolve_data
+from study.ledger.terminal import folded
 from study.present.figures import draw_one, enclosure
 from study.run.fingerprint import of_problem
 from study.run.resources import available, require
@@ -31,12 +32,13 @@ def do_bound(options: argparse.Namespace) -> int:
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
     check_force(case)
+    # Before the meshes are made, on which it is looked whether they fit.
+    finest = max(options.levels)
+    require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
+    bounded.check_bound(data, family, options.levels, options.steps, refined)
     if case:
         prove(case.solution, f"case {case.name}")
-    bounded.check_bound(data, family, options.levels, options.steps, refined)
     plan = {level: options.steps or rate_steps(data.body.T, level) for level in options.levels}
-    finest = max(plan)
-    require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     store = Store(options.out / name, written=(".",))
     with store.locked():
         kept = []
@@ -49,7 +51,7 @@ def do_bound(options: argparse.Namespace) -> int:
         written = bounded.write(store.directory, table, over_time)
         written += [bounded.trajectory_file(store.directory, level) for level in plan]
         written += draw_one(store.directory, enclosure("enclosure", over_time, name))
-    print(f"written: {listed(written)}")
+    print(folded(f"written: {listed(written)}"))
     found = bounded.text(name, table, over_time, kept[-1]["sentences"])
     print(f"\n{found}\n")
     return OK if case is None or all(one["inside"] for one in kept) else FAILED

@@ -12,8 +12,12 @@ from study.certify import checker
 from study.certify.certified import Making, write
 from study.cli.common import OK, listed, progress_bar
 from study.fem.naming import choose, family_named, resolve_data
+from study.ledger.terminal import folded
+from study.run.resources import available, require
+from study.run.store import Store
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
+from study.statements.shared import estimates
 
 
 def do_certify(options: argparse.Namespace) -> int:
@@ -23,20 +27,22 @@ def do_certify(options: argparse.Namespace) -> int:
     refined = Refined(options.refine, options.shorter)
     making = Making(data, family, scheme, refined)
     making.check()
+    # Before the meshes are made, on which it is looked whether they fit.
+    finest = max(options.levels)
+    require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)
-    directory = options.out / name
-    directory.mkdir(parents=True, exist_ok=True)
-    paths = []
-    for level in options.levels:
-        with progress_bar(100) as bar:
-            bar.set_description(f"level {level}")
+    paths, store = [], Store(options.out / name, written=(".",))
+    with store.locked():
+        for level in options.levels:
+            with progress_bar(100) as bar:
+                bar.set_description(f"level {level}")
 
-            def progress(time: float, bar: tqdm = bar, T: float = data.body.T) -> None:
-                bar.update(round(100 * time / T) - bar.n)
+                def progress(time: float, bar: tqdm = bar, T: float = data.body.T) -> None:
+                    bar.update(round(100 * time / T) - bar.n)
 
-            found = making.certificate(level, options.steps or rate_steps(data.body.T, level), progress)
-        paths.append(write(directory / f"certificate-{level}.json.gz", found))
-    print(f"written: {listed(paths)}; now they are checked\n")
+                found = making.certificate(level, options.steps or rate_steps(data.body.T, level), progress)
+            paths.append(write(store.directory / f"certificate-{level}.json.gz", found))
+    print(folded(f"written: {listed(paths)}; now they are checked") + "\n")
     code = checker.main([str(path) for path in paths])
     print(
         f"\nto check them without this package: python checker.py {' '.join(map(str, paths))}, with {checker.__file__}"

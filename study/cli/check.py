@@ -9,6 +9,7 @@ from pathlib import Path
 from study.cli.common import OK, exit_code
 from study.ledger.datafiles import DataError, read_claims, table_text
 from study.ledger.differing import NUMBERS, difference
+from study.ledger.terminal import folded
 from study.ledger.verdict import Verdict
 from study.present.outcome import ledger_text, write_junit
 from study.present.tables import texts
@@ -27,7 +28,7 @@ def do_check(options: argparse.Namespace) -> int:
         print(ledger_text(claims(found)))
         code = exit_code(found)
         if code == OK:
-            print(f"{compared}; {as_written(options.out, found)}")
+            print(folded(f"{compared}; {as_written(options.out, found)}"))
     return code
 
 

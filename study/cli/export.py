@@ -7,9 +7,11 @@ import argparse
 from manufactured.case import Case
 from manufactured.self_proof import prove
 from study.cli.common import OK
+from study.fem.mesh import boundary_parts
 from study.fem.naming import family_named, resolve
 from study.ledger.errors import UsageError
 from study.run.foundation import require_segments
+from study.run.resources import available, require
 from study.run.store import Store
 from study.run.task_data import (
     INSTANTS,
@@ -23,18 +25,20 @@ from study.run.task_data import (
 from study.run.task_files import write_task
 from study.run.tasks import Task
 from study.solve.steps import require_steps
+from study.statements.shared import estimates
 
 
 def do_export(options: argparse.Namespace) -> int:
     """``study export``."""
     case = resolve(options.case)
-    families = [family_named(name) for name in options.family]
-    tasks = [Task(case, family, level) for family in families for level in options.levels]
+    wanted = [(family_named(name), level) for name in options.family for level in options.levels]
     _check(options, case)
+    for family, level in wanted:
+        _check_mesh(options, Task(case, family, level))
     prove(case.solution, f"case {case.name}")
     with Store(options.out, written=(".",)).locked():
-        for task in tasks:
-            path = write_task(options.out, _data(task, options))
+        for family, level in wanted:
+            path = write_task(options.out, _data(Task(case, family, level), options))
             print(f"{path}  {path.stat().st_size / 1000:.1f} kB")
     return OK
 
@@ -49,6 +53,14 @@ def _data(task: Task, options: argparse.Namespace) -> Data:
 
 def _instants(options: argparse.Namespace, case: Case) -> list[float]:
     return options.instants or [case.solution.body.T * part for part in INSTANTS]
+
+
+def _check_mesh(options: argparse.Namespace, task: Task) -> None:
+    """Refuse a mesh that is too large or does not fit the parts of the body."""
+    steps = (options.steps or task.level) if options.mode == "march" else len(_instants(options, task.case))
+    need = estimates.task(task.solution.body.dim, task.level, task.family.name, steps)
+    require(f"level {task.level}", need, available())
+    boundary_parts(task.space.mesh, task.solution.body)
 
 
 def _check(options: argparse.Namespace, case: Case) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 
 from study.cli.common import OK, check_jobs, draw, listed
+from study.ledger.terminal import folded
 from study.present.figures import drawings
 from study.present.report import write_report
 from study.present.tables import write_tables
@@ -19,7 +20,7 @@ def do_tables(options: argparse.Namespace) -> int:
     read_provenance(options.out)
     with Store(options.out).steady():
         judge(options.out)
-        print(f"written: {listed([claims_file(options.out), *write_tables(options.out)])}")
+        print(folded(f"written: {listed([claims_file(options.out), *write_tables(options.out)])}"))
     return OK
 
 
@@ -35,5 +36,5 @@ def do_figures(options: argparse.Namespace) -> int:
     check_jobs(options.jobs)
     read_provenance(options.out)
     with Processes(options.jobs) as executor, Store(options.out).steady():
-        print(f"written: {listed(draw(options.out, executor, drawings))}")
+        print(folded(f"written: {listed(draw(options.out, executor, drawings))}"))
     return OK

@@ -31,12 +31,17 @@ KILLED = (
 )
 
 
+FULL = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more"
+
+
 def answer(error: Exception) -> tuple[int, str]:
     """The exit code and what to print; an error that is none of ours is raised again."""
     if isinstance(error, REFUSALS):
         return USAGE, str(error)
     if isinstance(error, JobsError):
         return FAILED, str(error)
+    if isinstance(error, MemoryError):
+        return FAILED, FULL
     if isinstance(error, BrokenExecutor):
         return FAILED, KILLED
     if isinstance(error, OSError):

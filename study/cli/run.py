@@ -13,6 +13,7 @@ from study.cli.common import check_jobs, draw, exit_code, listed, measure
 from study.cli.typed import run_line
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
+from study.ledger.terminal import folded
 from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
@@ -53,8 +54,9 @@ def do_run(options: argparse.Namespace) -> int:
             written = write_tables(store.directory)
             # Drawing all takes as long as a third of the quick study.
             written += draw(store.directory, processes, drawings if options.case else overview)
-    print(f"\ndata: {store.data}/rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/")
-    print(f"written: {listed(written)}")
+    data = "rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/"
+    print(f"\n{folded(f'data: {store.data}/{data}')}")
+    print(folded(f"written: {listed(written)}"))
     print(f"\n{rates_text(store.directory)}")
     print(ledger_text(read_claims(store.directory)))
     if any(TRY in verdict.expected for verdict in verdicts):
@@ -95,7 +97,9 @@ def spaced(levels: Iterable[int]) -> str:
 
 def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) -> str:
     """The same command on finer meshes, into a directory beside."""
-    levels = finer(sorted({level for case in scope.resolved() for level in scope.levels_of(case).all}))
+    cases = scope.resolved()
+    dim = max(case.solution.body.dim for case in cases)
+    levels = finer(sorted({level for case in cases for level in scope.levels_of(case).all}), dim)
     return run_line(options, levels, directory.with_name(f"{directory.name}-finer"))
 
 
@@ -107,7 +111,7 @@ def warn_of_few_levels(scope: Scope) -> None:
             print(
                 f"study: {case.name}: an order takes {needed} levels, nothing is decided about it with "
                 f"{' '.join(map(str, given))}; give {needed} or more, such as --levels "
-                f"{' '.join(map(str, enough(given, needed)))}",
+                f"{' '.join(map(str, enough(given, needed, case.solution.body.dim)))}",
                 file=sys.stderr,
             )
 

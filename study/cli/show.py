@@ -8,6 +8,7 @@ from manufactured.self_proof import prove
 from study.cli.common import OK, listed, progress_bar
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
+from study.ledger.terminal import folded
 from study.present.show import count_images, draw_show
 from study.run.showcase import LEVELS, STEPS, affordable_family, solve_showcase
 from study.run.store import Store
@@ -29,7 +30,7 @@ def do_show(options: argparse.Namespace) -> int:
         with progress_bar(count_images(solved.picture)) as bar:
             bar.set_description("images")
             shown = draw_show(solved.picture, solved.series, directory, bar.update)
-    print(f"written: {listed(shown.written)}")
+    print(folded(f"written: {listed(shown.written)}"))
     for line in shown.left_out:
-        print(f"left out: {line}")
+        print(folded(f"left out: {line}"))
     return OK

@@ -42,6 +42,13 @@ TEXT = {
     "twin",
     "trajectory",
     "key",
+    "expected",
+    "defect",
+    "what",
+    "setting",
+    "caught",
+    "claimed",
+    "seen_by",
 }
 """Columns that hold words even where they look like numbers or are empty."""
 
@@ -55,10 +62,17 @@ class DataError(ValueError):
 
 
 def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFrame:
-    """The table ``directory/data/name`` of a run; otherwise as ``read_table``."""
-    command = COMMANDS.get(name)
+    """The table ``directory/data/name`` of a run; otherwise as ``read_table``.
+
+    Raises:
+        DataError: as there, or a column has words where numbers belong; the message names file, line and column.
+    """
+    command, path = COMMANDS.get(name), directory / "data" / name
     again = f"{command} --out {directory}" if command else made_by(directory)
-    return read_table(directory / "data" / name, columns, again)
+    frame = read_table(path, columns, again)
+    numbers = [column for column in columns if column not in TEXT]
+    refuse_words(path, frame, numbers, f"make it again with `{again}`", empty=True)
+    return frame
 
 
 def made_by(directory: Path) -> str:
@@ -82,7 +96,9 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
         raise DataError(f"{path} is missing: make it with `{command}`")
     again = f"make it again with `{command}`"
     try:
-        frame = pd.read_csv(path, dtype=dict.fromkeys(TEXT, str))
+        # Only what is empty is no number: "nan" is a word, which no command writes.
+        kinds = dict.fromkeys(TEXT, str)
+        frame = pd.read_csv(path, dtype=kinds, keep_default_na=False, na_values=[""], low_memory=False)  # type: ignore[arg-type]
     except (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError) as error:
         raise DataError(f"{path} is not a table ({error}): {again}") from error
     if not path.read_bytes().endswith(b"\n"):
@@ -190,8 +206,11 @@ class JsonFiles:
 def read_rates(directory: Path) -> pd.DataFrame:
     """``rates.csv`` with the levels of every series in order and a column ``discrete_order``."""
     rates = read_csv(directory, "rates.csv", RATES)
-    again = f"make it again with `study run --out {directory}`"
-    refuse_repeated(directory / "data" / "rates.csv", rates, [*SERIES, "level"], again)
+    path, again = directory / "data" / "rates.csv", f"make it again with `{made_by(directory)}`"
+    # Nothing can be drawn of an error that is infinite, either.
+    finite = rates.replace([np.inf, -np.inf], np.nan)
+    refuse_words(path, finite, [column for column in RATES if column not in {*TEXT, "order"}], again)
+    refuse_repeated(path, rates, [*SERIES, "level"], again)
     series = [frame.sort_values("level") for _, frame in rates.groupby(SERIES, sort=False)]
     rates = pd.concat(series, ignore_index=True) if series else rates
     return rates.assign(discrete_order=in_series(rates, "discrete_error"))

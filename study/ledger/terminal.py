@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import textwrap
 
 WIDTH = 110
 """Columns where nobody watches, and at most."""
@@ -18,3 +19,8 @@ def width() -> int:
 def is_narrow() -> bool:
     """Whether the layout of ``NARROW`` columns is needed."""
     return width() == NARROW
+
+
+def folded(text: str) -> str:
+    """A line of text over as many lines as it takes, broken between words only, so that paths can be copied."""
+    return textwrap.fill(text, width(), subsequent_indent="    ", break_long_words=False, break_on_hyphens=False)

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import sys
 from collections.abc import Iterable
 from pathlib import Path
@@ -222,7 +223,7 @@ def statements(data: FullRun) -> str:
         code = ", ".join(
             f"[`{path}`](../../{path}{'__init__.py' if path.endswith('/') else ''})" for path in where["code"]
         )
-        lines.append([label, claim, counts, code, ", ".join(f"`{name}`" for name in where["data"])])
+        lines.append([label, _literal(claim), counts, code, ", ".join(f"`{name}`" for name in where["data"])])
     return _markdown(["statement", "says", "verdicts", "code", "data"], lines)
 
 
@@ -278,6 +279,11 @@ def _earlier(data: FullRun) -> pd.DataFrame:
     if data.earlier is None:
         raise DataError("results/history/windows.csv is missing: it is part of the repository")
     return data.earlier
+
+
+def _literal(text: str) -> str:
+    """A text whose subscripts are not taken for emphasis."""
+    return re.sub(r"([*_])", r"\\\1", text)
 
 
 def _markdown(header: list[str], rows: Iterable[list[str]]) -> str:

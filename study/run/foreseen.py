@@ -15,7 +15,7 @@ from typing import Any
 from manufactured.case import Case
 from manufactured.proved import proved_order
 from study.fem.naming import resolve
-from study.ledger.datafiles import DataError
+from study.ledger.datafiles import DataError, made_by
 from study.run.plan import Plan
 from study.statements.shared.scope import Levels, Scope
 
@@ -78,7 +78,7 @@ class Foreseen:
         if not {"scope", "own_cases"} <= set(made):
             raise DataError(
                 f"{directory}/data/provenance.json does not say what the run was about, as an older version wrote it: "
-                f"`study run --out {directory}` with the options of then writes it again; what is measured is kept"
+                f"`{made_by(directory)}` with the options of then writes it again; what is measured is kept"
             )
         scope, own = made["scope"], made["own_cases"]
         references = [found(reference, directory) for reference in scope["cases"]]

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from study.ledger.datafiles import TEXT, CsvFile, refuse_repeated, refuse_words
+from study.ledger.datafiles import TEXT, CsvFile, made_by, refuse_repeated, refuse_words
 from study.run.collect import data_files
 from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
 from study.statements.shared.base import LISTED
@@ -29,9 +29,10 @@ def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
 def read_measured(file: CsvFile, directory: Path) -> pd.DataFrame:
     """One table; DataError as ``read_tables``."""
     table, path = file.read(directory), directory / "data" / file.name
-    mend, open_ = f"make it again with `study run --out {directory}`", OPEN.get(file.name, [])
+    mend, open_ = f"make it again with `{made_by(directory)}`", OPEN.get(file.name, [])
     numbers = [name for name in file.columns if name not in TEXT]
     refuse_words(path, table, [name for name in numbers if name not in open_], mend)
-    refuse_words(path, table, open_, mend, empty=True)
+    derived = [name for name in table if name not in TEXT and name not in numbers]
+    refuse_words(path, table, [*open_, *derived], mend, empty=True)
     refuse_repeated(path, table, [*file.key, *WITHIN.get(file.name, [])], mend)
     return table

@@ -13,7 +13,7 @@ from typing import Any
 
 import pandas as pd
 
-from study.ledger.datafiles import CsvFile, DataError, line, read_csv, table_text
+from study.ledger.datafiles import CsvFile, DataError, line, made_by, read_csv, table_text
 from study.ledger.differing import difference
 from study.run.foreseen import Foreseen
 from study.run.judgement import PREDICTED
@@ -55,7 +55,7 @@ def verify(directory: Path) -> Verified:
             stands there and what was expected.
     """
     made = read_provenance(directory)
-    again = f"make them again with `study run --out {directory}`, with the options of then; what is measured is kept"
+    again = f"make them again with `{made_by(directory)}`; what is measured is kept"
     foreseen = Foreseen.of(made, directory)
     planned = _plan(directory, made, foreseen, again)
     tables = read_tables(directory)

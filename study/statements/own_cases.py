@@ -47,7 +47,8 @@ class OwnCase:
     def finer(self) -> str:
         """What to try on finer meshes."""
         levels = sorted({int(level) for group in self.groups.values() for level in group["level"]})
-        return f"{TRY} {' '.join(map(str, finer(levels)))}"
+        dim = max(int(group["dim"].iloc[0]) for group in self.groups.values())
+        return f"{TRY} {' '.join(map(str, finer(levels, dim)))}"
 
     def series(self, of: Callable[[pd.DataFrame], Array]) -> list[Array]:
         """A quantity of every family, coarse to fine, without levels where there is none."""
@@ -71,23 +72,25 @@ def stays_away(end: Array, room: float) -> bool:
     return bool(min(before, last) > room and last > NEARER * before)
 
 
-def finer(levels: Sequence[int]) -> list[int]:
+def finer(levels: Sequence[int], dim: int) -> list[int]:
     """Levels to try next: without the coarsest, 8 16 32 ↦ 16 32 64, unless they are too few, 8 ↦ 8 16 32."""
-    return [*levels[1:], _next(levels)] if len(levels) >= ENOUGH else enough(levels, ENOUGH)
+    return [*levels[1:], _next(levels, dim)] if len(levels) >= ENOUGH else enough(levels, ENOUGH, dim)
 
 
-def enough(levels: Sequence[int], needed: int) -> list[int]:
+def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
     """Levels with so many finer ones that there are as many as needed."""
     found = list(levels)
     while len(found) < needed:
-        found.append(_next(found))
+        found.append(_next(found, dim))
     return found
 
 
-def _next(levels: Sequence[int]) -> int:
-    """A finer level: 32 after 8 16, 15 after 9 12."""
+def _next(levels: Sequence[int], dim: int) -> int:
+    """A finer level: 32 after 8 16, 15 after 9 12; in space 12 after 8, as twice as fine costs 2⁵ times as much."""
     last, before = levels[-1], levels[-2] if len(levels) > 1 else 0
-    return 2 * last if last >= 2 * before else 2 * last - before
+    if last < 2 * before:
+        return 2 * last - before
+    return 2 * last if dim == 2 else last + max(1, last // 2)
 
 
 def least_levels(proposition: str) -> int:
@@ -119,7 +122,8 @@ def _disturbed(verdicts: Sequence[Verdict]) -> str:
     """Why the errors are not those of the meshes, if they are not."""
     failed = {verdict.key for verdict in verdicts if verdict.verdict == FAILS}
     causes = [what for key, what in (("time-share", "time steps"), ("quadrature", "quadrature")) if key in failed]
-    return f"{' and '.join(causes)} disturb the errors: mend that first" if causes else ""
+    verb = "disturbs" if causes == ["quadrature"] else "disturb"
+    return f"{' and '.join(causes)} {verb} the errors: mend that first" if causes else ""
 
 
 def _order(mine: OwnCase, verdict: Verdict) -> str:

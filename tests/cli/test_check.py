@@ -21,19 +21,7 @@ from study.fem.naming import resolve
 from study.ledger.datafiles import write_csv
 
 ROOT = Path(__file__).parents[2]
-TUTORIAL = ROOT / "docs" / "tutorials" / "own-case.md"
 Edit = Callable[[Path], None]
-
-
-@pytest.fixture(scope="session")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A directory with a small run of an own case in ``results``, and the file of the case beside it."""
-    directory: Path = tmp_path_factory.mktemp("checked")
-    code = re.findall(r":caption: pocket.py\n\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.DOTALL)[0]
-    (directory / "pocket.py").write_text(code, encoding="utf-8")
-    run = ["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32"]
-    assert main([*run, "--out", str(directory / "results")]) == 0
-    return directory
 
 
 @pytest.fixture
@@ -237,10 +225,10 @@ def test_an_edit_of_the_committed_run_is_refused(
 
 def test_the_committed_run_is_what_it_must_be(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "--out", str(ROOT / "results")]) == 0
-    told = capsys.readouterr().out.splitlines()[-1]
-    assert re.fullmatch(
+    told = " ".join(capsys.readouterr().out.split())
+    assert re.search(
         r"\d+ rows in \d files are those of the \d+ measurements planned; \d+ relations hold in all of them; "
-        r"predictions of 28 cases; \d+ verdicts and \d+ files of tables and article stand as they would be written",
+        r"predictions of 28 cases; \d+ verdicts and \d+ files of tables and article stand as they would be written$",
         told,
     )
 

@@ -17,8 +17,6 @@ from study.present.outcome import ledger_text
 from study.run.judgement import claims, verdicts
 from study.run.store import FORMAT, Store
 
-OWN_CASE = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
-
 HEAD = """
 from dataclasses import replace
 from manufactured import *
@@ -133,17 +131,10 @@ def test_the_catalogue_is_listed_as_text_and_as_json(capsys) -> None:
     assert all(entry["case"] in text for entry in listed)
 
 
-@pytest.fixture(scope="module")
-def finished(tmp_path_factory) -> Path:
-    """A small run of the case in the tutorial, as a newcomer would make it."""
-    directory = tmp_path_factory.mktemp("user")
-    code = re.findall(r":caption: pocket.py\n\n(.*?)```", OWN_CASE.read_text(), re.DOTALL)[0]
-    (directory / "pocket.py").write_text(code)
-    assert len(code.splitlines()) < 25
-    out = directory / "results"
-    code = main(["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32", "--out", str(out)])
-    assert code == 0
-    return out
+@pytest.fixture
+def finished(made: Path) -> Path:
+    """The directory of a small run; what a test changes in it, it puts back."""
+    return made / "results"
 
 
 def test_a_users_case_goes_through_the_same_line_to_a_judged_table(finished: Path) -> None:

@@ -65,15 +65,17 @@ def test_files_that_the_study_did_not_write_are_never_overwritten(
     assert everything(tmp_path) == before
 
 
+SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
 OWNED = [
     (["bound", "ramp", "--levels", "4", *COARSE], "ramp"),
     (["show", "full-contact"], "full-contact"),
     (["export", "full-contact", "--levels", "4"], ""),
+    (["certify", SQUARE, "--family", "one-diagonal", "--levels", "2", *COARSE], "square"),
 ]
 """Commands whose directory is theirs alone, and its name below ``--out``."""
 
 
-@pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export"])
+@pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export", "certify"])
 def test_a_folder_of_somebody_else_is_left_alone(
     command: list[str], folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -118,7 +120,7 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done(
     assert asked == [2, 4, 2, 4]
 
 
-@pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export"])
+@pytest.mark.parametrize(("command", "folder"), OWNED, ids=["bound", "show", "export", "certify"])
 def test_two_commands_on_one_directory_are_refused_by_name(
     command: list[str], folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -221,21 +223,6 @@ def test_a_reader_who_has_seen_enough_ends_the_command_without_a_word() -> None:
 
 
 STUDY = [sys.executable, "-c", "import sys; from study.cli.main import main; sys.exit(main())"]
-
-
-def test_a_disk_that_cannot_be_written_is_named_by_every_command(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def full(*_: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("os.replace", full)
-    arguments = ["run --case full-contact --levels 2 4 8", "controls", "seeds", "sensitivity", "bound ramp --levels 2"]
-    for command in [*arguments, "show corner", "export corner --levels 4"]:
-        told = refused(capsys, *command.split(), "--out", str(tmp_path / command[:4]))
-        assert "cannot write" in told
-        assert "No space left on device; give a directory you may write with --out" in told
-        assert "Traceback" not in told
 
 
 def planned(tmp_path: Path, *arguments: str) -> Scope:

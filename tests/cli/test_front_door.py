@@ -221,3 +221,49 @@ def test_finer_meshes_are_one_line_to_copy(file: Path) -> None:
     line = on_finer_meshes(options, chosen(options), options.out)
     assert line == (f"study run --case {file}:front --levels 16 32 64 --step 0.01 --out 'build/a case-finer'")
     assert parser().parse_args(shlex.split(line)[1:]).levels == [16, 32, 64]
+
+
+FIRST = {
+    "cases --json": {"json": True},
+    "run": {"plan": "quick", "case": None, "levels": None, "scheme": "midpoint", "step": None, "cluster": None},
+    "run --quick --case a b --case f.py:c": {"plan": "quick", "case": ["a", "b", "f.py:c"]},
+    "run --full --levels 8 16 --scheme bdf2 --step 0.1 --jobs 3 --cluster tcp://h:1 --out d": {
+        "plan": "full",
+        "levels": [8, 16],
+        "scheme": "bdf2",
+        "step": 0.1,
+        "jobs": 3,
+        "cluster": "tcp://h:1",
+        "out": Path("d"),
+    },
+    "check --junit f.xml": {"out": Path("results"), "junit": Path("f.xml")},
+    "compare a b": {"old": Path("a"), "new": Path("b"), "tolerance": 1e-12, "absolute": 0.0, "json": False},
+    "compare a b --tolerance 1e-6 --absolute 1e-9 --json": {"tolerance": 1e-6, "absolute": 1e-9, "json": True},
+    "controls --jobs 2": {"jobs": 2, "out": Path("results")},
+    "seeds": {"seeds": 20, "out": Path("results")},
+    "bound f.py:w": {
+        "problem": "f.py:w",
+        "levels": [8, 16],
+        "family": "unstructured",
+        "scheme": "midpoint",
+        "steps": None,
+        "refine": 1,
+        "shorter": 4,
+        "out": Path("bounds"),
+    },
+    "show f.py:c --level 12": {"case": "f.py:c", "level": 12, "out": Path("shows")},
+    "report": {"out": Path("results")},
+    "tables --out d": {"out": Path("d")},
+    "figures --jobs 2": {"out": Path("results"), "jobs": 2},
+    "rates errors.csv --expected 1 --json": {"file": Path("errors.csv"), "expected": 1.0, "json": True},
+}
+"""Commands of the first round, before there was a documentation site, and what they meant.
+
+One default is another: a ``run`` without ``--full`` and ``--out`` went to ``results``, over the committed data.
+"""
+
+
+@pytest.mark.parametrize("command", FIRST)
+def test_commands_of_the_first_round_mean_what_they_meant(command: str) -> None:
+    options = vars(parser().parse_args(command.split()))
+    assert {name: options[name] for name in FIRST[command]} == FIRST[command]

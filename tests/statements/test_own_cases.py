@@ -94,6 +94,10 @@ def test_errors_that_are_no_numbers_fail_for_everybody() -> None:
 
 def test_orders_say_nothing_while_time_steps_disturb_the_errors() -> None:
     assert "time steps disturb" in reason(own(following([0.5, 0.5], time_share=0.1))["order"])
+    coarse = following([0.5, 0.5], quadrature_change=0.1)
+    assert "quadrature disturbs the errors: mend that first" in reason(own(coarse)["order"])
+    both = following([0.5, 0.5], quadrature_change=0.1, time_share=0.1)
+    assert "time steps and quadrature disturb the errors" in reason(own(both)["order"])
 
 
 def rough(errors: list[float]) -> dict[str, str]:
@@ -127,8 +131,15 @@ def test_a_case_of_the_catalogue_fails_as_before() -> None:
 
 
 def test_levels_to_try_are_finer_and_enough() -> None:
-    assert finer([8, 16, 32]) == [16, 32, 64]
-    assert finer([9, 12, 15]) == [12, 15, 18]
-    assert enough([8], 3) == [8, 16, 32]
-    assert enough([9, 12], 4) == [9, 12, 15, 18]
+    assert finer([8, 16, 32], dim=2) == [16, 32, 64]
+    assert finer([9, 12, 15], dim=2) == [12, 15, 18]
+    assert enough([8], 3, dim=2) == [8, 16, 32]
+    assert enough([9, 12], 4, dim=2) == [9, 12, 15, 18]
+
+
+def test_levels_to_try_in_space_are_those_that_a_mesh_can_pay_for() -> None:
+    assert finer([6, 9, 12], dim=3) == [9, 12, 15]
+    assert finer([8, 16, 32], dim=3) == [16, 32, 48]
+    assert enough([8], 3, dim=3) == [8, 12, 16]
+    assert "try --levels 16 32 48" in reason(own(following([0.6, 0.8]).assign(dim=3))["order"])
     assert (least_levels("Prop. 5.3"), least_levels("Prop. 5.4")) == (4, 3)

@@ -12,15 +12,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.ledger.datafiles import TEXT, DataError, made_by, read_csv
+from study.ledger.datafiles import TEXT, DataError, line, made_by, read_csv
 from study.ledger.packing import Packed
 
 IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
 """Equal to the byte; nothing beyond the tolerance; something; in one directory only, and not by ``study run``."""
 PROSE = {"statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law"}
 """Columns for readers: other words in them are told, but nothing was measured or judged otherwise."""
-WORDS = TEXT | PROSE | {"defect", "setting", "caught", "claimed", "seen_by"}
-"""Columns that hold words even where they look like numbers; another one does if no cell of it is a number."""
 LATER = ["key", "family", "window_low", "window_high"]
 """Columns that data of earlier versions lack: no difference where only one directory has them."""
 KEYS = {
@@ -159,11 +157,12 @@ def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
     columns = tables[0].columns.intersection(tables[1].columns)
     for column in columns:
         values = [pd.to_numeric(table[column], errors="coerce").astype(float) for table in tables]
-        words = column in WORDS or all(value.isna().all() for value in values)
+        words = column in TEXT or all(value.isna().all() for value in values)
         for directory, table, value in zip(directories, tables, values, strict=True):
-            wrong = table[column][value.isna() & table[column].notna()]
+            wrong = table[column][value.isna() & table[column].notna() & (table[column].astype(str) != "nan")]
             if not words and len(wrong):
-                raise _refusal(directory, name, f"has {wrong.iloc[0]!r} as {column}, expected a number")
+                stands, place = wrong.iloc[0], line(int(wrong.index[0]))
+                raise _refusal(directory, name, f"has {stands!r} as {column}, expected a number, in line {place}")
             table[column] = table[column].astype(object).where(table[column].notna(), "").map(str) if words else value
     if keyed := name == "claims.csv" and {*KEYED} <= {*columns}:
         key, numbers = KEYED, ()

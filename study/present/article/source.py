@@ -62,7 +62,7 @@ class FullRun:
             cases=cases,
             bounds=read_csv(directory, "bounds.csv", BOUNDS),
             equivalence=read_csv(directory, "equivalence.csv", EQUIVALENCE),
-            controls=read_csv(directory, "controls.csv", CONTROLS).fillna({"caught": ""}),
+            controls=read_csv(directory, "controls.csv", CONTROLS),
             seeds=read_csv(directory, "seeds.csv", SEEDS),
             provenance=made,
             codes=Codes.read(directory),

@@ -13,6 +13,7 @@ resident size with one thread, here in MiB beyond the base:
     bound          of u_h alone n = 8: 25 … 69, 16: 239; with an enclosure on a mesh refined once n = 8: 183,
                    16: 465, 32: 1890, twice n = 8: 390, 16: 1520
     statements     at their fixed levels at most 335, in space 1550
+    task           frozen at three instants n = 128: 180; march of n steps n = 64: 310, 96: 1130; in space n = 18: 390
 """
 
 from __future__ import annotations
@@ -65,3 +66,8 @@ def stress(n: int) -> float:
 def bound(n: int, refinements: int, family: str) -> float:
     """Bytes for a bound of the error."""
     return BASE + 40 * MIB + cells(family) * MIB * n**2 * (1 + 0.35 * 4**refinements * (refinements > 0))
+
+
+def task(dim: int, n: int, family: str, steps: int) -> float:
+    """Bytes for writing a task with so many steps: what is solved, and its numbers as text."""
+    return displacement(dim, n, family) + cells(family) * (1.5 if dim == 2 else 8) * KIB * n**dim * steps

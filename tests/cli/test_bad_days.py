@@ -1,0 +1,220 @@
+"""Every command with input, data, disks and terminals that are not as one would wish: exit code and message."""
+
+from __future__ import annotations
+
+import os
+import re
+import resource
+import shutil
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+import pytest
+
+from study.cli.arguments import FAMILIES, SCHEMES
+from study.cli.main import main
+from study.ledger.errors import UsageError
+from study.ledger.files import write_text
+from study.run.processes import Processes
+
+SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
+STUDY = "import sys; from study.cli.main import main; sys.exit(main())"
+
+
+def told(capsys: pytest.CaptureFixture[str], *arguments: str, code: int = 2) -> str:
+    """What a command says as it ends with an exit code."""
+    assert main([*arguments]) == code
+    said = capsys.readouterr()
+    assert "Traceback" not in said.err
+    return said.out + said.err
+
+
+@pytest.fixture
+def run_of_two(made: Path, tmp_path: Path) -> Path:
+    """Two copies of a small run, ``old`` and ``new``, of which one may be spoiled."""
+    for name in ("old", "new"):
+        ignored = shutil.ignore_patterns("jobs", "figures")
+        shutil.copytree(made / "results", tmp_path / name, ignore=ignored)
+    return tmp_path
+
+
+READERS = (["check"], ["tables"], ["figures"], ["report"], ["compare"])
+
+
+@pytest.mark.parametrize("command", READERS, ids=lambda command: command[0])
+@pytest.mark.parametrize(("column", "word"), [("error", "small"), ("error", "nan"), ("order", "steep"), ("error", "")])
+def test_words_and_nan_in_a_data_file_are_named_by_file_and_line(
+    command: list[str], column: str, word: str, run_of_two: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = run_of_two / "new" / "data" / "rates.csv"
+    table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    table.loc[2, column] = word
+    table.to_csv(path, index=False)
+    if command != ["compare"]:
+        said = told(capsys, *command, "--out", str(run_of_two / "new"))
+        assert f"{path}, line 4, column {column}: stands {word!r}, expected a number" in said
+        assert f"--levels 8 16 32 --out {run_of_two / 'new'}`" in said
+        return
+    # What is no number is a difference like others.
+    gone = word in ("", "nan")
+    said = told(capsys, "compare", str(run_of_two / "old"), str(run_of_two / "new"), code=1 if gone else 2)
+    assert f"{path} has {word!r} as {column}, expected a number, in line 4" in said or gone
+
+
+def test_levels_are_added_to_a_directory_by_naming_them(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out = tmp_path / "results"
+    shutil.copytree(made / "results", out)
+    case = f"{made}/pocket.py:pocket"
+    before = pd.read_csv(out / "data" / "rates.csv")
+    said = told(capsys, "run", "--case", case, "--levels", "4", "--out", str(out), code=1)
+    assert f"{out} has pocket on the levels 8 16 32: 4 added" in said
+    after = pd.read_csv(out / "data" / "rates.csv")
+    assert sorted(set(after["level"])) == [4, 8, 16, 32]
+    pd.testing.assert_series_equal(
+        after[after["level"] > 8]["error"], before[before["level"] > 8]["error"], check_index=False
+    )
+
+
+def test_a_plain_run_in_a_fresh_clone_leaves_the_committed_results_alone(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def measured(plan: Any, store: Any, pool: Any) -> Any:
+        raise UsageError(f"it would write in {store.directory}")
+
+    write_text(tmp_path / "results" / "data" / "provenance.json", "{}")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("study.cli.run.measure", measured)
+    monkeypatch.setattr("study.run.plan.Plan.check", lambda *_: None)
+    assert told(capsys, "run") == "study: it would write in results/quick\n"
+    assert (tmp_path / "results" / "data" / "provenance.json").read_text() == "{}"
+
+
+def test_no_more_processes_are_started_than_there_is_work(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    started: list[int] = []
+
+    def counted(jobs: int) -> Processes:
+        started.append(jobs)
+        raise UsageError("here they would start")
+
+    monkeypatch.setattr("study.cli.run.Processes", counted)
+    small = ["--case", "full-contact", "--levels", "2", "4", "8", "--out", str(tmp_path)]
+    told(capsys, "run", *small, "--jobs", "9999")
+    told(capsys, "run", *small, "--jobs", "2")
+    assert 2 < started[0] < 40
+    assert started[1] == 2
+    for command in ("run", "controls", "seeds", "sensitivity", "figures"):
+        assert "--jobs must be 1 or more, got 0" in told(capsys, command, "--jobs", "0", "--out", str(tmp_path))
+
+
+SLIVER = """
+from manufactured import *
+body = polygon([(0, 0), (3, 0), (3, 0.001), (0, 0.001)], [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED])
+law = KelvinVoigt(isotropic(1, 1), isotropic(1, 1), "law")
+mine = Data.formulas(body, law, f0=(0, 0))
+"""
+
+
+def test_what_would_take_for_ever_is_refused_at_once(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = write_text(tmp_path / "sliver.py", SLIVER)
+    assert "so thin that rounding errors hide" in told(capsys, "bound", f"{path}:mine", "--out", str(tmp_path / "out"))
+    out = ["--out", str(tmp_path / "out")]
+    for command in (
+        "run --case corner --step 1e-12",
+        "bound ramp --steps 10000000",
+        "export corner --mode march --steps 10000000",
+    ):
+        assert "time steps are asked for, at most 1e+06 are taken" in told(capsys, *command.split(), *out)
+    for command in (
+        "run --case corner --levels 8 16 99999",
+        "bound ramp --levels 8 99999",
+        f"certify {SQUARE} --family one-diagonal --levels 8 99999",
+        "show corner --level 99999",
+        "export corner --levels 99999",
+    ):
+        said = told(capsys, *command.split(), *out)
+        assert re.search(r"99999 needs about \d+\.\d GiB of memory, .* are available; take coarser levels", said), said
+    assert not (tmp_path / "out").exists()
+
+
+WRITERS = [
+    "run --case full-contact --levels 2 4 8",
+    "controls",
+    "seeds",
+    "sensitivity",
+    "bound ramp --levels 2",
+    "show corner",
+    "export corner --levels 4",
+]
+
+
+@pytest.mark.parametrize(
+    "reason", [(28, "No space left on device"), (30, "Read-only file system")], ids=["full", "read-only"]
+)
+@pytest.mark.parametrize("command", [*WRITERS, "tables", "figures", "report"], ids=lambda command: command.split()[0])
+def test_a_disk_that_cannot_be_written_is_named_by_every_command(
+    command: str,
+    reason: tuple[int, str],
+    made: Path,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def unwritable(*_: object) -> None:
+        raise OSError(*reason)
+
+    if command not in WRITERS:
+        shutil.copytree(made / "results", tmp_path / "out", ignore=shutil.ignore_patterns("jobs", "figures"))
+    monkeypatch.setattr("os.replace", unwritable)
+    said = told(capsys, *command.split(), "--out", str(tmp_path / "out"))
+    assert "cannot write" in said
+    assert f"{reason[1]}; give a directory you may write with --out" in said
+
+
+SHOWN: list[Callable[[Path], list[str]]] = [
+    lambda _: ["cases"],
+    lambda _: ["check", "--out", "results"],
+    lambda _: ["tables", "--out", "results"],
+    lambda _: ["report", "--out", "results"],
+    lambda _: ["compare", "results", "results"],
+    lambda made: ["run", "--case", f"{made}/pocket.py:pocket", "--levels", "8", "16", "32", "--out", "results"],
+]
+
+
+def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(made / "results", tmp_path / "results", ignore=shutil.ignore_patterns("figures"))
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.chdir(tmp_path)
+    printed = ""
+    for shown in SHOWN:
+        assert main(shown(made)) == 0
+        printed = capsys.readouterr().out
+        assert [line for line in printed.splitlines() if len(line) > 80] == []
+    last = printed.strip().splitlines()
+    assert last[-1] == "21 rows: 20 hold, 0 fail, 0 undecided, 1 reported without a claim"
+    assert sum("written: " in line for line in last) == 1
+    assert len(last) < 40
+
+
+def test_help_names_schemes_and_families_in_80_columns_within_the_third_of_a_second() -> None:
+    printed, seconds = "", []
+    for _ in range(3):
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        command = [sys.executable, "-c", STUDY, "--help"]
+        done = subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "80"})
+        after, printed = resource.getrusage(resource.RUSAGE_CHILDREN), done.stdout
+        seconds.append(after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime)
+    # Of its processor: others may have the machine meanwhile.
+    assert min(seconds) < 0.3
+    words = set(printed.replace(",", " ").replace(".", " ").split())
+    assert {*SCHEMES, *FAMILIES} <= words
+    assert max(map(len, printed.splitlines())) <= 80
