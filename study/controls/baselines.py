@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
+from itertools import product
 from typing import Any, Protocol, TypeVar
 
 import numpy as np
@@ -57,25 +58,25 @@ class Sweep:
     Attributes:
         case: its name.
         angle: by which the body is turned, in radians.
-        family: name of the mesh family.
+        families: names of the mesh families.
         levels: coarse to fine.
     """
 
     case: str
     angle: float = 0.0
-    family: str = "one-diagonal"
+    families: tuple[str, ...] = ("one-diagonal",)
     levels: tuple[int, ...] = (8, 16, 32)
 
     def __str__(self) -> str:
         turned = f" turned by {self.angle:g}" if self.angle else ""
-        meshes = "" if self.family == Sweep.family else f" on {self.family} meshes"
+        meshes = "" if self.families == Sweep.families else f" on {' and '.join(self.families)} meshes"
         return f"{self.case}{turned}{meshes}, n = {' '.join(map(str, self.levels))}"
 
     def verdicts(self, defect: Callable[[Experiment], Experiment]) -> list[Verdict]:
-        case, family = resolve(self.case), family_named(self.family)
+        case = resolve(self.case)
         solution = turned(case.solution, self.angle) if self.angle else case.solution
         rows = []
-        for level in self.levels:
+        for family, level in product(map(family_named, self.families), self.levels):
             steps = rate_steps(solution.body.T, level, case.pace)
             setup = defect(Experiment.of(solution, family, level, MIDPOINT, steps))
             rows.append(measure(setup).row(case.name, family.name, level))
@@ -99,7 +100,8 @@ class ContactSweep:
     levels: tuple[int, ...] = (8, 16, 32)
 
     def __str__(self) -> str:
-        return f"contact force of {self.case}, n = {' '.join(map(str, self.levels))}"
+        meshes = "" if self.family == ContactSweep.family else f" on {self.family} meshes"
+        return f"contact force of {self.case}{meshes}, n = {' '.join(map(str, self.levels))}"
 
     def verdicts(self, defect: Callable[[Experiment], Experiment]) -> list[Verdict]:
         case, family = resolve(self.case), family_named(self.family)

@@ -15,8 +15,11 @@ import scipy.sparse as sps
 from manufactured.body import Kind
 from manufactured.law import Yield
 from manufactured.tensors import Array, Points, Tensors
+from study.fem.mesh import OneDiagonal, Unstructured
+from study.fem.naming import resolve
 from study.fem.space import Space
 from study.solve.signorini import Signorini
+from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import Setting
 from study.statements.shared.eigen import mass
 
@@ -40,11 +43,6 @@ def squared(right: Function) -> Function:
 def squared_each(right: Function) -> Function:
     """Norms whose roots were forgotten."""
     return lambda *given: {name: error**2 for name, error in right(*given).items()}
-
-
-def over_h(right: Function) -> Function:
-    """Errors over h."""
-    return lambda solution, space, face: {name: e / space.h for name, e in right(solution, space, face).items()}
 
 
 def interpolant_late(sample: Function) -> Function:
@@ -318,3 +316,46 @@ def rival(name: str, solver: type[Signorini]) -> Callable[[Any], Any]:
 
 def _rival(name: str, solver: type[Signorini], rivals: Any) -> Any:
     return {**rivals, name: solver}
+
+
+def column_times(column: str, factor: float) -> Callable[[Function], Function]:
+    """One number of a row is wrong by a factor."""
+    return partial(_column_times, column, factor)
+
+
+def _column_times(column: str, factor: float, row: Function) -> Function:
+    def tampered(*given: Any) -> dict[str, Any]:
+        found = row(*given)
+        return {**found, column: factor * found[column]}
+
+    return tampered
+
+
+def turned_back(setup: Experiment) -> Experiment:
+    """The unturned body in place of the turned one."""
+    twin, n = resolve("advance-recede").solution, round(1 / setup.space.h)
+    return Experiment.of(twin, OneDiagonal(), n, setup.scheme, setup.steps)
+
+
+def ungraded(graded: Function) -> Function:
+    """Meshes that are as fine everywhere as elsewhere."""
+    return lambda family, body, n: Unstructured()(body, n)
+
+
+def roots(right: Function) -> Function:
+    """Roots of errors."""
+    return lambda *given: {name: error**0.5 for name, error in right(*given).items()}
+
+
+def times_h(power: int) -> Callable[[Function], Function]:
+    """Errors times a power of h."""
+    return partial(_times_h, power)
+
+
+def _times_h(power: int, right: Function) -> Function:
+    return lambda solution, space, face: {n: e * space.h**power for n, e in right(solution, space, face).items()}
+
+
+def as_many_steps(steps: Function) -> Function:
+    """32 steps on every mesh."""
+    return lambda statement, setting: 32

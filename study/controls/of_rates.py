@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from study.controls import blindness, defects, inaccuracies
+from study.controls import blindness, defects, inaccuracies, mistakes
 from study.controls.baselines import Sweep
 from study.controls.control import Control
 from study.controls.slips import Slip, always
@@ -15,7 +15,9 @@ CLAMPED, LAW, PREDICTED = "clamped", "parallelogram", "leading-term"
 FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
 NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
 MOVING, MERGING = Sweep("advance-recede"), Sweep("merging-patches")
-CROSSED, ROUGH = Sweep("advance-recede", family="criss-cross"), Sweep("rough-2", levels=(4, 8, 16, 32))
+CROSSED, ROUGH = Sweep("advance-recede", families=("criss-cross",)), Sweep("rough-2", levels=(4, 8, 16, 32))
+SOLID = Sweep("cube-two-faces", levels=(6, 9, 12))
+CORNERED = Sweep("re-entrant", families=("unstructured", "graded"), levels=(8, 16, 32, 64))
 """The smallest settings in which every row holds without a defect and the named row fails with it."""
 
 MEASURE = "study.statements.prop_5_4.measure"
@@ -102,5 +104,46 @@ RATES: tuple[Control[Any], ...] = (
         MOVING,
         Slip(MEASURE, "Measurement.parallelogram", always(0.0)),
         LAW,
+    ),
+    Control("rough: contact two-sided", "v_ν = 0 in place of v_ν ≤ 0", ROUGH, defects.contact_two_sided, "size"),
+    Control("rough: clamp short", "Γ1 ends one cell too early", ROUGH, defects.clamp_one_cell_short, CLAMPED),
+    Control(
+        "rough, blind: companion",
+        "the run itself in place of that with k",
+        ROUGH,
+        blindness.companion_is_the_run,
+        SHARE,
+    ),
+    Control(
+        "rough, blind: solver", "no residual of the contact solves", ROUGH, blindness.solver_says_nothing, RESIDUAL
+    ),
+    Control(
+        "rough, blind: quadrature",
+        "the same rule in place of a finer one",
+        ROUGH,
+        Slip(MEASURE, "Measurement.quadrature_change", always(0.0)),
+        "quadrature",
+    ),
+    Control(
+        "rough, blind: parallelogram",
+        "nothing in place of what the parallelogram law misses",
+        ROUGH,
+        Slip(MEASURE, "Measurement.parallelogram", always(0.0)),
+        LAW,
+    ),
+    Control("solid: contact dropped", "V^h in place of K^h", SOLID, defects.contact_dropped, "order-finest"),
+    Control(
+        "solid: energy for norm",
+        "½‖·‖_V² in place of ‖·‖_V",
+        SOLID,
+        inaccuracies.energy_for_norm,
+        "interpolation-order-finest",
+    ),
+    Control(
+        "not graded",
+        "meshes that are no finer at a corner",
+        CORNERED,
+        Slip("study.fem.mesh.unstructured", "Graded.__call__", mistakes.ungraded),
+        "order-graded",
     ),
 )

@@ -21,6 +21,7 @@ from study.statements.korn import Korn, Norms
 from study.statements.lipschitz import Lipschitz
 from study.statements.residual import Residual
 from study.statements.shared import eigen
+from study.statements.superclose import Superclose
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
 
@@ -39,12 +40,17 @@ MEMBERS, INTERPOLANT = (
 BOUNDS = Listing(ErrorBounds(), FULL, "shaken", (6, 12, 24))
 IN_V = Listing(InterpolationInV(), MOVING, "one-diagonal", (8, 16, 32))
 ON_CONTACT = Listing(InterpolationOnContact(), MOVING, "one-diagonal", (16, 32, 64))
+FACES = Listing(InterpolationOnContact(), "hexagon", "unstructured", (16, 32, 64))
+CLOSE = Listing(Superclose(), "full-contact", "one-diagonal", (8, 16, 32))
 LINEAR, NONLINEAR = (Listing(Lipschitz(), case, "one-diagonal", (8, 16)) for case in (FULL, YIELDING))
 RESIDUAL = Listing(Residual(), FULL, "shaken", (6,))
 TRAJECTORY, ONE_STRESS = Listing(OneTrajectory(), MOVING, "shaken", (6,)), Listing(OneStress(), MOVING, "shaken", (4,))
 VELOCITY = Listing(BoundedVelocity(), MOVING, "shaken", (8, 16))
 DEPENDENCE = Listing(Dependence(), MOVING, "unstructured", (6,))
 """Every row holds without a defect, and the named row fails with it."""
+
+
+SUPERCLOSE_LATE = in_experiments_of("superclose", defects.load_one_step_late)
 
 
 def slip(module: str, name: str, by: Any) -> Slip:
@@ -287,7 +293,7 @@ STATEMENTS: tuple[Control[Any], ...] = (
         "(5.24) as printed",
         "an error of order h",
         ON_CONTACT,
-        slip("interpolation", "on_face", mistakes.over_h),
+        slip("interpolation", "on_face", mistakes.times_h(-1)),
         "u-0.23-face-1",
     ),
     Control(
@@ -296,6 +302,32 @@ STATEMENTS: tuple[Control[Any], ...] = (
         ON_CONTACT,
         slip("interpolation", "on_face", mistakes.squared_each),
         "u-0.61-face-1",
+    ),
+    *(
+        Control(f"{name}, on face {face}", what, FACES, slip("interpolation", where, by), f"{v}-face-{face}")
+        for name, what, where, by, v, face in (
+            ("area for length", "h² for h", "induced_size", mistakes.squared, "smooth", 2),
+            ("(5.24) as printed", "an error of order h", "on_face", mistakes.times_h(-1), "u-0.23", 2),
+            ("root on Γ3", "‖·‖² for ‖·‖ in L²(Γ3)", "on_face", mistakes.squared_each, "u-0.61", 2),
+            ("another root", "‖·‖^½ for ‖·‖ in L²(Γ3)", "on_face", mistakes.roots, "smooth", 3),
+            ("lengths twice", "h ‖·‖ for ‖·‖", "on_face", mistakes.times_h(1), "u-0.23", 3),
+            ("an error that stays", "‖·‖/h² for ‖·‖", "on_face", mistakes.times_h(-2), "u-0.61", 3),
+        )
+    ),
+    Control("load late, k ~ h", "the load of the step before", CLOSE, SUPERCLOSE_LATE, "order"),
+    Control(
+        "few steps, k ~ h",
+        "an eighth of the time steps",
+        CLOSE,
+        in_experiments_of("superclose", inaccuracies.few_steps),
+        "time-share",
+    ),
+    Control(
+        "k as it is",
+        "as many steps on every mesh",
+        CLOSE,
+        slip("superclose", "Superclose.steps", mistakes.as_many_steps),
+        "share-growth",
     ),
     Control("constant of B doubled", "2B for B", LINEAR, slip("lipschitz", "largest", mistakes.times(2.0)), "constant"),
     Control("κ halved", "½ κ for κ", LINEAR, slip("lipschitz", "pointwise", mistakes.halved_first), "pointwise"),

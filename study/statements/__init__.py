@@ -26,6 +26,7 @@ from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.recomputed.judge import Recomputed
 from study.statements.residual import Residual
 from study.statements.shared.base import Statement
+from study.statements.superclose import Superclose
 from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.same_mesh import SameMesh
 from study.statements.thm_4_2.stands_alone import StandsAlone
@@ -37,7 +38,7 @@ PROBLEM = Green(), Korn(), Dependence(), Viscosity(), ElasticityOperator(), Proj
 ONE_SOLUTION = BoundedVelocity(), OneTrajectory(), SameMesh(), StandsAlone(), OwnSpace(), OneStress()
 PROPERTIES = Lipschitz(), NaturalConditions(), Hypercircle(), VertexConstraint(), Interpolant()
 ESTIMATES = ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
-CONVERGENCE = Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Residual()
+CONVERGENCE = Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Superclose(), Residual()
 WEIGHED = ContactForce(), Recomputed()
 BEYOND = EdgeWork(), WorkOfContact(), BackwardEuler(), FullyDiscrete(), Landings(), BoundedError(), EnclosedError()
 

@@ -66,7 +66,7 @@ class Norms(ListedNumbers):
     """Extreme eigenvalues of (·,·)_V against the product of H_1, once for each body and viscosity."""
 
     label = "(3.6)"
-    claim = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h"
+    claim = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h, by (2.17) and (3.1)"
     rules = (
         largest_of("lower", "m_A C_K² / smallest eigenvalue", BOUND, "lower bound"),
         largest_of("upper", "largest eigenvalue / ‖A‖", BOUND, "upper bound"),

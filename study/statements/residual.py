@@ -74,7 +74,7 @@ class Residual(ListedNumbers):
     """The definition of R against the integral over Γ3 and against its bound, for the cases with f_0(t) ∈ H."""
 
     label = "(5.40), (5.41)"
-    claim = "R(t; v) = ∫_{Γ3} σ_ν v_ν and |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ for v ∈ V"
+    claim = "R(t; v) = ∫_{Γ3} σ_ν v_ν for v ∈ V; then |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ is Cauchy and Schwarz"
 
     def places(self, full: bool) -> list[Setting]:
         if full:

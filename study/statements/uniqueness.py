@@ -40,7 +40,7 @@ class OneTrajectory(ListedNumbers):
     """
 
     label = "Thm 4.1, 5.2"
-    claim = "there is one solution: different starts, solvers and splittings give one trajectory"
+    claim = "one trajectory on V^h from different starts, solvers and splittings: a test of the solvers"
     rules = (
         largest("random-starts", "from random active sets", EXACTLY, "random starts"),
         largest("least-squares", "by Lawson and Hanson's method on the dual", OTHERWISE, "least squares"),
@@ -137,7 +137,7 @@ class OneStress(ListedNumbers):
     """
 
     label = "Thm 4.3"
-    claim = "Problem 3.2 has one solution: different starts and solvers give one stress"
+    claim = "one stress on Σ^h from different starts and solvers: a test of the solvers"
     rules = (
         largest("random-starts", "stresses from random active sets", EXACTLY, "random starts"),
         largest("least-squares", "stresses by Lawson and Hanson's method on the dual", OTHERWISE, "least squares"),

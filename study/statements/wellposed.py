@@ -42,7 +42,7 @@ class BoundedVelocity(ListedNumbers):
     """
 
     label = "(4.1)"
-    claim = "u ∈ W^{1,∞}(0,T;V), and u^h is in it uniformly in h and k"
+    claim = "u^h ∈ W^{1,∞}(0,T;V) uniformly in h and k, for solutions with a bounded u̇"
     rules = (
         every("bounded", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, all k", BOUNDED, *STEPS),
         finest("limit", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", LIMIT, list(STEPS)[-1]),
@@ -96,7 +96,7 @@ class Dependence(ListedNumbers):
     """
 
     label = "Thm 2.2"
-    claim = "the solution depends continuously on f and u_0, with the rate ω = L_G/m_A"
+    claim = "u^h depends continuously on f and u_0, with the rate ω = L_G/m_A: what Thm 2.2 gives on V^h"
     rules = (
         largest("bound", "‖u − v‖_V / e^{ωt}(‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = L_G/m_A", NEVER, "bound"),
         largest("monotone", UNDAMPED, NEVER, "monotone"),

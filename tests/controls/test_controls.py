@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import lru_cache
 from importlib.util import find_spec
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -33,7 +34,8 @@ from study.fem.independent import LeadingTerm
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict, row
+from study.ledger.datafiles import read_claims
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import around
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.evidence import PARALLELOGRAM
@@ -73,6 +75,49 @@ def test_a_defect_turns_its_named_row_to_fails(control: Control) -> None:
 def test_every_row_of_a_setting_is_there_for_some_defect(setting) -> None:
     """A row that no control names can be weakened or left out, and all controls still do their duty."""
     assert {v.key for v in rows(setting)} - {control.caught_by for control in CONTROLS} == set()
+
+
+RESULTS = Path(__file__).parents[2] / "results"
+BY_TESTS = {
+    ("data", "missing"): "statements/test_propositions.py::test_missing_rows_leave_the_data_undecided",
+    ("Prop. 5.4", "after-start"): (
+        "statements/test_propositions.py::test_four_cases_must_have_their_supremum_after_the_start"
+    ),
+    **{
+        ("enclosure", end): "statements/test_enclosure.py::test_ends_are_close_where_it_was_announced"
+        for end in ("tight-above", "tight-below")
+    },
+    ("enclosure", "order"): "statements/test_enclosure.py::test_an_order_is_judged_where_nobody_knows_the_error",
+    **{
+        ("(5.20)–(5.21), (5.42)", f"growth-{bound}"): (
+            "statements/test_statements_evolution.py::test_a_bound_of_lower_order_must_be_lower_by_what_is_predicted"
+        )
+        for bound in ("5.21", "5.42")
+    },
+}
+"""Rows of which no small setting exists, or that are never worse than undecided, by the tests in which they are."""
+
+
+def test_every_kind_of_row_that_is_claimed_is_named_by_a_control_or_by_a_test() -> None:
+    """By its statement, too: rows of two statements may have a key in common, and be judged by different code."""
+    claims, caught = read_claims(RESULTS), pd.read_csv(RESULTS / "data" / "controls.csv", keep_default_na=False)
+    claimed = claims[claims["verdict"] != REPORTED]
+    labels = dict(zip(caught["defect"], caught["label"], strict=True))
+    named = {(labels[control.name], control.caught_by) for control in CONTROLS}
+    kinds = set(claimed[["label", "key"]].itertuples(index=False, name=None))
+    assert kinds - named - set(BY_TESTS) == set()
+    assert set(BY_TESTS) <= kinds - named
+    for place in BY_TESTS.values():
+        file, _, name = place.partition("::")
+        assert f"def {name}(" in (RESULTS.parent / "tests" / file).read_text(encoding="utf-8")
+
+
+def test_the_committed_controls_are_those_of_the_list_and_all_did_their_duty() -> None:
+    caught = pd.read_csv(RESULTS / "data" / "controls.csv", keep_default_na=False)
+    expected = [NO_DEFECT] * len(settings(CONTROLS)) + [control.name for control in CONTROLS]
+    assert caught["defect"].tolist() == expected
+    assert set(caught["caught"]) == {"", "yes"}
+    assert set(caught["verdict"][caught["defect"] == NO_DEFECT]) == {HOLDS}
 
 
 def test_there_are_sixty_controls_or_more_with_names_of_their_own() -> None:

@@ -29,6 +29,7 @@ EXCLUDED = {
     "pip install '.[study": "the environment of the tests has Dask and everything else",
     "make full": "half an hour: the nightly workflow runs it",
     "make seeds": "an hour: the nightly workflow runs it",
+    "make mutants": "an hour: the nightly workflow runs it",
     "make codes": "half an hour, and codes that are optional: CI runs two of them by make codes-check",
     "make certificates": "half an hour; CI checks the certificates that are committed by make certificates-check",
     "make bench": "times the machine",

@@ -1,0 +1,96 @@
+"""Where controls are measured whose rows compare two things: a body and its twin, two ways, an error and its bounds."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import pandas as pd
+
+from study.fem.naming import family_named, resolve
+from study.ledger.verdict import REPORTED, Verdict
+from study.run.judgement import beside
+from study.solve.steps import rate_steps
+from study.solve.tableau import MIDPOINT
+from study.statements.enclosure.bound_rows import measure as bounded
+from study.statements.enclosure.bound_rows import posed
+from study.statements.enclosure.courses import Bounds, BoundSetting
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.prop_5_4.from_rates import Turned
+from study.statements.prop_5_4.measure import measure
+from study.statements.prop_5_4.sweep import RATES
+from study.statements.recomputed.judge import Recomputed
+from study.statements.recomputed.measure import recompute
+
+Defect = Callable[[Experiment], Experiment]
+
+
+def experiment(case: str, level: int) -> Experiment:
+    """That of the study on a one-diagonal mesh."""
+    known = resolve(case)
+    steps = rate_steps(known.solution.body.T, level, known.pace)
+    return Experiment.of(known.solution, family_named("one-diagonal"), level, MIDPOINT, steps)
+
+
+def row_of(setup: Experiment, case: str, level: int) -> dict[str, Any]:
+    """Its line of ``rates.csv``."""
+    return measure(setup).row(case, "one-diagonal", level)
+
+
+@dataclass(frozen=True)
+class Twins:
+    """A case whose body is turned, beside its twin, on some meshes; on a single one their digits may agree."""
+
+    case: str
+    levels: tuple[int, ...]
+
+    def __str__(self) -> str:
+        return f"{self.case} and its twin, n = {' '.join(map(str, self.levels))}"
+
+    def verdicts(self, defect: Defect) -> list[Verdict]:
+        rows = []
+        for name, level in product((self.case, resolve(self.case).twin), self.levels):
+            line = row_of(defect(experiment(name, level)), name, level)
+            rows.append({**line, "twin": resolve(name).twin})
+        return Turned().judge(pd.DataFrame(rows))
+
+
+@dataclass(frozen=True)
+class TwoWays:
+    """A case on one mesh as it is reported, and computed again in another way."""
+
+    case: str
+    level: int
+
+    def __str__(self) -> str:
+        return f"{self.case} computed again, n = {self.level}"
+
+    def verdicts(self, defect: Defect) -> list[Verdict]:
+        setup = defect(experiment(self.case, self.level))
+        line = row_of(setup, self.case, self.level)
+        again = {name: line[name] for name in (*RATES.key, "h")} | recompute(setup)
+        return Recomputed().judge(
+            beside(Recomputed(), {RATES: pd.DataFrame([line]), Recomputed.file: pd.DataFrame([again])})
+        )
+
+
+@dataclass(frozen=True)
+class Bounding:
+    """Bounds of errors on some meshes, as one of the statements on them judges them."""
+
+    statement: Bounds
+    settings: tuple[BoundSetting, ...]
+
+    def __str__(self) -> str:
+        levels = " ".join(str(setting.level) for setting in self.settings)
+        return f"{self.statement.label} for {self.settings[0].case}, n = {levels}"
+
+    def verdicts(self, defect: Callable[[Any], Any]) -> list[Verdict]:
+        rows = []
+        for setting in self.settings:
+            problem, steps = posed(setting.case), self.statement.steps(setting)
+            row, _ = bounded(problem, family_named(setting.family), setting.level, MIDPOINT, steps, setting.by)
+            rows.append({**row, "known": problem.case is not None})
+        return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]

@@ -1,0 +1,77 @@
+"""‖Π^h u − u^h‖_V on one-diagonal meshes is of order 3/2 to 2, also with time steps k ~ h.
+
+The rows of Proposition 5.4 are measured with k ~ h^{2/3}, enough for errors of order h. Beside an order of 3/2 to 2 in
+h the error in time of those steps grows under refinement, and on fine meshes orders would be those of k. Here k ~ h, so
+that the midpoint rule, of order 2 where u̇ is smooth in time and 3/2 where it jumps, leaves the same share of the
+discrete error on every mesh, or one that grows like h^{−1/2} at most. One case was claimed when this was first measured
+and is only reported now: its ü is not square integrable in time, and its share lies between 1 % and 40 %.
+"""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from manufactured.catalogue import catalogue
+from study.fem.naming import resolve
+from study.ledger.criterion import Observation, judge
+from study.ledger.measures import ENOUGH, change, largest, order
+from study.ledger.verdict import Verdict
+from study.ledger.window import above_nothing, between
+from study.solve.steps import stress_steps
+from study.solve.tableau import MIDPOINT
+from study.statements.prop_5_4.experiment import Experiment
+from study.statements.prop_5_4.judge import DISCRETE_TIME
+from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.instants import norm
+from study.statements.shared.places import families
+
+FAMILY = "one-diagonal"
+ORDER = between(1.5, 2, 0.2, 0.2, "k ~ h, neighbouring triangles form parallelograms")
+STEADY = above_nothing(2.0, "k^{3/2} against h² over two refinements")
+"""With k ~ h^{2/3} the share of errors of order 2 in k would be 2.5 times as large."""
+
+ROUGH_IN_TIME = "load-w11"
+BY_CHANCE = "ü ~ (t − t_0)^{−3/4}, so that the order in k is below 3/2, by where in a step t_0 lies"
+
+
+class Superclose(ListedNumbers):
+    """The order of the discrete error for the plane cases of Proposition 5.4, and what the error in time has of it."""
+
+    label = "superclose"
+    claim = "‖Π^h u − u^h‖_{L∞(0,T;V)} is of order 3/2 to 2 on one-diagonal meshes, with k ~ h"
+    rules = (
+        order("order", "order of ‖Π^h u − u^h‖_V, k ~ h", ORDER, "discrete error", last=ENOUGH),
+        largest("time-share", "time share of ‖Π^h u − u^h‖_V, by half as many steps", DISCRETE_TIME, "time share"),
+        change("share-growth", "time share, finest level over the coarsest", STEADY, "time share"),
+    )
+
+    def places(self, full: bool) -> list[Setting]:
+        cases = [
+            case.name
+            for case in catalogue()
+            if case.proposition == "Prop. 5.4" and case.solution.body.dim == 2 and FAMILY in families(case)
+        ]
+        return grid(cases, (FAMILY,), (16, 32, 64)) if full else grid(EVOLVING[:2], (FAMILY,), (8, 16, 32))
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        rough, others = (rows[(rows["case"] == ROUGH_IN_TIME) == chosen] for chosen in (True, False))
+        reported = [Observation(rule, BY_CHANCE) for rule in self.rules]
+        return [*judge(self, others, self.rules), *judge(self, rough, reported)]
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        setup = Experiment.at(setting, MIDPOINT, self.steps(setting))
+        coarse = MIDPOINT.march(setup.problem, setup.steps // 2)
+        discrete, drift = 0.0, 0.0
+        for n, state in enumerate(MIDPOINT.march(setup.problem, setup.steps)):
+            discrete = max(discrete, norm(setup.problem, setup.gauge.sample(state.time).interpolant - state.u))
+            if n % 2 == 0:
+                drift = max(drift, norm(setup.problem, next(coarse).u - state.u))
+        return with_h(setup.space.h, {"discrete error": discrete, "time share": drift / discrete})
+
+    def cost(self, setting: Setting) -> float:
+        return 2.0 * setting.level**2 * self.steps(setting)
+
+    def steps(self, setting: Setting) -> int:
+        """An even number, k ~ h."""
+        case = resolve(setting.case)
+        return stress_steps(case.solution.body.T, setting.level, case.pace)
