@@ -25,8 +25,8 @@ from study.present.picture.picture import Picture
 from study.present.picture.zone_history import exact_zone
 
 DPI = 110
-COLOURS = 256
-"""As many as a frame of a GIF can have: with fewer, small arrows lose their colour to the shades of the stress."""
+COLOURS = 128
+"""Of a whole GIF: enough that small arrows keep theirs beside the shades of the stress."""
 PER_SECOND = 8
 HOLD = 1000
 """Milliseconds that the last time of a GIF stays."""
@@ -39,8 +39,9 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
     images = []
     for _ in played(figure, picture):
         canvas.draw()
-        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB").quantize(COLOURS))
+        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
         notify()
+    images = with_one_palette(images)
     durations = [1000 // PER_SECOND] * (len(images) - 1) + [HOLD]
     return write_whole(
         path,
@@ -48,6 +49,13 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
             part, "GIF", save_all=True, append_images=images[1:], duration=durations, loop=0, optimize=False
         ),
     )
+
+
+def with_one_palette(images: list[Image.Image]) -> list[Image.Image]:
+    """Frames in the same few colours and without dither, so that what does not move is written once."""
+    together = Image.fromarray(np.concatenate([np.asarray(image) for image in images]))
+    palette = together.quantize(COLOURS, dither=Image.Dither.NONE)
+    return [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
 
 
 def write_mp4(path: Path, picture: Picture) -> Path | None:
