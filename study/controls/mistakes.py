@@ -15,11 +15,9 @@ import scipy.sparse as sps
 from manufactured.body import Kind
 from manufactured.law import Yield
 from manufactured.tensors import Array, Points, Tensors
-from study.fem.mesh import OneDiagonal, Unstructured
-from study.fem.naming import resolve
+from study.fem.mesh import Unstructured
 from study.fem.space import Space
 from study.solve.signorini import Signorini
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import Setting
 from study.statements.shared.eigen import mass
 
@@ -33,6 +31,11 @@ def times(factor: float) -> Callable[[Function], Function]:
 
 def _times(factor: float, right: Function) -> Function:
     return lambda *given, **options: factor * right(*given, **options)
+
+
+def times_width(right: Function) -> Function:
+    """A method of what has a space, wrong by the extent of its mesh along the first axis."""
+    return lambda self, *given: float(np.ptp(self.space.mesh.p[0])) * right(self, *given)
 
 
 def squared(right: Function) -> Function:
@@ -331,20 +334,9 @@ def _column_times(column: str, factor: float, row: Function) -> Function:
     return tampered
 
 
-def turned_back(setup: Experiment) -> Experiment:
-    """The unturned body in place of the turned one."""
-    twin, n = resolve("advance-recede").solution, round(1 / setup.space.h)
-    return Experiment.of(twin, OneDiagonal(), n, setup.scheme, setup.steps)
-
-
 def ungraded(graded: Function) -> Function:
     """Meshes that are as fine everywhere as elsewhere."""
     return lambda family, body, n: Unstructured()(body, n)
-
-
-def roots(right: Function) -> Function:
-    """Roots of errors."""
-    return lambda *given: {name: error**0.5 for name, error in right(*given).items()}
 
 
 def times_h(power: int) -> Callable[[Function], Function]:

@@ -26,7 +26,13 @@ def reported(column: str, factor: float) -> Slip:
 
 BOUNDS: tuple[Control[Any], ...] = (
     Control("axes", "the axis nearest to ν in place of ν", TURNED, defects.normal_along_an_axis, "discrete-error"),
-    Control("blind: twin", "the twin beside itself", TURNED, mistakes.turned_back, "errors"),
+    Control(
+        "width for length",
+        "w ‖·‖_V with the width w along the first axis",
+        TURNED,
+        Slip("study.fem.gauge", "Gauge.distance", mistakes.times_width),
+        "errors",
+    ),
     Control("error off by 1 %", "1.01 ‖u − u^h‖_V is reported", AGAIN, reported("error", 1.01), "error"),
     Control(
         "interpolation off by 1 %",

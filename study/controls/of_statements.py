@@ -309,7 +309,7 @@ STATEMENTS: tuple[Control[Any], ...] = (
             ("area for length", "h² for h", "induced_size", mistakes.squared, "smooth", 2),
             ("(5.24) as printed", "an error of order h", "on_face", mistakes.times_h(-1), "u-0.23", 2),
             ("root on Γ3", "‖·‖² for ‖·‖ in L²(Γ3)", "on_face", mistakes.squared_each, "u-0.61", 2),
-            ("another root", "‖·‖^½ for ‖·‖ in L²(Γ3)", "on_face", mistakes.roots, "smooth", 3),
+            ("lengths three times more", "h³ ‖·‖ for ‖·‖", "on_face", mistakes.times_h(3), "smooth", 3),
             ("lengths twice", "h ‖·‖ for ‖·‖", "on_face", mistakes.times_h(1), "u-0.23", 3),
             ("an error that stays", "‖·‖/h² for ‖·‖", "on_face", mistakes.times_h(-2), "u-0.61", 3),
         )

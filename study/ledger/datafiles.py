@@ -49,6 +49,9 @@ TEXT = {
     "caught",
     "claimed",
     "seen_by",
+    "rule",
+    "part",
+    "tail",
 }
 """Columns that hold words even where they look like numbers or are empty."""
 

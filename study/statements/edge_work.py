@@ -96,7 +96,13 @@ def rarer(group: pd.DataFrame) -> Measured:
     return exactly(group[list(BRANCHES)].sum().min())
 
 
-BOTH = Criterion("branches", "edges of the rarer kind, by |N| or by |C|", at_least(1), rarer, BRANCHES)
+BOTH = Criterion(
+    "branches",
+    "edges of the rarer kind, by |N| or by |C|",
+    at_least(1, "both bounds of the lemma are met"),
+    rarer,
+    BRANCHES,
+)
 
 
 class EdgeWork(ListedNumbers):

@@ -65,7 +65,13 @@ def in_V(key: str, v: str) -> Iterator[Criterion]:
     """
     quantity = f"order of ‖v − Π^h v‖_V, v = {v}"
     yield consecutive(key, f"{quantity}, level by level", around(1.0, ROOM), v)
-    yield weighted(f"{key}-random", f"{quantity}, random meshes, fitted", around(1.0, ROOM), v, CELLS)
+    yield weighted(
+        f"{key}-random",
+        f"{quantity}, random meshes, fitted",
+        around(1.0, ROOM, "least squares, weighted by the number of cells"),
+        v,
+        CELLS,
+    )
 
 
 class InterpolationInV(ListedNumbers):

@@ -200,7 +200,7 @@ def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(
         printed = capsys.readouterr().out
         assert [line for line in printed.splitlines() if len(line) > 80] == []
     last = printed.strip().splitlines()
-    assert last[-1] == "21 rows: 20 hold, 0 fail, 0 undecided, 1 reported without a claim"
+    assert last[-1] == "22 rows: 21 hold, 0 fail, 0 undecided, 1 reported without a claim"
     assert sum("written: " in line for line in last) == 1
     assert len(last) < 40
 

@@ -159,7 +159,7 @@ def test_controls_resume_with_what_is_not_done(tmp_path: Path, monkeypatch: pyte
     assert again[:2] == first
     assert [outcome.passes for outcome in again] == [True] * 3
     # Settings that are called alike are not mistaken for one another.
-    twice = [*controls, Control("one", "what", replace(setting, family="shaken"), doubled, "order")]
+    twice = [*controls, Control("one", "what", replace(setting, families=("shaken",)), doubled, "order")]
     with Processes(1) as executor:
         assert len(run_controls(twice, executor, store, lambda: None)) == 5
     assert (tmp_path / "calls").read_text() == "....."

@@ -87,6 +87,35 @@ BY_TESTS = {
         ("enclosure", end): "statements/test_enclosure.py::test_ends_are_close_where_it_was_announced"
         for end in ("tight-above", "tight-below")
     },
+    **{
+        ("beyond: O(h + k)", key): "statements/test_time_errors.py::test_every_row_about_backward_euler_can_fail"
+        for key in ("data", "solution", "order", "uniform", "reference")
+    },
+    **{
+        ("beyond: work on edges", key): "statements/test_contact_work.py::test_every_row_about_edges_can_fail"
+        for key in ("solution", "all", "constant", "branches")
+    },
+    **{
+        ("beyond: work of contact", key): f"statements/test_contact_work.py::{name}"
+        for name, keys in (
+            ("test_work_of_another_order_fails", ("order", "order-mean")),
+            ("test_a_spread_that_stays_and_work_that_cannot_be_seen_fail", ("spread", "share")),
+        )
+        for key in keys
+    },
+    ("Prop. 5.4", "leading-order"): (
+        "statements/test_random_meshes.py::test_a_leading_term_that_is_not_of_order_h_may_not_take_its_place"
+    ),
+    **{
+        ("beyond: landings", f"{scheme}-two"): (
+            "statements/test_time_errors.py::test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed"
+        )
+        for scheme in ("backward-euler", "midpoint")
+    },
+    **{
+        ("(5.23)", f"{v}-random"): "statements/test_random_meshes.py::test_interpolation_of_another_order_fails"
+        for v in ("smooth", "u-0.23", "u-0.61")
+    },
     ("enclosure", "order"): "statements/test_enclosure.py::test_an_order_is_judged_where_nobody_knows_the_error",
     **{
         ("(5.20)–(5.21), (5.42)", f"growth-{bound}"): (

@@ -18,7 +18,7 @@ from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.statements.contact_work.judged_work import WorkOfContact
 from study.statements.contact_work.resolved import Resolved, pressing_on
 from study.statements.contact_work.total_work import TotalWork, shaken, vertices_on
-from study.statements.edge_work import C_0, EQUAL, EdgeWork, beta, supremum
+from study.statements.edge_work import BRANCHES, C_0, EQUAL, OF_ALL, OVERALL, WORK, EdgeWork, beta, supremum
 from study.statements.shared.base import Setting
 
 GRID = "one-diagonal"
@@ -90,6 +90,24 @@ def test_a_pressure_off_the_zone_of_contact_breaks_the_bound(monkeypatch: pytest
     monkeypatch.setattr(FaceFields, "stated_pressure", everywhere)
     verdicts = EdgeWork().judge(edge_rows((32,)))
     assert FAILS in verdict_of(verdicts, "solution") & verdict_of(verdicts, "constant")
+
+
+@pytest.mark.parametrize(
+    ("quantities", "value", "key"),
+    [
+        ((WORK,), 1.01, "solution"),
+        ((OF_ALL,), 1.01, "all"),
+        ((OVERALL,), C_0 + 0.01, "constant"),
+        (BRANCHES, 0, "branches"),
+    ],
+)
+def test_every_row_about_edges_can_fail(quantities: tuple[str, ...], value: float, key: str) -> None:
+    numbers = {WORK: 0.5, OF_ALL: 0.5, OVERALL: 0.1, **dict.fromkeys(BRANCHES, 3)}
+    common = {"case": "a", "family": GRID, "level": 16, "h": 1 / 16}
+    right = pd.DataFrame({**common, "quantity": name, "value": float(number)} for name, number in numbers.items())
+    assert verdict_of(EdgeWork().judge(right), key) == {HOLDS}
+    wrong = right.assign(value=right["value"].where(~right["quantity"].isin(quantities), value))
+    assert verdict_of(EdgeWork().judge(wrong), key) == {FAILS}
 
 
 def work_rows(work: Callable[[int], float], spread: float = 0.5) -> pd.DataFrame:

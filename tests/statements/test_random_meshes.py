@@ -14,6 +14,7 @@ from study.ledger.measures import growth, order, weighted
 from study.ledger.orders import fitted_limit, limit, weighted_order
 from study.ledger.verdict import FAILS, HOLDS
 from study.ledger.window import Window, around, at_most
+from study.statements.interpolation import FIELDS, InterpolationInV
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.shared.random_meshes import CELLS, LEADING, in_leading_term, is_random
 
@@ -128,3 +129,16 @@ def test_a_leading_term_that_is_not_of_order_h_may_not_take_its_place(rates: pd.
     found = rows(worse)
     assert found["order"] == HOLDS
     assert found["leading-order"] == FAILS
+
+
+@pytest.mark.parametrize(("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS)])
+def test_interpolation_of_another_order_fails(order: float, verdict: str) -> None:
+    """And what the coarsest mesh has by chance hardly counts."""
+    numbers = {level: level**-order for level in (8, 16, 32)} | {8: 1.05 * 8**-order}
+    rows = pd.DataFrame(
+        {"case": "a", "family": "shaken", "level": level, "h": 1 / level, "quantity": v, "value": value}
+        for v in FIELDS.values()
+        for level, value in numbers.items()
+    )
+    found = {row.key: row.verdict for row in InterpolationInV().judge(rows)}
+    assert found == dict.fromkeys([f"{key}-random" for key in FIELDS], verdict)
