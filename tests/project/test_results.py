@@ -148,4 +148,4 @@ def test_the_tables_of_the_committed_run_and_the_figures_over_all_cases_are_ther
     for name in ("rates", "ledger", "equivalence", "stresses", "bounds", "controls"):
         assert (RESULTS / "tables" / f"{name}.md").is_file()
     for name in ("collapsed", "convergence", "effectivity", "growth", "problem"):
-        assert {".pdf", ".png", ".txt"} <= {path.suffix for path in (RESULTS / "figures").glob(f"{name}.*")}
+        assert {".pdf", ".txt"} <= {path.suffix for path in (RESULTS / "figures").glob(f"{name}.*")}
