@@ -32,7 +32,7 @@ from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.places import EVERY, different, material, named, place, shape, space_of
-from study.statements.shared.random_meshes import CELLS, is_random
+from study.statements.shared.random_meshes import CELLS, apart
 
 TIMES = (0.23, 0.61)
 """Fractions of T, at which no case begins or ends anything."""
@@ -97,9 +97,10 @@ class InterpolationInV(ListedNumbers):
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found = []
         for case, groups in by_case(rows):
+            chance, others = apart(groups)
             for key, v in FIELDS.items():
-                for rule, random in zip(in_V(key, v), (False, True), strict=True):
-                    if mine := {family: table for family, table in groups.items() if is_random(family) is random}:
+                for rule, mine in zip(in_V(key, v), (others, chance), strict=True):
+                    if mine:
                         found.append(rule.verdict(self, case, mine))
         return found
 

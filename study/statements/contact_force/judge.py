@@ -36,7 +36,7 @@ from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.statements.contact_force.measure import SHARES
 from study.statements.contact_force.sweep import PressureSweep
-from study.statements.shared.random_meshes import is_random
+from study.statements.shared.random_meshes import apart
 
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "as the discrete error, on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "as the discrete error, on other meshes")
@@ -81,10 +81,11 @@ class ContactForce(PressureSweep):
 def rules_of(case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
     """What is judged of a case, and on which mesh families."""
     norms = [(rule, groups) for rule in NORMS]
-    if mine := {family: levels for family, levels in groups.items() if not is_random(family)}:
-        norms.append((PRESSURE, mine))
-    if mine := {family: levels for family, levels in groups.items() if is_random(family)}:
-        yield Observation(OF_CHANCE, FEW_EDGES), mine
+    chance, others = apart(groups)
+    if others:
+        norms.append((PRESSURE, others))
+    if chance:
+        yield Observation(OF_CHANCE, FEW_EDGES), chance
     for chosen, window, name in ((True, SUPERCLOSE, "superclose"), (False, OTHERS, "other families")):
         if mine := {family: levels for family, levels in groups.items() if (family == ONE_DIAGONAL) is chosen}:
             quantity = f"order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h, {name}"

@@ -14,7 +14,7 @@ from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Named, Verdict, row
 from study.ledger.window import Window, above_nothing, around, at_least, at_most, between
 from study.statements.prop_5_4.evidence import EVIDENCE, SIZES, over
 from study.statements.prop_5_4.sweep import Rates
-from study.statements.shared.random_meshes import LEADING, in_leading_term, is_random
+from study.statements.shared.random_meshes import LEADING, apart, in_leading_term
 
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
@@ -92,7 +92,8 @@ SOLIDS = (
 
 def leading_term(groups: Groups) -> Iterator[tuple[Criterion, Groups]]:
     """On random meshes: that what takes the place of h in the orders of errors there is of order h itself."""
-    if shaken := {name: group for name, group in groups.items() if is_random(name)}:
+    shaken, _ = apart(groups)
+    if shaken:
         quantity = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, random meshes"
         yield order("leading-order", quantity, OF_THE_TERM, LEADING, ENOUGH + 1), shaken
 

@@ -32,6 +32,12 @@ def is_random(family: str) -> bool:
     return family.partition("-")[0] == Shaken().name
 
 
+def apart(groups: Groups) -> tuple[Groups, Groups]:
+    """The groups of random meshes and those of all others."""
+    chance = {name: table for name, table in groups.items() if is_random(name)}
+    return chance, {name: table for name, table in groups.items() if name not in chance}
+
+
 def in_leading_term(groups: Groups) -> Groups:
     """Groups in which h is the leading term of interpolation on random meshes."""
     return {name: table.assign(h=table[LEADING]) if is_random(name) else table for name, table in groups.items()}
