@@ -1,21 +1,25 @@
-"""How the bound y of ‖e‖_V grows over one step of length k, from means over the step.
+"""How the bound y of ‖e‖_V grows over one step [a, b] of length k, from means over the step and largest values in it.
 
-With the moduli g_i of G against A (``study.bound.moduli``), |τ|²_i the part of |τ|²_{A⁻¹} in the i-th direction, and
-the residual ρ = ρ_A + ρ_G in parts (1 − w_i) and w_i of every direction, 0 ≤ w_i ≤ 1,
+With the moduli g_i of G against A (``study.bound.moduli``), |τ|²_i the part of |τ|²_{A⁻¹} in the i-th direction, a
+modulus 0 ≤ θ ≤ min g_i, the norm ‖·‖ of A⁻¹ and the residual ρ = ρ_A + ρ_G in parts (1 − w_i) and w_i of every
+direction, 0 ≤ w_i ≤ 1,
 
-    (ρ, ε(e))_Q ≤ ‖ρ_A‖_{A⁻¹} ‖e‖_V + ¼ ‖ρ_G‖²_{G⁻¹} + Σ_i g_i ‖ε(e)‖²_i,     ‖ρ_G‖²_{G⁻¹} = Σ_i w_i² ‖ρ‖²_i / g_i,
+    (ρ, ε(e))_Q ≤ ‖ρ_A‖ ‖e‖_V + q + Σ_i (g_i − θ) ‖ε(e)‖²_i,     q = ¼ Σ_i w_i² ‖ρ‖²_i / (g_i − θ),
 
-and the last sum is at most (Gε(u) − Gε(ũ), ε(e))_Q. So either the elasticity damps the error, or it takes up that part
-of the residual which is large where G is stiff, as it is in volume for G nearly incompressible:
+and the last sum with θ ‖e‖_V² is at most (Gε(u) − Gε(ũ), ε(e))_Q. So the elasticity damps the error by θ, and the
+rest of it takes up that part of the residual which is large where G is stiff, as it is in volume for G nearly
+incompressible:
 
-    y(b) ≤ (e^{−2mk} y(a)² + 2 ∫c)^{1/2} + ∫ e^{−m(b−t)} (r + η)                             (damped)
-    y(b) ≤ (y(a)² + 2 ∫c + ½ ∫ ‖ρ_G‖²_{G⁻¹})^{1/2} + ∫ (‖ρ_A‖_{A⁻¹} + η),                      (shared)
+    y(b) ≤ (e^{−2θk} y(a)² + 2 ∫ e^{−2θ(b−t)} (c + q))^{1/2} + ∫ e^{−θ(b−t)} (‖ρ_A‖ + η),
 
-the least of which counts. For m < 0 both get the factor e^{|m|k} instead of the damping.
+and the least of some θ and w counts. Each integral is at most that of its kernel times the largest value, which serves
+steps much longer than 1/θ, and at most that of the mean value, by the inequality of Cauchy and Schwarz. If the least
+g_i is m < 0, then θ = 0 and the right side has the factor e^{|m|k}.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,65 +28,79 @@ from manufactured.tensors import Array
 
 ROUNDS = 4
 """Times that the weights w are improved."""
+SMALL = 2.0**-20
+"""k β of weights that are nearly 1."""
 
 
 @dataclass(frozen=True, eq=False)
-class Added:
-    """What one step adds.
+class Sizes:
+    """What drives the error, at a time of a step.
 
     Attributes:
-        k: the length of the step.
-        residual: the mean of |ρ|²_i over cells, (directions, cells).
-        oscillation: the mean square of η_T, (cells,).
-        contact: ∫ c.
-        rest: ∫ of what is no part of a cell.
+        residual: |ρ|²_i over cells, (directions, cells).
+        oscillation: η_T², (cells,).
+        contact: c.
+        rest: the bound of what is no part of a cell.
     """
 
-    k: float
     residual: Array
     oscillation: Array
     contact: float
     rest: float
 
     def joined(self, share: Array) -> float:
-        """The root of the mean of Σ_T (‖ρ‖_T + η_T)², with a share of ρ in every direction, (directions,)."""
+        """The root of Σ_T (‖ρ‖_T + η_T)², with a share of ρ in every direction, (directions,)."""
         kept = np.sqrt(np.tensordot(share**2, self.residual, axes=1))
         return float(np.linalg.norm(kept + np.sqrt(self.oscillation)))
+
+    def squares(self, inverse: Array) -> float:
+        """2 (c + q), from w_i²/(g_i − θ), (directions,)."""
+        return 2 * self.contact + float(inverse @ self.residual.sum(axis=1)) / 2
+
+
+@dataclass(frozen=True, eq=False)
+class Added:
+    """What one step adds: its length k, means over it (of η_T and |ρ|_i the mean squares) and bounds at any time."""
+
+    k: float
+    mean: Sizes
+    largest: Sizes
 
 
 def grown(y: float, moduli: Array, added: Added) -> tuple[float, float]:
     """Bounds of ‖e‖_V at the end of a step and at any time of it, from the bound y at its start."""
     m = float(moduli.min())
     growth = float(np.exp(max(-m, 0.0) * added.k))
-    shared = _shared(y, moduli, added)
-    damped = damping(m, added.k) * np.sqrt(added.k) * added.joined(np.ones(len(moduli))) + added.rest
-    decayed = np.exp(-max(m, 0.0) * added.k) * y
-    at_b = np.hypot(decayed, np.sqrt(2 * added.contact)) + damped
-    inside = np.hypot(y, np.sqrt(2 * added.contact)) + damped
-    return float(growth * min(at_b, shared)), float(growth * min(inside, shared))
+    found = [bounds for theta in {0.0, max(m, 0.0)} for bounds in _bounds(y, moduli, theta, added)]
+    at_b, inside = (growth * min(ends) for ends in zip(*found, strict=True))
+    return at_b, inside
 
 
-def damping(m: float, k: float) -> float:
-    """(∫_a^b e^{−2m(b−t)} dt)^{1/2} for m ≥ 0, and √k for m < 0, where the growth is counted apart."""
-    return float(np.sqrt(-np.expm1(-2 * m * k) / (2 * m))) if m > 0 else float(np.sqrt(k))
+def kernel(rate: float, k: float) -> float:
+    """∫_a^b e^{−rate (b−t)} dt."""
+    return float(-np.expm1(-rate * k) / rate) if rate > 0 else k
 
 
-def _shared(y: float, moduli: Array, added: Added) -> float:
-    """The least bound of some weights w_i = g_i/(g_i + β).
+def _bounds(y: float, moduli: Array, theta: float, added: Added) -> Iterator[tuple[float, float]]:
+    """Those for some weights w_i = g/(g + β), g = g_i − θ, from w = 0 and from nearly w = 1.
 
-    β = ‖ρ_A‖/(2 (…)^{1/2}), in turns with the weights, makes the bound stationary; any β ≥ 0 gives one that is valid.
+    β, in turns with the weights, makes the bound stationary; any β ≥ 0 gives one that is valid. From w = 0 it does not
+    leave w = 0 where y = c = 0, and towards w = 1, which is best there, it goes slowly.
     """
-    g, k, found = np.maximum(moduli, 0.0), added.k, []
-    w = np.zeros(len(g))
-    totals = added.residual.sum(axis=1)
-    for _ in range(ROUNDS):
-        taken = float(np.sum(np.divide(w**2 * totals, g, out=np.zeros_like(w), where=g > 0)))
-        root = float(np.sqrt(y**2 + 2 * added.contact + k * taken / 2))
-        joined = added.joined(1 - w)
-        found.append(root + k * joined + added.rest)
-        taking = 2 * root * g
-        w = np.divide(taking, taking + joined, out=np.zeros_like(g), where=taking > 0)
-    return min(found)
+    k, mean, largest = added.k, added.mean, added.largest
+    g = np.maximum(moduli - theta, 0.0)
+    single, double = kernel(theta, k), kernel(2 * theta, k)
+    decayed = np.exp(-theta * k) * y
+    rest = min(k * mean.rest, single * largest.rest)
+    for w in (np.zeros(len(g)), g / (g + SMALL / k)):
+        for _ in range(ROUNDS):
+            inverse = np.divide(w**2, g, out=np.zeros_like(w), where=g > 0)
+            square = min(k * mean.squares(inverse), double * largest.squares(inverse))
+            linear = min(np.sqrt(double * k) * mean.joined(1 - w), single * largest.joined(1 - w)) + rest
+            root = float(np.hypot(decayed, np.sqrt(square)))
+            yield root + linear, float(np.hypot(y, np.sqrt(square))) + linear
+            taking = 2 * root * g
+            w = np.divide(taking, taking + mean.joined(1 - w), out=np.zeros_like(g), where=taking > 0)
 
 
 LAGRANGE = np.array([[16.0, 15.0, 4.0], [15.0, 64.0, 15.0], [4.0, 15.0, 16.0]]) / 120
@@ -95,3 +113,12 @@ def mean_square(*norms: Array) -> Array:
     ‖f‖ ≤ Σ |L_i| ‖f_i‖ with Lagrange's polynomials.
     """
     return np.einsum("ij,i...,j...->...", LAGRANGE, np.array(norms), np.array(norms))
+
+
+LEBESGUE = 1.25
+"""The largest Σ |L_i|."""
+
+
+def largest_square(*norms: Array) -> Array:
+    """A bound of ‖f‖² at all times for a parabola f in time, from ‖f‖ at both ends and in the middle."""
+    return (LEBESGUE * np.max(norms, axis=0)) ** 2

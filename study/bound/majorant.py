@@ -35,13 +35,15 @@ from manufactured.law import Linear, Yield
 from manufactured.tensors import Tensors
 from study.bound.discretisation import Discretisation
 from study.bound.equilibration import Equilibration, Knot, LawResidual
-from study.bound.growth import Added, grown, mean_square
+from study.bound.growth import Added, Sizes, grown, largest_square, mean_square
 from study.bound.moduli import BoundError
 from study.bound.trajectory import Parabola
 from study.stresses.loads import Loads
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """∫_0^1 B_i B_j for the Bernstein polynomials of degree 2."""
+CURVED, BENT = 1.5, 1.027
+"""How much larger θ(1 − θ) is than its mean, and |θ(θ − ½)(θ − 1)| than at θ = ¼, for 0 ≤ θ ≤ 1."""
 PAIRS = tuple(product(range(3), repeat=2))
 ROUNDING = 1e-6
 """Jump of ũ̇ at a knot, relative to ũ̇, that counts as none."""
@@ -107,29 +109,38 @@ class Majorant:
         elastic, curvature = self._elastic(piece, left, right)
         control = equilibration.residual(loads, (left.viscous + right.viscous) / 2 + elastic, piece.control)
         every = (left.residual, control, right.residual)
-        squares = sum(QUADRATIC[i, j] * equilibration.products(every[i].values, every[j].values) for i, j in PAIRS)
+        residual = {(i, j): equilibration.products(every[i].values, every[j].values) for i, j in PAIRS}
+        squares = sum(QUADRATIC[pair] * found for pair, found in residual.items())
         missed = discretisation.sampling.missed(discretisation.oscillation, piece.a, piece.b)
-        oscillation = mean_square(
-            *(discretisation.oscillation(at.left_out) + missed.cells for at in (left.snapshot, middle, right.snapshot))
-        )
+        left_out = [
+            discretisation.oscillation(at.left_out) + missed.cells for at in (left.snapshot, middle, right.snapshot)
+        ]
         bending, unseen = self._bending(piece, left.snapshot.loads, loads, right.snapshot.loads), missed.everywhere
-        contact = k * self._contact(piece, every)
-        added = Added(k, squares, oscillation, contact, k * (curvature + bending + unseen))
-        at_b, inside = grown(y, discretisation.moduli.values, added)
-        residual, left_out = float(np.sqrt(squares.sum())) + curvature, float(np.sqrt(oscillation.sum()))
-        return Interval(piece.a, piece.b, y, at_b, inside, k * residual, contact, k * left_out, k * bending, k * unseen)
+        mean_contact, largest_contact = self._contact(piece, every)
+        mean = Sizes(squares, mean_square(*left_out), mean_contact, curvature + bending + unseen)
+        largest = Sizes(
+            np.max([residual[i, i] for i in range(3)], axis=0),
+            largest_square(*left_out),
+            largest_contact,
+            CURVED * curvature + BENT * bending + unseen,
+        )
+        at_b, inside = grown(y, discretisation.moduli.values, Added(k, mean, largest))
+        of_law, of_data = float(np.sqrt(squares.sum())) + curvature, float(np.linalg.norm(np.sqrt(mean.oscillation)))
+        integrals = (k * size for size in (of_law, mean_contact, of_data, bending, unseen))
+        return Interval(piece.a, piece.b, y, at_b, inside, *integrals)
 
-    def _contact(self, piece: Parabola, residuals: tuple[LawResidual, ...]) -> float:
-        """The mean of c."""
+    def _contact(self, piece: Parabola, residuals: tuple[LawResidual, ...]) -> tuple[float, float]:
+        """The mean of c, and a bound of it at all times."""
         moments = [self.discretisation.normal_moments(v) for v in (piece.start, piece.control, piece.end)]
-        found = sum(QUADRATIC[i, j] * float(np.vdot(residuals[i].normal, moments[j])) for i, j in PAIRS)
-        # Complementary up to rounding, it may come out as −0.
-        return max(found, 0.0)
+        products = {(i, j): float(np.vdot(residuals[i].normal, moments[j])) for i, j in PAIRS}
+        # Complementary up to rounding, they may come out as −0.
+        mean = sum(QUADRATIC[pair] * found for pair, found in products.items())
+        return max(mean, 0.0), max(*products.values(), 0.0)
 
     def _bending(self, piece: Parabola, *loads: Loads) -> float:
         """The norm in the dual of V of P f minus its parabola a quarter into the piece.
 
-        The remainder of a cubic, θ(θ − ½)(θ − 1), is largest at θ = 0.21, and its mean absolute value is less.
+        The remainder of a cubic, θ(θ − ½)(θ − 1), is ``BENT`` times as large at most, and its mean absolute value less.
         """
         quarter = self.discretisation.snapshot(piece.a + (piece.b - piece.a) / 4).loads
         parabola = 9 / 16 * loads[0] + 6 / 16 * loads[1] + 1 / 16 * loads[2]

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache, reduce
+from functools import cached_property, lru_cache, reduce
 
 import numpy as np
 import sympy as sp
@@ -30,22 +30,27 @@ class Series:
     low: Array
     high: Array
 
+    @cached_property
+    def something(self) -> Array:
+        """Which coefficients are not 0 on all boxes, (terms,)."""
+        return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
+
     def __add__(self, other: Series) -> Series:
         return Series(self.low + other.low, self.high + other.high)
 
 
 @lru_cache
-def _products(variables: int, order: int) -> tuple[tuple[int, int, int], ...]:
-    """(i, j, k) with α_i + α_j = α_k."""
+def _products(variables: int, order: int) -> tuple[Array, Array, Array]:
+    """All i, j and k with α_i + α_j = α_k, sorted by k, (pairs,) each."""
     keys = indices(variables, order)
     place = {key: number for number, key in enumerate(keys)}
 
     def total(a: Index, b: Index) -> Index:
         return tuple(map(sum, zip(a, b, strict=True)))
 
-    return tuple(
-        (i, j, place[total(a, b)]) for i, a in enumerate(keys) for j, b in enumerate(keys) if total(a, b) in place
-    )
+    found = [(place[total(a, b)], i, j) for i, a in enumerate(keys) for j, b in enumerate(keys) if total(a, b) in place]
+    k, i, j = np.array(sorted(found)).T
+    return i, j, k
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,12 +121,13 @@ class Boxes:
 
     def _product(self, a: Series, b: Series) -> Series:
         low, high = np.zeros((2, *a.low.shape))
-        for i, j, k in _products(len(self.variables), self.order):
-            if _nothing(a, i) or _nothing(b, j):
-                continue
+        i, j, k = _products(len(self.variables), self.order)
+        something = a.something[i] & b.something[j]
+        i, j, k = i[something], j[something], k[something]
+        if k.size:
             ends = times((a.low[i], a.high[i]), (b.low[j], b.high[j]))
-            low[k] += ends[0]
-            high[k] += ends[1]
+            first = np.flatnonzero(np.diff(k, prepend=-1))
+            low[k[first]], high[k[first]] = (np.add.reduceat(end, first, axis=0) for end in ends)
         return Series(low, high)
 
     def _composed(self, inner: Series, outer: list[Pair]) -> Series:
@@ -132,7 +138,3 @@ class Boxes:
         for ends in outer[-2::-1]:
             found = self._product(found, delta) + self._constant(ends)
         return found
-
-
-def _nothing(series: Series, term: int) -> bool:
-    return not series.low[term].any() and not series.high[term].any()

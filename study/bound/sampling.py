@@ -7,9 +7,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -26,6 +26,8 @@ from study.stresses.loads import LeftOut
 from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
+KEPT = 64
+"""Pieces whose remainders are kept."""
 GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 
 
@@ -152,7 +154,12 @@ class Sampling:
 
     def _scaled(self, a: float, b: float) -> tuple[Remainders, Remainders]:
         """The remainders times the roots of the sizes of cells and edges; those of loads at rest are made once."""
-        return self._at_rest if self._still else self._made(a, b)
+        return self._at_rest if self._still else self._kept(a, b)
+
+    @cached_property
+    def _kept(self) -> Callable[[float, float], tuple[Remainders, Remainders]]:
+        """The remainders of the last pieces, for which other trajectories and ``worst`` ask again."""
+        return lru_cache(maxsize=KEPT)(self._made)
 
     @cached_property
     def _at_rest(self) -> tuple[Remainders, Remainders]:

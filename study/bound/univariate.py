@@ -28,8 +28,13 @@ class RangeError(ValueError):
 def times(a: Pair, b: Pair) -> Pair:
     """The range of a product; nothing times the whole line is nothing."""
     with np.errstate(invalid="ignore"):
-        every = [np.nan_to_num(x * y, nan=0.0, posinf=np.inf, neginf=-np.inf) for x in a for y in b]
-    return reduce(np.minimum, every), reduce(np.maximum, every)
+        every = [x * y for x in a for y in b]
+        low, high = reduce(np.minimum, every), reduce(np.maximum, every)
+    if np.isnan(low).any():
+        # Minima and maxima of anything and nan are nan: only then is it looked which product was 0 · ∞.
+        every = [np.where(np.isnan(product), 0.0, product) for product in every]
+        low, high = reduce(np.minimum, every), reduce(np.maximum, every)
+    return low, high
 
 
 def _monotone(u: Pair, power: Callable[[Array], Array]) -> Pair:

@@ -1202,26 +1202,29 @@ class Growth:
         self.compliance = inverse(problem.A)
 
     def __call__(self, y: Q, added: Added) -> tuple[Q, Q]:
-        shared = min(self._shared(y, added))
-        x, square = 2 * self.m * added.k, y * y
-        rest = root(up(added.k * mean_decay(x)) * traced(self.compliance, added.M)) + added.loads
-        damped = root(up(decay(x) * square + 2 * added.contact)) + rest
-        inside = root(up(square + 2 * added.contact)) + rest
-        return min(up(damped), shared), min(up(inside), shared)
+        found = [bounds for theta in {Q(0), self.m} for bounds in self._bounds(theta, y, added)]
+        return min(at_b for at_b, _ in found), min(inside for _, inside in found)
 
-    def _shared(self, y: Q, added: Added) -> Iterator[Q]:
-        """With W = G(G + βA)⁻¹ for some β, which need not be good ones."""
-        M = added.M
-        first = root(up(y * y + 2 * added.contact))
-        second = root(up(added.k * traced(self.compliance, M)))
-        yield first + second + added.loads
-        for _ in range(3 if first else 0):
-            beta = Q(round(second / added.k / (2 * first) * (1 << 40)) + 1, 1 << 40)
-            mixed = inverse(combined(self.G, self.A, beta))
-            of_G, of_A = (product_of(mixed, product_of(one, mixed)) for one in (self.G, self.A))
-            first = root(up(y * y + 2 * added.contact + traced(of_G, M) / 2))
-            second = root(up(added.k * beta**2 * traced(of_A, M)))
-            yield up(first + second + added.loads)
+    def _bounds(self, theta: Q, y: Q, added: Added) -> Iterator[tuple[Q, Q]]:
+        """With W = H(H + βA)⁻¹ for H = G − θA and some β > 0, which need not be good ones, and W = 0."""
+        M, k, x = added.M, added.k, 2 * theta * added.k
+        H, square = combined(self.G, self.A, -theta), y * y
+        decayed, mean = decay(x), up(k * mean_decay(x))
+
+        def bounds(taken: Q, left: Q) -> tuple[Q, Q, Q]:
+            first, second = root(up(decayed * square + taken)), root(up(mean * left)) + added.loads
+            beta = Q(round(root(up(left / k)) / (2 * first) * (1 << 40)) + 1, 1 << 40) if first else Q(0)
+            return beta, up(first + second), up(root(up(square + taken)) + second)
+
+        start, at_b, inside = bounds(2 * added.contact, traced(self.compliance, M))
+        yield at_b, inside
+        for beta, rounds in ((start, 3), (1 / k / (1 << 20), 4)):
+            for _ in range(rounds):
+                if beta:
+                    mixed = inverse(combined(H, self.A, beta))
+                    of_H, of_A = (product_of(mixed, product_of(one, mixed)) for one in (H, self.A))
+                    beta, at_b, inside = bounds(2 * added.contact + traced(of_H, M) / 2, beta**2 * traced(of_A, M))
+                    yield at_b, inside
 
 
 @dataclass(frozen=True)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from hypothesis import given
@@ -12,10 +10,16 @@ from scipy.integrate import solve_ivp
 
 from manufactured import FrobeniusBall, KelvinVoigt, Linear, Yield, catalogue, isotropic
 from manufactured.tensors import Array
-from study.bound.growth import Added, damping, grown, mean_square
+from study.bound.growth import Added, Sizes, grown, kernel, largest_square, mean_square
 from study.bound.moduli import moduli
 
 seeds = st.integers(0, 10**6)
+
+
+def constant(k: float, residual: Array, contact: float = 0.0, rest: float = 0.0) -> Added:
+    """A step in which nothing changes, of a residual (directions,) on one cell."""
+    sizes = Sizes(residual[:, None] ** 2, np.zeros(1), contact, rest)
+    return Added(k, sizes, sizes)
 
 
 def random_step(seed: int, least: float = 1e-3) -> tuple[Array, Array, Array, Added]:
@@ -24,14 +28,14 @@ def random_step(seed: int, least: float = 1e-3) -> tuple[Array, Array, Array, Ad
     g, r, e = 10 ** rng.uniform(np.log10(least), 3, 3), rng.normal(size=3), rng.normal(size=3)
     e *= 10 ** rng.uniform(-2, 1)
     k, contact = 10 ** rng.uniform(-3, 0), float(rng.choice([0.0, 10 ** rng.uniform(-3, 0)]))
-    return g, r, e, Added(k, r[:, None] ** 2, np.zeros(1), contact, 0.0)
+    return g, r, e, constant(k, r, contact / k)
 
 
 def worst(g: Array, r: Array, e: Array, added: Added) -> Array:
-    """|e| over a step of e' = r − g e + (∫c/k) e/|e|², for which the inequality of the bound is an equality."""
+    """|e| over a step of e' = r − g e + c e/|e|², for which the inequality of the bound is an equality."""
 
     def rate(_: float, x: Array) -> Array:
-        return r - g * x + added.contact / added.k * x / max(float(x @ x), 1e-30)
+        return r - g * x + added.mean.contact * x / max(float(x @ x), 1e-30)
 
     solved = solve_ivp(rate, (0, added.k), e, method="LSODA", rtol=1e-9, atol=1e-12)
     return np.linalg.norm(solved.y, axis=0)
@@ -50,7 +54,7 @@ def test_a_step_bounds_the_error_at_its_end_and_within(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(10))
 def test_moduli_twice_as_large_would_be_caught(seed: int) -> None:
     _, r, e, added = random_step(seed)
-    g, step = np.full(3, 1 / added.k), replace(added, residual=1e-8 * added.residual, contact=0.0)
+    g, step = np.full(3, 1 / added.k), constant(added.k, 1e-4 * r)
     least = worst(g, 1e-4 * r, e, step)[-1]
     assert least <= grown(float(np.linalg.norm(e)), g, step)[0]
     assert least > 2 * grown(float(np.linalg.norm(e)), 2 * g, step)[0]
@@ -59,32 +63,56 @@ def test_moduli_twice_as_large_would_be_caught(seed: int) -> None:
 @given(seeds)
 def test_short_steps_are_bounded_closely(seed: int) -> None:
     """Where the residual points along the error and nothing is stiff: |e| + k |r|, but for k²."""
-    g, r, _, added = random_step(seed, 0.1)
+    g, r, _, _ = random_step(seed, 0.1)
     g, k = np.minimum(g, 1.0), 1e-3
     e = 3 * r / np.linalg.norm(r)
-    step = replace(added, k=k, contact=1e-6)
+    step = constant(k, r, 1e-3)
     assert grown(3.0, g, step)[0] == pytest.approx(worst(g, r, e, step)[-1], rel=3e-3)
 
 
 def test_a_residual_in_a_stiff_direction_adds_a_square_and_elsewhere_itself() -> None:
     k, g = 0.01, np.array([1.0, 1.0, 1e6])
-    stiff, soft = (Added(k, np.array(part)[:, None], np.zeros(1), 0.0, 0.0) for part in ([0, 0, 1.0], [1.0, 0, 0]))
+    stiff, soft = (constant(k, np.array(part)) for part in ([0, 0, 1.0], [1.0, 0, 0]))
     assert grown(1.0, g, stiff)[0] < 1.0 + 1e-6
     assert grown(1.0, g, soft)[0] > np.exp(-k) + 0.99 * k
 
 
+@pytest.mark.parametrize("stiffness", [1e2, 1e4, 1e6])
+def test_what_a_long_step_of_stiff_elasticity_leaves_is_the_error_at_rest(stiffness: float) -> None:
+    """|r|/g from the residual, √(c/g) from contact, and what is no part of a cell over g: not the integrals."""
+    g, r = np.full(3, stiffness), np.array([0.3, -1.0, 0.5])
+    assert grown(1.0, g, constant(1.0, r))[0] == pytest.approx(np.linalg.norm(r) / stiffness, rel=1e-6)
+    assert grown(1.0, g, constant(1.0, 0 * r, contact=2.0))[0] == pytest.approx(np.sqrt(2.0 / stiffness), rel=1e-6)
+    assert grown(1.0, g, constant(1.0, 0 * r, rest=2.0))[0] == pytest.approx(2.0 / stiffness, rel=1e-6)
+
+
+def test_elasticity_damps_and_takes_up_residuals_at_once() -> None:
+    """Stiff in all directions and much stiffer in one, in which the residual lies."""
+    k, y, r = 0.01, 1.0, np.array([0.0, 0.0, 1e4])
+    at_b, _ = grown(y, np.array([100.0, 100.0, 1e8]), constant(k, r))
+    assert at_b < 1.3 * np.exp(-100 * k) * y
+
+
+def test_a_first_step_from_no_error_at_all_shares_its_residual() -> None:
+    """Also where the weights start from the residual as a whole, of which a first step from y = 0 would take none."""
+    k, g = 0.01, np.array([1.0, 1.0, 1e6])
+    r = np.array([0.0, 0.0, 1.0])
+    assert grown(0.0, g, constant(k, r))[0] == pytest.approx(np.sqrt(k / (2 * 1e6)), rel=0.02)
+
+
 def test_negative_moduli_let_the_error_grow() -> None:
-    still = Added(0.5, np.zeros((3, 1)), np.zeros(1), 0.0, 0.0)
+    still = constant(0.5, np.zeros(3))
     assert grown(1.0, np.array([-2.0, 1.0, 1.0]), still) == pytest.approx((np.exp(1.0), np.exp(1.0)))
-    assert damping(-2.0, 0.25) == 0.5
-    assert damping(1e-9, 0.25) == pytest.approx(0.5)
+    assert kernel(0.0, 0.25) == 0.25
+    assert kernel(1e-9, 0.25) == pytest.approx(0.25)
 
 
 def test_what_is_no_part_of_a_cell_is_added_as_it_is() -> None:
-    _, _, _, added = random_step(3)
-    g = np.array([0.1, 2.0, 30.0])
-    plain, more = grown(1.0, g, added), grown(1.0, g, replace(added, rest=0.25))
-    assert np.subtract(more, plain) == pytest.approx(0.25)
+    """Damped as little as the slowest direction damps."""
+    _, r, _, added = random_step(3)
+    g, k = np.array([0.1, 2.0, 30.0]), added.k
+    plain, more = (grown(1.0, g, constant(k, r, rest=rest)) for rest in (0.0, 0.25 / k))
+    assert np.subtract(more, plain) == pytest.approx(0.25, rel=0.1 * k)
 
 
 @given(seeds)
@@ -95,9 +123,10 @@ def test_the_mean_square_of_a_parabola_is_bounded_by_three_norms(seed: int) -> N
     x = (x + 1) / 2
     values = np.outer((1 - x) * (1 - 2 * x), a) + np.outer(4 * x * (1 - x), m) + np.outer(x * (2 * x - 1), b)
     exact = float(w / 2 @ np.sum(values**2, axis=1))
-    norms = (np.array([np.linalg.norm(v)]) for v in (a, m, b))
+    norms = [np.array([np.linalg.norm(v)]) for v in (a, m, b)]
     assert exact <= mean_square(*norms)[0] * (1 + 1e-12)
     assert mean_square(*(np.ones(1) for _ in range(3)))[0] == pytest.approx(41 / 30)
+    assert (values**2).sum(axis=1).max() <= largest_square(*norms)[0] * (1 + 1e-12)
 
 
 LAWS = [

@@ -19,7 +19,7 @@ import numpy as np
 import pytest
 
 from study.bound.growth import Added as AddedFloat
-from study.bound.growth import grown
+from study.bound.growth import Sizes, grown
 from study.certify import checker
 from study.certify.checker import RefusedError
 
@@ -245,5 +245,7 @@ def test_the_bound_grows_as_that_of_the_study() -> None:
         values, v = np.linalg.eig(np.linalg.solve(A, G))
         v = v / np.sqrt(np.einsum("ij,ik,kj->j", v, A, v))
         squares = np.einsum("Ii,IJ,Ji->i", v, rho @ rho.T, v) / float(k)
-        added = AddedFloat(float(k), squares[:, None], np.zeros(1), float(contact), float(loads))
+        sizes = Sizes(squares[:, None], np.zeros(1), float(contact / k), float(loads / k))
+        # Largest values, of which the checker knows nothing, are not of use here.
+        added = AddedFloat(float(k), sizes, Sizes(4 * sizes.residual, np.zeros(1), 4 * sizes.contact, 2 * sizes.rest))
         assert [float(x) for x in found] == pytest.approx(grown(y, values, added), rel=1e-8)
