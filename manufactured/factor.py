@@ -62,6 +62,8 @@ class Factor:
 
     def along(self, start: Array, tangents: Array, variables: tuple[sp.Symbol, ...]) -> sp.Expr:
         """α on a plane start + Σ s_i t_i, a formula of the s_i; start (d,), tangents (d, d−1)."""
+        if not self.formula.free_symbols:
+            return self.formula
         place = sp.Matrix(start) + sp.Matrix(tangents) * sp.Matrix(variables)
         return self.formula.subs(dict(zip((x1, x2, x3), [sp.nsimplify(c, rational=True) for c in place], strict=False)))
 

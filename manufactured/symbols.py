@@ -6,15 +6,18 @@ in 3D) and ``t`` (time); every derivative is taken symbolically and evaluated by
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass, field, replace
+from functools import cache, lru_cache
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import sympy as sp
 
+from manufactured.kept import kept
 from manufactured.tensors import Array
 
 s, s1, s2, t = sp.symbols("s s1 s2 t", real=True)
@@ -80,9 +83,50 @@ def _truncated_power(x: Array, exponent: float) -> Array:
     return np.where(positive, np.where(positive, x, 1.0) ** exponent, 0.0)
 
 
-def function(arguments: Sequence[Any], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:
+def function(arguments: Sequence[sp.Symbol], expressions: Sequence[sp.Expr]) -> Callable[..., list[Array]]:
     """A NumPy function returning the list of expressions, with common subexpressions shared."""
-    return sp.lambdify(arguments, list(expressions), modules=[{"pos": _truncated_power}, "numpy"], cse=True)  # type: ignore[no-any-return]
+    return _compiled(tuple(arguments), tuple(map(sp.sympify, expressions)), ((0,) * len(arguments),))
+
+
+def derivatives(
+    expression: sp.Expr, arguments: Sequence[sp.Symbol], orders: Sequence[Index]
+) -> Callable[..., list[Array]]:
+    """A NumPy function returning the list of ∂^i of an expression in its arguments, for the given i."""
+    return _compiled(tuple(arguments), (expression,), tuple(orders))
+
+
+def _compiled(
+    arguments: tuple[sp.Symbol, ...], expressions: tuple[sp.Expr, ...], orders: tuple[Index, ...]
+) -> Callable[..., list[Array]]:
+    """A NumPy function returning every ∂^i of every expression; its code is kept (``kept``).
+
+    Functions that are not SymPy's or ``pos`` have derivatives that their names do not tell: nothing of them is kept.
+    """
+
+    def code() -> str:
+        formulas = [differentiate(expression, arguments, order) for expression in expressions for order in orders]
+        call = sp.lambdify(arguments, formulas, modules=[{"pos": _truncated_power}, "numpy"], cse=True)
+        return inspect.getsource(call).replace(call.__name__, NAME, 1)
+
+    own = {type(part) for expression in expressions for part in expression.atoms(sp.Function)}
+    if all(kind is pos or kind.__module__.startswith("sympy.") for kind in own):
+        known = (*map(sp.srepr, arguments), *map(sp.srepr, expressions), orders)
+        text = kept(repr((_versions(), known)), code)
+    else:
+        text = code()
+    names: dict[str, Any] = {**vars(np), "pos": _truncated_power}
+    exec(compile(text, "<formulas>", "exec"), names)
+    return names[NAME]  # type: ignore[no-any-return]
+
+
+NAME = "formulas"
+"""Of the functions in the code that is kept."""
+
+
+@cache
+def _versions() -> tuple[str, ...]:
+    """What the code depends on besides the formulas."""
+    return sp.__version__, np.__version__, Path(__file__).read_text(encoding="utf-8")
 
 
 @lru_cache
@@ -147,6 +191,7 @@ class Jet:
 
     expression: sp.Expr
     variables: tuple[sp.Symbol, ...] = (s,)
+    in_time: int = 0
     _compiled: dict[int, Callable[..., list[Array]]] = field(
         default_factory=dict, init=False, repr=False, compare=False
     )
@@ -163,12 +208,12 @@ class Jet:
     def __call__(self, points: Array, time: Array | complex, order: int = 0) -> Values:
         keys = indices(len(self.variables), order)
         if order not in self._compiled:
-            formulas = [differentiate(self.expression, self.variables, key) for key in keys]
-            self._compiled[order] = function([*self.variables, t], formulas)
+            orders = [(*key, self.in_time) for key in keys]
+            self._compiled[order] = derivatives(self.expression, (*self.variables, t), orders)
         values = self._compiled[order](*points, time)
         shape = points.shape[1:]
         return {k: v if np.shape(v) == shape else np.broadcast_to(v, shape) for k, v in zip(keys, values, strict=True)}
 
     def rate(self) -> Jet:
         """The jet of ∂_t expr."""
-        return Jet(sp.diff(self.expression, t), self.variables)
+        return replace(self, in_time=self.in_time + 1)

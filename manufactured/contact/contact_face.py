@@ -51,8 +51,8 @@ class ContactFace:
 
     def __post_init__(self) -> None:
         refuse_kinks(self.gap, self.strain.formula, self.level)
-        # Compiled here, so that a formula that cannot be used is refused where it is written.
-        self.gap_rate_jet, self.level_jet  # noqa: B018
+        # Made here, so that a formula that cannot be used is refused where it is written.
+        self.gap_jet, self.level_jet  # noqa: B018
         if not np.isfinite(self.rough).all():
             raise FormulaError(f"the rough points {self.rough} are not all numbers")
 

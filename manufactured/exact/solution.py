@@ -124,17 +124,9 @@ class Fields:
 
     def body_force(self, time: complex) -> Vectors:
         """f_0 = −Div σ, (2.2): −∂_j σ_ij with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
-        strain, gradient = self.strain(time), self.strain_gradient(time)
         rate_gradient = _sum([part.strain_gradient(time, rate=True) for part in self._parts])
-        A, G = self.law.A, self.law.G
-        slope = A.drift(self.strain_rate(time)) + G.drift(strain)
-        slope = slope + np.stack(
-            [
-                A(rate) + G.derivative(strain, change)
-                for rate, change in zip(_each(rate_gradient), _each(gradient), strict=True)
-            ],
-            axis=1,
-        )
+        slope = self.law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
+        slope = slope + self.law.G.gradient(lambda: self.strain(time), self.strain_gradient(time))
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
 
     def surface_load(self, part: Part, time: complex) -> Vectors:
@@ -195,11 +187,6 @@ def _coordinates(values: ArrayLike, count: int, what: str) -> Array:
     if found.ndim == 0 or len(found) != count:
         raise ValueError(f"{what} have {count} coordinate(s), one row for each; got an array of shape {found.shape}")
     return found
-
-
-def _each(gradient: Array) -> Array:
-    """The derivatives ∂_j of tensors, one after the other: (D, d, ...) → (d, D, ...)."""
-    return np.moveaxis(gradient, 1, 0)
 
 
 def _sum(terms: list[Array]) -> Array:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import sympy as sp
@@ -12,6 +12,9 @@ from manufactured.face_strain.contact_times import PressureTerm, smooth_branch
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints, relaxation_rate
 from manufactured.symbols import Jet, Values, s, t
 from manufactured.tensors import Array
+
+RECENT = 3
+"""Times at which q and q̇ are at hand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,13 +99,12 @@ class MemoryAtPoints:
         self.flat = points.reshape(points.shape[0], -1)
         self.contacts = [_ContactIntervals(term, self.flat, memory) for term in memory.terms]
         self._start: dict[int, Values] = {}
-        self._last: tuple[complex, int, tuple[Components, Components]] | None = None
+        # A stress asks for strain and strain rate at the same time, which are found together, and trajectories side by
+        # side for the same times.
+        self._found = lru_cache(RECENT)(self._evaluate)
 
     def __call__(self, time: complex, order: int) -> tuple[Components, Components]:
-        # A stress asks for strain and strain rate at the same time, which are found together.
-        if self._last is None or self._last[:2] != (time, order):
-            self._last = time, order, self._evaluate(time, order)
-        return self._last[2]
+        return self._found(time, order)
 
     def _evaluate(self, time: complex, order: int) -> tuple[Components, Components]:
         memory, shape = self.memory, self.points.shape[1:]

@@ -37,7 +37,9 @@ def relaxation_rate(elasticity: sp.Expr | float, viscosity: sp.Expr | float) -> 
     Raises:
         FormulaError: it varies along the face.
     """
-    ratio = sp.simplify(sp.sympify(elasticity) / viscosity)
+    ratio = sp.sympify(elasticity) / viscosity
+    if ratio.free_symbols:
+        ratio = sp.simplify(ratio)
     if ratio.free_symbols:
         raise FormulaError(
             f"the relaxation rate g/a = {ratio} varies along the face; let the factors of A and G agree on the "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -118,10 +119,11 @@ class Scaled:
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
         return self(direction)
 
-    def drift(self, strain: Tensors) -> Array | float:
+    def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
+        found = self(change)
         if self.slopes is None:
-            return 0.0
-        return self.slopes * np.tensordot(self.matrix, strain, axes=1)[:, None]
+            return found
+        return found + self.slopes * np.tensordot(self.matrix, strain(), axes=1)[:, None]
 
 
 def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> Linear:

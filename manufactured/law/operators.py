@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Protocol
 
 from manufactured.factor import Factor
@@ -23,8 +24,8 @@ class AtPoints(Protocol):
         """Its derivative in ε where it exists: (D, ...), (D, ...) → (D, ...)."""
         ...
 
-    def drift(self, strain: Tensors) -> Array | float:
-        """Its derivatives in x_j at fixed ε, (D, d, ...); 0 for a homogeneous one."""
+    def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
+        """∂_j of C(x) ε(x) or G(x, ε(x)) for ∂_j ε = change: (D, d, ...) → (D, d, ...); asks for ε where it matters."""
         ...
 
 

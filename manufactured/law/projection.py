@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -113,8 +114,9 @@ class Yield:
     def scaled(self, factor: Array) -> AtPoints:
         return self
 
-    def drift(self, strain: Tensors) -> float:
-        return 0.0
+    def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
+        at = strain()
+        return np.stack([self.derivative(at, each) for each in np.moveaxis(change, 1, 0)], axis=1)
 
     def normal_response(self, normal: Array) -> tuple[float, float]:
         """(b, ρ) such that G(−Q n⊗n)_nn = −b (Q − ρ)_+ for Q ≥ 0: b = β |P(n⊗n)|², ρ = r/|P(n⊗n)|."""

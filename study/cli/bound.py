@@ -14,7 +14,8 @@ from manufactured.self_proof import prove
 from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
-from study.cli.common import FAILED, OK, listed, progress_bar
+from study.cli.common import listed, progress_bar
+from study.cli.exits import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.terminal import folded
 from study.present.figures import draw_one, enclosure

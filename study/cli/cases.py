@@ -6,22 +6,30 @@ import argparse
 import json
 import textwrap
 
-from manufactured.catalogue import catalogue
-from study.cli.common import OK
+from manufactured.kept import kept
+from study.cli.exits import OK
 from study.ledger.terminal import width
-from study.run.foreseen import describe
+from study.run.code import code_of_all
 
 INDENT = 4 * " "
 
 
 def do_cases(options: argparse.Namespace) -> int:
     """``study cases``."""
-    found = [describe(case) for case in catalogue()]
+    text = kept(f"study cases, {code_of_all()}", _described)
     if options.json:
-        print(json.dumps(found, indent=2))
+        print(text)
         return OK
-    for case in found:
+    for case in json.loads(text):
         print(f"{case['case']:<24}{case['dimension']}D  order {case['expected_order']:<5g}{case['statements']}")
         more = f"{case['summary']}; {case['regularity']}; law {case['law']}"
         print(textwrap.fill(more, width(), initial_indent=INDENT, subsequent_indent=INDENT))
     return OK
+
+
+def _described() -> str:
+    """The lines of all cases; imported here is what takes seconds."""
+    from manufactured.catalogue import catalogue
+    from study.run.foreseen import describe
+
+    return json.dumps([describe(case) for case in catalogue()], indent=2)

@@ -10,7 +10,8 @@ from study.bound import bounded
 from study.bound.trajectory import Refined
 from study.certify import checker
 from study.certify.certified import Making, write
-from study.cli.common import OK, listed, progress_bar
+from study.cli.common import listed, progress_bar
+from study.cli.exits import OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.terminal import folded
 from study.run.resources import available, require

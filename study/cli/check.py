@@ -6,7 +6,8 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from study.cli.common import OK, exit_code
+from study.cli.common import exit_code
+from study.cli.exits import OK
 from study.ledger.datafiles import DataError, read_claims, table_text
 from study.ledger.differing import NUMBERS, difference
 from study.ledger.terminal import folded

@@ -8,6 +8,7 @@ from pathlib import Path
 
 from tqdm import tqdm
 
+from study.cli.exits import FAILED, OK
 from study.ledger.errors import UsageError
 from study.ledger.verdict import HOLDS, REPORTED, Verdict
 from study.present.figures import Drawing, draw_figures
@@ -18,8 +19,6 @@ from study.run.plan import Plan
 from study.run.processes import Processes
 from study.run.provenance import protect
 from study.run.store import Store
-
-OK, FAILED, USAGE = 0, 1, 2
 
 
 def check_jobs(jobs: int) -> None:

@@ -6,7 +6,7 @@ import argparse
 import json
 import math
 
-from study.cli.common import FAILED, OK
+from study.cli.exits import FAILED, OK
 from study.ledger.compare import Tolerance, as_json, as_text, compare
 from study.ledger.errors import UsageError
 from study.run.store import Store

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from study.cli.common import FAILED, OK, check_jobs, progress_bar
+from study.cli.common import check_jobs, progress_bar
+from study.cli.exits import FAILED, OK
 from study.controls import register
 from study.controls.run_controls import controls_text, run_controls, settings, write_controls
 from study.run.processes import Processes

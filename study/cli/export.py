@@ -6,7 +6,7 @@ import argparse
 
 from manufactured.case import Case
 from manufactured.self_proof import prove
-from study.cli.common import OK
+from study.cli.exits import OK
 from study.fem.mesh import boundary_parts
 from study.fem.naming import family_named, resolve
 from study.ledger.errors import UsageError

@@ -9,8 +9,7 @@ import sys
 from collections.abc import Sequence
 
 from study.cli.arguments import parser
-
-FAILED, INTERRUPTED, CLOSED = 1, 130, 141
+from study.cli.exits import CLOSED, FAILED, INTERRUPTED
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

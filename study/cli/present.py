@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from study.cli.common import OK, check_jobs, draw, listed
+from study.cli.common import check_jobs, draw, listed
+from study.cli.exits import OK
 from study.ledger.terminal import folded
 from study.present.figures import drawings
 from study.present.report import write_report

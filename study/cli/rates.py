@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import json
 
-from study.cli.common import FAILED, OK
+from study.cli.exits import FAILED, OK
 from study.ledger.published import as_json, as_text, read_table, report
 from study.ledger.verdict import HOLDS
 

@@ -11,7 +11,7 @@ from manufactured.law import LawError
 from manufactured.self_proof import SelfProofError
 from manufactured.symbols import FormulaError
 from study.bound.moduli import BoundError
-from study.cli.common import FAILED, USAGE
+from study.cli.exits import FAILED, USAGE
 from study.fem.mesh import MeshError
 from study.ledger.datafiles import DataError
 from study.ledger.errors import UsageError

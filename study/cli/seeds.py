@@ -12,7 +12,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from study.cli.common import FAILED, OK, check_jobs, progress_bar
+from study.cli.common import check_jobs, progress_bar
+from study.cli.exits import FAILED, OK
 from study.controls.alarms import tally, text, verdict, write_seeds
 from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 
-from study.cli.common import FAILED, OK, check_jobs, progress_bar
+from study.cli.common import check_jobs, progress_bar
+from study.cli.exits import FAILED, OK
 from study.controls.sensitivity import MOST, PLACES, run_sensitivity, sensitivity_text, write_sensitivity
 from study.run.processes import Processes
 from study.run.store import Store

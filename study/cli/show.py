@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 
 from manufactured.self_proof import prove
-from study.cli.common import OK, listed, progress_bar
+from study.cli.common import listed, progress_bar
+from study.cli.exits import OK
 from study.fem.naming import resolve
 from study.ledger.errors import UsageError
 from study.ledger.terminal import folded

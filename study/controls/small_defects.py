@@ -54,7 +54,7 @@ class WorkOnFaces(Gauge):
     """Gives ∫_{Γ3} p v_ν alone for a load."""
 
     def load(self, time: float) -> Array:
-        amplitudes: tuple[Amplitudes, Amplitudes] = self._amplitudes(time), self._amplitudes(time, rate=True)
+        amplitudes: tuple[Amplitudes, Amplitudes] = self._amplitudes(time, False), self._amplitudes(time, True)
         return self._contact_work(*amplitudes)
 
 

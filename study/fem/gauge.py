@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -30,6 +31,8 @@ needs, as kinks may cross cells and points that share coordinates lower the degr
 dominates the cost. Every row of a rate table records what a plain rule raised by two would change."""
 FACET_POINTS, SOLID_FACET_POINTS = 8, 4
 """Gauss points on a contact facet in 2D, or on each side of a rough point of it, and in each direction of one in 3D."""
+RECENT = 6
+"""Amplitudes that are at hand: those of the last three times."""
 PARALLEL = 0.1
 """Sine of the angle below which two directions are too close for points to share coordinates along both."""
 
@@ -74,7 +77,8 @@ class Gauge:
         # Points in cells and on facets together, so that formulas are evaluated once for both.
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
-        self._parts = [part.amplitudes for part in modes]
+        # Two trajectories side by side and their errors ask for the same times, one soon after the other.
+        self._amplitudes = lru_cache(RECENT)(lambda time, rate: [part.amplitudes(time, rate) for part in modes])
         ends = np.cumsum([0, *(len(found.weights) for found in points)])
         split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
         self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
@@ -89,12 +93,9 @@ class Gauge:
         rule = facet_rule(self.space.mesh, self.space.facets(face.part), face.part, face.rough, points)
         return QuadraturePoints.on_facets(rule, face.part, self.space.mesh)
 
-    def _amplitudes(self, time: float, rate: bool = False) -> Amplitudes:
-        return [amplitudes(time, rate) for amplitudes in self._parts]
-
     def sample(self, time: float) -> Sample:
         """Means, oscillation and interpolant of u(t)."""
-        amplitudes = self._amplitudes(time)
+        amplitudes = self._amplitudes(time, False)
         means = self._cells.strains(amplitudes) / self._cells.viscous
         # What rounding leaves of a strain that is constant on every cell may be negative.
         oscillation = max(self._energy(amplitudes) - self._constant_energy(means), 0.0)
@@ -114,7 +115,7 @@ class Gauge:
         Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this serves solutions
         whose f_0 is not in L² as well.
         """
-        amplitudes = self._amplitudes(time), self._amplitudes(time, rate=True)
+        amplitudes = self._amplitudes(time, False), self._amplitudes(time, True)
         return self.space.functional(self._cells(*amplitudes) / self.space.volumes) + self._contact_work(*amplitudes)
 
     def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:

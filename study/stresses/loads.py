@@ -14,7 +14,7 @@ import numpy as np
 
 from manufactured.body import Kind, Part
 from manufactured.data import Data
-from manufactured.tensors import Array
+from manufactured.tensors import Array, Vectors
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule
 from study.stresses.bernstein import bernstein, triangle_mass
 from study.stresses.composite import alfeld_split, barycentric
@@ -68,7 +68,7 @@ class Snapshot:
 
 
 class ProjectedLoads:
-    """t ↦ P f_0 and P f_2 for a space of stresses."""
+    """t ↦ P f_0 and P f_2 for a space of stresses; those of the last time are at hand, for a march beside one."""
 
     def __init__(self, data: Data, space: StressSpace) -> None:
         self.space = space
@@ -81,9 +81,22 @@ class ProjectedLoads:
             shapes, whole = bernstein(space.degree - 1, local), bernstein(space.degree, full)
             self._blocks.append(_Block(data, rule, shapes, whole))
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
+        self._last: tuple[float, Loads] | None = None
 
     def __call__(self, time: float) -> Loads:
-        return self.at(time).loads
+        if self._last is None or self._last[0] != time:
+            self._last = time, self._loads(time)
+        return self._last[1]
+
+    def _loads(self, time: float) -> Loads:
+        space = self.space
+        force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
+        surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
+        for block in self._blocks:
+            force[block.cells] = block.projected(block.force(time))
+        for part in self._parts:
+            surface[part.edges] = part.projected(part.load(time))
+        return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def at(self, time: float) -> Snapshot:
         """P f_0, P f_2 and the norms of what P leaves out."""
@@ -120,10 +133,14 @@ class _Block:
         gram = np.einsum("anq,bnq,nq->nab", shapes, shapes, rule.weights, optimize=True)
         self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), shapes, rule.weights, optimize=True)
 
+    def projected(self, force: Vectors) -> Array:
+        """P f_0, (n, lower, 2), from f_0 at the points, (2, n, q)."""
+        return np.einsum("naq,dnq->nad", self.projection, force, optimize=True)
+
     def __call__(self, time: float) -> tuple[Array, Array, Array]:
-        """P f_0, (n, lower, 2), and for g = f_0 − P f_0: ‖g‖² on the thirds, (n,), ∫ g B_α, (n, more, 2)."""
+        """P f_0, and for g = f_0 − P f_0: ‖g‖² on the thirds, (n,), ∫ g B_α, (n, more, 2)."""
         force = self.force(time)
-        coefficients = np.einsum("naq,dnq->nad", self.projection, force, optimize=True)
+        coefficients = self.projected(force)
         rest = force - np.einsum("nad,anq->dnq", coefficients, self.shapes, optimize=True)
         weighted = rest * self.weights
         return (
@@ -146,10 +163,14 @@ class _Edges:
         gram = np.einsum("anq,bnq,nq->nab", self.shapes, self.shapes, rule.weights)
         self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), self.shapes, rule.weights)
 
+    def projected(self, load: Vectors) -> Array:
+        """P f_2, (n, k + 1, 2), from f_2 at the points, (2, n, q)."""
+        return np.einsum("naq,dnq->nad", self.projection, load)
+
     def __call__(self, time: float) -> tuple[Array, Array]:
-        """P f_2, (n, k + 1, 2), and ‖f_2 − P f_2‖_e, (n,)."""
+        """P f_2, and ‖f_2 − P f_2‖_e, (n,)."""
         values = self.load(time)
-        coefficients = np.einsum("naq,dnq->nad", self.projection, values)
+        coefficients = self.projected(values)
         rest = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)
         return coefficients, np.sqrt(np.einsum("dnq,dnq,nq->n", rest, rest, self.weights))
 

@@ -19,7 +19,7 @@ from study.bound.univariate import RangeError
 from study.cli.arguments import FAMILIES as FAMILY_NAMES
 from study.cli.arguments import SCHEMES as SCHEME_NAMES
 from study.cli.arguments import TOLERANCE, parser
-from study.cli.common import USAGE
+from study.cli.exits import USAGE
 from study.cli.main import main
 from study.cli.run import PLACES, chosen, on_finer_meshes
 from study.fem.mesh import FAMILIES

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice
 from typing import Any
 
@@ -86,9 +87,14 @@ class StressExperiment:
         """The experiment on a case by its name."""
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, steps)
 
+    @cached_property
+    def problem(self) -> StressEvolution:
+        """Problem 3.2."""
+        return StressEvolution(self.data, self.space, self.solver)
+
     def march(self, steps: int) -> Iterator[DualState]:
         """Problem 3.2 with a number of steps: the states at t_1, …, t_steps."""
-        return islice(self.scheme.march(StressEvolution(self.data, self.space, self.solver), steps), 1, None)
+        return islice(self.scheme.march(self.problem, steps), 1, None)
 
 
 class Exact:
