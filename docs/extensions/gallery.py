@@ -11,6 +11,7 @@ import re
 import sys
 from pathlib import Path
 
+from formulas import prose, with_formulas
 from sphinx.application import Sphinx
 
 from manufactured.case import Case
@@ -20,10 +21,17 @@ from study.present.figures.drawing import in_style
 from study.present.picture.picture import with_every_shape
 from study.present.show.showing import write_gif
 
-HEAD = """Every exact solution of the catalogue in motion, computed on one mesh: the body, deformed, with the pressure
-of the foundation, and beside it the pressure along the contact face, exact (line) and computed (dots), over the exact
-contact zone (blue). [A first exact solution](/tutorials/first-solution.md) says how to evaluate one;
-[How the exact solutions are made](/explanation/exact-solutions.md), what the exponents α and m are.
+HEAD = """Every exact solution of the catalogue in motion, computed on one mesh with n cells along a unit length: the
+body, its displacement times the factor in the legend, with the pressure of the foundation, and beside it the pressure
+along the contact face, exact (line) and computed (dots), over the exact contact zone (blue). A body in space is turned
+so that its contact faces are seen, through the foundation; beside it are maps of them, seen from inside the body:
+exact pressure as a surface, the computed one as dots in the same colours, which cannot be seen where both agree.
+
+A and G are viscosity and elasticity of the law; α and m say how gap and pressure begin at a front, where the zone of
+contact ends; (5.36) is the smoothness that Proposition 5.4 asks for. [A first exact
+solution](/tutorials/first-solution.md) says how to evaluate one; [How the exact solutions are
+made](/explanation/exact-solutions.md), what the exponents mean; [Notation](/explanation/notation.md) has the letters
+of the formulas.
 """
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
@@ -49,17 +57,17 @@ def orders(case: Case) -> str:
 
 
 def formulas(case: Case) -> tuple[str, str, str]:
-    """Source file, formulas and prediction of a case, from its module's docstring."""
+    """Module, formulas and prediction of a case, from the docstring of the module."""
     stem = re.sub(r"\W", "_", case.name)
     module = sys.modules[f"manufactured.cases.{stem}"]
     text = inspect.getdoc(module) or ""
     title, *rest = text.split("\n\n")
     lifted = "\n\n".join(rest)
-    return f"manufactured/cases/{stem}.py", title, lifted
+    return f"manufactured.cases.{stem}", title, with_formulas(lifted)
 
 
 def entry(case: Case, film: str) -> str:
-    source, title, body = formulas(case)
+    module, title, body = formulas(case)
     return f"""## {case.name}
 
 ```{{image}} /generated/films/{film}
@@ -68,17 +76,17 @@ def entry(case: Case, film: str) -> str:
 :loading: lazy
 ```
 
-{case.summary[0].upper()}{case.summary[1:]}. Law: {case.solution.law.name}. Regularity: {case.regularity}.
+{case.summary[0].upper()}{case.summary[1:]}. Law: {case.solution.law.name}. Regularity: {prose(str(case.regularity))}.
 
-Predicted order {case.order:g}: {case.reason}. Last orders measured: {orders(case)}.
+Predicted order {case.order:g}: {prose(case.reason)}. Last orders measured: {orders(case)}.
 
 ```{{dropdown}} Formulas
-{title}
+{prose(title)}
 
 {body}
 ```
 
-`named("{case.name}")`, written in `{source}`.
+`named("{case.name}")`, written in {{api}}`{module.replace(".", "/")}.py <{module}>`.
 """
 
 

@@ -23,6 +23,7 @@ from functools import cached_property, lru_cache, reduce
 from itertools import pairwise, product
 from operator import add, mul
 from pathlib import Path
+from textwrap import fill
 from typing import Any
 
 FORMAT = "signorini-certificate 1"
@@ -1432,13 +1433,15 @@ def main(paths: Sequence[str]) -> int:
         stated = data["problem"]
         kept.append(found)
         interval = f"[{decimal(found.low, False)}, {decimal(found.high, True)}]"
-        print(f"{path}: level {found.level}, {found.cells} cells: max ‖u − u_h‖_V in {interval}")
+        print(f"{path}:\n    level {found.level}, {found.cells} cells: max ‖u − u_h‖_V in {interval}")
     for fine, coarse in ((fine, coarse) for i, fine in enumerate(kept) for coarse in kept[:i]):
         span = order(coarse, fine)
         if span:
             ends = f"[{decimal(span[0], False, 4)}, {decimal(span[1], True, 4)}]"
             print(f"order from level {coarse.level} to {fine.level} in {ends}")
-    print(json.dumps(stated))
+    print("the problem:")
+    for name, value in (stated or {}).items():
+        print(fill(f"    {name}: {json.dumps(value)}", 80, subsequent_indent=8 * " ", break_long_words=False))
     return 0 if kept else 1
 
 

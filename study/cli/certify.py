@@ -45,7 +45,6 @@ def do_certify(options: argparse.Namespace) -> int:
             paths.append(write(store.directory / f"certificate-{level}.json.gz", found))
     print(folded(f"written: {listed(paths)}; now they are checked") + "\n")
     code = checker.main([str(path) for path in paths])
-    print(
-        f"\nto check them without this package: python checker.py {' '.join(map(str, paths))}, with {checker.__file__}"
-    )
+    print(f"\nto check them without this package, with a copy of {checker.__file__}:")
+    print(f"python checker.py {' '.join(map(str, paths))}")
     return code or OK

@@ -9,11 +9,11 @@ import sys
 from collections.abc import Sequence
 
 from study.cli.arguments import parser
-from study.cli.exits import CLOSED, FAILED, INTERRUPTED
+from study.cli.exits import CLOSED, INTERRUPTED, USAGE
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit code: 0 all claims hold, 1 one does not, 2 usage."""
+    """Run the command; returns its exit code: 0 all claims hold, 1 one does not, 2 what cannot be done as asked."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # A terminal in ASCII or cp1252 has no ‖: it is shown as \u2016, also within JSON.
@@ -36,7 +36,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if (error.name or "study").partition(".")[0] in ("study", "manufactured"):
             raise
         print(f"study: {LACKING.format(error.name)}", file=sys.stderr)
-        return FAILED
+        return USAGE
     except Exception as error:
         code, message = importlib.import_module("study.cli.refusals").answer(error)
         print(f"study: {message}", file=sys.stderr)

@@ -29,6 +29,8 @@ the interval of their rate at 95 %, the extreme places in the window, and the mo
 test and the rate that follows."""
 NAMED = PROMISE / 10
 """A row whose tail alone takes so much of what is promised for all rows is named."""
+FOLDED = [25, 14]
+"""Columns for row and case, so that a line has 80."""
 
 
 @dataclass(frozen=True)
@@ -125,24 +127,32 @@ def text(table: pd.DataFrame) -> str:
     """The rates of all rows together, every alarm, and the rows whose tails take much of what is promised."""
     ledger, rows = table[table["label"] == ALL_ROWS], table[table["label"] != ALL_ROWS]
     lines = [
-        (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}", f"{one.rate_tail:.2%}")
+        (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}", _tails(one.rate_tail))
         for one in ledger.itertuples()
     ]
     named = rows[(rows["alarms"] > 0) | ((rows["rate_tail"] > NAMED) & (rows["claimed"] == "yes"))]
     weak = [
-        (one.label, one.key, one.case, f"{one.alarms} of {one.seeds}", one.tail, f"{one.rate_tail:.1e}", one.claimed)
+        (f"{one.label}, {one.key}", one.case, _of(one.alarms, one.seeds), one.tail, f"{one.rate_tail:.1g}", one.claimed)
         for one in named.sort_values("rate_tail", ascending=False).itertuples()
     ]
     return "\n".join(
         [
             tabulate(lines, ["seeds with", "", "seeds", "red", "rate, 95 %", "by the tails"], "simple"),
             "",
-            tabulate(weak, ["row", "", "case", "alarms", "tail", "rate", "claimed"], "simple"),
+            tabulate(weak, ["row", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
             f"{len(newer(table))} rows have a rule that is newer than the first seed: seeds count since then",
             f"at most {PROMISE:.0%} of fresh seeds may turn the ledger red: {verdict(table)}",
         ]
     )
+
+
+def _of(some: object, every: object) -> str:
+    return f"{some} of {every}"
+
+
+def _tails(rate: float) -> str:
+    return "unknown" if math.isnan(rate) else f"{rate:.2%}"
 
 
 def write_seeds(directory: Path, table: pd.DataFrame) -> Path:

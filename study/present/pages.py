@@ -21,8 +21,10 @@ from study.ledger.rounding import above, below, up
 from study.ledger.verdict import REPORTED
 from study.ledger.window import STEEPER
 from study.present.article.source import FullRun
+from study.present.badges import write_badges
 from study.present.figures.drawing import in_style
 from study.present.picture.picture import with_every_shape
+from study.present.report.svg_chart import typeset
 from study.present.show.animation import write_gif
 from study.present.windows import Change, added, changes
 
@@ -40,7 +42,8 @@ def headline(data: FullRun) -> str:
 def results(data: FullRun) -> str:
     """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if rows lack."""
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, _regularity, _work, _time, _defects, _seeds)
-    return _markdown(["claim", "predicted", "observed", "verdict"], [row(data) for row in rows])
+    lines = [[_literal(cell) for cell in row(data)] for row in rows]
+    return _markdown(["claim", "predicted", "observed", "verdict"], lines)
 
 
 def _prop_5_4(data: FullRun) -> list[str]:
@@ -282,8 +285,8 @@ def _earlier(data: FullRun) -> pd.DataFrame:
 
 
 def _literal(text: str) -> str:
-    """A text whose subscripts are not taken for emphasis."""
-    return re.sub(r"([*_])", r"\\\1", text)
+    """A text with its scripts raised and lowered, and nothing in it that is taken for emphasis."""
+    return re.sub(r"([*_])", r"\\\1", typeset(text))
 
 
 def _markdown(header: list[str], rows: Iterable[list[str]]) -> str:
@@ -292,7 +295,7 @@ def _markdown(header: list[str], rows: Iterable[list[str]]) -> str:
 
 
 def main() -> None:
-    """``python -m study.present.pages RESULTS PAGE …``: the tables, and the film on the first screen."""
+    """``python -m study.present.pages RESULTS PAGE …``: the tables; badges and film of the first screen."""
     directory, *pages = map(Path, sys.argv[1:])
     data = FullRun.read(directory)
     if data is None:
@@ -300,6 +303,7 @@ def main() -> None:
     film, picture = directory / "figures" / f"{FILM}.gif", directory / "data" / "pictures" / f"{FILM}.json"
     with in_style():
         write_gif(film, with_every_shape(json.loads(picture.read_text(encoding="utf-8"))), lambda: None, SMALL)
+    write_badges(directory / "badges", data, Path("pyproject.toml"))
     for page in pages:
         print(f"{page}: {'changed' if refresh(page, data) else 'up to date'}")
 

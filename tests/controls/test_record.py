@@ -127,7 +127,7 @@ def test_a_row_whose_tail_leaves_the_window_is_named() -> None:
     record = after(list(np.minimum(1.0 + rng.normal(0.06, 0.017, 60), 1.099)))
     table = tally(record)
     assert table["alarms"].sum() == 0
-    assert re.search(r"^Prop. 5.4 +order +advance-recede +0 of 60", text(table), re.MULTILINE)
+    assert re.search(r"^Prop. 5.4, order +advance-recede +0 of 60", text(table), re.MULTILINE)
     assert raised(table).by_tail > 1e-3
 
 

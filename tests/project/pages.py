@@ -46,7 +46,7 @@ class Page:
     @property
     def session(self) -> str:
         """The Python that the page runs."""
-        return "\n".join(self._blocks("python"))
+        return "\n".join(self._blocks(self.text, "python"))
 
     def printed(self, by: str) -> list[str]:
         """What the page says that its Python, or its shell, prints: blocks of text after one of these."""
@@ -60,12 +60,23 @@ class Page:
         return found
 
     @property
+    def prepared(self) -> list[str]:
+        """The commands of the study that are typed before the Python is run."""
+        before = self.text.partition("\n```python\n")[0]
+        return [line for line in self._lines(before) if words(line)[0] == "study"]
+
+    @property
     def typed(self) -> list[str]:
         """The lines for the shell."""
-        return [line for block in self._blocks("sh") for line in block.splitlines() if line.strip()]
+        return self._lines(self.text)
 
-    def _blocks(self, language: str) -> list[str]:
-        found = BLOCK.finditer(self.text)
+    @classmethod
+    def _lines(cls, text: str) -> list[str]:
+        return [line for block in cls._blocks(text, "sh") for line in block.splitlines() if line.strip()]
+
+    @staticmethod
+    def _blocks(text: str, language: str) -> list[str]:
+        found = BLOCK.finditer(text)
         return [block["text"] for block in found if block["language"].strip() == language and not block["name"]]
 
 

@@ -69,7 +69,7 @@ def test_a_command_without_its_extra_says_how_to_install_it(
         raise ModuleNotFoundError(f"No module named 'scipy', for {name}", name="scipy.sparse")
 
     monkeypatch.setattr("importlib.import_module", without)
-    assert main(["cases"]) == 1
+    assert main(["cases"]) == 2
     assert capsys.readouterr().err == f"study: {LACKING.format('scipy.sparse')}\n"
 
 

@@ -26,6 +26,7 @@ ELSEWHERE = {
 """How a command begins ↦ the test that runs it."""
 EXCLUDED = {
     "pip install .": "make wheel, which CI runs, installs the wheel in an environment of its own",
+    "python -m pip install '.[study]'": "make study installs it so, with pins",
     "pip install '.[study": "the environment of the tests has Dask and everything else",
     "make full": "half an hour: the nightly workflow runs it",
     "make seeds": "an hour: the nightly workflow runs it",
@@ -80,6 +81,8 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, tmp_path: Path
     if needed and importlib.util.find_spec(needed) is None:
         pytest.skip(f"{needed} is not installed")
     (tmp_path / "session.py").write_text(page.session, encoding="utf-8")
+    for line in page.prepared:
+        run(page, tmp_path, words(line))
     expect(page.printed("python"), run(page, tmp_path, [sys.executable, "session.py"]))
 
 

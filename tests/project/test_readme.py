@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import shutil
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,8 @@ from pages import README, ROOT, SITE, Page
 
 from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
 from study.present.article.source import FullRun
+from study.present.badges import badges, write_badges
+from study.present.charts.palette import VERMILLION
 from study.present.pages import main, refresh, results
 from study.statements.prop_5_3 import LIMIT
 from study.statements.prop_5_4.from_rates import Turned
@@ -45,6 +48,26 @@ def test_the_tables_of_a_page_come_from_the_committed_data(path: Page, full: Ful
     copy = tmp_path / "page.md"
     copy.write_text(path.text, encoding="utf-8")
     assert not refresh(copy, full), "run: make pages"
+
+
+def test_the_badges_say_what_is_so(full: FullRun, tmp_path: Path) -> None:
+    written = write_badges(tmp_path, full, ROOT / "pyproject.toml")
+    shown = re.findall(r"\]\(results/badges/(\S+)\)\]", README.text)
+    assert sorted(shown) == sorted(path.name for path in written)
+    committed = ROOT / "results" / "badges"
+    for path in written:
+        assert path.read_text(encoding="utf-8") == (committed / path.name).read_text(encoding="utf-8"), (
+            "run: make pages"
+        )
+
+
+def test_a_badge_is_red_where_a_row_fails_and_a_defect_goes_unseen(full: FullRun) -> None:
+    failing = full.claims.assign(verdict=["fails", *full.claims["verdict"][1:]])
+    unseen = full.controls.assign(caught=full.controls["caught"].replace("yes", "no"))
+    found = badges(replace(full, claims=failing, controls=unseen), ROOT / "pyproject.toml")
+    assert found["ledger.svg"].says.endswith(" 1 fail")
+    assert found["defects.svg"].says.startswith("0 of ")
+    assert found["ledger.svg"].colour == found["defects.svg"].colour == VERMILLION
 
 
 def test_the_orders_at_their_head_are_those_of_the_errors_measured() -> None:

@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 from study.present.charts.chart import Array, Axis, Chart, Style, Subplot
 from study.present.charts.palette import BLACK, DARK
 
-_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|\w)")
+_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|[\w+−])")
 _TAGS = {"^": "sup", "_": "sub"}
 _OFFSETS = {"": 0.0, "^": -0.35, "_": 0.2}
 _SIZE = 0.72

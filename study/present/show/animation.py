@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from PIL import Image
 
 from study.ledger.files import write_whole
-from study.present.charts.palette import BLACK, SKY, VERMILLION
+from study.present.charts.palette import BLACK, RAMPS, SKY, VERMILLION
 from study.present.figures.contact_maps import draw_map, paint_values
 from study.present.figures.deformed_body import draw_keys
 from study.present.figures.deformed_mesh import ROUND_OFF, BodyScale, draw_deformed_mesh
@@ -109,8 +109,8 @@ _LINE = (
     Patch(color=SKY, alpha=0.35, lw=0, label="exact contact zone"),
 )
 _SURFACE = (
-    entry("exact pressure", color="0.6", lw=4),
-    dots("computed pressure", mfc="white", mec="0.4", mew=0.4, ms=2.6),
+    Patch(color=RAMPS["pressure"][3], lw=0, label="exact pressure"),
+    dots("computed pressure, same colours", mfc=RAMPS["pressure"][3], mec="0.4", mew=0.4, ms=3.4),
     entry("exact front", color=VERMILLION, lw=1.0),
 )
 

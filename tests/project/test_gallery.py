@@ -1,0 +1,51 @@
+"""The formulas of the gallery are those that the cases state, in the form that browsers draw."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from docutils.utils.math.latex2mathml import tex2mathml
+
+from manufactured.case import Case
+from manufactured.catalogue import catalogue
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def gallery() -> ModuleType:
+    sys.path.insert(0, str(ROOT / "docs" / "extensions"))
+    try:
+        import gallery
+    finally:
+        sys.path.pop(0)
+    return gallery
+
+
+@pytest.mark.parametrize("case", catalogue(), ids=lambda case: case.name)
+def test_the_formulas_of_a_case_can_be_drawn_and_none_is_left_in_letters_of_a_keyboard(
+    case: Case, gallery: ModuleType
+) -> None:
+    _, _, text = gallery.formulas(case)
+    found = re.findall(r"\$(.+?)\$", text)
+    assert len(found) > 2
+    for formula in found:
+        assert tex2mathml(formula)
+    assert re.findall(r"^    |[\^]|_\{", re.sub(r"\$.+?\$|``.*?``", "", text), re.MULTILINE) == []
+
+
+@pytest.mark.parametrize(
+    ("written", "latex"),
+    [
+        ("w = 8 (−ψ)_+^4/(1/5 − ψ)³", "w = 8 (-ψ)_+^4/(1/5 - ψ)^3"),
+        ("p = a Q̇ + A_nnnn θ̇", r"p = a \dot{Q} + A_{nnnn} \dot{θ}"),
+        ("|Γ3,2| − x^{−1/2}", "|Γ_{3,2}| - x^{-1/2}"),
+        ("Re(a z^α) cos λω", r"\operatorname{Re}(a z^α) \operatorname{cos} λω"),
+    ],
+)
+def test_a_formula_becomes_latex(written: str, latex: str, gallery: ModuleType) -> None:
+    assert sys.modules["formulas"].latex(written) == latex
