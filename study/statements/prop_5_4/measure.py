@@ -24,9 +24,9 @@ from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 
-RESPONSE = 12
-"""Time steps in which the effect of a change of the load is followed at first. What cells leave out changes from step
-to step and averages out over more of them, so that few steps give more rather than less."""
+RESPONSE, MORE = 12, 4
+"""Time steps in which the effect of a change of the load is followed at first, and how many times as many next. What
+cells leave out changes from step to step and averages out over more of them, so that few give more rather than less."""
 NEGLIGIBLE = 0.01
 """A relative change up to which more steps are not worth their while."""
 
@@ -129,7 +129,7 @@ class Measurement:
         """Relative change of the worst error when every cell rule is raised by two degrees, and its points not moved.
 
         The error's own rule changes it directly; the load's changes u^h by the response of the linear problem without
-        contact to the change of the load, in RESPONSE steps, or if that gives more than NEGLIGIBLE in as many as u^h.
+        contact to the change of the load, in RESPONSE steps, and in more up to those of u^h while it is not NEGLIGIBLE.
         """
         experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
         finer = Gauge(experiment.solution, experiment.space, raised=2, along=())
@@ -147,8 +147,10 @@ class Measurement:
             drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
             return (abs(raised - error) + drift) / error
 
-        first = relative(RESPONSE)
-        return first if first <= NEGLIGIBLE else relative(2 * experiment.steps)
+        steps = RESPONSE
+        while (found := relative(steps)) > NEGLIGIBLE and steps < 2 * experiment.steps:
+            steps = min(MORE * steps, 2 * experiment.steps)
+        return found
 
 
 def measure_case(case: Case, family: MeshFamily, level: int, scheme: Scheme, steps: int) -> dict[str, Any]:
