@@ -62,7 +62,7 @@ def badges(data: FullRun, project: Path) -> dict[str, Badge]:
     return {
         "ledger.svg": Badge("ledger", rows, ledger),
         "defects.svg": Badge("injected defects", f"{found} of {injected} caught", defects),
-        "python.svg": Badge("Python", str(stated["requires-python"]), BLUE),
+        "python.svg": Badge("Python", str(stated["requires-python"]).replace(">=", "≥ "), BLUE),
         "licence.svg": Badge("licence", str(stated["license"]), BLUE),
     }
 

@@ -226,8 +226,9 @@ def statements(data: FullRun) -> str:
         code = ", ".join(
             f"[`{path}`](../../{path}{'__init__.py' if path.endswith('/') else ''})" for path in where["code"]
         )
-        lines.append([label, _literal(claim), counts, code, ", ".join(f"`{name}`" for name in where["data"])])
-    return _markdown(["statement", "says", "verdicts", "code", "data"], lines)
+        found = ", ".join(f"`{name}`" for name in where["data"])
+        lines.append([label, _literal(claim), counts, f"{code}: {found}"])
+    return _markdown(["statement", "says", "verdicts", "code: data"], lines)
 
 
 def cases(data: FullRun) -> str:
