@@ -8,6 +8,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -20,9 +21,10 @@ from study.bound.equilibration import Equilibration
 from study.bound.trajectory import DiscreteSolution, Refined, compute, spline
 from study.certify import checker
 from study.certify.rational_mesh import Twins, in_doubles, rational_mesh
+from study.certify.reference_element import columns
 from study.certify.statement import statement
 from study.certify.tensor_field import constants
-from study.certify.witnesses import COARSE, DISPLACEMENT, FINE, AdmissibleRounding, StressEncoder, bits_below
+from study.certify.witnesses import COARSE, DISPLACEMENT, FINE, AdmissibleRounding, Load, StressEncoder, bits_below
 from study.fem.mesh import MeshFamily, Unstructured
 from study.ledger.files import write_whole
 from study.solve.evolution import Scheme
@@ -71,6 +73,7 @@ class Making:
             "mesh": mesh,
             "refinements": self.refined.refinements,
             "computed": _nodal(computed),
+            "element": columns(),
             **_rounded(problem, twins, fine, nodes, progress),
         }
 
@@ -96,8 +99,8 @@ def _rounded(
     V, exact = fine.displacements, twins.exact
     order = np.concatenate([twins.vertices, V.mesh.p.shape[1] + twins.edges])
     bits = bits_below(max(float(abs(u).max()) for u in nodes), DISPLACEMENT)
-    rounding = AdmissibleRounding(problem, exact, bits)
-    displacement = {"bits": bits, "nodes": [rounding(V.coefficients(u)[order]) for u in nodes]}
+    rounding = AdmissibleRounding(exact, bits)
+    displacement = {"bits": bits, "nodes": differences([rounding(V.coefficients(u)[order]) for u in nodes])}
     stress = _stresses(problem, twins, fine, nodes, progress)
     return {"displacement": displacement, "stress": stress}
 
@@ -111,54 +114,51 @@ def _stresses(
 ) -> dict[str, Any]:
     """σ̃ at the knots and its control points between them, in turns."""
     encoder, equilibration = StressEncoder(problem, twins, fine), Equilibration(fine)
-    # Loads are rounded as if tractions were of the size 1; the unit is found after the stresses.
-    kept = list(_found(encoder, equilibration, problem, twins, nodes, progress))
-    largest = max(float(abs(tractions).max()) for tractions, *_ in kept)
+    # The unit is found when all stresses are known.
+    kept = list(_found(encoder, equilibration, nodes, progress))
+    largest = max(float(abs(encoder.tractions(stress)).max()) for stress, _ in kept)
     bits = bits_below(largest, FINE)
     coarse = FINE - COARSE
-    numbers = [encoder.numbers(one, bits, coarse) for one in kept]
+    numbers = [encoder.numbers(stress, load, bits, coarse) for stress, load in kept]
     return {
         "bits": bits,
         "coarse": coarse,
-        "tractions": [tractions for tractions, _ in numbers],
-        "inner": [inner for _, inner in numbers],
+        "tractions": differences([tractions for tractions, _ in numbers]),
+        "inner": differences([inner for _, inner in numbers]),
     }
 
 
 def _found(
-    encoder: StressEncoder,
-    equilibration: Equilibration,
-    problem: checker.Problem,
-    twins: Twins,
-    nodes: list[Array],
-    progress: Callable[[float], object],
-) -> Iterator[tuple[Array, Array, Array]]:
-    """(σ̃N of the edges, σ̃ on cells, twice the area times f̃_0) at knots and control points."""
-    loads, T = checker.Loads(problem, twins.exact, LOAD_BITS), problem.T
+    encoder: StressEncoder, equilibration: Equilibration, nodes: list[Array], progress: Callable[[float], object]
+) -> Iterator[tuple[Array, Load]]:
+    """(σ̃ on cells, f̃) at knots and control points."""
+    T = encoder.problem.T
     k = T / (len(nodes) - 1)
     discretisation = equilibration.discretisation
     knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
     viscous = discretisation.data.law.A.at(discretisation.stresses.points)
     steps = [float(t) for t in np.linspace(0, float(T), len(nodes))]
 
-    def one(load: checker.Load, u: Array, rate: Array) -> tuple[Array, Array, Array]:
+    def one(load: Load, u: Array, rate: Array) -> tuple[Array, Load]:
         target = viscous(discretisation.strain(rate)) + equilibration.elastic(u)
-        given = encoder.loads(load, LOAD_BITS)
-        stress = encoder.bernstein(equilibration.residual(given, target, u).values + target)
-        return encoder.tractions(stress), stress, encoder.nodal(load, LOAD_BITS)
+        stress = equilibration.residual(encoder.study_loads(load), target, u).values + target
+        return encoder.bernstein(stress), load
 
     for j, piece in enumerate(spline(zip(steps, nodes, strict=True))):
-        a, b = knots[j], knots[j + 1]
         first, last = piece.rate(end=False), piece.rate(end=True)
+        start, control, end = encoder.loads(knots[j], knots[j + 1])
         if not j:
-            yield one(loads.at_knot(a), piece.start, first)
-        yield one(loads.control(a, b), piece.control, (first + last) / 2)
-        yield one(loads.at_knot(b), piece.end, last)
-        progress(float(b))
+            yield one(start, piece.start, first)
+        yield one(control, piece.control, (first + last) / 2)
+        yield one(end, piece.end, last)
+        progress(float(knots[j + 1]))
 
 
-LOAD_BITS = 45
-"""Bits of the loads that the stresses of the study balance."""
+def differences(rows: list[list[int]]) -> list[list[int]]:
+    """Second differences in time, which are shorter."""
+    for _ in range(2):
+        rows = [rows[0], *([y - x for x, y in zip(p, q, strict=True)] for p, q in pairwise(rows))]
+    return rows
 
 
 def write(path: Path, certificate: dict[str, Any]) -> Path:

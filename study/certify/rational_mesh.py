@@ -31,12 +31,15 @@ def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
     bits = math.ceil(math.log2(FINENESS / size(mesh)))
     unit, sides = 1 << bits, corners(body)
     points = [(Fraction(round(x * unit), unit), Fraction(round(y * unit), unit)) for x, y in mesh.p.T.tolist()]
-    tolerance = 1e-7 * size(mesh)
+    tolerance, chains = 1e-7 * size(mesh), []
     for part, start, end in zip(body.parts, sides, [*sides[1:], sides[0]], strict=True):
-        for v in np.flatnonzero(part.contains(mesh.p, tolerance)):
+        shares = {}
+        for v in np.flatnonzero(part.contains(mesh.p, tolerance)).tolist():
             along = float(np.dot(mesh.p[:, v] - part.start, part.tangent)) / part.measure
             share = Fraction(round(along * unit), unit) if rational(along).denominator > unit else rational(along)
             points[v] = tuple(a + share * (b - a) for a, b in zip(start, end, strict=True))  # type: ignore[assignment]
+            shares[v] = share
+        chains.append(sorted(shares, key=lambda v, shares=shares: shares[v]))  # type: ignore[misc]
     denominator = math.lcm(*(c.denominator for point in points for c in point))
     cells = mesh.t.copy()
     turned = determinants(mesh.p, cells) < 0
@@ -45,13 +48,14 @@ def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
         "denominator": denominator,
         "points": [[int(c * denominator) for c in point] for point in points],
         "cells": cells.T.tolist(),
+        "sides": chains,
     }
 
 
 def in_doubles(mesh: checker.Mesh) -> Mesh:
     """The same mesh for scikit-fem."""
     points = np.array([[float(c) for c in mesh.place(v)] for v in range(len(mesh.points))]).T
-    return simplicial_mesh(points, np.array(mesh.cells).T)
+    return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,10 +65,15 @@ class Twins:
     skfem: Mesh
     exact: checker.Mesh
 
+    @property
+    def triangles(self) -> Array:
+        """The vertices of the exact cells, (cells, 3)."""
+        return np.array([cell.v for cell in self.exact.cells])
+
     @cached_property
     def vertices(self) -> Array:
         """The number of each exact vertex in scikit-fem."""
-        points = np.array(self.exact.points, dtype=float) / self.exact.denominator
+        points = np.array(self.exact.points, dtype=float) / self.exact.h
         return cKDTree(self.skfem.p.T).query(points)[1]
 
     @cached_property
@@ -77,14 +86,14 @@ class Twins:
     def cells(self) -> Array:
         """The number of each exact cell in scikit-fem."""
         known = {frozenset(corners): n for n, corners in enumerate(self.skfem.t.T.tolist())}
-        mine = self.vertices[np.array(self.exact.cells)].tolist()
+        mine = self.vertices[self.triangles].tolist()
         return np.array([known[frozenset(corners)] for corners in mine])
 
     @cached_property
     def corners(self) -> Array:
         """The local number in scikit-fem of each corner of the exact cells, (cells, 3)."""
         theirs = self.skfem.t.T[self.cells]
-        mine = self.vertices[np.array(self.exact.cells)]
+        mine = self.vertices[self.triangles]
         return (theirs[:, None, :] == mine[:, :, None]).argmax(axis=2)
 
     @cached_property

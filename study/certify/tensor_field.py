@@ -64,7 +64,7 @@ def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
 
 def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple[Array, float]:
     """Φ at the vertices, (vertices, 4), and the largest κ with μ = inside · κ."""
-    blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh, problem)]
+    blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
     unknowns = 4 * len(mesh.points) + 1
     rows, right = zip(*(_triangle(linear, constant) for linear, constant in blocks), strict=True)
     cones = [clarabel.PSDTriangleConeT(len(constant)) for _, constant in blocks]
@@ -84,27 +84,28 @@ def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iter
     constant[2:, 2:] = [[float(c) for c in row] for row in problem.A]
     for cell in mesh.cells:
         divergence = np.zeros((5, 5, 4 * len(mesh.points) + 1))
-        for w, g in zip(cell, checker.slopes([mesh.place(v) for v in cell]), strict=True):
+        a, b, c, d = (x * mesh.h / cell.det for x in cell.F)
+        for w, slope in zip(cell.v, ((c - d, b - a), (d, -b), (-c, a)), strict=True):
             for k, entry in enumerate(ENTRIES):
-                divergence[entry][[4 * w + k, 4 * w + k + 1]] += [float(g[0]), float(g[1])]
+                divergence[entry][[4 * w + k, 4 * w + k + 1]] += slope
         divergence[[0, 1], [0, 1], -1] -= inside
-        for v in cell:
+        for v in cell.v:
             block = divergence.copy()
             for stress, columns in enumerate(((0, 1), (2, 3), (1, 2))):
                 block[[0, 1], 2 + stress, [4 * v + column for column in columns]] += 1
             yield block, constant
 
 
-def _on_boundary(mesh: checker.Mesh, problem: checker.Problem) -> Iterator[tuple[Array, Array]]:
+def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
     """−Φ(ν) at the ends of edges that are not of Γ1, less κ where there is a load."""
-    for edge, part in mesh.parts.items():
-        start, end = (np.array([float(c) for c in x]) for x in problem.sides[part])
-        normal = np.array([(end - start)[1], (start - end)[0]]) / np.linalg.norm(end - start)
-        for v in edge if problem.kinds[part] != "clamped" else ():
+    for edge, side in mesh.boundary.items():
+        normal = np.array([float(c) for c in side.normal])
+        normal /= np.linalg.norm(normal)
+        for v in edge if side.kind != "clamped" else ():
             block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
             for k, entry in enumerate(ENTRIES):
                 block[entry][[4 * v + k, 4 * v + k + 1]] -= normal
-            if part in problem.loads:
+            if side.load:
                 block[[0, 1], [0, 1], -1] -= 1
             yield block, -MARGIN * np.eye(2)
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
+from fractions import Fraction
+from functools import cache, cached_property
 
 import numpy as np
 
@@ -17,6 +18,8 @@ from manufactured.tensors import Array, Tensors
 from study.bound.discretisation import Discretisation
 from study.certify import checker
 from study.certify.rational_mesh import Twins
+from study.certify.reference_element import GIVEN, INNER, bernstein, columns
+from study.stresses.bernstein import indices
 from study.stresses.composite import SIDES
 from study.stresses.loads import Loads
 
@@ -28,6 +31,12 @@ EDGE_PLACES = np.array([[math.comb(3, i) * (n / 3) ** i * (1 - n / 3) ** (3 - i)
 """Values at 0, 1/3, 2/3, 1 from Bernstein coefficients of degree 3."""
 
 
+CUBICS = indices(3)
+LOAD_BITS = 60
+"""f̃_0 is taken over from the checker up to 2^−LOAD_BITS."""
+Edge = tuple[int, int]
+
+
 def bits_below(size: float, digits: int) -> int:
     """b with 2^{−b} about 2^{−digits} times a size."""
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
@@ -37,7 +46,6 @@ def bits_below(size: float, digits: int) -> int:
 class AdmissibleRounding:
     """Displacements as integers whose signs on Γ1 and Γ3 hold exactly."""
 
-    problem: checker.Problem
     mesh: checker.Mesh
     bits: int
 
@@ -54,17 +62,14 @@ class AdmissibleRounding:
         """Integer normals at the numbers on Γ3, none at those on Γ1."""
         found: dict[int, list[tuple[int, int]]] = {}
         clamped = set()
-        for edge, part in self.mesh.parts.items():
-            numbers = (*edge, len(self.mesh.points) + self.mesh.numbers[edge])
-            start, end = self.problem.sides[part]
-            along = checker.minus(end, start)
-            scale = math.lcm(along[0].denominator, along[1].denominator)
-            x, y = (int(c * scale) for c in along)
-            normal = y // math.gcd(x, y), -x // math.gcd(x, y)
-            for n in numbers:
-                if self.problem.kinds[part] == "clamped":
+        for edge, side in self.mesh.boundary.items():
+            scale = math.lcm(*(c.denominator for c in side.normal))
+            x, y = (int(c * scale) for c in side.normal)
+            normal = x // math.gcd(x, y), y // math.gcd(x, y)
+            for n in self.mesh.nodes_of(edge):
+                if side.kind == "clamped":
                     clamped.add(n)
-                elif self.problem.kinds[part] == "contact" and normal not in found.setdefault(n, []):
+                elif side.kind == "contact" and normal not in found.setdefault(n, []):
                     found[n].append(normal)
         return found | {n: [] for n in clamped}
 
@@ -91,18 +96,36 @@ def _with_sign(a: int, product: int) -> int:
     return min(a, 0) if product > 0 else max(a, 0)
 
 
+@cache
+def element() -> checker.Element:
+    """That of the checker."""
+    return checker.Element(columns())
+
+
+@dataclass(frozen=True)
+class Load:
+    """f̃ of one time: twice the area times f̃_0 by six monomials a cell, (cells, 6, 2); |e| f̃_2 on the loaded edges.
+
+    f̃_2 is a cubic by four coefficients of Bernstein, (loaded edges, 4, 2).
+    """
+
+    force: Array
+    surface: Array
+
+
 class StressEncoder:
     """Stresses of the study as tractions and inner numbers of the checker, and loads of the checker as the study's."""
 
     def __init__(self, problem: checker.Problem, twins: Twins, fine: Discretisation) -> None:
         self.problem, self.twins, self.fine = problem, twins, fine
         self.exact = twins.exact
-        element = checker.element()
-        self.rows = np.array(element.rows, dtype=float) / element.K
-        self.squares = np.array(element.squares, dtype=float)
-        self.sides = np.array(self.exact.sides)
-        points = np.array(self.exact.points, dtype=float) / self.exact.denominator
-        self.corners = points[np.array(self.exact.cells)]  # (cells, 3, 2)
+        self.layout = checker.Stresses(self.exact, {"bits": 1, "coarse": 0}, element())
+        self.rows = np.array(element().rows, dtype=float).reshape(3, 30, 45) / element().over
+        gram = np.array(element().gram, dtype=float).reshape(3, 10, 10) / element().unit
+        self.roots = np.linalg.cholesky(gram)
+        self.vertices = twins.triangles
+        points = np.array(self.exact.points, dtype=float) / self.exact.h
+        self.corners = points[self.vertices]  # (cells, 3, 2)
         F = np.stack([self.corners[:, 1] - self.corners[:, 0], self.corners[:, 2] - self.corners[:, 0]], axis=2)
         self.F, self.J = F, np.linalg.det(F)
         self.adjugate = np.linalg.inv(F) * self.J[:, None, None]
@@ -110,52 +133,83 @@ class StressEncoder:
         along = points[edges[:, 1]] - points[edges[:, 0]]
         self.normals = np.stack([along[:, 1], -along[:, 0]], axis=1)
         self.lengths = np.linalg.norm(along, axis=1)
-        cells = np.array(self.exact.cells)
+        self.number = {edge: n for n, edge in enumerate(self.exact.edges)}
+        self.sides = np.array([cell.nodes[3:] for cell in self.exact.cells]) - len(points)
         # Whether a side of a cell runs from its lower vertex to its higher one.
-        self.forward = cells[:, [1, 2, 0]] < cells[:, [2, 0, 1]]
-        kinds = [problem.kinds[self.exact.parts[e]] if e in self.exact.parts else "" for e in self.exact.edges]
-        self.contact = np.array([kind == "contact" for kind in kinds])
-        self.free = np.array([kind in ("", "clamped") for kind in kinds], dtype=bool)
-        self.modes = np.array([[float(c) for c in row] for row in checker.legendre(checker.CUBICS)])
-        self.to_orthogonal = np.array([[float(c) for c in row] for row in checker.orthogonal()[0]])
+        self.forward = self.vertices[:, [1, 2, 0]] < self.vertices[:, [2, 0, 1]]
+        self.to_monomials = np.array(
+            [[[float(p.get(key, 0)) for p in bernstein(third)] for key in checker.CUBIC] for third in range(3)]
+        )
 
-    def loads(self, load: checker.Load, bits: int) -> Loads:
+    def loads(self, a: Fraction, b: Fraction) -> list[Load]:
+        """f̃ at the ends of a piece and its control point between them."""
+        inside = [self._force(control) for control in self._exact.controls(a, b)]
+        first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
+        outside = [first, 2 * middle - (first + last) / 2, last]
+        return [Load(f, g) for f, g in zip(inside, outside, strict=True)]
+
+    @cached_property
+    def _exact(self) -> checker.Loads:
+        return checker.Loads(self.problem, self.exact, LOAD_BITS)
+
+    def _force(self, control: list[checker.Poly]) -> Array:
+        found = np.array(self._exact.on_cells(control), dtype=float) / 2.0**LOAD_BITS
+        return found.reshape(-1, 6, 2) if found.size else np.zeros((len(self.J), 6, 2))
+
+    def _surface(self, time: Fraction) -> Array:
+        """The cubics through |e| f_2 at 0, 1/3, 2/3 and 1 on the loaded edges."""
+        found = np.zeros((len(self.layout.loaded), 4, 2))
+        for n, edge in enumerate(self.layout.loaded):
+            p, q = (self.exact.place(v) for v in edge)
+            for i in range(4):
+                place = [a + Fraction(i, 3) * (b - a) for a, b in zip(p, q, strict=True)]
+                found[n, i] = [value_of(f, (*place, time)) for f in self.exact.boundary[edge].load]
+            found[n] *= self.lengths[self.number[min(edge), max(edge)]]
+        return np.linalg.solve(EDGE_PLACES, found)
+
+    def study_loads(self, load: Load) -> Loads:
         """f̃ as the study takes loads."""
-        space, unit = self.fine.stresses, 2.0**bits
-        force = np.zeros((space.cells, 3, 6, 2))
-        if load.force:
-            nodal = self.nodal(load, bits) / self.J[:, None, None]
-            theirs = np.empty_like(nodal)
-            cells = np.arange(len(nodal))[:, None]
-            theirs[cells, self.twins.corners] = nodal[:, :3]
-            theirs[cells, 3 + self.twins.corners] = nodal[:, 3:]
-            force[self.twins.cells] = np.einsum("tan,cnd->ctad", _polar_forms(), theirs)
+        space = self.fine.stresses
+        nodal = np.einsum("nm,cmd->cnd", [_square(place) for place in PLACES], load.force) / self.J[:, None, None]
+        theirs, force = np.empty_like(nodal), np.zeros((space.cells, 3, 6, 2))
+        cells = np.arange(len(nodal))[:, None]
+        theirs[cells, self.twins.corners] = nodal[:, :3]
+        theirs[cells, 3 + self.twins.corners] = nodal[:, 3:]
+        force[self.twins.cells] = np.einsum("tan,cnd->ctad", _polar_forms(), theirs)
         surface = np.zeros((len(space.lengths), 4, 2))
-        for e, values in load.traction.items():
-            coefficients = np.linalg.solve(EDGE_PLACES, np.array(values, dtype=float).reshape(4, 2)) / unit
-            mine = coefficients[::-1] if self.twins.turned[e] else coefficients
-            surface[self.twins.edges[e]] = mine / self.lengths[e]
+        for edge, values in zip(self.layout.loaded, load.surface, strict=True):
+            e = self.number[min(edge), max(edge)]
+            forward = self.twins.turned[e] == (edge[0] > edge[1])
+            surface[self.twins.edges[e]] = (values if forward else values[::-1]) / self.lengths[e]
         return Loads(force, surface)
 
-    def nodal(self, load: checker.Load, bits: int) -> Array:
-        """Twice the area times f̃_0 at the nodes, (cells, 6, 2)."""
-        if not load.force:
-            return np.zeros((len(self.J), 6, 2))
-        return np.array(load.force, dtype=float).reshape(-1, 6, 2) / 2.0**bits
-
-    def numbers(self, found: tuple[Array, Array, Array], bits: int, coarse: int) -> tuple[list[int], list[int]]:
+    def numbers(self, stress: Array, load: Load, bits: int, coarse: int) -> tuple[list[int], list[int]]:
         """The integers of the certificate; those on Γ3 are of the right sign."""
-        tractions, stress, load = found
-        unit, low = 2.0**bits, 2.0**coarse
-        n = self.normals[self.contact][:, None]
-        tau = np.round(np.minimum((tractions[self.contact] * n).sum(axis=2) / (n * n).sum(axis=2), 0) * unit)
-        modes = np.einsum("mi,eid->emd", self.modes, tractions)
-        given = np.round(modes[self.free].reshape(-1, 8) * unit / np.where(np.arange(8) < 4, 1, low))
-        rounded = modes.copy()
-        rounded[self.free] = (given * np.where(np.arange(8) < 4, 1, low) / unit).reshape(-1, 4, 2)
-        rounded[self.contact] = np.einsum("mi,ei,ed->emd", self.modes, tau / unit, self.normals[self.contact])
-        inner = np.round(self.inner(stress, rounded, load) * unit / low)
-        return [int(c) for c in (*tau.ravel(), *given.ravel())], [int(c) for c in inner.ravel()]
+        layout, T, unit = self.layout, self.tractions(stress), 2.0**bits
+        n = np.array([self.exact.along(edge) for edge in layout.contact])[:, None, ::-1] * [1, -1] / self.exact.h
+        tau = np.round(np.minimum((self._turned(T, layout.contact) * n).sum(axis=2) / (n * n).sum(axis=2), 0) * unit)
+        loaded = np.round(load.surface * unit)
+        modes, units = np.array(checker.MODES), unit / 2.0 ** (coarse * (np.arange(4)[:, None] > 1))
+        free = np.round(np.linalg.solve(modes.T, self._turned(T, layout.free)) * units)
+        rounded = np.zeros_like(T)
+        parts = ((layout.contact, tau[..., None] * n / unit), (layout.loaded, loaded / unit))
+        for edges, values in (*parts, (layout.free, modes.T @ (free / units))):
+            rounded[self._numbers(edges)] = self._flipped(values, edges)
+        inner = np.round(self.inner(stress, rounded, load.force) * unit / 2.0**coarse)
+        return [int(c) for part in (tau, loaded, free) for c in part.ravel()], [int(c) for c in inner.ravel()]
+
+    def _numbers(self, edges: list[Edge]) -> list[int]:
+        return [self.number[min(edge), max(edge)] for edge in edges]
+
+    def _turned(self, T: Array, edges: list[Edge]) -> Array:
+        """σN of all edges from their lower vertices → of some edges from their first ones, N to the right."""
+        return self._flipped(T[self._numbers(edges)], edges)
+
+    @staticmethod
+    def _flipped(values: Array, edges: list[Edge]) -> Array:
+        """σN of edges whose first vertex is not the lower one, seen from there, and back."""
+        flip = np.array([a > b for a, b in edges], dtype=bool)[:, None, None]
+        return np.where(flip, -values[:, ::-1], values)
 
     def bernstein(self, values: Tensors) -> Array:
         """Values of a stress at the points of the study → (cells, 3 thirds, 10, 3) of Voigt's components."""
@@ -163,7 +217,7 @@ class StressEncoder:
         coefficients = coefficients / np.array([1, 1, np.sqrt(2)])
         of_cells = coefficients[self.twins.cells]
         cells, found = np.arange(len(of_cells)), np.empty_like(of_cells)
-        swap = [checker.CUBIC.index((b, a, c)) for a, b, c in checker.CUBIC]
+        swap = [CUBICS.index((b, a, c)) for a, b, c in CUBICS]
         for third in range(3):
             local = self.twins.corners[:, third]
             mine = of_cells[cells, local]
@@ -176,7 +230,7 @@ class StressEncoder:
 
     def tractions(self, stress: Array) -> Array:
         """σN of the edges in Bernstein form from the lower vertex, (edges, 4, 2), means of both sides."""
-        places = [checker.CUBIC.index((3 - i, i, 0)) for i in range(4)]
+        places = [CUBICS.index((3 - i, i, 0)) for i in range(4)]
         found, count = np.zeros((len(self.normals), 4, 2)), np.zeros(len(self.normals))
         for side in range(3):
             e, forward = self.sides[:, side], self.forward[:, side]
@@ -190,41 +244,54 @@ class StressEncoder:
             np.add.at(count, e, 1)
         return found / count[:, None, None]
 
-    def inner(self, stress: Array, modes: Array, load: Array) -> Array:
+    def inner(self, stress: Array, T: Array, force: Array) -> Array:
         """The nine inner numbers of each cell that are left of a stress when its tractions and loads are taken off.
 
-        modes: σN in ``LEGENDRE`` (edges, 4, 2); load: twice the area times f̃ at the nodes, (cells, 6, 2).
+        T: σN of the edges in Bernstein form (edges, 4, 2); force: twice the area times f̃_0 by monomials (cells, 6, 2).
         """
-        signs = np.array([1.0, -1.0, 1.0, -1.0])[:, None]
         given = [
-            np.where(self.forward[:, [i]][..., None], modes[self.sides[:, i]], -signs * modes[self.sides[:, i]])
+            np.where(self.forward[:, i, None, None], T[self.sides[:, i]], -T[self.sides[:, i]][:, ::-1])
             for i in range(3)
         ]
-        t = np.einsum("cij,csnj->csni", self.adjugate, np.stack(given, axis=1)).reshape(len(stress), -1)
-        g = np.einsum("cij,cnj->cni", self.adjugate, load).reshape(len(stress), -1)
-        inputs = np.concatenate([t, g], axis=1)
+        inputs = np.concatenate([*given, force], axis=1)
+        pulled = np.einsum("cij,cnj->cni", self.adjugate, inputs).reshape(len(stress), -1)
         tensor = np.empty((*stress.shape[:-1], 2, 2))
         tensor[..., 0, 0], tensor[..., 1, 1] = stress[..., 0], stress[..., 1]
         tensor[..., 0, 1] = tensor[..., 1, 0] = stress[..., 2]
         # σ̂ det F = F⁻¹ σ F⁻ᵀ (det F)².
-        X = np.einsum("cij,ctajk,clk->ctail", self.adjugate, tensor, self.adjugate, optimize=True)
-        voigt = np.stack([X[..., 0, 0], X[..., 1, 1], X[..., 0, 1]])
-        wanted = np.einsum("na,Icta->Ictn", self.to_orthogonal, voigt).reshape(3, len(stress), 30)
-        left = (wanted - np.einsum("Inj,cj->Icn", self.rows[:, :, :36], inputs)) * self.exact.denominator
-        weights = np.sqrt(self.squares)
-        basis = (self.rows[:, :, 36:] * weights[None, :, None]).reshape(90, 9)
-        return np.moveaxis(left * weights, 0, 1).reshape(len(stress), 90) @ np.linalg.pinv(basis).T
+        hat = np.einsum("cij,ctajk,clk->ctail", self.adjugate, tensor, self.adjugate, optimize=True)
+        voigt = np.stack([hat[..., 0, 0], hat[..., 1, 1], hat[..., 0, 1]])
+        wanted = np.einsum("tna,Icta->Ictn", self.to_monomials, voigt)
+        rows = self.rows.reshape(3, 3, 10, 45)
+        left = wanted - np.einsum("Itnj,cj->Ictn", rows[..., :GIVEN], pulled)
+        # Lengths of vectors are norms in L² when they are weighted with the roots.
+        left = np.einsum("tnm,Ictn->cItm", self.roots, left).reshape(len(stress), 90) * self.exact.h
+        basis = np.einsum("tnm,Itnj->Itmj", self.roots, rows[..., GIVEN:]).reshape(90, INNER)
+        return left @ np.linalg.pinv(basis).T
+
+
+def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
+    """A formula at a point of space and time."""
+    terms = [term(*map(checker.constant, place)).plain() for term in formula]
+    return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
+
+
+PLACES = [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (0.5, 0.5), (0.0, 0.5), (0.5, 0.0)]
+"""Vertices and midpoints of the reference triangle, opposite each other."""
+
+
+def _square(place: tuple[float, float]) -> Array:
+    """The monomials of degree 2 at a point."""
+    return np.array([place[0] ** i * place[1] ** j for i, j, _ in checker.SQUARE])
 
 
 def _polar_forms() -> Array:
     """Bernstein coefficients of degree 2 on the thirds from six nodal values, (3 thirds, 6, 6)."""
-    found = np.zeros((3, 6, 6))
+    found, to_monomials = np.zeros((3, 6, 6)), np.linalg.inv([_square(place) for place in PLACES])
+    corners, centre = np.array(PLACES[:3]), np.array([1 / 3, 1 / 3])
     for third in range(3):
-        vertices = [checker.CORNERS[(third + 1) % 3], checker.CORNERS[(third + 2) % 3], checker.CENTRE]
-        for row, beta in enumerate(checker.SQUARE):
+        vertices = [corners[(third + 1) % 3], corners[(third + 2) % 3], centre]
+        for row, beta in enumerate(indices(2)):
             p, q = (vertices[v] for v, count in enumerate(beta) for _ in range(count))
-            middle = (p[0] + q[0]) / 2, (p[1] + q[1]) / 2
-            for n, shape in enumerate(checker.nodal()):
-                ends = checker.value(shape, p) + checker.value(shape, q)
-                found[third, row, n] = float(2 * checker.value(shape, middle) - ends / 2)
+            found[third, row] = (2 * _square((p + q) / 2) - (_square(p) + _square(q)) / 2) @ to_monomials
     return found
