@@ -767,7 +767,7 @@ class Growth:
         return min(at_b for at_b, _ in found), min(inside for _, inside in found)
 
     def _bounds(self, theta: Q, y: Q, k: Q, M: Matrix, contact: Q, loads: Q) -> Iterable[tuple[Q, Q]]:
-        """With W = H(H + βA)⁻¹ for H = G − θA and some β > 0, which need not be good ones; W = 0 first, but for 2^−100."""
+        """With W = H(H + βA)⁻¹ for H = G − θA and some β > 0, which need not be good ones; W is nearly 0 first."""
         H, faded, mean = combined(self.G, self.A, -theta), decay(2 * theta * k), up(k * mean_decay(2 * theta * k))
         for beta in (Q(1 << GRID), 1 / k / (1 << 20)):
             for _ in range(4):
