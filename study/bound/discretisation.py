@@ -134,6 +134,12 @@ class Discretisation:
         """v ↦ v at the points of the stresses, transposed."""
         return sps.csr_array(self.displacements.shapes(self.stresses.barycentric).T)
 
+    @cached_property
+    def cells_at_contact(self) -> Array:
+        """The cells at the edges of Γ3, (edges of Γ3,)."""
+        edges = [edges for _, edges in self.stresses.on(Kind.CONTACT)]
+        return np.asarray(self.stresses.mesh.f2t[0, np.concatenate(edges)])
+
     def normal_moments(self, v: Array) -> Array:
         """∫_e v_ν B_i on the edges of Γ3, (edges of Γ3, n)."""
         coefficients = self.displacements.coefficients(v)

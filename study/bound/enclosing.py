@@ -20,7 +20,9 @@ from manufactured.case import Case
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.majorant import Interval, Majorant
+from study.bound.moduli import Moduli
 from study.bound.sampling import Evidence
+from study.bound.shares import Shares
 from study.bound.trajectory import DiscreteSolution, Parabola, Trajectory, prolongation, spline
 from study.fem.gauge import Gauge
 from study.fem.quadrature import Line, cell_rules
@@ -43,6 +45,7 @@ class Enclosure:
         error: the true error where it is known, else not a number, (n,).
         intervals: how y came about, one interval up to each time.
         start: bound of the error at t = 0.
+        initial: the squares of ‖u_0 − ũ(0)‖ on the cells of ũ as samples see them, (cells,).
         between: bound of the error over the interval up to each time, (n,).
         evidence: whether the bounds are guaranteed or estimated, and why.
     """
@@ -54,6 +57,7 @@ class Enclosure:
     error: Array
     intervals: tuple[Interval, ...]
     start: float
+    initial: Array
     between: Array
     evidence: Evidence
 
@@ -65,6 +69,18 @@ class Enclosure:
     def bound_at(self, times: Array) -> Array:
         """Bounds at any times of (0, T]: those of the intervals the times lie in, (m,)."""
         return self.between[np.searchsorted(self.times[:-1], times)]
+
+    def shares(self, moduli: Moduli) -> Shares:
+        """The shares of ``highest``: those of all pieces up to that in which it is reached, decayed until then.
+
+        What samples miss of u_0 is shared like what they see; what smoothing in time adds is that of time.
+        """
+        last = int(self.between.argmax()) if self.highest > self.start else -1
+        of_start = self.intervals[0].at_a
+        found = Shares(self.initial, 0.0).of(of_start)
+        for one in self.intervals[: last + 1]:
+            found = moduli.decay(one.b - one.a) * found + one.shares
+        return found + Shares(0 * self.initial, self.highest - found.total)
 
     @property
     def lower(self) -> Array:
@@ -107,7 +123,8 @@ def enclose(
     J = prolongation(computed.space, fine)
     pieces = spline(trajectory.nodes(fine, computed))
     first = next(pieces)
-    start = _initial_error(fine, first.start)
+    initial = _initial_error(fine, first.start)
+    start = math.sqrt(float(initial.sum())) + fine.sampling.missed_at_start()
     at_0 = start + fine.norm(first.start - J @ computed.nodes[0])
     intervals, knots = [], []
     for piece, interval in Majorant(fine)(chain([first], pieces), start):
@@ -126,6 +143,7 @@ def enclose(
         errors,
         tuple(intervals),
         at_0,
+        initial,
         all_between,
         _evidence(fine, intervals),
     )
@@ -162,16 +180,16 @@ def _largest_distance(
     return max(discretisation.norm(d) for d in differences)
 
 
-def _initial_error(discretisation: Discretisation, start: Array) -> float:
-    """‖u_0 − ũ(0)‖_V by quadrature that respects where u_0 is rough."""
+def _initial_error(discretisation: Discretisation, start: Array) -> Array:
+    """‖u_0 − ũ(0)‖² on the cells, by quadrature that respects where u_0 is rough, (cells,)."""
     data, V = discretisation.data, discretisation.displacements
-    total, missed = 0.0, discretisation.sampling.missed_at_start()
+    squares = np.zeros(discretisation.mesh.t.shape[1])
     lines = [Line(direction, offset) for direction, offset in data.lines]
     for rule in cell_rules(discretisation.mesh, INITIAL_DEGREE, lines, data.points):
         difference = data.initial(rule.points) - V.strain_at(start, rule.cells, rule.points)
         stress = data.law.A.at(rule.points)(difference)
-        total += float(np.einsum("Inq,Inq,nq->", stress, difference, rule.weights))
-    return math.sqrt(total) + missed
+        np.add.at(squares, rule.cells, np.einsum("Inq,Inq,nq->n", stress, difference, rule.weights))
+    return squares
 
 
 def order(coarse: Enclosure, fine: Enclosure) -> tuple[float, float]:

@@ -25,18 +25,20 @@ what these samples miss is bounded by ranges of the formulas and added, or the b
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
 
 from manufactured.law import Linear, Yield
-from manufactured.tensors import Tensors
+from manufactured.tensors import Array, Tensors
 from study.bound.discretisation import Discretisation
 from study.bound.equilibration import Equilibration, Knot, LawResidual
 from study.bound.growth import Added, Sizes, grown, largest_square, mean_square
 from study.bound.moduli import BoundError
+from study.bound.sampling import Missed
+from study.bound.shares import Pair, Shares, part_that_changes, proportional
 from study.bound.trajectory import Parabola
 from study.stresses.loads import Loads
 
@@ -62,6 +64,7 @@ class Interval:
         oscillation: ∫ of the bound of f − P f.
         bending: ∫ of the norm of P f minus its parabola in time.
         unseen: ∫ of the bound of what samples of the data miss everywhere.
+        shares: of what the piece adds, ``at_b`` less what is left of ``at_a``.
 
     The integrals are for the record: the bound combines residual and oscillation cell by cell.
     """
@@ -76,6 +79,7 @@ class Interval:
     oscillation: float
     bending: float
     unseen: float
+    shares: Shares
 
 
 class Majorant:
@@ -116,8 +120,8 @@ class Majorant:
             discretisation.oscillation(at.left_out) + missed.cells for at in (left.snapshot, middle, right.snapshot)
         ]
         bending, unseen = self._bending(piece, left.snapshot.loads, loads, right.snapshot.loads), missed.everywhere
-        mean_contact, largest_contact = self._contact(piece, every)
-        mean = Sizes(squares, mean_square(*left_out), mean_contact, curvature + bending + unseen)
+        contact, largest_contact = self._contact(piece, every)
+        mean = Sizes(squares, mean_square(*left_out), float(contact.sum()), curvature + bending + unseen)
         largest = Sizes(
             np.max([residual[i, i] for i in range(3)], axis=0),
             largest_square(*left_out),
@@ -126,16 +130,33 @@ class Majorant:
         )
         at_b, inside = grown(y, discretisation.moduli.values, Added(k, mean, largest))
         of_law, of_data = float(np.sqrt(squares.sum())) + curvature, float(np.linalg.norm(np.sqrt(mean.oscillation)))
-        integrals = (k * size for size in (of_law, mean_contact, of_data, bending, unseen))
-        return Interval(piece.a, piece.b, y, at_b, inside, *integrals)
+        shares = self._shares(k, y, residual, mean, contact, missed)
+        shares = shares.of(at_b - discretisation.moduli.decay(k) * y)
+        parts = k * of_law, k * mean.contact, k * of_data, k * bending, k * unseen
+        return Interval(piece.a, piece.b, y, at_b, inside, *parts, shares)
 
-    def _contact(self, piece: Parabola, residuals: tuple[LawResidual, ...]) -> tuple[float, float]:
-        """The mean of c, and a bound of it at all times."""
+    def _contact(self, piece: Parabola, residuals: tuple[LawResidual, ...]) -> tuple[Array, float]:
+        """The mean of c on the edges of Γ3, (edges of Γ3,), and a bound of c at all times."""
         moments = [self.discretisation.normal_moments(v) for v in (piece.start, piece.control, piece.end)]
-        products = {(i, j): float(np.vdot(residuals[i].normal, moments[j])) for i, j in PAIRS}
         # Complementary up to rounding, they may come out as −0.
+        products = {(i, j): np.maximum((residuals[i].normal * moments[j]).sum(axis=1), 0.0) for i, j in PAIRS}
         mean = sum(QUADRATIC[pair] * found for pair, found in products.items())
-        return max(mean, 0.0), max(*products.values(), 0.0)
+        return mean, max(float(found.sum()) for found in products.values())
+
+    def _shares(
+        self, k: float, y: float, products: Mapping[Pair, Array], mean: Sizes, contact: Array, missed: Missed
+    ) -> Shares:
+        """What adds to y where, before it is damped (``study.bound.shares``)."""
+        discretisation = self.discretisation
+        weights = discretisation.moduli.weights(discretisation.data.body.T)
+        squares = weights @ mean.residual
+        changing = part_that_changes({pair: weights @ found for pair, found in products.items()}, squares)
+        joined = (np.sqrt(squares) + np.sqrt(mean.oscillation)) ** 2
+        own = k * proportional(joined)
+        cells = own * (1 - changing) + k * missed.in_cells
+        added = np.hypot(y, np.sqrt(2 * k * mean.contact)) - y
+        np.add.at(cells, discretisation.cells_at_contact, added * contact / max(mean.contact, np.finfo(float).tiny))
+        return Shares(cells, float(own @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
 
     def _bending(self, piece: Parabola, *loads: Loads) -> float:
         """The norm in the dual of V of P f minus its parabola a quarter into the piece.

@@ -26,13 +26,20 @@ class Moduli:
     values: Array
     directions: Array
 
-    def compliance(self, time: float) -> Array:
-        """Σ_i v_i v_iᵀ · time/(1 + 2 time g_i), Mandel (D, D): the norm of residuals whose minimum serves the bound.
+    def decay(self, k: float) -> float:
+        """e^{−mk} for the least modulus m: what a step leaves of an error."""
+        return float(np.exp(-self.values.min() * k))
+
+    def weights(self, time: float) -> Array:
+        """time/(1 + 2 time g_i) in every direction: what squares of residuals count, (directions,).
 
         To first order a step adds to y² twice ∫ (c + ¼ Σ_i |ρ|²_i/(g_i + β)), β ~ 1/(2T) (``study.bound.growth``).
         """
-        weights = time / (1 + 2 * time * np.maximum(self.values, 0.0))
-        return (self.directions * weights) @ self.directions.T
+        return np.asarray(time / (1 + 2 * time * np.maximum(self.values, 0.0)))
+
+    def compliance(self, time: float) -> Array:
+        """Σ_i v_i v_iᵀ with these weights, Mandel (D, D): the norm of residuals whose minimum serves the bound."""
+        return (self.directions * self.weights(time)) @ self.directions.T
 
 
 def moduli(law: KelvinVoigt) -> Moduli:

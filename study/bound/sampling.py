@@ -20,6 +20,7 @@ from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound.load_constants import LoadConstants, load_constants
 from study.bound.remainders import Remainders, Unseen
+from study.bound.shares import proportional
 from study.bound.univariate import RangeError
 from study.fem.quadrature import Line, rough_cells
 from study.stresses.loads import LeftOut
@@ -65,11 +66,13 @@ class Missed:
 
     Attributes:
         cells: to be added to η_T at every time, (cells,).
-        everywhere: bound of the rest in the dual of V, the mean over the piece.
+        everywhere: bound of the rest in the dual of V at every time of the piece.
+        in_cells: parts of it that finer cells would lessen, (cells,).
     """
 
     cells: Array
     everywhere: float
+    in_cells: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -122,14 +125,17 @@ class Sampling:
     def missed(self, oscillation: Oscillation, a: float, b: float) -> Missed:
         """What is missed of f_0 and f_2 for a ≤ t ≤ b; nothing is known of it where the bound is estimated."""
         if self.reasons:
-            return Missed(np.zeros(self.space.cells), 0.0)
+            return Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
         force, surface = self._scaled(a, b)
         inside, on_edges = force.space + force.parabola, surface.space + surface.parabola
         added = LeftOut(inside, inside, on_edges)
         constants = self._constants
         rest = constants.volume * float(np.linalg.norm(2 * force.space + force.cubic))
         rest += constants.surface * float(np.linalg.norm(2 * surface.space + surface.cubic))
-        return Missed(oscillation(added), rest)
+        in_cells = constants.volume * proportional((2 * force.space) ** 2)
+        at_edges = constants.surface * proportional((2 * surface.space) ** 2)
+        np.add.at(in_cells, self.space.mesh.f2t[0], at_edges)
+        return Missed(oscillation(added), rest, in_cells)
 
     def missed_at_start(self) -> float:
         """What is missed of ‖u_0 − ũ(0)‖_V."""

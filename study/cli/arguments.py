@@ -15,6 +15,8 @@ MINUTES = 60.0
 """As long as ``study seeds`` draws new seeds."""
 TOLERANCE = 1e-12
 """Relative difference that ``study compare`` allows."""
+CELLS = 20_000
+"""Largest mesh of ``study bound --adapt`` unless another one is allowed."""
 RESUMES = ("run", "controls", "seeds", "bound")
 RESUMED = "what is finished is kept, the same command does the rest"
 STARTS_AGAIN = "no file is half-written, the same command begins anew"
@@ -99,6 +101,10 @@ def _compare(differ: argparse.ArgumentParser) -> None:
 def _bound(bound: argparse.ArgumentParser) -> None:
     bound.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a case, a problem without a solution, or your own")
     _enclosed(bound, levels=(8, 16), shorter=4)
+    adapt = "refine from the first level until the bound from u_h alone is at most TOL"
+    bound.add_argument("--adapt", type=float, metavar="TOL", help=adapt)
+    most = f"largest mesh of --adapt (default {CELLS})"
+    bound.add_argument("--cells", type=int, default=CELLS, metavar="N", help=most)
     _out(bound, "bounds")
 
 

@@ -14,6 +14,7 @@ from manufactured.self_proof import prove
 from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
+from study.cli.adapt import do_adapt
 from study.cli.common import listed, progress_bar
 from study.cli.exits import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
@@ -29,6 +30,8 @@ from study.statements.shared import estimates
 
 def do_bound(options: argparse.Namespace) -> int:
     """``study bound``: compute, enclose, write, draw."""
+    if options.adapt is not None:
+        return do_adapt(options)
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)

@@ -687,7 +687,8 @@ def test_nothing_is_added_but_what_is_on_record(name: str) -> None:
 def made(h: float, lower: float, upper: float) -> Enclosure:
     """max_t ‖u − u_h‖_V ∈ [lower, upper]."""
     middle, radius = np.array([(lower + upper) / 2]), np.array([(upper - lower) / 2])
-    return Enclosure(h, np.array([1.0]), middle, radius, np.array([math.nan]), (), 0.0, np.array([upper]), Evidence(()))
+    one = np.ones(1)
+    return Enclosure(h, one, middle, radius, math.nan * one, (), 0.0, 0 * one, upper * one, Evidence(()))
 
 
 positive = st.floats(1e-3, 1e3)

@@ -1,0 +1,305 @@
+"""Shares of a bound add up to it, meshes follow them, and a tolerance that is said to be reached is guaranteed."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from itertools import combinations, pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from sympy import Rational, exp
+from trials.known import Known, Zone
+
+from manufactured import Data, KelvinVoigt, Kind, isotropic, polygon, pos, t
+from manufactured.factor import x1, x2
+from manufactured.problems import problems
+from study.bound import adaptive
+from study.bound.adaptive import Stage, adapted, contact_edges, next_stage
+from study.bound.discretisation import Discretisation
+from study.bound.enclosing import enclose
+from study.bound.sampling import GUARANTEED
+from study.bound.shares import Shares, marked, part_that_changes
+from study.bound.trajectory import Refined, SmoothedInTime, compute
+from study.cli.main import main
+from study.fem.mesh import Unstructured, boundary_parts, facet_measures
+from study.fem.naming import resolve_data
+from study.solve.tableau import MIDPOINT
+
+LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+CONTACT, LOADED, CLAMPED = Kind.CONTACT, Kind.LOADED, Kind.CLAMPED
+
+
+def wedge(**load) -> Data:
+    """On a slanted foundation."""
+    body = polygon([(0, 0), (2, -0.5), (2, 1), (0, 1)], [CONTACT, LOADED, LOADED, CLAMPED])
+    return Data.formulas(body, LAW, **load)
+
+
+def first_stage(data: Data, level: int = 2, steps: int = 4) -> Stage:
+    mesh = Unstructured()(data.body, level)
+    return Stage(mesh.p, mesh.t, steps)
+
+
+def stages(data: Data, count: int) -> list[tuple[Stage, Shares]]:
+    found = [first_stage(data)]
+    shares = []
+    for _ in range(count):
+        shares.append(adapted(data, None, found[-1], MIDPOINT).shares)
+        found.append(next_stage(found[-1], shares[-1].cells, shares[-1].time))
+    return list(zip(found, shares, strict=False))
+
+
+# ---- shares
+
+
+PROBLEMS = {
+    "rolling": {"f0": (0, 0), "f2": {2: (0, -4 * t * pos(1 - (x1 - Rational(3, 4) - t / 2) ** 2, 3))}},
+    "with a start": {"f0": (0, -t), "u0": (0, x1**2 * (1 + x2) / 10)},
+    "at rest": {"f0": (0, 0)},
+    "quick": {"f0": (0, -exp(8 * t))},
+}
+
+
+@pytest.mark.parametrize("name", PROBLEMS)
+@pytest.mark.parametrize("trajectory", [SmoothedInTime(), Refined(0, 2)], ids=["u_h alone", "enclosure"])
+def test_shares_are_not_negative_and_add_up_to_the_bound(name: str, trajectory) -> None:
+    data = wedge(**PROBLEMS[name])
+    discretisation = Discretisation(data, Unstructured()(data.body, 3))
+    enclosure = enclose(discretisation, compute(discretisation, MIDPOINT, 3), trajectory)
+    shares = enclosure.shares(discretisation.moduli)
+    assert shares.total == pytest.approx(enclosure.highest, abs=1e-12)
+    assert min(shares.cells.min(), shares.time) >= -1e-12
+    for one in enclosure.intervals:
+        left = one.at_b - discretisation.moduli.decay(one.b - one.a) * one.at_a
+        assert one.shares.total == pytest.approx(left, abs=1e-12)
+
+
+def test_a_load_on_few_cells_gives_them_the_shares() -> None:
+    place = np.array([1.5, 0.3])
+    bump = exp(-20 * ((x1 - place[0]) ** 2 + (x2 - place[1]) ** 2))
+    data = wedge(f0=(0, -50 * t * bump))
+    (_, (stage, _), (_, shares)) = stages(data, 3)
+    mesh = stages(data, 3)[-1][0].mesh
+    middles = mesh.p[:, mesh.t].mean(axis=1)
+    near = np.linalg.norm(middles - place[:, None], axis=0) < 0.5
+    volumes = abs(np.linalg.det(np.moveaxis(mesh.p[:, mesh.t[1:]] - mesh.p[:, mesh.t[:1]], 2, 0)))
+    assert shares.cells[near].sum() / shares.cells.sum() > 1.5 * volumes[near].sum() / volumes.sum()
+    assert stage.cells < mesh.t.shape[1]
+
+
+@given(st.lists(st.floats(0, 1), min_size=1, max_size=8), st.floats(0.05, 1))
+def test_marked_cells_are_the_fewest_that_have_a_part(shares: list[float], part: float) -> None:
+    values = np.array(shares)
+    chosen = marked(values, part)
+    enough = part * values.sum() * (1 - 1e-9)
+    assert values[chosen].sum() >= enough
+    fewer = combinations(range(len(values)), len(chosen) - 1)
+    assert all(values[list(some)].sum() < part * values.sum() * (1 + 1e-9) or values.sum() == 0 for some in fewer)
+
+
+def test_what_changes_within_a_piece_is_that_of_time() -> None:
+    def share(coefficients: list[float]) -> float:
+        products = {(i, j): np.array([a * b]) for i, a in enumerate(coefficients) for j, b in enumerate(coefficients)}
+        quadratic = np.array([[6, 3, 1], [3, 4, 3], [1, 3, 6]]) / 30
+        squares = sum(quadratic[pair] * product for pair, product in products.items())
+        return float(part_that_changes(products, squares)[0])
+
+    assert share([2.0, 2.0, 2.0]) == pytest.approx(0)
+    assert share([-1.0, 0.0, 1.0]) == pytest.approx(1)
+    # 1 + θ: the variance is 1/12, the mean square 7/3.
+    assert share([1.0, 1.5, 2.0]) == pytest.approx(1 / 28)
+    assert share([0.0, 0.0, 0.0]) == 0
+
+
+# ---- meshes and steps
+
+
+def smallest_angle(p: np.ndarray, t: np.ndarray) -> float:
+    corners = p[:, t]
+    found = []
+    for i in range(3):
+        a, b = corners[:, (i + 1) % 3] - corners[:, i], corners[:, (i + 2) % 3] - corners[:, i]
+        found.append(np.arccos((a * b).sum(axis=0) / np.linalg.norm(a, axis=0) / np.linalg.norm(b, axis=0)))
+    return float(np.min(found))
+
+
+def test_parts_of_the_boundary_stay_and_angles_do_not_degenerate() -> None:
+    """By marks at random, concentrated at one end of the slanted foundation, many times."""
+    data, rng = wedge(f0=(0, 0)), np.random.default_rng(0)
+    stage = first_stage(data)
+    least = smallest_angle(stage.p, stage.t)
+    for _ in range(14):
+        middles = stage.p[:, stage.t].mean(axis=1)
+        shares = rng.random(stage.cells) / np.linalg.norm(middles - [[2.0], [-0.5]], axis=0) ** 4
+        finer = next_stage(stage, shares, 0.0)
+        assert finer.steps == stage.steps
+        assert finer.cells > stage.cells
+        stage = finer
+        parts = boundary_parts(stage.mesh, data.body)
+        for part, facets in zip(data.body.parts, parts, strict=True):
+            assert facet_measures(stage.mesh, facets).sum() == pytest.approx(part.measure)
+    assert smallest_angle(stage.p, stage.t) > least / 2.01
+    edges = facet_measures(stage.mesh, stage.mesh.boundary_facets())
+    assert edges.max() > 30 * edges.min()
+
+
+def test_time_is_refined_where_it_has_the_share_and_space_where_cells_have_it() -> None:
+    stage = first_stage(wedge(f0=(0, 0)))
+    ones = np.ones(stage.cells)
+    only_space, both, only_time = (next_stage(stage, ones, part * stage.cells) for part in (0.1, 1.0, 10.0))
+    assert (only_space.steps, both.steps, only_time.steps) == (4, 8, 8)
+    assert only_space.cells == both.cells > only_time.cells == stage.cells
+
+
+def test_edges_of_the_foundation_are_in_contact_where_nothing_opens() -> None:
+    data = wedge(f0=(0, 0))
+    mesh = Unstructured()(data.body, 4)
+    normal = next(part.normal for part in data.body.parts if part.kind is CONTACT)
+    open_right = -np.outer(normal, np.maximum(mesh.p[0] - 1.0, 0.0))
+    ends, closed = contact_edges(data, mesh, open_right)
+    assert (closed == (ends[0].max(axis=0) <= 1.0 + 1e-12)).all()
+    assert 0 < closed.sum() < len(closed)
+
+
+# ---- the tolerance
+
+
+def test_no_error_is_above_a_tolerance_that_is_reached() -> None:
+    """A known solution with a zone that grows on a slanted foundation."""
+    zone = Zone(Rational(31, 101), Rational(41, 101), 1.0, 1.0)
+    turn = Rational(4, 5), Rational(3, 5)
+    known = Known(LAW, (x1 * t, -t * x2), (), zone, turn)
+    stage, bounds = first_stage(known.data, 2, 2), []
+    for _ in range(2):
+        found = adapted(known.data, None, stage, MIDPOINT)
+        assert found.enclosure.evidence.kind == GUARANTEED
+        for time in (0.31, 0.77, 1.0):
+            assert known.error(found.computed, time) <= found.enclosure.highest
+        bounds.append(found.enclosure.highest)
+        stage = next_stage(stage, found.shares.cells, found.shares.time)
+    assert all(fine < coarse for coarse, fine in pairwise(bounds))
+
+
+@pytest.mark.slow
+def test_the_bracket_has_the_best_order_in_unknowns_on_adapted_meshes_and_not_on_others() -> None:
+    """The corner's exponent 0.54 allows N^{−0.27} on meshes that are refined everywhere."""
+    corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
+    body = polygon(corners, [CONTACT, LOADED, LOADED, LOADED, CLAMPED, LOADED])
+    data = Data.formulas(body, LAW, f0=(0, -t), f2={1: (2 * t, 0)})
+    orders = []
+    for everywhere in (False, True):
+        stage, points = first_stage(data, 2, 8), []
+        while stage.cells < 2500:
+            found = adapted(data, None, stage, MIDPOINT)
+            points.append((found.computed.space.dofs, found.enclosure.highest))
+            cells = np.ones(stage.cells) if everywhere else found.shares.cells
+            following = next_stage(stage, cells, 0.0)
+            mesh = stage.mesh.refined()
+            stage = Stage(mesh.p, mesh.t, stage.steps) if everywhere else following
+        unknowns, bounds = np.log(np.array(points)[-4:]).T
+        orders.append(-np.polyfit(unknowns, bounds, 1)[0])
+    assert orders[0] == pytest.approx(0.5, abs=0.05)
+    assert orders[1] < 0.36
+
+
+@pytest.mark.slow
+def test_the_mesh_follows_a_load_that_travels() -> None:
+    """Cells are smaller where the load has been than at the far end of the top."""
+    (ramp,) = (problem.data for problem in problems() if problem.name == "ramp")
+    stage = stages(ramp, 7)[-1][0]
+    mesh = stage.mesh
+    top = [f for part, f in zip(ramp.body.parts, boundary_parts(mesh, ramp.body), strict=True)][2]
+    lengths, middles = facet_measures(mesh, top), mesh.p[0, mesh.facets[:, top]].mean(axis=0)
+    assert lengths[(middles > 0.4) & (middles < 2.6)].mean() < lengths[middles > 2.75].mean()
+
+
+# ---- the command
+
+
+USER = """
+from manufactured import *
+
+body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED])
+law = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+square = Data.formulas(body, law, f0=(0, 12 * t * (x1 - t)), f2={1: (-2 * t * x2, 0)})
+"""
+
+
+@pytest.fixture
+def square(tmp_path: Path) -> str:
+    resolve_data.cache_clear()
+    file = tmp_path / "mine.py"
+    file.write_text(USER)
+    return f"{file}:square"
+
+
+def adapt(problem: str, out: Path, *options: str) -> int:
+    return main(["bound", problem, "--levels", "2", "--steps", "4", "--out", str(out), *options])
+
+
+def test_a_tolerance_is_reached_and_a_smaller_one_goes_on_from_there(square, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    assert adapt(square, tmp_path / "out", "--adapt", "0.15") == 0
+    printed = capsys.readouterr().out
+    assert "≤ 0.15, the tolerance is reached" in printed
+    assert "guaranteed" in printed
+    table = printed.partition("\n\n")[2]
+    assert max(map(len, table.splitlines())) <= 80
+    directory = tmp_path / "out" / "square"
+    rows = pd.read_csv(directory / "adaptive.csv")
+    assert rows["bound"].iloc[-1] <= 0.15 < rows["bound"].iloc[-2]
+    assert (rows["kind"] == GUARANTEED).all()
+    assert (directory / "adaptive.png").stat().st_size > 1000
+    with np.load(directory / f"adapted-{len(rows) - 1}.npz") as found:
+        assert found["t"].shape == (3, rows["cells"].iloc[-1])
+        total = found["shares"].sum() + found["in_time"]
+        assert total == pytest.approx(rows["bound"].iloc[-1], rel=1e-6)
+        assert found["in_time"] / total == pytest.approx(rows["in_time"].iloc[-1], abs=1e-4)
+
+    before, calls = adaptive.adapted, []
+    monkeypatch.setattr(adaptive, "adapted", lambda *given: calls.append(given) or before(*given))
+    assert adapt(square, tmp_path / "out", "--adapt", "0.15") == 0
+    assert not calls
+    assert adapt(square, tmp_path / "out", "--adapt", "0.11") == 0
+    again = pd.read_csv(directory / "adaptive.csv")
+    assert len(calls) == len(again) - len(rows) > 0
+    pd.testing.assert_frame_equal(again[: len(rows)], rows)
+
+
+def test_a_limit_stops_with_the_reason_and_keeps_what_there_is(square, tmp_path, capsys) -> None:
+    assert adapt(square, tmp_path / "out", "--adapt", "1e-6", "--cells", "30") == 1
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "> 1e-06, the tolerance is not reached: the next mesh has" in printed
+    assert "30 are allowed: raise --cells or the tolerance" in printed
+    assert pd.read_csv(tmp_path / "out" / "square" / "adaptive.csv")["cells"].max() <= 30
+
+
+@pytest.mark.parametrize("tolerance", ["0", "-1", "nan", "inf"])
+def test_a_tolerance_that_no_bound_reaches_is_refused(square, tolerance, tmp_path, capsys) -> None:
+    assert adapt(square, tmp_path / "out", f"--adapt={tolerance}") == 2
+    assert "a tolerance that is a positive number" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_no_cells_at_all_are_refused(square, tmp_path, capsys) -> None:
+    assert adapt(square, tmp_path / "out", "--adapt", "1", "--cells", "0") == 2
+    assert "--cells must be 1 or more" in capsys.readouterr().err
+
+
+def test_memory_that_is_not_there_stops_with_the_reason(square, tmp_path, monkeypatch, capsys) -> None:
+    monkeypatch.setattr("study.cli.adapt.available", lambda: 0.5 * 2.0**30)
+    monkeypatch.setattr("study.statements.shared.estimates.adapted", lambda cells: 2.0**30)
+    assert adapt(square, tmp_path / "out", "--adapt", "1e-6") == 1
+    assert "GiB of memory" in capsys.readouterr().out
+
+
+def test_shares_of_half_a_bound_are_half_of_the_shares() -> None:
+    shares = Shares(np.array([1.0, 2.0]), 3.0)
+    assert shares.of(3.0).time == 1.5
+    assert shares.of(3.0).cells.tolist() == [0.5, 1.0]
+    nothing = replace(shares, cells=np.zeros(2), time=0.0)
+    assert nothing.of(1.0).time == 1.0

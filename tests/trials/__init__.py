@@ -1,0 +1,1 @@
+"""Bounds of errors tried on problems whose solutions are known: random ones, and stiff and incompressible ones."""
