@@ -11,6 +11,7 @@ Predicted before measuring:
   which is nearly orthogonal in V to V^h, where the error in time lies;
 * d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so that Problem 5.1 is not stiff, no scheme sees h;
 * q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, 3/2 where u̇^h jumps because vertices change contact.
+  For 3/2 there is no theory: ``statements.landings`` shows that 1 may be left.
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
 The rows of Proposition 5.4 are measured with k ~ h^{2/3}, enough for errors of order h. Beside an order of 3/2 to 2 in
 h the error in time of those steps grows under refinement, and on fine meshes orders would be those of k. Here k ~ h, so
-that the midpoint rule, of order 2 where u̇ is smooth in time and 3/2 where it jumps, leaves the same share of the
-discrete error on every mesh, or one that grows like h^{−1/2} at most. One case was claimed when this was first measured
+that the midpoint rule, where it is of order 2, leaves the same share of the discrete error on every mesh. Jumps of u̇
+may leave it less, down to 1 (``statements.landings``), so the growth of the share is judged: an order 3/2 in k would
+double it over two refinements. One case was claimed when this was first measured
 and is only reported now: its ü is not square integrable in time, and its share lies between 1 % and 40 %.
 """
 
