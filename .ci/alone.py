@@ -31,7 +31,7 @@ exec(compile(snippet, sys.argv[1], "exec"))
 
 command = [str(Path(sys.executable).with_name("study"))]
 assert subprocess.run([*command, "--version"], check=True, capture_output=True).stdout.startswith(b"study ")
-told = subprocess.run([*command, "cases"], check=False, capture_output=True, text=True)
+told = subprocess.run([*command, "tables"], check=False, capture_output=True, text=True)
 assert told.returncode == 2
 assert "python -m pip install '.[study]'" in told.stderr, told.stderr
 print(f"{examples} lines of examples and the README run with {', '.join(sorted(found))}")

@@ -21,7 +21,7 @@ def do_cases(options: argparse.Namespace) -> int:
         print(text)
         return OK
     for case in json.loads(text):
-        print(f"{case['case']:<24}{case['dimension']}D  order {case['expected_order']:<5g}{case['statements']}")
+        print(f"{case['case']:<24}{case['dimension']}D  order {case['expected_order']:<6.3g}{case['statements']}")
         more = f"{case['summary']}; {case['regularity']}; law {case['law']}"
         print(textwrap.fill(more, width(), initial_indent=INDENT, subsequent_indent=INDENT))
     return OK

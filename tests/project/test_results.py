@@ -9,8 +9,10 @@ import pandas as pd
 import pytest
 
 from manufactured import catalogue
+from study.controls import alarms
+from study.controls.sensitivity import SENSITIVITY, sensitivity_text
 from study.fem.naming import family_named, resolve
-from study.ledger.datafiles import read_claims
+from study.ledger.datafiles import SEEDS, read_claims, read_csv
 from study.ledger.orders import orders
 from study.ledger.verdict import HOLDS, REPORTED
 from study.run.judgement import judge
@@ -149,3 +151,9 @@ def test_the_tables_of_the_committed_run_and_the_figures_over_all_cases_are_ther
         assert (RESULTS / "tables" / f"{name}.md").is_file()
     for name in ("collapsed", "convergence", "effectivity", "growth", "problem"):
         assert {".pdf", ".txt"} <= {path.suffix for path in (RESULTS / "figures").glob(f"{name}.*")}
+
+
+def test_what_is_printed_of_the_committed_seeds_and_small_defects_fits_80_columns() -> None:
+    printed = [alarms.text(read_csv(RESULTS, "seeds.csv", SEEDS))]
+    printed.append(sensitivity_text(read_csv(RESULTS, "sensitivity.csv", SENSITIVITY.columns)))
+    assert [line for text in printed for line in text.splitlines() if len(line) > 80] == []
