@@ -74,7 +74,7 @@ class ContactFace:
         Raises:
             LawError: the law has another dimension than the part, G is not linear (give q with
                 ``face_strain.Prescribed`` instead), or ``initial`` is given for a law that couples nn with sn.
-            FormulaError: a kink is not written with ``pos``, or the pressure is not piecewise polynomial in t.
+            FormulaError: a kink is not written with ``pos``, or a part of the pressure is not known to be smooth in t.
         """
         refuse_kinks(gap, pressure, level, initial)
         law.require_dimension(part.dim)

@@ -3,12 +3,30 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
+from typing import Protocol
 
 import numpy as np
 import sympy as sp
 
-from manufactured.symbols import Jet, Values, t
+from manufactured.symbols import Index, Jet, Values, t
 from manufactured.tensors import Array
+
+
+class Started(Protocol):
+    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points with their a, as a function of b."""
+
+    def upto(self, upper: Array, chosen: Array) -> Values:
+        """The integrals up to b (n,) at the points with these numbers (n,), for every i."""
+        ...
+
+
+class Integral(Protocol):
+    """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr of a smooth branch P of p/a."""
+
+    def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
+        """For |i| ≤ order at points (d − 1, N) from a = ``lower`` (N,) on; b is ``upper`` (N,) at most."""
+        ...
 
 
 class Convolution:
@@ -32,10 +50,10 @@ class Convolution:
                 break
             smooth = smooth.diff(t)
 
-    def taylor(self, points: Array, lower: Array, order: int) -> Values:
-        """∂_s^i ∂_r^j P(s, a) for every |i| ≤ order: points (d−1, N) and a (N,) → (m + 1, N) each."""
+    def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
+        """∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and j, found once."""
         values = [jet(points, lower, order) for jet in self.derivatives]
-        return {index: np.array([value[index] for value in values]) for index in values[0]}
+        return _Taylor(self, lower, {index: np.array([value[index] for value in values]) for index in values[0]})
 
     def weights(self, duration: Array) -> Array:
         """τ^{j+1} φ_{j+1}(−λτ), (m + 1, N)."""
@@ -45,6 +63,23 @@ class Convolution:
             row *= power
             power = power * duration
         return found
+
+
+@dataclass(frozen=True, eq=False)
+class _Taylor:
+    """Taylor coefficients at a, (m + 1, N) for each i."""
+
+    convolution: Convolution
+    lower: Array
+    coefficients: dict[Index, Array]
+
+    def upto(self, upper: Array, chosen: Array) -> Values:
+        """As ``Started``."""
+        weights, every = self.convolution.weights(upper - self.lower[chosen]), chosen.size == self.lower.size
+        return {
+            index: np.einsum("jn,jn->n", value if every else value[:, chosen], weights)
+            for index, value in self.coefficients.items()
+        }
 
 
 SMALL = 12.0

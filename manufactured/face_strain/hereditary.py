@@ -9,6 +9,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.face_strain.contact_times import PressureTerm, smooth_branch
+from manufactured.face_strain.convolution import Started
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints, relaxation_rate
 from manufactured.symbols import Jet, Values, s, t
 from manufactured.tensors import Array
@@ -19,12 +20,12 @@ RECENT = 3
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """q of a linear law, to round-off for a pressure that is piecewise polynomial in t.
+    """q of a linear law, to round-off.
 
-    Every term of the expanded pressure is θ(s, t)·∏ pos(ψ_i(s, t), m_i) with θ and the ψ_i that
-    move polynomial in t and, for these, integer m_i ≥ 2. At each s the roots of the ψ_i split
-    [0, T] into intervals of contact, on which p is a polynomial P(s, ·) and the hereditary integral
-    is known in closed form (``convolution``). Since p vanishes where a moving contact begins and ends,
+    Every term of the expanded pressure is θ(s, t)·∏ pos(ψ_i(s, t), m_i) with θ and the ψ_i that move smooth in t and,
+    for these, integer m_i ≥ 2. At each s the roots of the ψ_i split [0, T] into intervals of contact (``fronts``), on
+    which p is a smooth P(s, ·). Its hereditary integral is known in closed form where P is a polynomial of t
+    (``convolution``), by Gauss's rule else (``quadrature``). Since p vanishes where a moving contact begins and ends,
     derivatives along the face pass under the integral: ∂_s^i q is the same expression with ∂_s^i P.
 
     Attributes:
@@ -132,17 +133,17 @@ class _ContactIntervals:
     """
 
     def __init__(self, term: PressureTerm, points: Array, memory: Memory) -> None:
-        self.convolution, self.decay = term.convolution, memory.decay
+        self.integral, self.decay = term.integral, memory.decay
         entry, exit_ = term.intervals(points.real, memory.T)
         used = entry < exit_
         self.touched = np.nonzero(used)[1]
         self.points = points[:, self.touched]
         self.entry, self.exit = entry[used], exit_[used]
-        self._found: dict[int, tuple[Values, Values]] = {}
+        self._found: dict[int, tuple[Started, Values]] = {}
 
     def subtract(self, totals: Values, time: complex, order: int) -> None:
         """totals[i] −= the integral up to ``time`` for ∂^i, at the points that are ever touched."""
-        taylor, whole = self._at_entry(order)
+        started, whole = self._started(order)
         now = np.real(time)
         over = np.flatnonzero(self.exit <= now)
         if over.size:
@@ -151,18 +152,14 @@ class _ContactIntervals:
                 np.subtract.at(total, self.touched[over], since * whole[index][over])
         touching = np.flatnonzero((self.entry < now) & (self.exit > now))
         if touching.size:
-            weights = self.convolution.weights(time - self.entry[touching])
-            every = touching.size == self.entry.size
+            found = started.upto(np.full(touching.size, time), touching)
             for index, total in totals.items():
-                mine = taylor[index] if every else taylor[index][:, touching]
                 # A point touches in one interval at a time.
-                total[self.touched[touching]] -= np.einsum("jn,jn->n", mine, weights)
+                total[self.touched[touching]] -= found[index]
 
-    def _at_entry(self, order: int) -> tuple[Values, Values]:
-        """Taylor coefficients at the entry, and the integral up to the exit."""
+    def _started(self, order: int) -> tuple[Started, Values]:
+        """The integrals from the entries, and those up to the exits."""
         if order not in self._found:
-            taylor = self.convolution.taylor(self.points, self.entry, order)
-            weights = self.convolution.weights(self.exit - self.entry)
-            whole = {index: np.einsum("jn,jn->n", value, weights) for index, value in taylor.items()}
-            self._found[order] = taylor, whole
+            started = self.integral.started(self.points, self.entry, self.exit, order)
+            self._found[order] = started, started.upto(self.exit, np.arange(self.exit.size))
         return self._found[order]

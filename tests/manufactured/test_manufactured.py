@@ -40,7 +40,7 @@ from manufactured import (
     t,
     unit_square,
 )
-from manufactured.face_strain.contact_times import real_roots
+from manufactured.face_strain.fronts import real_roots
 from manufactured.self_proof.finding import ROUND_OFF
 from manufactured.tensors import dyad, full, identity, mandel, rotation
 
@@ -145,13 +145,6 @@ def test_the_memory_solves_its_differential_equation(place, time, a, g) -> None:
     start = -20 * max(0.25 - place, 0) ** 2 / g
     expected = np.exp(-g / a * time) * start - np.sum(w * np.exp(-g / a * (time - r)) * pressure) / a
     assert strain[(0,)][0] == pytest.approx(expected, rel=1e-9, abs=1e-11)
-
-
-def test_a_pressure_whose_memory_has_no_closed_form_is_refused_with_the_mend() -> None:
-    with pytest.raises(FormulaError, match="polynomial in t"):
-        Memory(pos(sp.sin(t) - s, 2), 1.0, 1.0, 1.0).terms  # noqa: B018
-    with pytest.raises(FormulaError, match="polynomial in t"):
-        Memory(sp.exp(t) * pos(sp.Rational(1, 2) - s, 2), 1.0, 1.0, 1.0).terms  # noqa: B018
 
 
 def faulty(**changes) -> ExactSolution:

@@ -1,0 +1,177 @@
+"""When contact begins and ends at the points of a face: the times at which a front passes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+import sympy as sp
+
+from manufactured.symbols import FormulaError, function, t
+from manufactured.tensors import Array
+
+
+class Front(Protocol):
+    """ψ(s, t), with contact where ψ > 0."""
+
+    def passes(self, points: Array, T: float) -> Array:
+        """Times in (0, T) at which ψ changes its sign at points (d − 1, N), in rows (…, N), T where there is none."""
+        ...
+
+    def beyond(self, points: Array, time: Array) -> Array:
+        """Whether ψ > 0 at points (d − 1, N) and times (…, N)."""
+        ...
+
+
+def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
+    """The front of a formula, with roots in closed form where it is a polynomial of t."""
+    if formula.is_polynomial(t):
+        return PolynomialFront(function(variables, sp.Poly(formula, t).all_coeffs()))
+    symbols = (*variables, t)
+    return SmoothFront(formula, function(symbols, [formula]), function(symbols, [sp.diff(formula, t)]))
+
+
+@dataclass(frozen=True)
+class PolynomialFront:
+    """ψ as a polynomial of t.
+
+    Attributes:
+        coefficients: s ↦ its coefficients, highest power first.
+    """
+
+    coefficients: Callable[..., list[Array]]
+
+    def passes(self, points: Array, T: float) -> Array:
+        return real_roots(self._at(points), T)
+
+    def beyond(self, points: Array, time: Array) -> Array:
+        found: Array = np.polyval(self._at(points), time) > 0
+        return found
+
+    def _at(self, points: Array) -> Array:
+        count = points.shape[1]
+        return np.array([np.broadcast_to(c, count) for c in self.coefficients(*points)], dtype=float)
+
+
+INSTANTS, SURE = (257, 600), 1e-6
+"""Intervals of [0, T] in which turning points of ψ are looked for, and how far both may differ in the time for which
+ψ > 0, relative to T; where ψ only touches zero, rounding makes 1e-8 of it."""
+HALVINGS = 64
+"""Of an interval with a change of sign: nothing is left of it in double precision."""
+BLOCK = 1024
+"""Points that are treated together."""
+
+
+@dataclass(frozen=True)
+class SmoothFront:
+    """ψ with any smooth motion.
+
+    Between two turning points, at which ∂_t ψ changes its sign, ψ has one root at most: it is bracketed and halved.
+
+    Attributes:
+        formula: ψ, for messages.
+        level, slope: (s, t) ↦ [ψ], [∂_t ψ].
+    """
+
+    formula: sp.Expr
+    level: Callable[..., list[Array]]
+    slope: Callable[..., list[Array]]
+
+    def passes(self, points: Array, T: float) -> Array:
+        """As ``Front``.
+
+        Raises:
+            FormulaError: ψ turns so often that turning points may be missed.
+        """
+        found = [self._passes(points[:, i : i + BLOCK], T) for i in range(0, points.shape[1], BLOCK)]
+        rows = max((len(times) for times in found), default=0)
+        filled = [np.pad(times, ((0, rows - len(times)), (0, 0)), constant_values=T) for times in found]
+        return np.concatenate([*filled, np.empty((rows, 0))], axis=1)
+
+    def _passes(self, points: Array, T: float) -> Array:
+        coarse, fine = (self._between(_grid(points, T, count), points, T) for count in INSTANTS)
+        if (abs(self._beyond_for(coarse, points, T) - self._beyond_for(fine, points, T)) > SURE * T).any():
+            raise FormulaError(
+                f"{self.formula}: the front turns so often that {INSTANTS[1]} times of [0, {T:g}] do not tell when it "
+                "passes; take a slower motion or a shorter time"
+            )
+        return fine
+
+    def _between(self, grid: Array, points: Array, T: float) -> Array:
+        """Where ψ changes its sign between the times of a grid and its turning points."""
+        turns = self._changes(self.slope, points, grid, T)
+        return self._changes(self.level, points, np.sort(np.concatenate([grid, turns]), axis=0), T)
+
+    def _beyond_for(self, passes: Array, points: Array, T: float) -> Array:
+        """For how long ψ > 0 at each point, (N,)."""
+        nodes = np.concatenate(
+            [np.zeros((1, points.shape[1])), np.sort(passes, axis=0), np.full((1, points.shape[1]), T)]
+        )
+        inside = self.beyond(points, (nodes[1:] + nodes[:-1]) / 2)
+        found: Array = np.sum(np.diff(nodes, axis=0) * inside, axis=0)
+        return found
+
+    def beyond(self, points: Array, time: Array) -> Array:
+        return _positive(self.level, points, time)
+
+    def _changes(self, of: Callable[..., list[Array]], points: Array, times: Array, T: float) -> Array:
+        """Where a function changes its sign between times (n, N), in rows, T where there is none."""
+        signs = _positive(of, points, times)
+        interval, point = np.nonzero(signs[1:] != signs[:-1])
+        low, high, at = times[interval, point], times[interval + 1, point], points[:, point]
+        before = signs[interval, point]
+        for _ in range(HALVINGS):
+            middle = (low + high) / 2
+            same = _positive(of, at, middle) == before
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        order = np.argsort(point, kind="stable")
+        column = point[order]
+        row = np.arange(point.size) - np.searchsorted(column, column)
+        found = np.full((int(row.max(initial=-1)) + 1, points.shape[1]), T)
+        found[row, column] = high[order]
+        return found
+
+
+def _grid(points: Array, T: float, count: int) -> Array:
+    """Equal intervals of [0, T], the same at all points, (count + 1, N)."""
+    return np.repeat(np.linspace(0.0, T, count + 1)[:, None], points.shape[1], axis=1)
+
+
+def _positive(of: Callable[..., list[Array]], points: Array, time: Array) -> Array:
+    found: Array = np.broadcast_to(of(*points, time)[0], time.shape) > 0
+    return found
+
+
+def real_roots(coefficients: Array, T: float) -> Array:
+    """Roots in (0, T) of polynomials, coefficients (degree+1, N) highest first, as (degree, N).
+
+    Places without a root hold T. Degrees up to 2 in closed form, higher ones by the eigenvalues of
+    the companion matrix.
+    """
+    degree, count = coefficients.shape[0] - 1, coefficients.shape[1]
+    if degree == 0:
+        return np.empty((0, count))
+    roots = np.full((degree, count), T)
+    vanishing = abs(coefficients[0]) <= 1e-14 * abs(coefficients).max(axis=0)
+    if vanishing.any():
+        roots[1:, vanishing] = real_roots(coefficients[1:, vanishing], T)
+    rest = np.flatnonzero(~vanishing)
+    monic = coefficients[1:, rest] / coefficients[0, rest]
+    if degree == 1:
+        found = -monic.astype(complex)
+    elif degree == 2:
+        discriminant = np.sqrt((monic[0] ** 2 - 4 * monic[1]).astype(complex))
+        # The larger root first, the other from the product: no cancellation.
+        larger = -(monic[0] + np.where(monic[0] >= 0, 1, -1) * discriminant) / 2
+        other = np.divide(monic[1], larger, out=np.zeros_like(larger), where=larger != 0)
+        found = np.array([larger, other])
+    else:
+        companion = np.zeros((len(rest), degree, degree))
+        companion[:, 0, :] = -monic.T
+        companion[:, range(1, degree), range(degree - 1)] = 1
+        found = np.linalg.eigvals(companion).T
+    real = abs(found.imag) <= 1e-7 * (1 + abs(found.real))
+    roots[:, rest] = np.where(real & (found.real > 0) & (found.real < T), found.real, T)
+    return roots

@@ -1,0 +1,167 @@
+"""Fronts and pressures that move in any smooth way: entry, exit, and the strain that they leave behind."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
+from scipy.integrate import quad
+
+from manufactured import (
+    Case,
+    ContactFace,
+    ExactSolution,
+    FormulaError,
+    Kind,
+    Memory,
+    Regularity,
+    SelfProofError,
+    box,
+    cutoff,
+    isotropic,
+    pos,
+    prove,
+    s,
+    s1,
+    s2,
+    t,
+    unit_square,
+)
+from manufactured.cases.laws import not_proportional
+from manufactured.face_strain.contact_times import PressureTerm
+from manufactured.face_strain.fronts import PolynomialFront, SmoothFront, front
+from manufactured.face_strain.quadrature import Quadrature
+from manufactured.law import KelvinVoigt
+from manufactured.symbols import Jet, function
+
+PLACES = np.linspace(0.01, 0.99, 41)[None]
+QUARTER = sp.Rational(1, 4)
+ADVANCE = QUARTER + 2 * t * (1 - t)
+RETURN = sp.Rational(3, 10) + sp.Rational(7, 20) * sp.sin(sp.pi * t) ** 2
+"""The motions of a front: a polynomial, and one that is none."""
+
+
+def smooth(level: sp.Expr) -> SmoothFront:
+    return SmoothFront(level, function((s, t), [level]), function((s, t), [sp.diff(level, t)]))
+
+
+def test_formulas_say_which_way_their_fronts_are_found() -> None:
+    assert isinstance(front(ADVANCE - s, (s,)), PolynomialFront)
+    assert isinstance(front(RETURN - s, (s,)), SmoothFront)
+
+
+def test_a_polynomial_motion_gives_the_same_times_and_strains_either_way() -> None:
+    level, decay = (t - QUARTER / 2) * (1 - QUARTER / 2 - t) - (s - sp.Rational(3, 10) - t / 3) ** 2, 2.5
+    branch = 30 * level**3 * (1 + t) * (2 - s)
+    exact = PressureTerm.of((level,), branch, (s,), decay)
+    other = PressureTerm((smooth(level),), Quadrature(branch, (s,), decay))
+    begin, end = exact.intervals(PLACES, 1.0)
+    again = other.intervals(PLACES, 1.0)
+    used = begin < end
+    assert used.sum() > 15
+    mine = again[0] < again[1]
+    np.testing.assert_allclose(again[0][mine], begin[used], rtol=0, atol=1e-13)
+    np.testing.assert_allclose(again[1][mine], end[used], rtol=0, atol=1e-13)
+    points, every = PLACES[:, np.nonzero(used)[1]], np.arange(used.sum())
+    # Of ∂_s^i P: polynomials of t are expanded, which costs digits of P, not of its integral.
+    values = Jet(branch)(np.repeat(PLACES[..., None], 65, axis=2), np.linspace(0, 1, 65), 2)
+    sizes = {index: abs(value).max() for index, value in values.items()}
+    for share in (0.1, 0.7, 1.0):
+        upper = begin[used] + share * (end - begin)[used]
+        one, two = (
+            term.integral.started(points, begin[used], end[used], 2).upto(upper, every) for term in (exact, other)
+        )
+        for index, value in one.items():
+            np.testing.assert_allclose(two[index], value, rtol=0, atol=1e-14 * sizes[index])
+
+
+@given(st.floats(0.31, 0.64), st.floats(0.02, 1.0))
+def test_the_strain_behind_a_front_that_swings_solves_its_differential_equation(place: float, time: float) -> None:
+    """Against adaptive quadrature between the times at which the front passes, known in closed form."""
+    a, g = 2.0, 5.0
+    memory = Memory(40 * pos(RETURN - s, 2) * sp.cos(t), a, g, 1.0)
+    (strain,), (rate,) = memory.at(np.array([[place]]))(time, 0)
+    entry = np.arcsin(np.sqrt((place - 0.3) / 0.35)) / np.pi
+    begin, end = min(entry, time), min(1 - entry, time)
+
+    def pressure(r: float) -> float:
+        return 40 * max(0.3 + 0.35 * np.sin(np.pi * r) ** 2 - place, 0.0) ** 2 * np.cos(r)
+
+    found, _ = quad(lambda r: np.exp(-g / a * (time - r)) * pressure(r) / a, begin, end, epsabs=1e-15, epsrel=1e-13)
+    assert strain[(0,)][0] == pytest.approx(-found, rel=1e-12, abs=1e-13)
+    assert a * rate[(0,)][0] + g * strain[(0,)][0] == pytest.approx(-pressure(time), abs=1e-12)
+
+
+def test_fronts_that_swing_many_times_are_passed_as_often_as_they_do() -> None:
+    level = sp.sin(20 * t) / 4 + sp.Rational(1, 2) - s
+    times = smooth(level).passes(PLACES, 2.0)
+    for place, column in zip(PLACES[0], times.T, strict=True):
+        roots = np.sort(column[(column > 1e-12) & (column < 2.0)])
+        value = 4 * (place - 0.5)
+        known = []
+        if abs(value) < 1:
+            first = np.arcsin(value)
+            every = [k * np.pi + (first if k % 2 == 0 else -first) for k in range(14)]
+            known = [r / 20 for r in every if 1e-9 < r < 40]
+        np.testing.assert_allclose(roots, known, rtol=0, atol=1e-13)
+
+
+def swinging(level: sp.Expr, pressure: sp.Expr, gap: sp.Expr) -> ExactSolution:
+    body, law = unit_square(), not_proportional()
+    (part,) = body.of(Kind.CONTACT)
+    return ExactSolution(body, law, (ContactFace.linear(part, law, body.T, gap, pressure, level),))
+
+
+def test_a_case_whose_front_swings_is_an_exact_solution() -> None:
+    level = RETURN - s
+    solution = swinging(level, 40 * pos(level, 2) * sp.exp(-t), 20 * pos(-level, 4))
+    prove(solution, "swinging")
+    case = Case("swinging", "front swings", solution, Regularity(gap=4, pressure=2, moving=True), 1, "(5.36)")
+    assert case.proposition == "Prop. 5.4"
+
+
+@pytest.mark.slow
+def test_a_disc_that_runs_on_a_circle_is_an_exact_solution_in_space() -> None:
+    body = box((1.0, 1.0, 1.0), T=1.0)
+    law = KelvinVoigt(isotropic(1.0, 0.5, dim=3), isotropic(2.0, 0.5, dim=3), "isotropic")
+    (part,) = body.of(Kind.CONTACT)
+    half, fifth = sp.Rational(1, 2), sp.Rational(1, 5)
+    centre = half + fifth * sp.cos(2 * t), half + fifth * sp.sin(2 * t)
+    level = sp.Rational(1, 16) - (s1 - centre[0]) ** 2 - (s2 - centre[1]) ** 2
+    face = ContactFace.linear(part, law, body.T, 20 * pos(-level, 4), 300 * pos(level, 2), level, profile=cutoff(1.0))
+    prove(ExactSolution(body, law, (face,)), "on a circle")
+
+
+@pytest.mark.parametrize(
+    ("pressure", "message"),
+    [
+        (pos(sp.sin(t) - s, 1), "integer m ≥ 2"),
+        (sp.gamma(t + 1) * pos(QUARTER - s, 2), "gamma of t.*of functions use exp"),
+    ],
+)
+def test_a_pressure_whose_memory_is_not_known_is_refused_where_it_is_written(pressure: sp.Expr, message: str) -> None:
+    with pytest.raises(FormulaError, match=message):
+        Memory(pressure, 1.0, 1.0, 1.0).terms  # noqa: B018
+
+
+@pytest.mark.parametrize(
+    ("pressure", "message"),
+    [
+        (pos(QUARTER + sp.sin(5000 * t) / 5 - s, 2), "turns so often"),
+        (pos(QUARTER - s, 2) * (1 + sp.sin(300 * t)), "changes so fast in t"),
+    ],
+)
+def test_motions_that_are_too_fast_to_be_followed_are_refused(pressure: sp.Expr, message: str) -> None:
+    with pytest.raises(FormulaError, match=message):
+        Memory(pressure, 1.0, 1.0, 1.0).at(PLACES)(1.0, 0)
+
+
+def test_a_wrong_memory_of_a_swinging_front_is_refused_by_the_self_proof() -> None:
+    level = RETURN - s
+    right = swinging(level, 40 * pos(level, 2), 20 * pos(-level, 4))
+    (face,) = right.faces
+    late = Memory(40 * pos(level.subs(t, t - sp.Rational(1, 50)), 2), 3, 3, 1.0)
+    with pytest.raises(SelfProofError, match=r"p = −σ_ν|the stated zone"):
+        prove(replace(right, faces=(replace(face, strain=late),)), "late")
