@@ -10,6 +10,7 @@ author = "the authors of the Signorini study"
 extensions = ["myst_parser", "sphinx_copybutton", "sphinx_design", "mathml", "api", "gallery"]
 myst_enable_extensions = ["dollarmath", "colon_fence"]
 myst_heading_anchors = 3
+exclude_patterns = ["generated"]  # gallery.md includes what is there
 html_theme = "furo"
 html_static_path = ["static"]
 html_css_files = ["site.css"]
