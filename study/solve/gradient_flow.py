@@ -72,7 +72,10 @@ class GradientFlow:
         return Signorini(problem.M, problem.N[np.flatnonzero(touching)])(self.loads[0] - problem.elastic(u0))[0]
 
     def delay(self, steps: int) -> float:
-        """F for so many steps, a divisor of m: by the larger end of every interval of the grid."""
+        """F for so many steps, a divisor of m: by the larger end of every interval of the grid.
+
+        An upper sum: with j intervals in a step and a load that is linear there it is 1 + 1/j times F.
+        """
         nodes = np.arange(len(self.loads))
         inner = (len(self.loads) - 1) // steps
         ahead = np.repeat(nodes[inner::inner], inner)

@@ -175,6 +175,7 @@ def supremum(touching: Array, rho: float) -> float:
 
     λ and w' are piecewise linear on the panels, λ = 0 on those of N and w' = 0 on those of C; 0 if one of them has to
     vanish. In w = w(0) + ∫ w' only the panels of N at both ends count, since w = 0 at the panels of C next to them.
+    Between panels of C w' is free here, though w has to return to 0: where N has inner parts this is an upper bound.
     """
     contact = touching.reshape(PANELS, -1).mean(axis=1) >= 0.5
     if contact.all() or not contact.any():
