@@ -7,7 +7,7 @@ PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs
 	docs/tutorials/first-solution.md docs/explanation/windows.md
 
 .PHONY: study full controls seeds mutants test wheel tutorials pages codes codes-venv codes-check certificates \
-	certificates-check bench bench-growth bench-peers \
+	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper lock clean
 
 study: $(READY)  ## quick study into results/quick, a minute and a half
@@ -78,6 +78,9 @@ certificates-check:  ## the committed certificates, by the checker alone: a copy
 	mkdir -p build && cp study/certify/checker.py build/checker.py
 	for name in square wedge bracket; do \
 		$(PYTHON) -I -S build/checker.py examples/certificates/$$name-4.json.gz || exit 1; done
+
+trials: $(READY)  ## bounds tried on 200 random problems and on stiff materials, into results/trials, half an hour
+	OMP_NUM_THREADS=1 PYTHONPATH=tests:. nice -n 10 $(BIN)/python -m trials.run
 
 # Benchmarks are not tests: a slow machine or a missing peer is no failure.
 bench: $(READY)  ## ratios of timings into results/benchmarks, some minutes; warns where one got worse

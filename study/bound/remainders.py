@@ -21,6 +21,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import sympy as sp
@@ -31,7 +32,7 @@ from manufactured.factor import x1, x2
 from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound.ranges import Boxes, Series
-from study.bound.univariate import Pair
+from study.bound.univariate import Pair, require_known
 from study.stresses.loads import EDGE_PARTS
 from study.stresses.stress_space import StressSpace
 
@@ -158,11 +159,26 @@ class Unseen:
             found[:, edges] = np.sqrt(np.mean(every.reshape(3, EDGE_PARTS, -1) ** 2, axis=1))
         return Remainders(*found)
 
+    @cached_property
     def start(self) -> Array:
         """e of ε(u_0), (cells,)."""
-        u = self.expressions.start
-        shear = (sp.diff(u[0], x2) + sp.diff(u[1], x1)) / sp.sqrt(2)
-        return self.cells.in_space((sp.diff(u[0], x1), sp.diff(u[1], x2), shear), 0.0, 0.0)
+        return self.cells.in_space(_strain(self.expressions), 0.0, 0.0)
+
+
+def require_ranges(expressions: Expressions) -> None:
+    """Refuse data some of which have no ranges, before time is spent.
+
+    Raises:
+        RangeError: names the part of a formula that has none.
+    """
+    for formula in (*expressions.force, *(f for _, load in expressions.loads for f in load), *_strain(expressions)):
+        require_known(formula)
+
+
+def _strain(expressions: Expressions) -> tuple[sp.Expr, ...]:
+    """ε(u_0) in Mandel's components."""
+    u = expressions.start
+    return sp.diff(u[0], x1), sp.diff(u[1], x2), (sp.diff(u[0], x2) + sp.diff(u[1], x1)) / sp.sqrt(2)
 
 
 def _pieces(space: StressSpace, part: Part, edges: Array) -> Regions:

@@ -19,7 +19,7 @@ from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound.load_constants import LoadConstants, load_constants
-from study.bound.remainders import Remainders, Unseen
+from study.bound.remainders import Remainders, Unseen, require_ranges
 from study.bound.shares import proportional
 from study.bound.univariate import RangeError
 from study.fem.quadrature import Line, rough_cells
@@ -93,9 +93,7 @@ class Sampling:
             yield "f_0, f_2 and u_0 are known at points and times only, not as formulas"
         else:
             try:
-                self._unseen.force(0.0, data.body.T)
-                self._unseen.surface(0.0, data.body.T)
-                self._unseen.start()
+                require_ranges(data.formulas_of)
             except RangeError as error:
                 yield str(error)
         if law.A.factor is not UNIFORM or getattr(law.G, "factor", UNIFORM) is not UNIFORM:
@@ -141,7 +139,7 @@ class Sampling:
         """What is missed of ‖u_0 − ũ(0)‖_V."""
         if self.reasons:
             return 0.0
-        return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(self._roots * self._unseen.start()))
+        return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(self._roots * self._unseen.start))
 
     def worst(self, a: float, b: float) -> str:
         """The datum and the place of which samples for a ≤ t ≤ b may miss most; empty where that is unknown."""

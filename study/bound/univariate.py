@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from functools import reduce
+from typing import Any
 
 import numpy as np
 import sympy as sp
@@ -135,6 +136,8 @@ KNOWN: dict[type, Callable[[Pair, int], list[Pair]]] = {
 """Taylor coefficients of functions of one variable."""
 REWRITTEN = {sp.sinh: sp.exp, sp.cosh: sp.exp, sp.tanh: sp.exp, sp.tan: sp.cos, sp.cot: sp.cos}
 """Functions that are written by others first."""
+SERVED: tuple[Any, ...] = (sp.Add, sp.Mul, sp.Pow, pos, *KNOWN, *REWRITTEN)
+"""What formulas are made of."""
 
 
 def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
@@ -149,7 +152,26 @@ def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
         return _of_truncated(u, float(formula.args[1]), order)
     if type(formula) in KNOWN:
         return KNOWN[type(formula)](u, order)
+    raise unknown(formula)
+
+
+def require_known(formula: sp.Expr) -> None:
+    """Refuse a formula some part of which has no ranges here.
+
+    Raises:
+        RangeError: names the part.
+    """
+    if formula.is_number or formula.is_Symbol:
+        return
+    if not isinstance(formula, SERVED):
+        raise unknown(formula)
+    for part in formula.args:
+        require_known(part)
+
+
+def unknown(formula: sp.Expr) -> RangeError:
+    """What is said of a formula without ranges."""
     names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *REWRITTEN, pos)))
-    raise RangeError(
+    return RangeError(
         f"{formula} has no known range of its derivatives; known are powers and {names}{written_with_pos(formula)}"
     )

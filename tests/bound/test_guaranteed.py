@@ -29,7 +29,7 @@ from study.bound.ranges import Boxes
 from study.bound.remainders import Regions
 from study.bound.sampling import ESTIMATED, GUARANTEED
 from study.bound.trajectory import Refined
-from study.bound.univariate import RangeError
+from study.bound.univariate import RangeError, require_known
 from study.fem.mesh import MeshFamily, OneDiagonal, Unstructured
 from study.solve.tableau import MIDPOINT
 
@@ -91,6 +91,14 @@ def test_functions_without_ranges_are_named() -> None:
     low, high = np.zeros(1), np.ones(1)
     with pytest.raises(RangeError, match="gamma"):
         Boxes({x1: (low, high)}, (x1,), 2)(sp.gamma(1 + x1))
+
+
+@pytest.mark.parametrize("part", [sp.gamma(1 + x1), sp.Abs(x1 - x2), sp.Max(x1, t), sp.Heaviside(x1 - t)], ids=str)
+def test_they_are_found_anywhere_in_a_formula_before_time_is_spent(part: Expr) -> None:
+    for formula in FORMULAS:
+        require_known(formula)
+        with pytest.raises(RangeError, match=type(part).__name__):
+            require_known(1 + x2 * sin(formula + part) ** 2)
 
 
 def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_taylor() -> None:

@@ -33,6 +33,7 @@ EXCLUDED = {
     "make mutants": "an hour: the nightly workflow runs it",
     "make codes": "half an hour, and codes that are optional: CI runs two of them by make codes-check",
     "make certificates": "half an hour; CI checks the certificates that are committed by make certificates-check",
+    "make trials": "half an hour; its tables are tested against its data, and some of its problems",
     "make bench": "times the machine",
     "sudo apt-get": "changes the system, for peers that are optional",
     ".venv/bin/pip install osqp": "changes the environment, for a peer that is optional",

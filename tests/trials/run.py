@@ -1,12 +1,16 @@
-"""Bounds of errors tried on problems with known solutions, `make trials`: python -m trials.run"""
+"""Bounds of errors tried, `make trials`: python -m trials.run
+
+Rows that are kept in ``results/trials`` are not made again: to make all, remove the files.
+"""
 
 from __future__ import annotations
 
-from trials import random_problems
+from trials import random_problems, stiff
 from trials.record import OUT, PAGE, refresh
 
 
 def main() -> None:
+    refresh(PAGE, {"effectivity": stiff.summary(stiff.table(OUT))})
     refresh(PAGE, {"random-trials": random_problems.summary(random_problems.table(OUT))})
 
 

@@ -26,7 +26,7 @@ LEVEL = 8
 USUAL, FINER = Refined(1, 4), Refined(2, 8)
 SCALES = (1e-4, 1e-2, 1.0, 1e2, 1e4)
 BEFORE = ROOT / "results" / "history" / "effectivity.csv"
-"""What the program gave before it damped within steps and shared residuals with the elasticity."""
+"""What ``bounds`` gave at 84de91a, before the program damped within steps and shared residuals with the elasticity."""
 
 
 def trials() -> list[str]:

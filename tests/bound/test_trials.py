@@ -1,0 +1,77 @@
+"""What is on record of bounds that were tried: no error outside, effectivities bounded, and the page says so."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from trials import random_problems, stiff
+from trials.record import OUT, PAGE, made, markdown, shown
+
+RANDOM, EFFECTIVITY = (pd.read_csv(OUT / name) for name in ("random.csv", "effectivity.csv"))
+
+
+def test_all_random_problems_are_on_record_and_no_error_lies_outside() -> None:
+    assert list(RANDOM["trial"]) == list(range(random_problems.COUNT))
+    refused = RANDOM["outcome"].str.startswith(random_problems.REFUSED)
+    assert (refused | (RANDOM["outcome"] == random_problems.ENCLOSED)).all()
+    inside = RANDOM[~refused]
+    assert (inside["low"] <= inside["error"] * 1.01).all()
+    assert (inside["error"] <= inside["high"] * 1.01).all()
+
+
+def test_they_are_as_rough_as_it_is_said() -> None:
+    assert RANDOM["width"].min() < 0.02
+    assert RANDOM["periods"].max() > 50
+    assert set(RANDOM["family"]) == {"one-diagonal", "shaken", "unstructured"}
+    assert RANDOM["slope"].nunique() == 3
+    assert (RANDOM["zone"] == 1).mean() > 0.5
+    assert (RANDOM["blind"] == random_problems.OUTSIDE).sum() > 0
+
+
+def test_effectivities_are_bounded_for_all_materials_and_were_not_before() -> None:
+    assert list(EFFECTIVITY["trial"]) == sorted(stiff.trials())
+    wide = stiff.wide(EFFECTIVITY)
+    assert wide["enclosure"].max() < 2
+    assert wide["plain"].max() < 3
+    assert wide["plain_before"].max() > 100
+    assert (wide[["enclosure", "plain"]] >= 1).all(axis=None)
+
+
+@pytest.mark.parametrize("trial", ["G 10000 10000", "A 1 1"])
+def test_the_record_is_what_the_program_gives(trial: str) -> None:
+    (kept,) = EFFECTIVITY[EFFECTIVITY["trial"] == trial].itertuples()
+    found = dict(zip(("low", "high", "plain"), stiff.bounds(trial, stiff.USUAL), strict=True))
+    assert {name: getattr(kept, name) for name in found} == pytest.approx(found, rel=1e-3)
+
+
+def test_the_page_shows_the_record() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    tables = {"effectivity": stiff.summary(EFFECTIVITY), "random-trials": random_problems.summary(RANDOM)}
+    for name, table in tables.items():
+        assert shown(text, name, table) == text, "run: make trials"
+        assert f"<!-- {name} -->" in text
+
+
+def test_an_error_outside_is_counted() -> None:
+    worse = RANDOM.copy()
+    worse.loc[0, "outcome"] = random_problems.OUTSIDE
+    (before, after) = (random_problems.summary(one).splitlines() for one in (RANDOM, worse))
+    assert before != after
+    assert after[5].split(" | ")[4] == "1"
+
+
+def test_rows_on_disk_are_not_made_again(tmp_path: Path) -> None:
+    asked: list[int] = []
+
+    def row(key: int) -> dict[str, float]:
+        asked.append(key)
+        return {"value": np.sqrt(key)}
+
+    file = tmp_path / "some.csv"
+    made(file, [2, 1], row)
+    assert list(made(file, [1, 2, 3], row)["trial"]) == [1, 2, 3]
+    assert asked == [2, 1, 3]
+    assert markdown(["a"], [["b"]]) == "| a |\n| --- |\n| b |\n"
