@@ -13,8 +13,9 @@ from trials.record import OUT, PAGE, made, markdown, shown
 RANDOM, EFFECTIVITY = (pd.read_csv(OUT / name) for name in ("random.csv", "effectivity.csv"))
 
 
-def test_all_random_problems_are_on_record_and_no_error_lies_outside() -> None:
-    assert list(RANDOM["trial"]) == list(range(random_problems.COUNT))
+def test_no_error_on_record_lies_outside() -> None:
+    assert len(RANDOM) == RANDOM["trial"].nunique() >= 100
+    assert RANDOM["trial"].isin(range(random_problems.COUNT)).all()
     refused = RANDOM["outcome"].str.startswith(random_problems.REFUSED)
     assert (refused | (RANDOM["outcome"] == random_problems.ENCLOSED)).all()
     inside = RANDOM[~refused]
