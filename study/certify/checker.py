@@ -608,11 +608,10 @@ class Loads:
 
     def missed_outside(self, a: Q, b: Q, given: Sequence[Tractions]) -> Q:
         """The same of f_2 and σ̃ν, from h σ̃N on the loaded edges at the three controls."""
-        found, shapes = Q(0), list(product(bernstein(2, UNIT_S), bernstein(3, UNIT_X)))
+        found, shapes = Q(0), [p * q for p, q in product(bernstein(2, UNIT_S), bernstein(3, UNIT_X))]
         for (edge, length), d in product(self.lengths.items(), (0, 1)):
             coefficients = [pair[d] for control in given for pair in control[edge]]
-            scale = Q(-1, self.unit * self.mesh.h)
-            stress = total(p * q * (x * scale) for (p, q), x in zip(shapes, coefficients, strict=True))
+            stress = combination(shapes, coefficients) * Q(-1, self.unit * self.mesh.h)
             line = [p(UNIT_X) for p in between(*map(self.mesh.place, edge))]
             load = [term(*line, clock(a, b)) for term in self.mesh.boundary[edge].load[d]]
             slack = sum((term.size() for term in load), Q(0)) / (1 << GRID)  # of the length, which is rounded down
