@@ -69,7 +69,7 @@ codes-check: $(READY) build/codes-venv/.ready  ## two of them on one case, a min
 		--cases advance-recede --families one-diagonal --levels 8 16 \
 		--tasks build/codes-check/tasks --out build/codes-check --check
 
-certificates: $(READY)  ## bounds as theorems: certificates of three problems, LEVELS="4 8", some minutes, 20 MB
+certificates: $(READY)  ## bounds as theorems: certificates of three problems, LEVELS="4 8", some minutes, 12 MB
 	for name in "square --family one-diagonal" wedge bracket; do \
 		OMP_NUM_THREADS=1 $(BIN)/study certify examples/certificates/problems.py:$$name \
 		--levels $(or $(LEVELS),4 8) --out build/certificates || exit 1; done
