@@ -213,7 +213,7 @@ def refresh(page: Path, data: FullRun) -> bool:
 
 
 END = "<!-- end -->"
-FILM, SMALL = "hexagon", 85
+FILM, SMALL = "hexagon", 75
 """The case on the first screen, and dots per inch of its film."""
 
 
