@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import sys
+from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
@@ -16,14 +17,32 @@ from manufactured.catalogue import catalogue
 ROOT = Path(__file__).parents[2]
 
 
-@pytest.fixture(scope="module")
-def gallery() -> ModuleType:
+def extension(name: str) -> ModuleType:
+    """A module of the site."""
     sys.path.insert(0, str(ROOT / "docs" / "extensions"))
     try:
-        import gallery
+        return import_module(name)
     finally:
         sys.path.pop(0)
-    return gallery
+
+
+@pytest.fixture(scope="module")
+def gallery() -> ModuleType:
+    return extension("gallery")
+
+
+@pytest.mark.parametrize(
+    ("formula", "drawn"),
+    [
+        (r"(1, \tfrac12)", "<mn>1</mn><mn>2</mn></mfrac><mostretchy"),
+        (r"\tilde\sigma_\nu", '<msub><mover><mi>σ</mi><mostretchy="false">~</mo></mover><mi>ν</mi></msub>'),
+        (r"\lVert u\rVert_V", '<mi>u</mi><msub><mostretchy="false">‖</mo><mi>V</mi></msub>'),
+        (r"\sum_{i=1}^{n} a_i", "<munderover><mo"),
+    ],
+)
+def test_a_formula_is_drawn_as_it_is_written(formula: str, drawn: str) -> None:
+    mathml = extension("mathml").mathml
+    assert drawn in re.sub(r"\s", "", mathml(formula, as_block=True))
 
 
 @pytest.mark.parametrize("case", catalogue(), ids=lambda case: case.name)
