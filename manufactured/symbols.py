@@ -183,7 +183,7 @@ class Jet:
     """A formula of (s, t) with its derivatives along the face, evaluated by NumPy.
 
     ``Jet(expr, (s,))(points, time, order)`` has points (d−1, ...), one time or one for each point, and
-    gives every ∂^i expr with |i| ≤ order as arrays (...).
+    gives every ∂^i expr with |i| ≤ order as arrays (...); with ``in_time`` n those of ∂_t^n expr.
 
     Raises:
         FormulaError: other symbols than these, or functions with jumps that are not written with ``pos``.

@@ -9,7 +9,7 @@ import sympy as sp
 
 from manufactured.exponents import SMOOTH
 from manufactured.face_strain.convolution import Convolution, Integral
-from manufactured.face_strain.fronts import Front, front
+from manufactured.face_strain.fronts import Front, between, front
 from manufactured.face_strain.quadrature import Quadrature
 from manufactured.symbols import FormulaError, pos, t
 from manufactured.tensors import Array
@@ -64,12 +64,10 @@ class PressureTerm:
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
         """Times at which contact begins and ends at each point: two arrays (J, N), equal where unused."""
-        count = points.shape[1]
-        times = [np.zeros((1, count)), np.full((1, count), T)]
-        times += [moving.passes(points, T) for moving in self.moving]
-        nodes = np.sort(np.vstack(times), axis=0)
-        middle = (nodes[1:] + nodes[:-1]) / 2
+        passes = [np.empty((0, points.shape[1])), *(moving.passes(points, T) for moving in self.moving)]
+        begin, end = between(np.vstack(passes), T)
+        middle = (begin + end) / 2
         inside = np.ones(middle.shape, dtype=bool)
         for moving in self.moving:
             inside &= moving.beyond(points, middle)
-        return np.where(inside, nodes[:-1], T), np.where(inside, nodes[1:], T)
+        return np.where(inside, begin, T), np.where(inside, end, T)

@@ -25,6 +25,13 @@ class Front(Protocol):
         ...
 
 
+def between(passes: Array, T: float) -> tuple[Array, Array]:
+    """Beginnings and ends of the pieces of [0, T] between some times at each point, (n, N) → (n + 1, N) each."""
+    ends = np.zeros((1, passes.shape[1]))
+    nodes = np.sort(np.vstack([ends, passes, ends + T]), axis=0)
+    return nodes[:-1], nodes[1:]
+
+
 def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
     """The front of a formula, with roots in closed form where it is a polynomial of t."""
     if formula.is_polynomial(t):
@@ -106,11 +113,8 @@ class SmoothFront:
 
     def _beyond_for(self, passes: Array, points: Array, T: float) -> Array:
         """For how long ψ > 0 at each point, (N,)."""
-        nodes = np.concatenate(
-            [np.zeros((1, points.shape[1])), np.sort(passes, axis=0), np.full((1, points.shape[1]), T)]
-        )
-        inside = self.beyond(points, (nodes[1:] + nodes[:-1]) / 2)
-        found: Array = np.sum(np.diff(nodes, axis=0) * inside, axis=0)
+        begin, end = between(passes, T)
+        found: Array = np.sum((end - begin) * self.beyond(points, (begin + end) / 2), axis=0)
         return found
 
     def beyond(self, points: Array, time: Array) -> Array:

@@ -9,7 +9,6 @@ import json
 import math
 import re
 import sys
-from collections.abc import Iterable
 from pathlib import Path
 
 import pandas as pd
@@ -23,6 +22,7 @@ from study.ledger.window import STEEPER
 from study.present.article.source import FullRun
 from study.present.badges import write_badges
 from study.present.figures.drawing import in_style
+from study.present.marks import END, markdown, put
 from study.present.picture.picture import with_every_shape
 from study.present.report.svg_chart import typeset
 from study.present.show.animation import write_gif
@@ -33,7 +33,7 @@ def headline(data: FullRun) -> str:
     """What is claimed and seen, and the folder that says how, in Markdown; DataError if rows lack."""
     told = {"prop_5_4/": _prop_5_4, "prop_5_3.py": _prop_5_3, "thm_4_2/": _own_space, "enclosure/": _bound}
     rows = [(name, row(data)) for name, row in told.items()]
-    return _markdown(
+    return markdown(
         ["claim", "observed", "how"],
         [[claim, seen, f"[{verdict}](study/statements/{name})"] for name, (claim, _, seen, verdict) in rows],
     )
@@ -43,7 +43,7 @@ def results(data: FullRun) -> str:
     """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if rows lack."""
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, _regularity, _work, _time, _defects, _seeds)
     lines = [[_literal(cell) for cell in row(data)] for row in rows]
-    return _markdown(["claim", "predicted", "observed", "verdict"], lines)
+    return markdown(["claim", "predicted", "observed", "verdict"], lines)
 
 
 def _prop_5_4(data: FullRun) -> list[str]:
@@ -202,17 +202,14 @@ def refresh(page: Path, data: FullRun) -> bool:
     """
     text = before = page.read_text(encoding="utf-8")
     for table in (headline, results, statements, cases, codes, windows, new_windows):
-        head, found, rest = text.partition(f"<!-- {table.__name__} -->")
-        _, closed, tail = rest.partition(END)
-        if found and closed:
-            text = f"{head}{found}{table(data)}{closed}{tail}"
+        if f"<!-- {table.__name__} -->" in text:
+            text = put(text, table.__name__, table(data))
     if END not in text:
         raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements, cases, codes, …")
     write_text(page, text)
     return text != before
 
 
-END = "<!-- end -->"
 FILM, SMALL = "hexagon", 75
 """The case on the first screen, and dots per inch of its film."""
 
@@ -228,7 +225,7 @@ def statements(data: FullRun) -> str:
         )
         found = ", ".join(f"`{name}`" for name in where["data"])
         lines.append([label, _literal(claim), counts, f"{code}: {found}"])
-    return _markdown(["statement", "says", "verdicts", "code: data"], lines)
+    return markdown(["statement", "says", "verdicts", "code: data"], lines)
 
 
 def cases(data: FullRun) -> str:
@@ -253,7 +250,7 @@ def codes(data: FullRun) -> str:
         ]
         for row in data.codes.rows().to_dict("records")
     ]
-    return _markdown([*header, "pressure / that of K^h", "scales"], lines)
+    return markdown([*header, "pressure / that of K^h", "scales"], lines)
 
 
 def windows(data: FullRun) -> str:
@@ -262,7 +259,7 @@ def windows(data: FullRun) -> str:
     alike: dict[tuple[str, str, str], list[Change]] = {}
     for change in found:
         alike.setdefault((change.before, change.today, change.why), []).append(change)
-    return _markdown(
+    return markdown(
         ["rows", "then", "today", "why"],
         [
             [", ".join(f"{one.label} *{one.key}* ({one.rows})" for one in group), before, today, why]
@@ -276,7 +273,7 @@ def new_windows(data: FullRun) -> str:
     lines = [
         [f"{one.label} *{one.key}* ({one.rows})", one.today, one.why] for one in added(_earlier(data), data.claims)
     ]
-    return _markdown(["rows", "window", "why"], lines)
+    return markdown(["rows", "window", "why"], lines)
 
 
 def _earlier(data: FullRun) -> pd.DataFrame:
@@ -288,11 +285,6 @@ def _earlier(data: FullRun) -> pd.DataFrame:
 def _literal(text: str) -> str:
     """A text with its scripts raised and lowered, and nothing in it that is taken for emphasis."""
     return re.sub(r"([*_])", r"\\\1", typeset(text))
-
-
-def _markdown(header: list[str], rows: Iterable[list[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n" + "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)
 
 
 def main() -> None:

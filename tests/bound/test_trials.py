@@ -8,7 +8,9 @@ import numpy as np
 import pandas as pd
 import pytest
 from trials import random_problems, stiff
-from trials.record import OUT, PAGE, made, markdown, shown
+from trials.record import OUT, PAGE, made
+
+from study.present.marks import markdown, put
 
 RANDOM, EFFECTIVITY = (pd.read_csv(OUT / name) for name in ("random.csv", "effectivity.csv"))
 
@@ -52,7 +54,7 @@ def test_the_page_shows_the_record() -> None:
     text = PAGE.read_text(encoding="utf-8")
     tables = {"effectivity": stiff.summary(EFFECTIVITY), "random-trials": random_problems.summary(RANDOM)}
     for name, table in tables.items():
-        assert shown(text, name, table) == text, "run: make trials"
+        assert put(text, name, table) == text, "run: make trials"
         assert f"<!-- {name} -->" in text
 
 

@@ -33,6 +33,7 @@ from scipy.stats import binomtest
 
 from mutation.gates import every_mutant, gate_of
 from mutation.mutants import Mutant, mutated
+from study.present.marks import put
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "results" / "mutants"
@@ -41,7 +42,6 @@ SEED = 2026
 SECONDS = 240
 """Processor time after which a mutant counts as noticed: somebody would."""
 LIVES, NOTHING_RUN = "lives", 5
-MARK, END = "<!-- mutants -->", "<!-- end -->"
 PLACE = [field.name for field in fields(Mutant)]
 COLUMNS = ["part", *PLACE, "noticed_by"]
 
@@ -155,14 +155,12 @@ def summary(out: Path) -> str:
         low, high = binomtest(live, len(mine)).proportion_ci(method="exact") if len(mine) else (0.0, 1.0)
         share = f"{100 * live / len(mine):.0f} % ({100 * low:.0f} … {100 * high:.0f} %)" if len(mine) else ""
         lines.append(f"| {part} | {count} | {len(mine)} | {live} | {share} |")
-    return "\n".join(["", *lines, ""])
+    return "\n".join([*lines, ""])
 
 
 def refresh(page: Path, out: Path) -> None:
     """Put the summary into a page between its marks."""
-    head, found, rest = page.read_text(encoding="utf-8").partition(MARK)
-    _, end, tail = rest.partition(END)
-    page.write_text(f"{head}{found}{summary(out)}{end}{tail}", encoding="utf-8")
+    page.write_text(put(page.read_text(encoding="utf-8"), "mutants", summary(out)), encoding="utf-8")
 
 
 def main() -> None:

@@ -19,8 +19,9 @@ from manufactured.tensors import Array
 from study.bound.bounded import BoundedSolution
 from study.bound.moduli import BoundError
 from study.bound.sampling import GUARANTEED
+from study.present.marks import markdown
 from trials.known import Trial, random_trial
-from trials.record import made, markdown
+from trials.record import made
 
 COUNT, TIMES = 200, 3
 ROUNDING = 1e-6

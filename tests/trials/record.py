@@ -10,11 +10,11 @@ from typing import Any
 import pandas as pd
 
 from study.ledger.files import write_text
+from study.present.marks import put
 
 ROOT = Path(__file__).parents[2]
 OUT = ROOT / "results" / "trials"
 PAGE = ROOT / "docs" / "explanation" / "bounds.md"
-END = "<!-- end -->"
 
 
 def made(file: Path, keys: Iterable[Any], row: Callable[[Any], dict[str, Any]]) -> pd.DataFrame:
@@ -30,21 +30,9 @@ def made(file: Path, keys: Iterable[Any], row: Callable[[Any], dict[str, Any]]) 
     return pd.read_csv(file)
 
 
-def shown(text: str, name: str, table: str) -> str:
-    """The text of a page with a table between its marks ``<!-- NAME -->`` and ``<!-- end -->``."""
-    head, mark, rest = text.partition(f"<!-- {name} -->")
-    _, end, tail = rest.partition(END)
-    return f"{head}{mark}\n{table}{end}{tail}" if mark and end else text
-
-
 def refresh(page: Path, tables: dict[str, str]) -> None:
     """Put tables into a page."""
     text = page.read_text(encoding="utf-8")
     for name, table in tables.items():
-        text = shown(text, name, table)
+        text = put(text, name, table)
     write_text(page, text)
-
-
-def markdown(header: list[str], rows: Iterable[list[str]]) -> str:
-    lines = [header, ["---"] * len(header), *rows]
-    return "".join("| " + " | ".join(line) + " |\n" for line in lines)

@@ -19,8 +19,9 @@ from study.bound.bounded import bounded_solution
 from study.bound.trajectory import Refined
 from study.fem.mesh import Unstructured
 from study.ledger.rounding import up
+from study.present.marks import markdown
 from study.solve.tableau import MIDPOINT
-from trials.record import ROOT, made, markdown
+from trials.record import ROOT, made
 
 LEVEL = 8
 USUAL, FINER = Refined(1, 4), Refined(2, 8)

@@ -1,0 +1,24 @@
+"""Tables in pages of Markdown, between ``<!-- NAME -->`` and ``<!-- end -->``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+END = "<!-- end -->"
+
+
+def put(text: str, name: str, table: str) -> str:
+    """The text of a page with a table, or a few words, between the marks of a name; as it is if it has none.
+
+    A table begins on a line of its own, words stay in their sentence.
+    """
+    head, mark, rest = text.partition(f"<!-- {name} -->")
+    _, end, tail = rest.partition(END)
+    start = "\n" if "\n" in table else ""
+    return f"{head}{mark}{start}{table}{end}{tail}" if mark and end else text
+
+
+def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """A table."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)
