@@ -7,77 +7,26 @@ the coordinates ``x1``, ``x2``, ``x3`` of a point. ``HERMITE``, ``QUARTIC`` and 
 polynomials that cut a lifting off inside the body, for ``cutoff`` and ``slab``.
 """
 
-from manufactured.body import Body, BodyError, Kind, Part, box, polygon, unit_square
-from manufactured.case import Case, CaseError
-from manufactured.catalogue import catalogue, named
-from manufactured.contact import ContactFace
-from manufactured.data import Data, LoadError
-from manufactured.exact import ExactSolution
-from manufactured.face_strain import Memory, Prescribed
-from manufactured.factor import Factor, x1, x2, x3
-from manufactured.law import (
-    DeviatoricBall,
-    FrobeniusBall,
-    KelvinVoigt,
-    LawError,
-    Linear,
-    Yield,
-    isotropic,
-)
-from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, layered, slab
-from manufactured.regularity import Regularity
-from manufactured.self_proof import SelfProofError, examine, prove
-from manufactured.singular import Monomial, SingularFace, SingularField, kolosov
-from manufactured.symbols import FormulaError, pos, s, s1, s2, t
+from __future__ import annotations
 
-__all__ = [
-    "HERMITE",
-    "PARABOLA",
-    "QUARTIC",
-    "Body",
-    "BodyError",
-    "Case",
-    "CaseError",
-    "ContactFace",
-    "Data",
-    "DeviatoricBall",
-    "ExactSolution",
-    "Factor",
-    "FormulaError",
-    "FrobeniusBall",
-    "KelvinVoigt",
-    "Kind",
-    "LawError",
-    "Linear",
-    "LoadError",
-    "Memory",
-    "Monomial",
-    "Part",
-    "Prescribed",
-    "Profile",
-    "Regularity",
-    "SelfProofError",
-    "SingularFace",
-    "SingularField",
-    "Yield",
-    "box",
-    "catalogue",
-    "cutoff",
-    "examine",
-    "isotropic",
-    "kolosov",
-    "layered",
-    "named",
-    "polygon",
-    "pos",
-    "prove",
-    "s",
-    "s1",
-    "s2",
-    "slab",
-    "t",
-    "unit_square",
-    "x1",
-    "x2",
-    "x3",
-]
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+from manufactured.catalogue import catalogue as catalogue
+from manufactured.catalogue import named as named
+
+if TYPE_CHECKING:
+    from manufactured.public import *  # noqa: F403
+
+
+def __getattr__(name: str) -> Any:
+    """The names of ``manufactured.public``, imported when one is first asked for: SymPy takes half a second."""
+    public = import_module("manufactured.public")
+    globals().update({known: getattr(public, known) for known in ("__all__", *public.__all__)})
+    if name not in globals():
+        raise AttributeError(f"module 'manufactured' has no attribute {name!r}")
+    return globals()[name]
+
+
+def __dir__() -> list[str]:
+    return [*globals(), *import_module("manufactured.public").__all__]

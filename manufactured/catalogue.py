@@ -1,45 +1,48 @@
-"""The explicit list of cases."""
+"""The explicit list of cases. What they are made of is imported with them: listing their names needs no SymPy."""
 
 from __future__ import annotations
 
 from functools import lru_cache
+from typing import TYPE_CHECKING
 
-from manufactured.case import Case, CaseError
-from manufactured.cases import (
-    advance_recede,
-    anisotropic,
-    corner,
-    cube_disc,
-    cube_two_faces,
-    fixed_front_off_vertex,
-    fixed_front_on_vertex,
-    full_contact,
-    heterogeneous,
-    hexagon,
-    junction,
-    layered,
-    layered_unmet,
-    lift_and_land,
-    load_w11,
-    merging_patches,
-    moving_rough,
-    natural_front,
-    no_contact,
-    re_entrant,
-    rotated,
-    rough_1_75,
-    rough_2,
-    rough_2_25,
-    rough_trace,
-    travelling_patch,
-    yield_and_release,
-    yield_on_a_part,
-)
+if TYPE_CHECKING:
+    from manufactured.case import Case
 
 
 @lru_cache
 def catalogue() -> tuple[Case, ...]:
     """All cases: those of Prop. 5.4, simple zones first, then those too rough for it."""
+    from manufactured.cases import (
+        advance_recede,
+        anisotropic,
+        corner,
+        cube_disc,
+        cube_two_faces,
+        fixed_front_off_vertex,
+        fixed_front_on_vertex,
+        full_contact,
+        heterogeneous,
+        hexagon,
+        junction,
+        layered,
+        layered_unmet,
+        lift_and_land,
+        load_w11,
+        merging_patches,
+        moving_rough,
+        natural_front,
+        no_contact,
+        re_entrant,
+        rotated,
+        rough_1_75,
+        rough_2,
+        rough_2_25,
+        rough_trace,
+        travelling_patch,
+        yield_and_release,
+        yield_on_a_part,
+    )
+
     return (
         full_contact.case(),
         no_contact.case(),
@@ -78,6 +81,8 @@ def named(name: str) -> Case:
     Raises:
         CaseError: there is none; the message lists those there are.
     """
+    from manufactured.case import CaseError
+
     for case in catalogue():
         if case.name == name:
             return case

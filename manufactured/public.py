@@ -1,0 +1,76 @@
+"""The names of ``manufactured``, each from where it is defined."""
+
+from manufactured.body import Body, BodyError, Kind, Part, box, polygon, unit_square
+from manufactured.case import Case, CaseError
+from manufactured.catalogue import catalogue, named
+from manufactured.contact import ContactFace
+from manufactured.data import Data, LoadError
+from manufactured.exact import ExactSolution
+from manufactured.face_strain import Memory, Prescribed
+from manufactured.factor import Factor, x1, x2, x3
+from manufactured.law import (
+    DeviatoricBall,
+    FrobeniusBall,
+    KelvinVoigt,
+    LawError,
+    Linear,
+    Yield,
+    isotropic,
+)
+from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, layered, slab
+from manufactured.regularity import Regularity
+from manufactured.self_proof import SelfProofError, examine, prove
+from manufactured.singular import Monomial, SingularFace, SingularField, kolosov
+from manufactured.symbols import FormulaError, pos, s, s1, s2, t
+
+__all__ = [
+    "HERMITE",
+    "PARABOLA",
+    "QUARTIC",
+    "Body",
+    "BodyError",
+    "Case",
+    "CaseError",
+    "ContactFace",
+    "Data",
+    "DeviatoricBall",
+    "ExactSolution",
+    "Factor",
+    "FormulaError",
+    "FrobeniusBall",
+    "KelvinVoigt",
+    "Kind",
+    "LawError",
+    "Linear",
+    "LoadError",
+    "Memory",
+    "Monomial",
+    "Part",
+    "Prescribed",
+    "Profile",
+    "Regularity",
+    "SelfProofError",
+    "SingularFace",
+    "SingularField",
+    "Yield",
+    "box",
+    "catalogue",
+    "cutoff",
+    "examine",
+    "isotropic",
+    "kolosov",
+    "layered",
+    "named",
+    "polygon",
+    "pos",
+    "prove",
+    "s",
+    "s1",
+    "s2",
+    "slab",
+    "t",
+    "unit_square",
+    "x1",
+    "x2",
+    "x3",
+]
