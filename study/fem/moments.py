@@ -10,7 +10,7 @@ one sum for each vertex, with the weights of the rule times the shape function o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -82,26 +82,23 @@ class StrainSums:
     """Σ w_p ε(x_p, t), (D, sums), from the amplitudes at one time; w may be the rule's times a coefficient, (n,)."""
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
-        self._parts = [list(_by_tensor(part, points, weights)) for part in modes]
+        parts = [_by_tensor(part, points, weights) for part in modes]
+        self._tensors = np.concatenate([tensors for tensors, _ in parts]).T
+        self._matrix = sps.block_diag([matrix for _, matrix in parts], format="csr")
 
     def __call__(self, amplitudes: Amplitudes) -> Tensors:
-        return sum(
-            np.multiply.outer(tensor, matrix @ part[rows].ravel())
-            for part, groups in zip(amplitudes, self._parts, strict=True)
-            for tensor, rows, matrix in groups
-        )
+        sums = self._matrix @ np.concatenate([part.ravel() for part in amplitudes])
+        return self._tensors @ sums.reshape(self._tensors.shape[1], -1)
 
 
-def _by_tensor(modes: Modes, points: QuadraturePoints, weights: Array) -> Iterator[tuple[Array, Array, sps.csr_array]]:
-    """(E, the modes with E_k = E, their B_k side by side) for each different tensor."""
+def _by_tensor(modes: Modes, points: QuadraturePoints, weights: Array) -> tuple[Array, sps.csr_array]:
+    """The different tensors, (E, D), and below each other the B_k of each, side by side, (E · sums, K · J)."""
     distinct, group = np.unique(modes.tensors, axis=0, return_inverse=True)
     sums, weights = points.sums[modes.points], weights[modes.points]
-    for i, tensor in enumerate(distinct):
-        rows = np.flatnonzero(group == i)
-        data = np.concatenate([weights * modes.shapes[k] for k in rows])
-        columns = np.concatenate([modes.places + n * modes.count for n in range(len(rows))])
-        shape = (points.count, len(rows) * modes.count)
-        yield tensor, rows, sps.csr_array((data, (np.tile(sums, len(rows)), columns)), shape=shape)
+    rows = np.concatenate([sums + i * points.count for i in group])
+    columns = np.concatenate([modes.places + k * modes.count for k in range(len(group))])
+    shape = (len(distinct) * points.count, len(group) * modes.count)
+    return distinct, sps.csr_array(((weights * modes.shapes).ravel(), (rows, columns)), shape=shape)
 
 
 class StressSums:

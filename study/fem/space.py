@@ -78,7 +78,12 @@ class Displacements(MeshedBody, ABC):
 
     def functional(self, stress: Tensors) -> Array:
         """(σ, ε(·))_Q for the means of a stress on the cells, or its values at the points, → (dofs,)."""
-        return self.E.T @ np.moveaxis(self.weights * stress, 0, -1).ravel()
+        return self._transposed @ np.moveaxis(self.weights * stress, 0, -1).ravel()
+
+    @cached_property
+    def _transposed(self) -> sps.csc_array:
+        """Eᵀ, made once: every load asks for it."""
+        return self.E.T
 
     def form(self, C: Array, factor: Array | float = 1.0) -> sps.csc_array:
         """The matrix of (α C ε(u), ε(v))_Q for a tensor C, Mandel (D, D), and α as in ``weights``."""

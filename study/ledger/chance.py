@@ -23,8 +23,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # ``scipy.stats`` takes half a second to import: not before it is used
 from numpy.typing import NDArray
-from scipy import stats
 
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
@@ -46,7 +46,7 @@ def interval(alarms: int, judged: int) -> tuple[float, float]:
     """The interval of Clopper and Pearson for a rate, at 95 %; (0, 1) if nothing was judged."""
     if judged == 0:
         return 0.0, 1.0
-    found = stats.binomtest(alarms, judged).proportion_ci(CONFIDENCE, method="exact")
+    found = scipy.stats.binomtest(alarms, judged).proportion_ci(CONFIDENCE, method="exact")
     return float(found.low), float(found.high)
 
 
@@ -77,7 +77,7 @@ def tail(places: Array, two_sided: bool) -> Tail:
     if np.ptp(places) <= SAME:
         return Tail("constant", float(max(abs(places)) > 1))
     ends = (1.0, -1.0) if two_sided else (1.0,)
-    fit = float(stats.shapiro(places).pvalue)
+    fit = float(scipy.stats.shapiro(places).pvalue)
     if fit >= AGAINST:
         return Tail("normal", sum(normal(end * places) for end in ends), fit)
     rates, fits = zip(*(pareto(end * places) for end in ends), strict=True)
@@ -88,7 +88,7 @@ def normal(places: Array) -> float:
     """The probability that one more normal place is larger than 1."""
     n = len(places)
     distance = (1 - places.mean()) / (places.std(ddof=1) * np.sqrt(1 + 1 / n))
-    return float(stats.t.sf(distance, n - 1))
+    return float(scipy.stats.t.sf(distance, n - 1))
 
 
 def pareto(places: Array) -> tuple[float, float]:
@@ -103,8 +103,8 @@ def pareto(places: Array) -> tuple[float, float]:
     ranks = (np.arange(1, most + 1) - 0.35) / most
     mean, weighted = excess.mean(), float(np.mean((1 - ranks) * excess))
     shape, scale = 2 - mean / (mean - 2 * weighted), 2 * mean * weighted / (mean - 2 * weighted)
-    model = stats.genpareto(shape, scale=scale)
-    return above * float(model.sf(1 - threshold)), float(stats.kstest(excess, model.cdf).pvalue)
+    model = scipy.stats.genpareto(shape, scale=scale)
+    return above * float(model.sf(1 - threshold)), float(scipy.stats.kstest(excess, model.cdf).pvalue)
 
 
 def kept(least: float, by_tail: float) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+import scipy  # ``scipy.stats`` takes half a second to import: not before it is used
 from numpy.typing import NDArray
-from scipy import stats
 
 Array = NDArray[np.float64]
 
@@ -50,8 +50,8 @@ def fit(h: Array, error: Array) -> Fit:
     if len(h) < 3:
         slope = float(orders(h, error)[-1])
         return Fit(slope, -np.inf, np.inf)
-    line = stats.linregress(np.log(h), np.log(error))
-    half = float(stats.t.ppf((1 + CONFIDENCE) / 2, len(h) - 2)) * float(line.stderr)
+    line = scipy.stats.linregress(np.log(h), np.log(error))
+    half = float(scipy.stats.t.ppf((1 + CONFIDENCE) / 2, len(h) - 2)) * float(line.stderr)
     return Fit(float(line.slope), float(line.slope) - half, float(line.slope) + half)
 
 

@@ -160,7 +160,7 @@ class ContactStep:
     def __init__(self, problem: SemiDiscrete, scheme: Tableau, k: float) -> None:
         self.problem, self.scheme, self.k = problem, scheme, k
         self.S = sps.csc_array(scheme.newest / k * problem.M + scheme.theta * problem.reference)
-        self.solve = problem.solver(self.S, problem.N)
+        self.solve, self.forces = problem.solver(self.S, problem.N), problem.N.T
 
     def __call__(self, n: int, past: Sequence[State]) -> State:
         """The state at t_n.
@@ -199,7 +199,7 @@ class ContactStep:
         return self._state(time, u, multipliers, constant - remainder(theta * u + base), taken)
 
     def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
-        defect = self.S @ u + self.problem.N.T @ multipliers - b
+        defect = self.S @ u + self.forces @ multipliers - b
         normal = self.problem.N @ u
         size = max(float(abs(u).max()), TINY)
         force = max(float(abs(multipliers).max(initial=0.0)), TINY)

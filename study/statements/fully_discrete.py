@@ -25,7 +25,7 @@ from itertools import islice
 import numpy as np
 import pandas as pd
 from scipy.optimize import least_squares
-from scipy.stats import t as student
+from scipy.special import stdtrit
 
 from manufactured.tensors import Array
 from study.ledger.criterion import Criterion, Measure, Measured, Observation, Rule
@@ -69,7 +69,7 @@ class ParameterFit:
         freedom = len(found.fun) - len(start)
         variance = 2 * found.cost / freedom
         spread = np.sqrt(variance * np.diag(np.linalg.pinv(found.jac.T @ found.jac)))
-        return cls(found.x, float(student.ppf((1 + CONFIDENCE) / 2, freedom)) * spread, float(np.sqrt(variance)))
+        return cls(found.x, float(stdtrit(freedom, (1 + CONFIDENCE) / 2)) * spread, float(np.sqrt(variance)))
 
     def parameter(self, i: int) -> Measured:
         """(value, interval) of parameter i."""
