@@ -11,7 +11,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution
+from manufactured.exact import ExactSolution, Face
 from manufactured.face_formula import FaceFormula, read_off
 from manufactured.face_strain import Memory, Prescribed
 from manufactured.profile import ZERO
@@ -79,7 +79,8 @@ class Case:
 
     def _compare_with_formulas(self) -> None:
         """Refuse a stated regularity other than that of the formulas."""
-        label, lifted = self.regularity, [face for face in self.solution.faces if isinstance(face, ContactFace)]
+        label = self.regularity
+        lifted = [face for face in self.solution.faces if not isinstance(face, SingularFace)]
         formulas = [_formulas(face, self.solution.body.T) for face in lifted]
         if any(piece.formula.has(sp.nan, sp.zoo, sp.oo) for gap, strain in formulas for piece in (gap, *strain)):
             return  # No exponents can be read off; the self-proof refuses the values.
@@ -120,13 +121,13 @@ class Case:
         return self.regularity.proposition
 
 
-def _formulas(face: ContactFace, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
+def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
     """The formula of the gap, and those that the strain on the face is made of, each with the times of its use."""
 
     def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> FaceFormula:
         return FaceFormula(sp.sympify(formula), face.part, face.variables, begin, end)
 
-    strain = face.strain
+    strain = getattr(face, "strain", None)
     if isinstance(strain, Prescribed):
         ends = [*(min(end, T) for end, _ in strain.phases[:-1]), T]
         phases = zip(strain.phases, [0.0, *ends], ends, strict=False)

@@ -93,12 +93,15 @@ class Gauge:
         rule = facet_rule(self.space.mesh, self.space.facets(face.part), face.part, face.rough, points)
         return QuadraturePoints.on_facets(rule, face.part, self.space.mesh)
 
+    def means(self, time: float) -> Tensors:
+        """The cell means of ε(u(t)), (D, cells)."""
+        return self._cells.strains(self._amplitudes(time, False)) / self._cells.viscous
+
     def sample(self, time: float) -> Sample:
         """Means, oscillation and interpolant of u(t)."""
-        amplitudes = self._amplitudes(time, False)
-        means = self._cells.strains(amplitudes) / self._cells.viscous
+        means = self.means(time)
         # What rounding leaves of a strain that is constant on every cell may be negative.
-        oscillation = max(self._energy(amplitudes) - self._constant_energy(means), 0.0)
+        oscillation = max(self._energy(self._amplitudes(time, False)) - self._constant_energy(means), 0.0)
         return Sample(time, means, oscillation, self.space.interpolate(self._nodes.displacement(time)))
 
     def _constant_energy(self, strain: Tensors) -> float:

@@ -16,9 +16,9 @@ from typing import Any
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.data import Data
-from manufactured.multiscale import multiscale
+from manufactured.multiscale import multiscale, rollers
 from manufactured.problems import OpenProblem, problems
-from study.fem.mesh import FAMILIES, MeshFamily, Shaken
+from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.errors import UsageError
 
 
@@ -37,13 +37,13 @@ def family_named(name: str) -> MeshFamily:
     """The mesh family with a name, shaken-7 for shaken meshes with the seed 7; UsageError if there is none."""
     if seeded := re.fullmatch(r"shaken-(\d+)", name):
         return Shaken(seed=int(seeded[1]), name=name)
-    return choose("mesh family", name, FAMILIES)  # type: ignore[no-any-return]
+    return choose("mesh family", name, (*FAMILIES, Alternating()))  # type: ignore[no-any-return]
 
 
 @lru_cache
 def resolve(reference: str) -> Case:
     """The case behind a catalogue name or FILE.py:NAME, NAME a Case or a function making one; UsageError if none is."""
-    found = _from_file(reference) if _is_file(reference) else choose("case", reference, (*catalogue(), *multiscale()))
+    found = _from_file(reference) if _is_file(reference) else choose("case", reference, _cases(reference))
     if not isinstance(found, Case):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected a manufactured.Case")
     return found
@@ -57,7 +57,7 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     ``manufactured.problems``.
     """
     name = reference.rpartition(":")[2]
-    known = (*catalogue(), *multiscale(), *problems())
+    known = (*_cases(name), *problems())
     found = _from_file(reference) if _is_file(reference) else choose("problem", reference, known)
     if isinstance(found, OpenProblem):
         return found.name, found.data, None
@@ -66,6 +66,12 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     if not isinstance(found, Data):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected manufactured.Data or a manufactured.Case")
     return name, found, None
+
+
+def _cases(name: str) -> tuple[Case, ...]:
+    """The catalogue and the cases beside it, of rollers those whose width belongs to the level in a name."""
+    width = re.fullmatch(r"[a-z-]+-(\d+)", name)
+    return (*catalogue(), *multiscale(), *(rollers(int(width[1])) if width and int(width[1]) > 2 else ()))
 
 
 def name_of(reference: str) -> str:

@@ -41,7 +41,8 @@ def headline(data: FullRun) -> str:
 
 def results(data: FullRun) -> str:
     """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if rows lack."""
-    rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, _regularity, _work, _time, _defects, _seeds)
+    beyond = _regularity, _work, _rollers, _time
+    rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, *beyond, _defects, _seeds)
     lines = [[_literal(cell) for cell in row(data)] for row in rows]
     return markdown(["claim", "predicted", "observed", "verdict"], lines)
 
@@ -124,6 +125,20 @@ def _work(data: FullRun) -> list[str]:
         "beyond the paper: contact at every scale, with a trace that has no bound: the root of the work of contact",
         "order 1, on grids, where it can be seen",
         f"orders {_range(seen)} in {seen['case'].nunique()} cases",
+        _verdict(data, label),
+    ]
+
+
+def _rollers(data: FullRun) -> list[str]:
+    label = "beyond: rollers"
+    equal, alternating, shaken = (
+        _range(data.rows(label, f"order-{family}", "roller")) for family in ("equal", "alternating", "shaken")
+    )
+    return [
+        "beyond the paper: without a smooth velocity, what contact costs where a narrow patch rolls along the floor",
+        "proved: order ½ or more, less a logarithm; 1 where all vertices have equal neighbourhoods, ½ where not",
+        f"orders {equal} with one or two diagonals, {alternating} with alternating ones, {shaken} of the mean over "
+        "shaken meshes",
         _verdict(data, label),
     ]
 

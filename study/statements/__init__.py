@@ -25,6 +25,7 @@ from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpo
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.recomputed.judge import Recomputed
 from study.statements.residual import Residual
+from study.statements.rollers.judged_rollers import Rollers
 from study.statements.shared.base import Statement
 from study.statements.superclose import Superclose
 from study.statements.thm_4_2.own_space import OwnSpace
@@ -40,7 +41,8 @@ PROPERTIES = Lipschitz(), NaturalConditions(), Hypercircle(), VertexConstraint()
 ESTIMATES = ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
 CONVERGENCE = Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Superclose(), Residual()
 WEIGHED = ContactForce(), Recomputed()
-BEYOND = EdgeWork(), WorkOfContact(), BackwardEuler(), FullyDiscrete(), Landings(), BoundedError(), EnclosedError()
+BEYOND = EdgeWork(), WorkOfContact(), Rollers(), BackwardEuler(), FullyDiscrete(), Landings()
+CERTIFIED = BoundedError(), EnclosedError()
 
 STATEMENTS: tuple[Statement, ...] = (
     *PROBLEM,
@@ -50,6 +52,7 @@ STATEMENTS: tuple[Statement, ...] = (
     *CONVERGENCE,
     *WEIGHED,
     *BEYOND,
+    *CERTIFIED,
     Slips(),
     Untested(),
     Pictures(),

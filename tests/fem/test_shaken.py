@@ -10,7 +10,7 @@ import pytest
 from manufactured import Body, catalogue, unit_square
 from manufactured.body import box
 from manufactured.tensors import Array, Points
-from study.fem.mesh import FAMILIES, MeshFamily, OneDiagonal, Shaken, cell_volumes
+from study.fem.mesh import FAMILIES, Alternating, MeshFamily, OneDiagonal, Shaken, cell_volumes
 from study.statements.shared.places import fits, spacing
 
 LEVEL = {2: 24, 3: 9}
@@ -99,3 +99,12 @@ def test_shaking_as_announced_leaves_angles_and_a_quarter_more_does_not() -> Non
     least, beyond = (smallest_angle(path[..., None] + a * extreme) for a in (0.2, 0.249))
     assert least > 9 > 1 > beyond
     assert Shaken().amplitude == 0.2
+
+
+@pytest.mark.parametrize("n", [4, 5])
+def test_alternating_diagonals_give_vertices_of_the_boundary_two_and_four_cells_in_turn(n: int) -> None:
+    mesh = Alternating()(unit_square(), n)
+    assert cell_volumes(mesh) == pytest.approx(0.5 / n**2)
+    floor = np.flatnonzero(mesh.p[1] == 0)[1:-1]
+    counts = np.bincount(mesh.t.ravel())[floor[np.argsort(mesh.p[0, floor])]]
+    assert counts.tolist() == [(2, 4)[i % 2] for i in range(n - 1)]

@@ -19,6 +19,7 @@ from study.statements.landings import Landings
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.sweep import Rates, RateSetting
+from study.statements.rollers.judged_rollers import Rollers
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import Levels
 from study.statements.thm_4_2.same_mesh import SameMesh
@@ -70,7 +71,7 @@ def test_cases_with_levels_of_their_own_have_those_unless_levels_are_asked_for()
     assert asked.levels_of(resolve("layered")).of(0) == (4, 8)
 
 
-FULL_ONLY = {FullyDiscrete(), WorkOfContact(), Landings()}
+FULL_ONLY = {FullyDiscrete(), WorkOfContact(), Landings(), Rollers()}
 """Left to the full study: nothing is claimed of them on meshes as coarse as those of the quick one."""
 
 

@@ -7,7 +7,7 @@ interface a union of facets; a mesh that violates this is refused.
 
 from study.fem.mesh.geometry import Skin, barycentric_gradients, cell_volumes, facet_measures, size, with_midpoints
 from study.fem.mesh.meshed_body import MeshedBody, MeshError, MeshFamily, boundary_parts
-from study.fem.mesh.structured import CrissCross, OneDiagonal, Shaken
+from study.fem.mesh.structured import Alternating, CrissCross, OneDiagonal, Shaken
 from study.fem.mesh.unstructured import Graded, Unstructured
 
 FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured(), Graded())
@@ -15,6 +15,7 @@ FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstr
 
 __all__ = [
     "FAMILIES",
+    "Alternating",
     "CrissCross",
     "Graded",
     "MeshError",

@@ -50,6 +50,25 @@ class CrissCross:
 
 
 @dataclass(frozen=True)
+class Alternating:
+    """n × n quadrilaterals, each cut by one diagonal, neighbours by different ones: vertices are of two kinds."""
+
+    name: str = "alternating"
+
+    def serves(self, body: Body) -> bool:
+        return body.dim == 2 and has_grids(body)
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        require_plane(self, body)
+        a = lowest_corners(n, 2)
+        b, c, d = a + 1, a + n + 2, a + n + 1
+        odd = np.indices((n, n)).sum(axis=0).ravel() % 2 == 1
+        rising = np.hstack([[a, b, c], [a, c, d]])
+        falling = np.hstack([[a, b, d], [b, c, d]])
+        return simplicial_mesh(mapped(body, grid_vertices(n, 2)), np.where(np.tile(odd, 2), falling, rising))
+
+
+@dataclass(frozen=True)
 class Shaken:
     """One-diagonal meshes with every vertex moved by up to 2/d ``amplitude`` cells in each direction.
 

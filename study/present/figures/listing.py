@@ -17,6 +17,7 @@ from study.present.charts.codes_chart import codes_chart
 from study.present.charts.collapsed_chart import collapsed_chart
 from study.present.charts.convergence_chart import convergence_chart, overview_chart
 from study.present.charts.enclosure_chart import enclosure_chart, enclosure_charts
+from study.present.charts.rollers_chart import rollers_chart
 from study.present.charts.work_chart import work_chart
 from study.present.figures.contact_lines import caption_zone, draw_zone
 from study.present.figures.contact_maps import caption_fronts, caption_maps, draw_fronts, draw_maps
@@ -55,8 +56,8 @@ def overview(directory: Path) -> list[Drawing]:
     """The figures over all cases; DataError as in ``drawings``.
 
     ``problem``, a sketch; ``collapsed`` and ``convergence`` for those of Prop. 5.4 and ``convergence-prop-5-3`` for the
-    rough ones; ``contact-work`` where it was measured; ``effectivity`` of ``bounds.csv``; ``growth`` of
-    ``benchmarks/growth.csv`` and ``codes`` of ``codes/`` where they are.
+    rough ones; ``contact-work`` and ``rollers`` where they were measured; ``effectivity`` of ``bounds.csv``;
+    ``growth`` of ``benchmarks/growth.csv`` and ``codes`` of ``codes/`` where they are.
     """
     found, rates = [Drawing("problem", draw_sketch, CAPTION)], read_rates(directory)
     orders = _expected_orders(directory, rates)
@@ -67,9 +68,7 @@ def overview(directory: Path) -> list[Drawing]:
         smooth = of_scheme[of_scheme["claim"] == "Prop. 5.4"]
         if len(smooth):
             found.append(_chart(f"collapsed{suffix}", collapsed_chart(smooth)))
-    work = _work(directory)
-    if work is not None:
-        found.append(_chart("contact-work", work, draw_grid))
+    found += _of_statements(directory)
     bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
     known = bounds[bounds["upper"].notna()]
     if len(known):
@@ -88,12 +87,15 @@ def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
     return _chart(name, enclosure_chart(series, title))
 
 
-def _work(directory: Path) -> Chart | None:
-    """``work_chart`` of a run; runs of own cases have no file of statements."""
+def _of_statements(directory: Path) -> Iterator[Drawing]:
+    """``work_chart`` and ``rollers_chart`` of a run; runs of own cases have no file of statements."""
     if not (directory / "data" / "statements.csv").is_file():
-        return None
-    columns = ("label", "case", "family", "level", "h", "quantity", "value")
-    return work_chart(read_csv(directory, "statements.csv", columns))
+        return
+    statements = read_csv(directory, "statements.csv", ("label", "case", "family", "level", "h", "quantity", "value"))
+    if (work := work_chart(statements)) is not None:
+        yield _chart("contact-work", work, draw_grid)
+    if (rollers := rollers_chart(statements)) is not None:
+        yield _chart("rollers", rollers)
 
 
 def _chart(name: str, chart: Chart, draw: Callable[[Chart], Figure] = draw_chart) -> Drawing:

@@ -12,6 +12,7 @@ import scipy.sparse as sps
 
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
+from manufactured.multiscale import FadingFace
 from manufactured.tensors import Array, Points
 from study.fem.gauge import FACET_POINTS, Gauge
 from study.fem.quadrature import facet_rule
@@ -59,9 +60,9 @@ def detail(solution: ExactSolution, corners: Points) -> Array:
     """The least depth of a lifting that reaches into cells, (2, 3, cells) → (cells,)."""
     found = np.full(corners.shape[2:], math.inf)
     for face in solution.faces:
-        assert isinstance(face, ContactFace)
+        assert isinstance(face, ContactFace | FadingFace)
         (along,), into = face.part.coordinates(corners)
-        depth = face.profile.depth
+        depth = face.least_depth if isinstance(face, FadingFace) else face.profile.depth
         met = (into.min(axis=0) < depth) & (along.max(axis=0) > 0) & (along.min(axis=0) < face.part.measure)
         found[met] = np.minimum(found[met], depth)
     return found

@@ -1,0 +1,153 @@
+"""Contact data on a straight piece of Γ3 that are lifted to a depth D(s, t), which varies along it and in time.
+
+    u_s = −y ∂_s w φ(y/D),   u_n = (w + y q) φ(y/D),   φ(η) = (1 − η)²(1 + 2η) for η < 1, zero beyond,
+
+y the distance into the body, n = −ν. As φ'(0) = 0, what D does along the face is not seen at y = 0: there u_n = w,
+u_s = 0, ε_ss = ε_sn = 0 and ε_nn = q, as for a constant depth (``manufactured.contact``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+import sympy as sp
+
+from manufactured.body import Part
+from manufactured.modes import Modes
+from manufactured.symbols import Index, Jet, Values, refuse_kinks, s
+from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
+
+y = sp.Symbol("y", real=True)
+"""The distance from the face."""
+
+
+@dataclass(frozen=True, eq=False)
+class FadingFace:
+    """A piece of Γ3 with the data of contact and their depth, all formulas of ``symbols.s`` and ``symbols.t``.
+
+    Attributes:
+        part: the piece Γ3,i.
+        gap: w(s, t), three times differentiable along the face almost everywhere.
+        strain: q(s, t), the normal strain on the face.
+        pressure: p(s, t), what the law makes of q; the self-proof compares.
+        level: ψ(s, t); the contact zone is stated to be {ψ ≥ 0}.
+        depth: D(s, t) > 0.
+        least_depth: the least value of D, to a strip of which meshes for integrals are refined.
+        rough: coordinates s at which strains are singular for all times; there are none.
+
+    Raises:
+        FormulaError: a kink of a formula is not written with ``pos``.
+    """
+
+    part: Part
+    gap: sp.Expr
+    strain: sp.Expr
+    pressure: sp.Expr
+    level: sp.Expr
+    depth: sp.Expr
+    least_depth: float
+    rough: tuple[float, ...] = field(default=(), init=False)
+
+    def __post_init__(self) -> None:
+        refuse_kinks(self.gap, self.strain, self.pressure, self.level, self.depth)
+
+    @cached_property
+    def gap_jet(self) -> Jet:
+        return Jet(self.gap)
+
+    @cached_property
+    def pressure_jet(self) -> Jet:
+        return Jet(self.pressure)
+
+    @cached_property
+    def level_jet(self) -> Jet:
+        return Jet(self.level)
+
+    @cached_property
+    def depth_jet(self) -> Jet:
+        """The jet of D."""
+        return Jet(self.depth)
+
+    @cached_property
+    def displacement(self) -> tuple[Jet, Jet]:
+        """The jets of u_s and u_n, in (s, y), for y < D."""
+        eta = y / self.depth
+        phi = (1 - eta) ** 2 * (1 + 2 * eta)
+        along, into = -y * sp.diff(self.gap, s) * phi, (self.gap + y * self.strain) * phi
+        return Jet(along, (s, y)), Jet(into, (s, y))
+
+    @cached_property
+    def velocity(self) -> tuple[Jet, Jet]:
+        """Their rates."""
+        along, into = self.displacement
+        return along.rate(), into.rate()
+
+    @property
+    def variables(self) -> tuple[sp.Symbol, ...]:
+        return (s,)
+
+    @property
+    def exponents_in(self) -> sp.Expr:
+        """The formula with the truncated powers of the pressure side."""
+        return self.pressure
+
+    def at(self, x: Points) -> Fading:
+        """The lifted fields at fixed points of Ω̄, (2, ...)."""
+        return Fading(self, x)
+
+
+class Fading:
+    """The fields of a ``FadingFace`` at fixed points; formulas are evaluated above the depth of the moment only."""
+
+    def __init__(self, face: FadingFace, x: Points) -> None:
+        self.face, self.frame = face, face.part.frame
+        self.turned = rotation(self.frame)
+        places, into = face.part.coordinates(x)
+        self.shape = into.shape
+        self.places = np.array([places[0].ravel(), into.ravel()])
+
+    def displacement(self, time: complex, rate: bool = False) -> Vectors:
+        """u (or u̇), (2, ...)."""
+        return self._everywhere(lambda values: self.frame @ np.array([of[0, 0] for of in values]), time, rate, 0)
+
+    def strain(self, time: complex, rate: bool = False) -> Tensors:
+        """ε(u) (or ε(u̇)), Mandel (3, ...)."""
+        return self._everywhere(lambda values: self.turned @ _strain(values, (0, 0)), time, rate, 1)
+
+    def strain_gradient(self, time: complex, rate: bool = False) -> Array:
+        """∂_j ε(u) (or of u̇), (3, 2, ...)."""
+
+        def gradient(values: tuple[Values, Values]) -> Array:
+            local = np.array([self.turned @ _strain(values, along) for along in ((1, 0), (0, 1))])
+            return np.einsum("ji,iI...->Ij...", self.frame, local)
+
+        return self._everywhere(gradient, time, rate, 2)
+
+    def modes(self) -> Modes:
+        """ε(u) as one field for each component and point: it is no sum of products of fewer."""
+        count = self.places.shape[1]
+
+        def amplitudes(time: float, rate: bool) -> Array:
+            return self.strain(time, rate).reshape(3, count)
+
+        return Modes(np.eye(3), np.arange(count), np.ones((3, count)), np.arange(count), count, amplitudes)
+
+    def _everywhere(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
+        """A linear function of the derivatives of (u_s, u_n), or of their rates, in (s, y) up to an order."""
+        depth = self.face.depth_jet(self.places[:1], time)[(0,)]
+        inside = np.flatnonzero(np.real(self.places[1]) < np.real(depth))
+        along, into = self.face.velocity if rate else self.face.displacement
+        points = self.places[:, inside]
+        values = of((along(points, time, order), into(points, time, order)))
+        found = np.zeros((*values.shape[:-1], self.places.shape[1]), dtype=values.dtype)
+        found[..., inside] = values
+        return found.reshape(*values.shape[:-1], *self.shape)
+
+
+def _strain(values: tuple[Values, Values], more: Index) -> Tensors:
+    """∂^more of the Mandel strain in the axes (s, n), (3, n)."""
+    gradient = [[of[i + more[0], j + more[1]] for i, j in ((1, 0), (0, 1))] for of in values]
+    return mandel(np.array(gradient))

@@ -1,0 +1,127 @@
+"""Rollers: a patch of contact of the width ℓ that runs along Γ3 or opens and closes in its place, for every ℓ.
+
+    roller:          ξ = s − 3/20 − t,   q = −Q e^ξ H(−ξ/ℓ),          p = 3Q e^ξ H'(−ξ/ℓ)/ℓ,    w = ω ℓ W(ρ),
+                     ρ = dist(ξ, [−ℓ, 0])/ℓ,
+    standing patch:  ξ = s − 1/2,        q = −Q B(ξ/ℓ) Σ_j e^{t_j−t} H((t − t_j)/ℓ),
+                     p = 3Q B(ξ/ℓ) Σ_j e^{t_j−t} H'((t − t_j)/ℓ)/ℓ,
+                     w = ω ℓ (W(ρ) + B(ξ/ℓ) Π_j C((t − t_j)/ℓ)),   ρ = dist(ξ, [−ℓ, ℓ])/ℓ,
+
+    H(z) = z³(10 − 15z + 6z²) on [0, 1], constant beyond,   B(z) = (1 − z²)_+^4,   W(ρ) = ρ³/(1 + ρ²)^{9/8},
+    C(z) = H(−z) + H(z − 1), zero for 0 ≤ z ≤ 1,   t_1 = 1/10, t_2 = 2/5,   Q = 1, ω = 1/10, 0 ≤ t ≤ 7/10,
+
+on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that p = −3(q̇ + q). Lifted to the depth 7/10 (ℓ² + ξ²)^{1/2}: a
+detail of the width r, at the distance r from the patch, fades at a depth ∝ r.
+
+For one ℓ this is smooth enough for H². As ℓ falls its norm there rises as slowly as |log ℓ|^{1/2}: W ~ ρ^{3/4} keeps
+∂_s w bounded in H^{1/2}(Γ3), but q has a step at the patch, as p ≥ 0 leaves an impulse behind which elasticity takes
+a time ∼ 1 to undo. Its velocity is not bounded in H² at all. W ~ ρ³ at ρ = 0, as with ρ² the strain
+∂_s u_s = −y ∂_s² w would jump on lines into the body, and u would not lie in H².
+
+Predicted order 1 for a fixed ℓ and h → 0, as u ∈ H²; what happens for ℓ = 2h is the subject of ``statements.rollers``.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+from sympy import Expr, Rational, exp, prod, sqrt
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import proportional
+from manufactured.exact import ExactSolution
+from manufactured.multiscale.fading import FadingFace
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+T = 0.7
+START = Rational(3, 20)
+"""Where the front of a roller is at first."""
+MIDDLE = Rational(1, 2)
+"""Where a standing patch is."""
+LANDINGS = Rational(1, 10), Rational(2, 5)
+"""t_j."""
+SLOPE = Rational(1, 10)
+"""ω."""
+DEPTH = Rational(7, 10)
+"""Of the lifting, over the distance from the patch or its width."""
+
+
+@lru_cache
+def rollers(level: int) -> tuple[Case, ...]:
+    """The cases with ℓ = 2/n, which are not of the catalogue: each belongs to the meshes of one level n."""
+    width = Rational(2, level)
+    return (
+        roller(f"roller-{level}", width),
+        roller(f"pushing-roller-{level}", width, push=2),
+        roller(f"steep-roller-{level}", width, slope=2 * SLOPE),
+        standing(f"standing-{level}", width),
+    )
+
+
+def roller(name: str, width: Expr, push: int = 1, slope: Expr = SLOPE) -> Case:
+    """The roller with the width ℓ, Q = ``push`` and ω = ``slope``."""
+    xi = s - START - t
+    place = -xi / width
+    return _case(
+        name,
+        "a narrow patch runs along the floor",
+        xi,
+        width,
+        gap=slope * width * (away(-place) + away(place - 1)),
+        strain=-push * exp(xi) * step(place),
+        pressure=3 * push * exp(xi) * kick(place) / width,
+        level=-xi * (xi + width),
+        regularity=Regularity(gap=3, pressure=2, moving=True),
+    )
+
+
+def standing(name: str, width: Expr) -> Case:
+    """The patch with the half-width ℓ that touches twice."""
+    xi = s - MIDDLE
+    place, bump = xi / width, pos(1 - (xi / width) ** 2, 4)
+    since = [(t - start) / width for start in LANDINGS]
+    fading = [exp(start - t) for start in LANDINGS]
+    lifted = prod([step(-z) + step(z - 1) for z in since])
+    gap = SLOPE * width * (away(place - 1) + away(-place - 1) + bump * lifted)
+    return _case(
+        name,
+        "a narrow patch opens and closes in its place",
+        xi,
+        width,
+        gap=gap,
+        strain=-bump * sum(f * step(z) for f, z in zip(fading, since, strict=True)),
+        pressure=3 * bump * sum(f * kick(z) for f, z in zip(fading, since, strict=True)) / width,
+        level=-gap,
+        regularity=Regularity(gap=3, pressure=4),
+    )
+
+
+def step(z: Expr) -> Expr:
+    """H(z)."""
+    inside = pos(z, 1) - pos(z - 1, 1)
+    return inside**3 * (10 - 15 * inside + 6 * inside**2)
+
+
+def kick(z: Expr) -> Expr:
+    """H'(z) = 30 z²(1 − z)² on [0, 1], zero beyond."""
+    return 30 * pos(z, 2) * pos(1 - z, 2)
+
+
+def away(rho: Expr) -> Expr:
+    """W(ρ_+)."""
+    return pos(rho, 3) / (1 + rho**2) ** Rational(9, 8)
+
+
+def _case(name: str, summary: str, xi: Expr, width: Expr, regularity: Regularity, **data: Expr) -> Case:
+    body, law = unit_square(T), proportional()
+    depth = DEPTH * sqrt(width**2 + xi**2)
+    face = FadingFace(body.of(Kind.CONTACT)[0], depth=depth, least_depth=float(DEPTH * width), **data)
+    return Case(
+        name=name,
+        summary=summary,
+        solution=ExactSolution(body, law, (face,)),
+        regularity=regularity,
+        order=1,
+        reason="α = 3 and m ≥ 2 give u ∈ H²: order 1 where the patch is resolved",
+    )
