@@ -33,10 +33,10 @@ that of few neighbourhoods, so that no sum evens it out: over eight shaken meshe
 deviation of a third to a half on every level, and its mean the orders 0.97 and 1.06. The prediction forgot it; there
 the order is reported.
 
-On unstructured meshes 0.75 is seen, at the edge of what was predicted, and over six seeds the mean has the orders 1.05
-and 0.59 up to n = 64. Their points are moved to the middle of their cells eight times, which makes neighbourhoods on Γ3
-nearly equal: the excess is about as large as with one diagonal, and what neighbours differ by begins to show where n = 64.
-After one sweep instead of eight it is twice as large there and has the orders 0.61 and 0.46. Neither had been thought
-of; the order of one mesh for each level is reported. E_h has orders 0.6 to
-0.8 on these levels, where its logarithm is not small beside the rest.
+On unstructured meshes 0.75 is seen, at the edge of what was predicted, and over six seeds the mean has the orders
+1.05 and 0.59 up to n = 64. Their points are moved to the middle of their cells eight times, which makes
+neighbourhoods on Γ3 nearly equal: the excess is about as large as with one diagonal, and what neighbours differ by
+begins to show where n = 64. After one sweep instead of eight it is twice as large there and has the orders 0.61 and
+0.46. Neither had been thought of; the order of one mesh for each level is reported. E_h has orders 0.6 to 0.8 on
+these levels, where its logarithm is not small beside the rest.
 """
