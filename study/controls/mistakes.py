@@ -280,6 +280,56 @@ def _with_displacement(over_time: Function, change: Callable[[Array], Array]) ->
     return found
 
 
+def cut_off(projected: Function) -> Function:
+    """v_ν set to 0 at the vertices of Γ3 where it is positive, the nearest in nodal values and not in ‖·‖_V."""
+
+    def found(problem: Any, u: Array) -> Array:
+        N = problem.N
+        return u - N.T @ np.linalg.solve((N @ N.T).toarray(), np.maximum(N @ u, 0.0))
+
+    return found
+
+
+def first_given(right: Function) -> Function:
+    """What is given, in place of what is made of it."""
+    return lambda *given: given[0]
+
+
+def pulled(in_graph: Function) -> Function:
+    """Forces that pull the body to the foundation."""
+
+    def found(*given: Any) -> tuple[Array, Array]:
+        u, force = in_graph(*given)
+        return u, -force
+
+    return found
+
+
+def one_image(fixed_point: Function) -> Function:
+    """An iteration that stops at once."""
+    return lambda image, v, *how: (image(v), 1)
+
+
+class NoRepresenter:
+    """F itself in place of M⁻¹F."""
+
+    def __init__(self, M: sps.csc_array) -> None:
+        pass
+
+    def __call__(self, F: Array) -> Array:
+        return F
+
+
+def unweighted(facet_rule: Function) -> Function:
+    """Sums over points of quadrature with no measure of what belongs to them."""
+
+    def found(*given: Any) -> Any:
+        rule = facet_rule(*given)
+        return replace(rule, weights=1 + 0 * rule.weights)
+
+    return found
+
+
 def law_alone(pair: Any) -> Any:
     """σ^h = Cε(u^h), which balances nothing."""
 

@@ -19,8 +19,13 @@ from study.statements.hypercircle import Hypercircle
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
 from study.statements.lipschitz import Lipschitz
+from study.statements.norms_in_time import LoadInTime, TractionInTime
 from study.statements.residual import Residual
+from study.statements.residual_bound import ResidualBound
+from study.statements.resolvent import Resolvent
+from study.statements.separation import Separation
 from study.statements.shared import eigen
+from study.statements.steps_of_the_estimate import StepsOfTheEstimate
 from study.statements.superclose import Superclose
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
@@ -47,10 +52,19 @@ RESIDUAL = Listing(Residual(), FULL, "shaken", (6,))
 TRAJECTORY, ONE_STRESS = Listing(OneTrajectory(), MOVING, "shaken", (6,)), Listing(OneStress(), MOVING, "shaken", (4,))
 VELOCITY = Listing(BoundedVelocity(), MOVING, "shaken", (8, 16))
 DEPENDENCE = Listing(Dependence(), MOVING, "unstructured", (6,))
+ESTIMATE, FROM_REST = (Listing(StepsOfTheEstimate(), case, "unstructured", (8,)) for case in (MOVING, "lift-and-land"))
+APART = Listing(Separation(), FULL, "unstructured", (8,))
+MONOTONE = Listing(Resolvent(), FULL, "unstructured", (8,))
+LOADS = Listing(LoadInTime(), "lift-and-land", "unstructured", (4, 8))
+TRACTION, LOGARITHM = (Listing(TractionInTime(), case, "one-diagonal", (8, 16, 32)) for case in (MOVING, "junction"))
+AT_REST = Listing(ResidualBound(), FULL, "unstructured", (8,))
 """Every row holds without a defect, and the named row fails with it."""
 
 
 SUPERCLOSE_LATE = in_experiments_of("superclose", defects.load_one_step_late)
+
+
+UNWEIGHTED = Slip("study.statements.norms_in_time", "facet_rule", mistakes.unweighted)
 
 
 def slip(module: str, name: str, by: Any) -> Slip:
@@ -424,4 +438,110 @@ STATEMENTS: tuple[Control[Any], ...] = (
         "ω left out", "growth that no law has", DEPENDENCE, slip("wellposed", "quotients", mistakes.times(1.5)), "bound"
     ),
     Control("blind: dependence", "a solution beside itself", DEPENDENCE, blinded("first step"), "first-step"),
+    *(
+        Control(f"{name}: ({key})", what, where, in_experiments_of("steps_of_the_estimate", defect), key)
+        for name, what, where, defect, key in (
+            ("contact held", "v_ν = 0 for v_ν ≤ 0", ESTIMATE, defects.contact_two_sided, "5.12"),
+            (
+                "multipliers",
+                "1.2 λ beside the right u^h",
+                ESTIMATE,
+                defects.multipliers_a_fifth_too_large,
+                "slack-5.12",
+            ),
+            ("load late", "the load of the step before", FROM_REST, defects.load_one_step_late, "5.14"),
+            ("no contact", "V^h for K^h", FROM_REST, defects.contact_dropped, "5.16"),
+            ("no work of contact", "its wrong sign in f", FROM_REST, defects.contact_work_sign_flipped, "5.19"),
+        )
+    ),
+    Control(
+        "0.9 Π^h u̇",
+        "0.9 Π^h u̇ for Π^h u̇",
+        ESTIMATE,
+        slip("steps_of_the_estimate", "Energies.interpolated_rate", mistakes.times(0.9)),
+        "5.15",
+    ),
+    Control(
+        "no interpolant",
+        "0 for Π^h u, but for its velocity",
+        FROM_REST,
+        slip("steps_of_the_estimate", "Energies.interpolant", mistakes.times(0.0)),
+        "5.18",
+    ),
+    Control(
+        "cut off", "v_ν cut off at vertices for P", APART, slip("separation", "projected", mistakes.cut_off), "cone"
+    ),
+    Control(
+        "2A in τ̃",
+        "2A ε(Pu − u) for A ε(Pu − u)",
+        APART,
+        slip("separation", "Separated.separating", mistakes.times(2.0)),
+        "gap",
+    ),
+    Control(
+        "reflected twice",
+        "σ̃ − 2σ for 2σ − σ̃",
+        APART,
+        slip("separation", "reflected", mistakes.times(-1.0)),
+        "stresses",
+    ),
+    Control("not reflected", "σ for 2σ − σ̃", APART, slip("separation", "reflected", mistakes.first_given), "refuted"),
+    Control(
+        "foundation pulls", "μ ≤ 0 in Nᵀμ", MONOTONE, slip("resolvent", "in_graph", mistakes.pulled), "normal-cone"
+    ),
+    Control(
+        "2B",
+        "2B for B",
+        MONOTONE,
+        Slip("study.solve.evolution", "SemiDiscrete.elastic", mistakes.times(2.0)),
+        "monotone",
+    ),
+    Control(
+        "J shrinks", "½ J for J", MONOTONE, slip("resolvent", "Inverse.__call__", mistakes.times(0.5)), "resolvent"
+    ),
+    Control("one image", "J w after one step", MONOTONE, slip("resolvent", "fixed_point", mistakes.one_image), "onto"),
+    Control(
+        "J expands",
+        "3/2 J for J",
+        MONOTONE,
+        slip("resolvent", "Inverse.__call__", mistakes.times(1.5)),
+        "resolvent-monotone",
+    ),
+    Control(
+        "squares add up",
+        "‖f(t_i) − f(t_{i−1})‖² for its root",
+        LOADS,
+        slip("norms_in_time", "dual_norm", mistakes.squared),
+        "variation",
+    ),
+    Control(
+        "load with a jump",
+        "the work of contact with the wrong sign in f",
+        LOADS,
+        slip("norms_in_time", "Gauge", instead(defects.FlippedWork)),
+        "increments",
+    ),
+    Control(
+        "vector for functional",
+        "|F| for ‖M⁻¹F‖_V",
+        LOADS,
+        slip("norms_in_time", "Cholesky", instead(mistakes.NoRepresenter)),
+        "uniform",
+    ),
+    *(
+        Control(f"no lengths: {key}", "sums over points for integrals on Γ", where, UNWEIGHTED, key)
+        for where, key in ((TRACTION, "bounded"), (LOGARITHM, "unbounded"))
+    ),
+    Control(
+        "σ four times in R",
+        "4σ for σ in R",
+        AT_REST,
+        slip("residual_bound", "Energies.functional", mistakes.times(4.0)),
+        "bound",
+    ),
+    Control("other sign of z", "−A ε(z)", AT_REST, slip("residual_bound", "prestress", mistakes.times(-1.0)), "rest"),
+    *(
+        Control(f"{factor:g} ‖R‖", f"{factor:g} ‖R‖ for ‖R‖", AT_REST, slip("residual_bound", "dual_norm", wrong), key)
+        for factor, wrong, key in ((1.2, mistakes.times(1.2), "prestress"), (0.5, mistakes.times(0.5), "attained"))
+    ),
 )

@@ -19,14 +19,19 @@ from study.statements.interpolation import InterpolationInV, InterpolationOnCont
 from study.statements.korn import Korn, Norms
 from study.statements.landings import Landings
 from study.statements.lipschitz import Lipschitz
+from study.statements.norms_in_time import LoadInTime, TractionInTime
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.recomputed.judge import Recomputed
 from study.statements.residual import Residual
+from study.statements.residual_bound import ResidualBound
+from study.statements.resolvent import Resolvent
 from study.statements.rollers.judged_rollers import Rollers
+from study.statements.separation import Separation
 from study.statements.shared.base import Statement
+from study.statements.steps_of_the_estimate import StepsOfTheEstimate
 from study.statements.superclose import Superclose
 from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.same_mesh import SameMesh
@@ -35,11 +40,30 @@ from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.unmeasured import Slips, Untested
 from study.statements.wellposed import BoundedVelocity, Dependence
 
-PROBLEM = Green(), Korn(), Dependence(), Viscosity(), ElasticityOperator(), Projection(), Norms(), Admissibility()
+PROBLEM = (
+    Green(),
+    Korn(),
+    Dependence(),
+    Viscosity(),
+    ElasticityOperator(),
+    Projection(),
+    Norms(),
+    LoadInTime(),
+    Admissibility(),
+)
 ONE_SOLUTION = BoundedVelocity(), OneTrajectory(), SameMesh(), StandsAlone(), OwnSpace(), OneStress()
-PROPERTIES = Lipschitz(), NaturalConditions(), Hypercircle(), VertexConstraint(), Interpolant()
-ESTIMATES = ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
-CONVERGENCE = Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Superclose(), Residual()
+PROPERTIES = (
+    Lipschitz(),
+    Resolvent(),
+    TractionInTime(),
+    NaturalConditions(),
+    Separation(),
+    Hypercircle(),
+    VertexConstraint(),
+    Interpolant(),
+)
+ESTIMATES = StepsOfTheEstimate(), ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
+CONVERGENCE = ResidualBound(), Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Superclose(), Residual()
 WEIGHED = ContactForce(), Recomputed()
 BEYOND = EdgeWork(), WorkOfContact(), Rollers(), BackwardEuler(), FullyDiscrete(), Landings()
 CERTIFIED = BoundedError(), EnclosedError()

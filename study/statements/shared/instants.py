@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 
 import numpy as np
 
@@ -16,6 +17,11 @@ from study.solve.evolution import SemiDiscrete
 def norm(problem: SemiDiscrete, v: Array) -> float:
     """‖v‖_V on V^h."""
     return math.sqrt(max(v @ (problem.M @ v), 0.0))
+
+
+def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
+    """‖f‖_V for (f, v)_V = F·v on V^h, (FᵀM⁻¹F)^{1/2}; riesz is b ↦ M⁻¹b."""
+    return math.sqrt(max(float(functional @ riesz(functional)), 0.0))
 
 
 class Velocity:

@@ -1,0 +1,141 @@
+"""(3.8), (5.9): f ∈ W^{1,1}(0,T;V), and (4.12): σν ∈ L^∞(0,T;L²(Γ)), by their norms on finer and finer grids.
+
+**(3.8).** f^h(t) = M⁻¹F(t) of (5.9) is the projection of f(t) on V^h. With N intervals the increments of f^h in V add
+up to its variation, which the triangle inequality lets grow with N, and in W^{1,1} they become small. Predicted:
+
+* from a grid to the next finer one the variation settles, to 1 % for loads with finitely many turns; without bounded
+  variation it would grow by a power of 2;
+* after four halvings the largest increment is 1/16 where ḟ is bounded, and 1/2 for ``load-w11``, whose load goes like
+  (t − t_0)^{1/4}. A jump would leave 1, which bounded variation alone allows. In ``lift-and-land`` u̇ and σ_ν jump, and
+  in f the two jumps cancel;
+* from mesh to mesh ‖f^h‖_{W^{1,1}} tends to that of f. What the projection leaves out has an energy of order h²: some
+  per cent where a patch is three cells wide (n = 8, not judged for moving fronts) and a quarter of that on each finer
+  mesh, within 5 % from n = 16 on. A load that is not in V would let it grow.
+
+The first list of cases had ``moving-rough`` among those that must settle, where the variation grew by 0.8, 1 and 1.3 %
+at n = 8, 16 and 32. There ε(u̇) ~ (s − c)^{1/4} moves with the front, so that u̇, and with it f = u̇ + Bu + R, has
+increments of the size k^{3/4} in V, which do not add up to anything bounded: (3.8) does not hold. Theorem 4.1 says
+nothing of this load; that u ∈ W^{1,∞}(0,T;V) is known as u was constructed. The case is reported.
+
+**(4.12).** Of the stress of the exact solution the norm on all of Γ is taken by rules that do not know where it is
+rough, its largest value over twice as many intervals as there are cells along a side. Predicted: it settles for every
+case of Proposition 5.4, and with r^{−1/2} at the point where Γ1 meets Γ3, ``junction``, its square grows by one
+constant from mesh to mesh, like log 1/h: there (4.12) does not hold, nor is it claimed.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pandas as pd
+
+from manufactured.catalogue import catalogue
+from manufactured.tensors import Array
+from study.fem.gauge import FACET_POINTS, Gauge
+from study.fem.naming import resolve
+from study.fem.quadrature import facet_rule
+from study.fem.space import Space
+from study.ledger.criterion import Criterion, Measured, Observation, judge
+from study.ledger.measures import ENOUGH, ROUNDING, change, every, exactly
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, around
+from study.solve.cholesky.factorisation import Cholesky
+from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.eigen import unloaded
+from study.statements.shared.instants import dual_norm
+from study.statements.shared.places import FIRST, named, place, space_of
+
+# f ∈ W^{1,1}(0,T;V).
+
+INTERVALS = 512
+COARSER = 16
+"""How many times as long the intervals are beside which increments are looked at."""
+SETTLES = Window(1 - ROUNDING, 1.01, "it never falls, and grows by a power of 2 without bounded variation")
+CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
+UNIFORM = around(1, 0.05, "f^h tends to f")
+ROUGH = "moving-rough"
+WITHOUT = "ε(ü) ~ (s − c)^{α−4} with α = 13/4 is not square integrable and f has no bounded variation in V"
+
+
+class LoadInTime(ListedNumbers):
+    """Variation, increments and norm of f^h."""
+
+    label = "(3.8), (5.9)"
+    claim = "f ∈ W^{1,1}(0,T;V), and f^h ∈ W^{1,1}(0,T;V^h) uniformly in h"
+    rules = (
+        every("variation", f"variation of f^h, {INTERVALS} intervals over half as many", SETTLES, "variation"),
+        every("increments", f"largest increment of f^h over that of {COARSER} times as long", CONTINUOUS, "increments"),
+        change("uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh over coarsest", UNIFORM, "norm", levels=2),
+    )
+    quick = grid(("lift-and-land",), ("unstructured",), (8, 16))
+    full = grid((*EVOLVING, "lift-and-land", "load-w11", "moving-rough", "hexagon"), ("unstructured",), (16, 32))
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        rough, others = (rows[(rows["case"] == ROUGH) == chosen] for chosen in (True, False))
+        return [*judge(self, others, self.rules), *judge(self, rough, [Observation(r, WITHOUT) for r in self.rules])]
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, solution = space_of(setting), resolve(setting.case).solution
+        load, riesz = Gauge(solution, space).load, Cholesky(unloaded(space, solution.law).M)
+        loads = np.array([load(float(t)) for t in np.linspace(0, solution.body.T, INTERVALS + 1)])
+        fine, half, coarse = (increments(loads[::step], riesz) for step in (1, 2, COARSER))
+        size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
+        found = {"variation": fine.sum() / half.sum(), "increments": fine.max() / coarse.max()}
+        return with_h(space.h, {**found, "norm": size + fine.sum()})
+
+
+def increments(loads: Array, riesz: Cholesky) -> Array:
+    """‖f^h(t_i) − f^h(t_{i−1})‖_V, (N,)."""
+    return np.array([dual_norm(after - before, riesz) for before, after in pairwise(loads)])
+
+
+# σν ∈ L^∞(0,T;L²(Γ)).
+
+BOUNDED = around(1, 0.02, "settled, at the same time on twice as fine meshes and grids in time")
+LOGARITHM = around(1, 0.1, "a logarithm: increments of the square do not fall")
+UNBOUNDED = "junction"
+"""The case with σν ∉ L²(Γ)."""
+
+
+def grows() -> Criterion:
+    """The last increment of the squared norm over the one before."""
+
+    def measure(group: pd.DataFrame) -> Measured:
+        *_, first, second, third = group["norm"].to_numpy() ** 2
+        return exactly((third - second) / (second - first))
+
+    quantity = "increments of max_t ‖σν‖²_{L²(Γ)} under refinement, last over the one before: not in L²(Γ)"
+    return Criterion("unbounded", quantity, LOGARITHM, measure, ("norm",), ENOUGH)
+
+
+class TractionInTime(ListedNumbers):
+    """max_t ‖σν‖_{L²(Γ)} for the cases of Proposition 5.4, and one that has to lack it."""
+
+    label = "(4.12)"
+    claim = "σν ∈ L^∞(0,T;L²(Γ)^d) for the solutions of Prop. 5.4"
+
+    def places(self, full: bool) -> list[Setting]:
+        cases = [case for case in catalogue() if case.proposition == "Prop. 5.4"] if full else named("advance-recede")
+        return place([*cases, *named(UNBOUNDED)], FIRST, (8, 16, 32), (2, 4, 8))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space = space_of(setting)
+        return with_h(space.h, {"norm": largest_traction(space, setting)})
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        settled = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh over the one before", BOUNDED, "norm", since=-2)
+        without = rows["case"] == UNBOUNDED
+        return [*judge(self, rows[~without], [settled]), *judge(self, rows[without], [grows()])]
+
+
+def largest_traction(space: Space, setting: Setting) -> float:
+    """max_t ‖σν‖_{L²(Γ)} over instants in number like the level."""
+    solution, squares = resolve(setting.case).solution, []
+    sides = []
+    for part in space.body.parts:
+        rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)
+        sides.append((part, solution.at(part.point(rule.s)), rule.weights))
+    for time in np.linspace(0, solution.body.T, 2 * setting.level + 1):
+        squares.append(sum(np.sum(exact.surface_load(part, float(time)) ** 2 * w) for part, exact, w in sides))
+    return float(np.sqrt(max(squares)))
