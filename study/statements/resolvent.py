@@ -4,13 +4,13 @@ Theorem 2.2 is applied to this operator. Only a law whose G is as little monoton
 each law of the catalogue is taken with its G and with −G, which (3.2) allows as well. L = L_G/m_A.
 
 * *Monotone.* Pairs of points of the graph are made without a solver: u ∈ K^h with some vertices of Γ3 at v_ν = 0, and
-  g = M⁻¹Nᵀμ ∈ ∂ψ_K(u), (4.8), with random μ ≥ 0 at these. By itself ∂ψ_K is monotone, and with −B
+  g = M⁻¹Nᵀμ ∈ ∂ψ_K(u), (4.8), with random μ ≥ 0 at these. By itself ∂ψ_K is monotone, and with B or −B
 
-      −(g − g' − Bu + Bu', u − u')_V ≤ L ‖u − u'‖_V².
+      −(g − g' ± Bu ∓ Bu', u − u')_V ≤ L ‖u − u'‖_V².
 
   Predicted: of this bound 0.3 … 1 is used, as G ε·ε over L_G/m_A A ε·ε is 0.4 … 1 for the homogeneous laws of the
   catalogue, and as much less for others as L_G and m_A belong to different points: a tenth where layers differ by that
-  factor. With B in place of −B nothing would be used.
+  factor. With a monotone B alone nothing would be used.
 * *Maximal.* By Minty's theorem I + λ(∂ψ_K ± B) has to be onto V^h for a λ < 1/L. With λ = 1/(2L) the equation for any
   w is solved by u ↦ P(w ∓ λBu), a contraction with the factor 1/2, P the projection on K^h in ‖·‖_V. That
   w − u ∓ λBu lies in ∂ψ_K(u) is asked by nonnegative least squares. Predicted: round-off.
@@ -52,7 +52,7 @@ SETTLED, MOST = 1e-12, 80
 INSIDE = 1e3
 """How far, over the size of a step, a w lies inside K^h where quotients of J are looked for."""
 NEVER = at_most(1e-12, "never positive but for rounding", low=-np.inf)
-USED = Window(0.02, 1 + ROUNDING, "with −G; a law for which nothing was used would not need (L_G/m_A) I")
+USED = Window(0.02, 1 + ROUNDING, "G or −G; where nothing was used (L_G/m_A) I would not be needed")
 ONTO = above_nothing(1e-10, f"an iteration stopped at {SETTLED:g}")
 GROWING = Window(0.5, 1 + ROUNDING, "a half is used without B")
 SHRINKING = Window(0.6, 1 + ROUNDING, "B ≤ L leaves 2/3 at least")
@@ -65,7 +65,7 @@ class Resolvent(ListedNumbers):
     claim = "∂ψ_K + B + (L_G/m_A) I is a maximal monotone operator"
     rules = (
         largest("normal-cone", "−(g − g', u − u')_V / sizes, g ∈ ∂ψ_K(u)", NEVER, "normal cone"),
-        every("monotone", "largest −(g − g' − Bu + Bu', u − u')_V / (L ‖u − u'‖_V²)", USED, "monotone"),
+        every("monotone", "largest −(g − g' ± Bu ∓ Bu', u − u')_V / (L ‖u − u'‖_V²)", USED, "monotone"),
         largest("onto", "distance of w − u ∓ λBu from ∂ψ_K(u), random w", ONTO, "onto, G", "onto, −G"),
         every("resolvent", "largest ‖Jw − Jw'‖_V / ‖w − w'‖_V over 1/(1 − λL), −G", GROWING, "resolvent, −G"),
         every("resolvent-monotone", "largest ‖Jw − Jw'‖_V / ‖w − w'‖_V, G", SHRINKING, "resolvent, G"),
@@ -100,7 +100,7 @@ def functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 
 def monotone(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, float]:
-    """The largest −(g − g', u − u')_V over its sizes, and of −(g − g' − Bu + Bu', u − u')_V over L ‖u − u'‖_V²."""
+    """The largest −(g − g', u − u')_V over its sizes, and of −(g − g' ± Bu ∓ Bu', u − u')_V over L ‖u − u'‖_V²."""
     rng, normal, used = np.random.default_rng(SEED), [], []
     points = zip(functions(space, rng), functions(space, rng), strict=True)
     for one, other in points:
@@ -109,7 +109,8 @@ def monotone(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, floa
         # A function has a representer in ‖·‖_V: products with it are those of the functional.
         normal.append(-(change @ step) / (np.linalg.norm(change) * np.linalg.norm(step)))
         elastic = problem.elastic(u) - problem.elastic(v)
-        used += [-((part - elastic) @ step) / (L * (step @ (problem.M @ step))) for part in (change, 0 * change)]
+        square = L * (step @ (problem.M @ step))
+        used += [-((part + image) @ step) / square for part in (change, 0 * change) for image in (elastic, -elastic)]
     return max(normal), max(used)
 
 
@@ -149,10 +150,10 @@ class Inverse:
         return fixed_point(image, w, lambda v: M @ v, SETTLED, MOST)[0]
 
     def defect(self, w: Array) -> float:
-        """How far w − u − λBu is from ∂ψ_K(u) for u = Jw, relative to w: the cone, u ∈ K^h, complementarity."""
+        """How far w − u − λBu is from ∂ψ_K(u) for u = Jw, relative to its terms: the cone, u ∈ K^h, complementarity."""
         problem, u = self.problem, self(w)
-        rest = problem.M @ (w - u) - self.scale * problem.elastic(u)
-        size, length = np.linalg.norm(problem.M @ w), np.linalg.norm(w)
+        terms = problem.M @ w, -problem.M @ u, -self.scale * problem.elastic(u)
+        rest, size, length = np.sum(terms, axis=0), max(map(np.linalg.norm, terms)), np.linalg.norm(u)
         outside = (problem.N @ u).max() / length
         return float(max(beyond(rest, problem.N) / size, outside, abs(rest @ u) / (size * length)))
 
