@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
 	docs/tutorials/first-solution.md docs/explanation/windows.md
 
-.PHONY: study full controls seeds mutants test wheel tutorials pages codes codes-venv codes-check certificates \
+.PHONY: study full controls seeds mutants test wheel tutorials pages codes codes-venv codes-check wheel-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper lock clean
 
@@ -46,6 +46,14 @@ wheel: $(READY)  ## build the package, install it with NumPy and SymPy alone and
 	build/wheel/venv/bin/python -m pip install --quiet --require-hashes -r build/wheel/base.txt
 	build/wheel/venv/bin/python -m pip install --quiet --no-index build/wheel/*.whl
 	cp .ci/alone.py README.md build/wheel && cd build/wheel && venv/bin/python alone.py README.md
+	if $(BIN)/python -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))'; then $(MAKE) wheel-debian; fi
+
+# NumPy 1.24 has wheels up to Python 3.11.
+wheel-debian:  ## the same with NumPy and SymPy of the versions of Debian 12, from the wheel of make wheel; Python 3.11
+	$(BIN)/python -m venv --clear build/wheel/debian
+	build/wheel/debian/bin/python -m pip install --quiet --only-binary :all: -r .ci/debian.txt
+	build/wheel/debian/bin/python -m pip install --quiet --no-index build/wheel/*.whl
+	cd build/wheel && debian/bin/python alone.py README.md
 
 tutorials: $(READY)  ## what the documentation tells to type, the pages that take minutes
 	$(BIN)/pytest -m slow tests/project/test_pages.py
@@ -55,6 +63,7 @@ pages: $(READY)  ## the tables of README and documentation from the data of the 
 
 codes: $(READY)  ## other people's contact codes, those that are installed, into results/codes, half an hour
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py
+	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --mode march
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
 codes-venv: build/codes-venv/.ready  ## the codes that come as wheels, in an environment of their own

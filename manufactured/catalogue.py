@@ -78,6 +78,10 @@ def catalogue() -> tuple[Case, ...]:
 def named(name: str) -> Case:
     """The case of the catalogue with a name.
 
+    >>> case = named("rotated")
+    >>> case.order, case.solution.body.dim, case.solution.law.dim
+    (1, 2, 2)
+
     Raises:
         CaseError: there is none; the message lists those there are.
     """

@@ -5,6 +5,7 @@ from manufactured.case import Case, CaseError
 from manufactured.catalogue import catalogue, named
 from manufactured.contact import ContactFace
 from manufactured.data import Data, LoadError
+from manufactured.evaluation import Evaluation, evaluate
 from manufactured.exact import ExactSolution
 from manufactured.face_strain import Memory, Prescribed
 from manufactured.factor import Factor, x1, x2, x3
@@ -34,6 +35,7 @@ __all__ = [
     "ContactFace",
     "Data",
     "DeviatoricBall",
+    "Evaluation",
     "ExactSolution",
     "Factor",
     "FormulaError",
@@ -56,6 +58,7 @@ __all__ = [
     "box",
     "catalogue",
     "cutoff",
+    "evaluate",
     "examine",
     "isotropic",
     "kolosov",

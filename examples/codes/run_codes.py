@@ -1,9 +1,10 @@
 """``make codes``: run the codes that are installed on tasks of this study, say how to get the others, keep the errors.
 
-    python run_codes.py [--only ADAPTER ...] [--cases NAME ...] [--families NAME ...] [--levels N ...]
+    python run_codes.py [--mode march] [--only ADAPTER ...] [--cases NAME ...] [--families NAME ...] [--levels N ...]
                         [--out DIR] [--tasks DIR] [--check]
 
-Each adapter runs in the Python that has its code: this one, that of build/codes-venv, or Debian's.
+Each adapter runs in the Python that has its code: this one, that of build/codes-venv, or Debian's. Rows of codes that
+do not run stay as they are. In a march each task has as many steps of the midpoint rule as its level.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from contact_judge import Errors, classify
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
+RESULTS = ROOT / "results" / "codes"
 WHEELS, DEBIAN = ROOT / "build" / "codes-venv" / "bin" / "python", Path("/usr/bin/python3")
 PLANE = (
     "advance-recede",
@@ -34,17 +36,29 @@ PLANE = (
     "examples/codes/nearly_incompressible.py:case",
 )
 SOLID = {"cube-disc": (4, 8), "cube-two-faces": (3, 6)}
-NUMBERS = (
-    "error",
-    "best",
-    "discrete",
-    "distance",
-    "pressure",
-    "best_pressure",
-    "penetration",
-    "resultant",
-    "tangential",
-)
+NUMBERS = {
+    "error": 17,
+    "best": 4,
+    "discrete": 3,
+    "distance": 9,
+    "pressure": 4,
+    "best_pressure": 4,
+    "penetration": 3,
+    "resultant": 3,
+    "tangential": 3,
+}
+"""What is kept of an answer, and to how many digits."""
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a mode runs unless it is told otherwise, and where its results are."""
+
+    adapters: tuple[str, ...]
+    cases: tuple[str, ...]
+    families: tuple[str, ...]
+    out: Path
+    tasks: Path
 
 
 @dataclass(frozen=True)
@@ -77,20 +91,44 @@ ADAPTERS = (
 )
 
 
-def export(directory: Path, cases: list[str], families: list[str], levels: list[int]) -> None:
+FROZEN = Study(
+    tuple(one.name for one in ADAPTERS),
+    (*PLANE, *SOLID),
+    ("one-diagonal", "shaken"),
+    RESULTS,
+    ROOT / "build" / "tasks",
+)
+MARCH = Study(
+    ("this_study", "scikit_fem", "kratos_mortar", "ngsolve_penalty", "dolfinx_snesvi", "freefem"),
+    ("advance-recede", "anisotropic"),
+    ("one-diagonal",),
+    RESULTS / "march",
+    ROOT / "build" / "marches",
+)
+MODES = {"frozen": FROZEN, "march": MARCH}
+
+
+def export(directory: Path, mode: str, cases: list[str], families: list[str], levels: list[int]) -> None:
     """The tasks, those that are not there yet."""
     for case in cases:
         kinds, numbers = (["one-diagonal"], list(SOLID[case])) if case in SOLID else (families, levels)
         name = "nearly-incompressible" if ":" in case else case
-        names = [f"{name}-{family}-frozen-{n}.json.gz" for family in kinds for n in numbers]
+        names = [f"{name}-{family}-{mode}-{n}.json.gz" for family in kinds for n in numbers]
         if not all((directory / one).exists() for one in names):
-            command = [Path(sys.executable).with_name("study"), "export", case, "--to", directory]
+            command = [Path(sys.executable).with_name("study"), "export", case, "--mode", mode, "--to", directory]
             command += ["--family", *kinds, "--levels", *map(str, numbers)]
             subprocess.run(list(map(str, command)), cwd=ROOT, check=True)
 
 
+SERIES = "code", "variant", "case", "family"
+
+
 def table(rows: list[dict]) -> tuple[list[dict], list[dict]]:
-    """Rows of errors.csv, one for each mesh, and of classes.csv, one for each case and mesh family."""
+    """Rows of errors.csv, one for each mesh, and of classes.csv, one for each case and mesh family.
+
+    Errors have all their digits, as the ledger of the study compares them with its own, and distances nine, which tell
+    codes apart that are exact.
+    """
     errors, classes = [], []
     for row in rows:
         key = {name: row[name] for name in ("code", "version", "variant", "case", "family")}
@@ -101,18 +139,52 @@ def table(rows: list[dict]) -> tuple[list[dict], list[dict]]:
         verdict = classify(row["h"], [Errors(**one) for one in row["errors"]])
         classes.append({**key, "class": verdict, **kept, "invariance": _short(row["invariance"])})
         for level, h, found, solves in zip(row["levels"], row["h"], row["errors"], row["solves"], strict=False):
-            numbers = {name: f"{found[name]:.4g}" for name in NUMBERS}
-            mesh = {name: value for name, value in key.items() if name != "version"}
-            errors.append({**mesh, "level": level, "h": _short(h), **numbers, "solves": solves})
+            numbers = {name: f"{found[name]:.{digits}g}" for name, digits in NUMBERS.items()}
+            mesh = {name: row[name] for name in SERIES}
+            errors.append({**mesh, "level": str(level), "h": f"{h:.5g}", **numbers, "solves": solves})
     return errors, classes
 
 
 def _short(value: float) -> str:
-    return f"{value:.5g}"
+    return "" if value != value else f"{value:.4g}"
 
 
-def write(path: Path, rows: list[dict]) -> None:
-    """A CSV file with all columns of the rows."""
+def merged(old: list[dict], new: list[dict], key: tuple[str, ...]) -> list[dict]:
+    """The old rows with the new ones in their places or behind; rows of parameters that a code has no more are gone."""
+    variants = {row["code"]: {one["variant"] for one in new if one["code"] == row["code"]} for row in new}
+    stay = [row for row in old if row["variant"] in variants.get(row["code"], {row["variant"]})]
+    return list({tuple(row[name] for name in key): row for row in (*stay, *new)}.values())
+
+
+def write(directory: Path, errors: list[dict], classes: list[dict]) -> None:
+    """Both files; a row of errors names its code, case and family by the number of its series in classes.csv."""
+    numbers = {tuple(row[name] for name in SERIES): n for n, row in enumerate(classes, start=1)}
+    short = [
+        {"series": numbers[tuple(row[name] for name in SERIES)]} | {k: v for k, v in row.items() if k not in SERIES}
+        for row in errors
+    ]
+    _write(directory / "errors.csv", short)
+    _write(directory / "classes.csv", [{"series": n} | row for n, row in enumerate(classes, start=1)])
+
+
+def read(directory: Path) -> tuple[list[dict], list[dict]]:
+    """Both tables as ``table`` gives them; empty where there are none."""
+    if not (directory / "classes.csv").exists():
+        return [], []
+    classes = {row.pop("series"): row for row in _rows(directory / "classes.csv")}
+    errors = []
+    for row in _rows(directory / "errors.csv"):
+        of = classes[row.pop("series")]
+        errors.append({name: of[name] for name in SERIES} | row)
+    return errors, list(classes.values())
+
+
+def _rows(path: Path) -> list[dict]:
+    with path.open(newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def _write(path: Path, rows: list[dict]) -> None:
     columns = list(dict.fromkeys(name for row in rows for name in row))
     path.parent.mkdir(parents=True, exist_ok=True)
     with path.open("w", newline="", encoding="utf-8") as file:
@@ -121,45 +193,48 @@ def write(path: Path, rows: list[dict]) -> None:
         writer.writerows(rows)
 
 
-def differing(classes: list[dict], committed: Path) -> list[str]:
+def differing(classes: list[dict], committed: list[dict]) -> list[str]:
     """Where a class is not the one that is committed."""
-    names = "code", "variant", "case", "family"
-    with committed.open(newline="", encoding="utf-8") as file:
-        before = {tuple(row[name] for name in names): row["class"] for row in csv.DictReader(file)}
-    now = {tuple(row[name] for name in names): row["class"] for row in classes}
+    before = {tuple(row[name] for name in SERIES): row["class"] for row in committed}
+    now = {tuple(row[name] for name in SERIES): row["class"] for row in classes}
     return [f"{', '.join(key)}: {before.get(key)} ↦ {found}" for key, found in now.items() if before.get(key) != found]
 
 
 def main() -> int:
     """The command; 0 unless an adapter fails or, with --check, a class is another than in results/codes."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--only", nargs="+", default=[one.name for one in ADAPTERS], metavar="ADAPTER")
-    parser.add_argument("--cases", nargs="+", default=[*PLANE, *SOLID], metavar="NAME")
-    parser.add_argument("--families", nargs="+", default=["one-diagonal", "shaken"], metavar="NAME")
+    parser.add_argument("--mode", choices=MODES, default="frozen")
+    parser.add_argument("--only", nargs="+", metavar="ADAPTER")
+    parser.add_argument("--cases", nargs="+", metavar="NAME")
+    parser.add_argument("--families", nargs="+", metavar="NAME")
     parser.add_argument("--levels", nargs="+", type=int, default=[8, 16, 32], metavar="N")
-    parser.add_argument("--out", type=Path, default=ROOT / "results" / "codes", metavar="DIR")
-    parser.add_argument("--tasks", type=Path, default=ROOT / "build" / "tasks", metavar="DIR")
+    parser.add_argument("--out", type=Path, metavar="DIR")
+    parser.add_argument("--tasks", type=Path, metavar="DIR")
     parser.add_argument("--check", action="store_true", help="compare the classes with those of results/codes")
     options = parser.parse_args()
-    export(options.tasks, options.cases, options.families, options.levels)
-    raw = options.tasks.with_name("answers-of-" + options.tasks.name)
-    for adapter in (one for one in ADAPTERS if one.name in options.only):
-        if adapter.missing():
-            print(f"{adapter.name} is not installed: {adapter.get}")
-            continue
-        command = [str(adapter.python), str(HERE / "drive.py"), adapter.name, str(options.tasks), str(raw)]
-        subprocess.run(command, check=True)
-    rows = [row for one in ADAPTERS if one.name in options.only for row in _read(raw / f"{one.name}.json")]
+    study = MODES[options.mode]
+    tasks, out = options.tasks or study.tasks, options.out or study.out
+    export(tasks, options.mode, options.cases or study.cases, options.families or study.families, options.levels)
+    rows = answered([one for one in ADAPTERS if one.name in (options.only or study.adapters)], tasks)
     errors, classes = table(rows)
-    write(options.out / "errors.csv", errors)
-    write(options.out / "classes.csv", classes)
-    changed = differing(classes, ROOT / "results" / "codes" / "classes.csv") if options.check else []
-    print("\n".join([f"written: {options.out}", *changed]))
+    before = read(out)
+    write(out, merged(before[0], errors, (*SERIES, "level")), merged(before[1], classes, SERIES))
+    changed = differing(classes, read(study.out)[1]) if options.check else []
+    print("\n".join([f"written: {out}", *changed]))
     return 1 if changed else 0
 
 
-def _read(path: Path) -> list[dict]:
-    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else []
+def answered(adapters: list[Adapter], tasks: Path) -> list[dict]:
+    """What the judge says of the adapters whose code is here, on all tasks."""
+    raw, rows = tasks.with_name("answers-of-" + tasks.name), []
+    for adapter in adapters:
+        if adapter.missing():
+            print(f"{adapter.name} is not installed: {adapter.get}")
+            continue
+        command = [str(adapter.python), str(HERE / "drive.py"), adapter.name, str(tasks), str(raw)]
+        subprocess.run(command, check=True)
+        rows += json.loads((raw / f"{adapter.name}.json").read_text(encoding="utf-8"))
+    return rows
 
 
 if __name__ == "__main__":

@@ -71,6 +71,17 @@ class ContactFace:
     ) -> ContactFace:
         """The face for a linear law, where gap and pressure say everything (``face_strain.Memory``).
 
+        A foundation under the unit square from which the left half never lifts, with p = t(½ − s)²₊:
+
+        >>> from sympy import Rational
+        >>> from manufactured import ContactFace, ExactSolution, Kind, KelvinVoigt, isotropic, pos, s, t, unit_square
+        >>> body, law, c = unit_square(), KelvinVoigt(isotropic(1, 1), isotropic(1, 2), "linear"), Rational(1, 2)
+        >>> (floor,) = body.of(Kind.CONTACT)
+        >>> face = ContactFace.linear(floor, law, body.T, t * pos(s - c, 4), t * pos(c - s, 2), c - s)
+        >>> on = ExactSolution(body, law, (face,)).on(face, [[0.1, 0.9]])
+        >>> abs(on.pressure(1.0)).round(4).tolist(), on.gap(1.0).round(4).tolist()
+        ([0.16, 0.0], [0.0, 0.0256])
+
         Raises:
             LawError: the law has another dimension than the part, G is not linear (give q with
                 ``face_strain.Prescribed`` instead), or ``initial`` is given for a law that couples nn with sn.

@@ -53,7 +53,13 @@ class Data:
 
     @classmethod
     def of(cls, solution: ExactSolution) -> Data:
-        """The data that belong to an exact solution."""
+        """The data that belong to an exact solution.
+
+        >>> from manufactured import named
+        >>> data = Data.of(named("full-contact").solution)
+        >>> data.body_force(np.array([[0.5], [0.5]]))(1.0).shape
+        (2, 1)
+        """
 
         def surface_load(part: Part, x: Points) -> ForceInTime:
             fields = solution.at(x)

@@ -13,6 +13,12 @@ from manufactured.tensors import Array, Hyperplane, Points, Tensors
 class KelvinVoigt:
     """σ = A ε̇ + G(ε), equation (2.1).
 
+    >>> import numpy as np
+    >>> from manufactured import isotropic
+    >>> law = KelvinVoigt(isotropic(1, 1), isotropic(1, 2), "linear")
+    >>> law.stress(np.array([1.0, 0, 0]), np.array([0, 1.0, 0])).tolist()  # (3, 1, 0) + (2, 4, 0)
+    [5.0, 5.0, 0.0]
+
     Raises:
         LawError: A and G act on tensors of different dimension.
     """

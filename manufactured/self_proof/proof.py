@@ -15,6 +15,10 @@ from manufactured.self_proof.interior import equilibrium, history, kinematics
 def prove(solution: ExactSolution, name: str, seed: int = 0) -> list[Finding]:
     """Check every condition; returns the findings, all passing.
 
+    >>> from manufactured import named
+    >>> all(finding.passes for finding in prove(named("full-contact").solution, "full-contact"))
+    True
+
     Raises:
         SelfProofError: lists each violated condition with where and by how much.
     """

@@ -14,7 +14,6 @@ from study.run.foundation import require_segments
 from study.run.resources import available, require
 from study.run.store import Store
 from study.run.task_data import (
-    INSTANTS,
     Data,
     frozen,
     march,
@@ -23,8 +22,8 @@ from study.run.task_data import (
     with_foundation,
 )
 from study.run.task_files import write_task
-from study.run.tasks import Task
 from study.solve.steps import require_steps
+from study.statements.other_codes.tasks import INSTANTS, Task
 from study.statements.shared import estimates
 
 

@@ -17,6 +17,7 @@ from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.enclosure.courses import Bounds
 from study.statements.interpolation import InterpolationOnContact
+from study.statements.other_codes.judge import OtherCodes
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.judge import FirstOrder
@@ -69,14 +70,15 @@ class SeededScope(Scope):
 def seeded(seed: int, part: str = WHOLE) -> Plan:
     """The quick study with a seed, but for rough cases, which need the levels of the full one on random meshes.
 
-    No pictures, and no bounds: these are proved for every mesh, and tested with random ones.
+    No pictures, no bounds, which are proved for every mesh and tested with random ones, and no errors of other codes,
+    which ran on the meshes of one seed.
     """
     base = replace(quick(), rough=full().rough, command="study seeds")
     scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
     jobs = [
         Job(statement, setting)
         for statement in STATEMENTS
-        if not isinstance(statement, Pictures | Bounds)
+        if not isinstance(statement, Pictures | Bounds | OtherCodes)
         for setting in (statement.settings(scope) if statement.of_every_case else on_shaken(statement, scope))
     ]
     return Plan(scope, tuple(job for job in jobs if part == WHOLE or not costly(job)))

@@ -1,4 +1,8 @@
-"""What other people's contact codes did on the exact solutions: ``codes/errors.csv`` and ``codes/classes.csv``."""
+"""What other people's contact codes did on the exact solutions: ``codes/errors.csv`` and ``codes/classes.csv``.
+
+No run makes these files: ``make codes`` does, where the codes are installed. They are read like the data of a run, and
+a statement is judged by them beside what it measures (``OtherErrors``).
+"""
 
 from __future__ import annotations
 
@@ -8,34 +12,47 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from study.ledger.datafiles import DataError
+from study.ledger.datafiles import TEXT, CsvFile, read_table, refuse_repeated, refuse_words
 
 KEY = ["code", "version", "variant"]
 SERIES = ["code", "variant", "case", "family"]
-ERRORS = [*SERIES, "level", "h", "error", "best", "distance", "pressure", "best_pressure"]
-CLASSES = [*SERIES, "version", "class", "order_in_v", "order_of_distance", "invariance"]
+MESH = ["case", "family", "level"]
+ERRORS = ["series", "level", "h", "error", "best", "discrete", "distance", "pressure", "best_pressure", "penetration"]
+ERRORS += ["resultant", "tangential"]
+CLASSES = ["series", *SERIES, "version", "class", "order_in_v", "order_of_distance", "order_of_pressure", "invariance"]
 NOT_EXPRESSED = "not expressed"
 GRADES = ("exact for P1", "consistent", "stagnates", "wrong", "undecided")
+MADE = "make codes"
+AGAIN = f"make it again with `{MADE}`"
+FOLDER, MARCHES = "codes", "codes/march"
+"""Where the files of frozen problems are, and those of marches in time."""
 
 
 @dataclass(frozen=True)
 class Codes:
-    """One row of ``errors`` for each code, its parameters, case and mesh; of ``classes`` for each series of meshes."""
+    """One row of ``errors`` for each code, its parameters, case and mesh; of ``classes`` for each series of meshes.
+
+    Rows are in the order of the files, in which ``errors`` has the number of its series.
+    """
 
     errors: pd.DataFrame
     classes: pd.DataFrame
 
     @classmethod
-    def read(cls, directory: Path) -> Codes | None:
+    def read(cls, directory: Path, folder: str = FOLDER) -> Codes | None:
         """The data of a directory of results, None where there are none.
 
         Raises:
-            DataError: a file lacks a column.
+            DataError: a file is missing, lacks a column, has no number where one belongs, or has a row twice.
         """
-        place = directory / "codes"
+        place = directory / folder
         if not place.is_dir():
             return None
-        return cls(_table(place / "errors.csv", ERRORS), _table(place / "classes.csv", CLASSES))
+        errors = _table(place / "errors.csv", ERRORS, ["series", "level"])
+        classes = _table(place / "classes.csv", CLASSES, ["series"], empty=True)
+        refuse_repeated(place / "classes.csv", classes, SERIES, AGAIN)
+        # Rows of a series that is not there keep their places, with nothing for its name.
+        return cls(errors.merge(classes[["series", *SERIES]], on="series", how="left"), classes)
 
     def series(self) -> pd.DataFrame:
         """One row for each code, parameters, case and family: its class, and what is left on the finest mesh.
@@ -45,7 +62,7 @@ class Codes:
         """
         finest = self.errors.sort_values("level").groupby(SERIES, sort=False).tail(1)
         judged = self.classes[self.classes["class"] != NOT_EXPRESSED]
-        found = judged.merge(finest, on=SERIES, validate="one_to_one")
+        found = judged.merge(finest, on=["series", *SERIES], validate="one_to_one")
         share, excess = found["distance"] / found["best"], found["pressure"] / found["best_pressure"]
         return found.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
 
@@ -64,13 +81,29 @@ class Codes:
             found.append(dict(zip(KEY, key, strict=True)) | {"classes": text} | orders | worst)
         return pd.DataFrame(found)
 
+    def on_meshes(self) -> pd.DataFrame:
+        """``errors`` with version and class, and a row without numbers for each mesh that a code cannot express."""
+        told = self.classes[[*SERIES, "version", "class"]]
+        meshes = self.errors[MESH].drop_duplicates()
+        left_out = told[told["class"] == NOT_EXPRESSED].merge(meshes, on=MESH[:2])
+        return pd.concat([self.errors.merge(told, on=SERIES, how="left"), left_out], ignore_index=True)
 
-def _table(path: Path, columns: list[str]) -> pd.DataFrame:
-    text = dict.fromkeys([*KEY, "case", "family", "class"], str)
-    try:
-        found = pd.read_csv(path, dtype=text)
-    except (OSError, pd.errors.EmptyDataError, pd.errors.ParserError) as error:
-        raise DataError(f"{path} cannot be read ({error}): make it with `make codes`") from error
-    if lacking := [column for column in columns if column not in found]:
-        raise DataError(f"{path} lacks the columns {', '.join(lacking)}: make it again with `make codes`")
+
+@dataclass(frozen=True)
+class OtherErrors(CsvFile):
+    """``codes/errors.csv`` as a file that lies beside the rows of a statement."""
+
+    label: str = ""
+
+    def read(self, directory: Path) -> pd.DataFrame:
+        """``Codes.on_meshes`` with the label of the statement; nothing where there are no such data."""
+        codes = Codes.read(directory)
+        found = codes.on_meshes() if codes else pd.DataFrame(columns=[*self.columns])
+        return found[[name for name in self.columns if name != "label"]].assign(label=self.label)
+
+
+def _table(path: Path, columns: list[str], key: list[str], empty: bool = False) -> pd.DataFrame:
+    found = read_table(path, columns, MADE)
+    refuse_words(path, found, [name for name in columns if name not in TEXT], AGAIN, empty=empty)
+    refuse_repeated(path, found, key, AGAIN)
     return found

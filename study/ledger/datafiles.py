@@ -52,6 +52,10 @@ TEXT = {
     "rule",
     "part",
     "tail",
+    "code",
+    "version",
+    "variant",
+    "class",
 }
 """Columns that hold words even where they look like numbers or are empty."""
 

@@ -14,6 +14,7 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.chance import PROMISE
+from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, raised
 from study.ledger.files import write_text
 from study.ledger.rounding import above, below, up
@@ -216,7 +217,7 @@ def refresh(page: Path, data: FullRun) -> bool:
         DataError: it has no marks.
     """
     text = before = page.read_text(encoding="utf-8")
-    for table in (headline, results, statements, cases, codes, windows, new_windows):
+    for table in (headline, results, statements, cases, codes, marches, windows, new_windows):
         if f"<!-- {table.__name__} -->" in text:
             text = put(text, table.__name__, table(data))
     if END not in text:
@@ -250,8 +251,17 @@ def cases(data: FullRun) -> str:
 
 def codes(data: FullRun) -> str:
     """Other people's contact codes with their parameters: classes and the worst of each, in Markdown."""
-    if data.codes is None:
-        raise DataError("results/codes is missing: make it with `make codes`")
+    return _judged(data.codes)
+
+
+def marches(data: FullRun) -> str:
+    """The same of those that went through time by the midpoint rule."""
+    return _judged(data.marches)
+
+
+def _judged(found: Codes | None) -> str:
+    if found is None:
+        raise DataError(f"results of other codes are missing: make them with `{MADE}`")
     header = ["code", "parameters", "class (series of meshes)", "order in V", "distance / error"]
     lines = [
         [
@@ -263,7 +273,7 @@ def codes(data: FullRun) -> str:
             up(row["excess"], 3),
             up(row["invariance"], 2),
         ]
-        for row in data.codes.rows().to_dict("records")
+        for row in found.rows().to_dict("records")
     ]
     return markdown([*header, "pressure / that of K^h", "scales"], lines)
 

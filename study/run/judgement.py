@@ -11,6 +11,7 @@ import pandas as pd
 from manufactured.catalogue import catalogue
 from study.ledger.datafiles import CsvFile, DataError, made_by, read_csv, write_csv
 from study.ledger.verdict import Verdict
+from study.run.collect import data_files
 from study.run.measured import read_tables
 from study.run.provenance import Complete, read_provenance
 from study.statements import STATEMENTS
@@ -53,6 +54,7 @@ def verdicts(directory: Path) -> list[Verdict]:
     _refuse_gaps(directory, tables, cases)
     found = set().union(*(file.keys(table) for file, table in tables.items()))
     judged = {file: predicted(table, cases) for file, table in tables.items()}
+    judged |= {file: file.read(directory) for file in beside_runs()}
     rows = [Complete().judge(planned, found)]
     for statement in STATEMENTS:
         if isinstance(statement.file, CsvFile):
@@ -74,6 +76,11 @@ def beside(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
         return mine
     other = tables[statement.beside].set_index(key).add_suffix(REPORTED).reset_index()
     return mine.merge(other, on=key, how="left")
+
+
+def beside_runs() -> set[CsvFile]:
+    """The files that statements are compared with and no run makes."""
+    return {statement.beside for statement in STATEMENTS if statement.beside} - set(data_files())
 
 
 def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:

@@ -14,13 +14,11 @@ from study.fem.material import means
 from study.fem.space import Space
 from study.ledger.errors import UsageError
 from study.run.foundation import slab
-from study.run.tasks import Task
 from study.solve.evolution import SemiDiscrete
 from study.solve.tableau import MIDPOINT
+from study.statements.other_codes.tasks import Task
 
 FORMAT, VERSION = "contact-task", 1
-INSTANTS = 0.15, 0.55, 0.9
-"""Frozen instants, if none are given, in units of T: in no case does one meet a jump in time or a vertex of n = 2^k."""
 Data = dict[str, Any]
 
 

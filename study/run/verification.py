@@ -13,8 +13,10 @@ from typing import Any
 
 import pandas as pd
 
+from study.ledger.codes import Codes
 from study.ledger.datafiles import CsvFile, DataError, line, made_by, read_csv, table_text
 from study.ledger.differing import difference
+from study.run.code_relations import CODE_RELATIONS, FOLDERS
 from study.run.foreseen import Foreseen
 from study.run.judgement import PREDICTED
 from study.run.measured import read_tables
@@ -63,11 +65,13 @@ def verify(directory: Path) -> Verified:
         _refuse_unplanned(directory, file, table, planned, again)
     _compare_cases(directory, foreseen, again)
     broken = [[*map(str, relation(tables, foreseen))] for relation in RELATIONS]
+    others = [(codes, folder) for folder in FOLDERS if (codes := Codes.read(directory, folder))]
+    broken += [[*map(str, relation(*found))] for found in others for relation in CODE_RELATIONS]
     if count := sum(map(len, broken)):
         said = "\n".join(breach for breaches in broken for breach in breaches[:SHOWN])
-        raise DataError(f"{directory}/data was edited or damaged, in {count} places such as\n{said}\n{again}")
+        raise DataError(f"data in {directory} were edited or damaged, in {count} places such as\n{said}\n{again}")
     rows, gone = sum(map(len, tables.values())), tuple(sorted(foreseen.gone))
-    return Verified(rows, len(tables), len(planned), len(RELATIONS), len(foreseen.cases), gone)
+    return Verified(rows, len(tables), len(planned), len(broken), len(foreseen.cases), gone)
 
 
 def _plan(directory: Path, made: dict[str, Any], foreseen: Foreseen, again: str) -> set[tuple[str, ...]]:

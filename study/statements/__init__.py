@@ -20,6 +20,7 @@ from study.statements.korn import Korn, Norms
 from study.statements.landings import Landings
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms_in_time import LoadInTime, TractionInTime
+from study.statements.other_codes.judge import OtherCodes
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
@@ -64,7 +65,7 @@ PROPERTIES = (
 )
 ESTIMATES = StepsOfTheEstimate(), ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
 CONVERGENCE = ResidualBound(), Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Superclose(), Residual()
-WEIGHED = ContactForce(), Recomputed()
+WEIGHED = ContactForce(), Recomputed(), OtherCodes()
 BEYOND = EdgeWork(), WorkOfContact(), Rollers(), BackwardEuler(), FullyDiscrete(), Landings()
 CERTIFIED = BoundedError(), EnclosedError()
 

@@ -174,6 +174,54 @@ def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path, capsys
     assert "Traceback" not in told
 
 
+ERRORS, CLASSES = "../codes/errors.csv", "../codes/classes.csv"
+CODES: dict[str, tuple[Edit, str]] = {
+    "the error of a code": (
+        edit(ERRORS, "error", times(0.5), rows=1),
+        r"codes/errors.csv, line 2, column error: stands .* up to the distance from the solution in K\^h",
+    ),
+    "the error of the solution in K^h": (
+        edit(ERRORS, "best", times(1.1), rows=1),
+        r"codes/errors.csv, line 2, column best: stands .*, as in the rows of most other codes",
+    ),
+    "the mesh size of a code": (edit(ERRORS, "h", times(2), rows=1), r"errors.csv, line 2, column h: stands"),
+    "errors of a code that fall faster": (
+        edit(ERRORS, "pressure", times(0.5), "level == '32'", 1),
+        r"codes/classes.csv, line \d+, column order_of_pressure: stands",
+    ),
+    "a class for what a code cannot express": (
+        edit(CLASSES, "class", to("exact for P1"), "`class` == 'not expressed'", 1),
+        r"classes.csv, line \d+, column class: stands exact for P1, expected not expressed, as there are no errors",
+    ),
+    "a series of no code": (
+        edit(ERRORS, "series", to("9999"), rows=1),
+        r"errors.csv, line 2, column series: stands 9999, expected a series of classes.csv",
+    ),
+    "a word for an error of a code": (
+        edit(ERRORS, "error", to("small"), rows=1),
+        r"line 2, column error: stands 'small'",
+    ),
+    "a row of a code twice": (
+        twice(ERRORS),
+        r"errors.csv, line \d+: the row series 1, level .* stands in line 3 already",
+    ),
+    "a march by a code": (
+        edit("../codes/march/errors.csv", "error", times(0.5), rows=1),
+        r"codes/march/errors.csv, line 2, column error: stands",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", CODES)
+def test_an_edit_of_what_other_codes_did_is_refused(name: str, own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    shutil.copytree(ROOT / "results" / "codes", own / "codes")
+    assert main(["check", "--out", str(own)]) == 0
+    change, message = CODES[name]
+    change(own)
+    told = refusal(own, capsys)
+    assert re.search(message, told), told
+
+
 COMMITTED: dict[str, tuple[Edit, str]] = {
     "a twin removed": (
         edit(CASES, "twin", to(""), "case == 'rotated'"),

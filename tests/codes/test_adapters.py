@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import importlib
 import json
 import re
@@ -15,12 +14,12 @@ from typing import Any
 import pytest
 
 from study.fem.naming import family_named, resolve
-from study.ledger.codes import Codes
+from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
 from study.present.charts.codes_chart import codes_chart
 from study.run.task_data import frozen
 from study.run.task_files import write_task
-from study.run.tasks import Task
+from study.statements.other_codes.tasks import Task
 
 ROOT = Path(__file__).parents[2]
 CODES, RESULTS = ROOT / "examples" / "codes", ROOT / "results"
@@ -80,18 +79,42 @@ def test_a_code_that_is_not_installed_is_said_to_be_missing() -> None:
     assert not adapter("d", Path(sys.executable), ("os",), "").missing()
 
 
-def test_a_class_that_is_not_the_committed_one_is_reported(tmp_path: Path) -> None:
-    with (RESULTS / "codes" / "classes.csv").open(newline="", encoding="utf-8") as file:
-        rows = list(csv.DictReader(file))
-    differing = module("run_codes").differing
-    assert differing(rows, RESULTS / "codes" / "classes.csv") == []
+def test_a_class_that_is_not_the_committed_one_is_reported() -> None:
+    codes = module("run_codes")
+    _, committed = codes.read(RESULTS / "codes")
+    rows = [dict(row) for row in committed]
+    assert codes.differing(rows, committed) == []
     rows[0]["class"] = "wrong"
-    (told,) = differing(rows, RESULTS / "codes" / "classes.csv")
+    (told,) = codes.differing(rows, committed)
     assert told.endswith("↦ wrong")
 
 
-def test_committed_classes_are_those_of_the_committed_errors() -> None:
-    codes, classify = Codes.read(RESULTS), module("contact_judge").classify
+@pytest.mark.parametrize("folder", ["codes", "codes/march"])
+def test_committed_files_are_what_their_rows_are_written_as(folder: str, tmp_path: Path) -> None:
+    codes = module("run_codes")
+    codes.write(tmp_path, *codes.read(RESULTS / folder))
+    for name in ("errors.csv", "classes.csv"):
+        assert (tmp_path / name).read_text() == (RESULTS / folder / name).read_text()
+
+
+def test_a_run_replaces_its_own_rows_and_leaves_those_of_others() -> None:
+    codes = module("run_codes")
+
+    def row(code: str, variant: str, case: str, value: str) -> dict[str, str]:
+        return {"code": code, "variant": variant, "case": case, "family": "f", "class": value}
+
+    old = [row("a", "v", "c", "1"), row("a", "gone", "c", "2"), row("a", "v", "d", "3"), row("b", "v", "c", "4")]
+    new = [row("a", "v", "c", "5"), row("a", "new", "c", "6")]
+    found = codes.merged(old, new, codes.SERIES)
+    assert [one["class"] for one in found] == ["5", "3", "4", "6"]
+
+
+@pytest.mark.parametrize(
+    ("folder", "grades"),
+    [(FOLDER, {"exact for P1", "consistent", "stagnates", "wrong"}), (MARCHES, {"exact for P1", "consistent"})],
+)
+def test_committed_classes_are_those_of_the_committed_errors(folder: str, grades: set[str]) -> None:
+    codes, classify = Codes.read(RESULTS, folder), module("contact_judge").classify
     assert codes is not None
     key = list(KEY)
     classes = codes.classes.set_index(key)["class"]
@@ -100,7 +123,7 @@ def test_committed_classes_are_those_of_the_committed_errors() -> None:
         errors = [SimpleNamespace(**row) for row in rows.to_dict("records")]
         assert classes[name] == classify(list(rows["h"]), errors), name
         seen.add(classes[name])
-    assert seen >= {"exact for P1", "consistent", "stagnates", "wrong"}
+    assert seen >= grades
 
 
 def test_the_caption_counts_what_the_order_does_not_see() -> None:

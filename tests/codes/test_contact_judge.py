@@ -19,8 +19,8 @@ from study.fem.mesh import OneDiagonal
 from study.fem.naming import family_named, resolve
 from study.run.task_data import frozen, march, with_foundation
 from study.run.task_files import plain, write_task
-from study.run.tasks import Task
 from study.solve.tableau import MIDPOINT
+from study.statements.other_codes.tasks import Task
 from study.statements.prop_5_4.experiment import Experiment
 
 CODES = Path(__file__).parents[2] / "examples" / "codes"

@@ -120,6 +120,13 @@ BY_TESTS = {
         ("(5.23)", f"{v}-random"): "statements/test_random_meshes.py::test_interpolation_of_another_order_fails"
         for v in ("smooth", "u-0.23", "u-0.61")
     },
+    **{
+        ("other codes", key): (
+            "statements/test_other_codes.py::test_an_error_that_is_another_turns_the_row_of_its_code_to_fails"
+        )
+        for key in ("snesvi", "getfem", "freefem", "scikit-fem", "kratos")
+    },
+    ("other codes", "own-digits"): "statements/test_other_codes.py::test_a_column_that_was_copied_is_noticed",
     ("enclosure", "order"): "statements/test_enclosure.py::test_an_order_is_judged_where_nobody_knows_the_error",
     **{
         ("(5.20)–(5.21), (5.42)", f"growth-{bound}"): (

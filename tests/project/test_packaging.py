@@ -54,7 +54,8 @@ def test_examples_in_docstrings_are_true(module: str) -> None:
 def test_the_wheel_works_with_numpy_and_sympy_alone() -> None:
     done = subprocess.run(["make", "wheel"], cwd=ROOT, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "run with mpmath, numpy, signorini-study, sympy" in done.stdout
+    runs = re.findall(r"run with mpmath \S+ numpy (\S+), signorini-study \S+ sympy \S+", done.stdout)
+    assert runs[1:] == ["1.24.2"] * (sys.version_info[:2] == (3, 11))
 
 
 def test_continuous_integration_tries_the_wheel() -> None:

@@ -9,7 +9,7 @@ from typing import Any
 
 import pandas as pd
 
-from study.ledger.codes import Codes
+from study.ledger.codes import MARCHES, Codes
 from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
 from study.present.windows import earlier
 
@@ -38,6 +38,7 @@ class FullRun:
     seeds: pd.DataFrame
     provenance: dict[str, Any]
     codes: Codes | None
+    marches: Codes | None
     sensitivity: pd.DataFrame | None
     earlier: pd.DataFrame | None
 
@@ -66,6 +67,7 @@ class FullRun:
             seeds=read_csv(directory, "seeds.csv", SEEDS),
             provenance=made,
             codes=Codes.read(directory),
+            marches=Codes.read(directory, MARCHES),
             sensitivity=read_csv(directory, file, SENSITIVITY) if (directory / "data" / file).is_file() else None,
             earlier=earlier(directory),
         )

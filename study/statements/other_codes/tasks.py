@@ -12,6 +12,7 @@ the caller's. All but u, and what it is judged by, is scaled by S: the problem i
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -31,6 +32,9 @@ from study.fem.space import Space
 from study.ledger.errors import UsageError
 from study.solve.signorini import ContactSolver
 from study.solve.solver_choice import contact_solver
+
+INSTANTS = 0.15, 0.55, 0.9
+"""Frozen instants, if none are given, in units of T: in no case does one meet a jump in time or a vertex of n = 2^k."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,6 +88,11 @@ class Task:
     def static(self, time: float) -> Array:
         """The solution in K^h of the frozen problem at t, (dofs,)."""
         return self._solve(self.gauge.load(time) - self.space.functional(self.initial_stress(time)))[0]
+
+    def error(self, instants: Sequence[float]) -> float:
+        """The largest ‖u(t) − u^h‖_V of the frozen problems at some instants in units of T."""
+        times = [part * self.solution.body.T for part in instants]
+        return max(self.gauge.distance(self.gauge.sample(t), self.static(t)) for t in times)
 
     def resultants(self, time: float) -> Array:
         """∫ p over each piece of Γ3 as the vertices off Γ1 carry it, Σ_i ∫ p φ_i, (pieces,)."""

@@ -1,0 +1,73 @@
+"""Everything about an exact solution at some points and one time, in one call."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from manufactured.body import Part
+from manufactured.case import Case
+from manufactured.exact import ExactSolution, Fields
+from manufactured.self_proof.complex_step import gradient, shifted_fields
+from manufactured.tensors import Array, Tensors, Vectors, traction
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """u, its derivatives, σ and the loads at points x (d, ...), at one time. Tensors are Mandel vectors.
+
+    Attributes:
+        displacement, velocity: u, u̇, (d, ...).
+        gradient: ∂_j u_i, (d, d, ...), by the complex step, exact up to rounding.
+        strain, strain_rate: ε(u), ε(u̇), (D, ...).
+        stress: σ = A ε(u̇) + G ε(u), (D, ...).
+        body_force: f_0 = −Div σ, (d, ...).
+    """
+
+    displacement: Vectors
+    velocity: Vectors
+    gradient: Array
+    strain: Tensors
+    strain_rate: Tensors
+    stress: Tensors
+    body_force: Vectors
+
+    def surface_load(self, part: Part) -> Vectors:
+        """σν on a part of the boundary that the points lie on, (d, ...): f_2 on Γ2, −p ν on Γ3."""
+        return traction(self.stress, part.normal)
+
+
+def evaluate(of: Case | ExactSolution, x: ArrayLike, time: float) -> Evaluation:
+    """All fields of a case at points x (d, ...) and a time.
+
+    Who needs many times asks ``solution.at(x)`` instead, which fixes the points once.
+
+    >>> import numpy as np
+    >>> from manufactured import Kind, evaluate, named
+    >>> case = named("advance-recede")
+    >>> found = evaluate(case, [[0.2, 0.6], [0.5, 0.0]], 0.5)  # the points (0.2, 0.5) and (0.6, 0)
+    >>> found.displacement.shape, found.gradient.shape, found.stress.shape, found.body_force.shape
+    ((2, 2), (2, 2, 2), (3, 2), (2, 2))
+    >>> bool(np.allclose(found.gradient[0, 0], found.strain[0]))
+    True
+    >>> (floor,) = case.solution.body.of(Kind.CONTACT)
+    >>> bool(abs(evaluate(case, [[0.6], [0.0]], 0.5).surface_load(floor)[0]).max() < 1e-12)  # no friction
+    True
+
+    Raises:
+        ValueError: there are not d coordinates.
+    """
+    solution = of.solution if isinstance(of, Case) else of
+    fields = solution.at(x)
+    steps = shifted_fields(solution, np.asarray(x, float))
+    return Evaluation(
+        fields.displacement(time),
+        fields.velocity(time),
+        gradient(steps, Fields.displacement, time),
+        fields.strain(time),
+        fields.strain_rate(time),
+        fields.stress(time),
+        fields.body_force(time),
+    )

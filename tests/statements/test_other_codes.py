@@ -1,0 +1,106 @@
+"""Other people's codes have our errors; one that has others, that was copied or left out is noticed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.ledger.codes import MESH, NOT_EXPRESSED, Codes
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
+from study.run.judgement import beside
+from study.statements.other_codes.judge import OURS, PEERS, OtherCodes, Peer
+from study.statements.shared.base import LISTED, Setting, grid
+
+RESULTS = Path(__file__).parents[2] / "results"
+SETTINGS = grid(("advance-recede", "corner", "rotated"), ("one-diagonal", "shaken"), (8, 16))
+OTHERS = OtherCodes.beside
+Change = Callable[[pd.DataFrame], pd.DataFrame]
+
+
+@lru_cache
+def ours() -> pd.DataFrame:
+    """The errors of this study on a part of the meshes."""
+    of = OtherCodes()
+    return pd.DataFrame([row for setting in SETTINGS for _, row in of.records(setting, of.measure(setting))])
+
+
+def judged(change: Change) -> dict[str, Verdict]:
+    tables = {LISTED: ours(), OTHERS: change(OTHERS.read(RESULTS))}
+    return {verdict.key: verdict for verdict in OtherCodes().judge(beside(OtherCodes(), tables))}
+
+
+def verdicts(change: Change) -> dict[str, str]:
+    return {key: verdict.verdict for key, verdict in judged(change).items()}
+
+
+def of(table: pd.DataFrame, code: str, variant: str) -> pd.Series:
+    return (table["code"] == code) & (table["variant"] == variant)
+
+
+def one(table: pd.DataFrame, peer: Peer) -> int:
+    """The place of an error of a code on one of the meshes."""
+    chosen = of(table, peer.code, peer.variant) & (table["case"] == "advance-recede") & (table["level"] == 16)
+    return int(np.flatnonzero(chosen)[0])
+
+
+EVERY = {peer.key: HOLDS for peer in PEERS} | {"own-digits": HOLDS}
+
+
+def test_errors_of_other_codes_are_ours() -> None:
+    assert verdicts(lambda table: table) == EVERY
+
+
+@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
+def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer: Peer) -> None:
+    def change(table: pd.DataFrame) -> pd.DataFrame:
+        found = table.copy()
+        found.loc[one(table, peer), "error"] *= 1 + 3 * peer.window.high
+        return found
+
+    assert verdicts(change) == EVERY | {peer.key: FAILS}
+
+
+@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
+def test_a_column_that_was_copied_is_noticed(peer: Peer) -> None:
+    """From this study to the code, on all meshes that both have."""
+
+    def change(table: pd.DataFrame) -> pd.DataFrame:
+        source = table[of(table, *OURS)].set_index(MESH)["distance"]
+        chosen = of(table, peer.code, peer.variant) & (table["class"] != NOT_EXPRESSED)
+        copied = [source[tuple(place)] for place in table.loc[chosen, MESH].itertuples(index=False)]
+        found = table.copy()
+        found.loc[chosen, "distance"] = copied
+        return found
+
+    found = judged(change)
+    assert (found["own-digits"].verdict, found["own-digits"].observed) == (FAILS, 1)
+    assert {key: one.verdict for key, one in found.items() if key != "own-digits"} == {p.key: HOLDS for p in PEERS}
+
+
+@pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
+def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undecided(peer: Peer) -> None:
+    without = judged(lambda table: table.drop(index=one(table, peer)))[peer.key]
+    assert without.verdict == UNDECIDED
+    assert "1 meshes lack an error" in without.expected
+    gone = judged(lambda table: table[~of(table, peer.code, peer.variant)])[peer.key]
+    assert (gone.verdict, np.isnan(gone.observed)) == (UNDECIDED, True)
+
+
+def test_codes_that_nobody_ran_are_said_to_be_missing(tmp_path: Path) -> None:
+    tables = {LISTED: ours(), OTHERS: OTHERS.read(tmp_path)}
+    for rows in (beside(OtherCodes(), tables), ours()):
+        (only,) = OtherCodes().judge(rows)
+        assert (only.key, only.verdict) == ("none", REPORTED)
+        assert "make codes" in only.expected
+
+
+def test_the_meshes_of_the_full_study_are_those_that_other_codes_ran_on() -> None:
+    codes = Codes.read(RESULTS)
+    assert codes is not None
+    ran = {Setting(*mesh) for mesh in codes.errors[MESH].itertuples(index=False) if mesh[0] != "nearly-incompressible"}
+    assert set(OtherCodes.full) == ran
