@@ -18,7 +18,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from contact_judge import Errors, classify
+from contact_judge import GOOD, Errors, classify
 
 HERE = Path(__file__).resolve().parent
 ROOT = HERE.parents[1]
@@ -37,17 +37,14 @@ PLANE = (
 )
 SOLID = {"cube-disc": (4, 8), "cube-two-faces": (3, 6)}
 NUMBERS = {
-    "error": 17,
-    "best": 4,
+    **dict.fromkeys(("error", "best"), 4),
     "discrete": 3,
-    "distance": 9,
-    "pressure": 4,
-    "best_pressure": 4,
-    "penetration": 3,
-    "resultant": 3,
-    "tangential": 3,
+    **dict.fromkeys(("distance", "pressure", "best_pressure"), 4),
+    **dict.fromkeys(("penetration", "resultant", "tangential"), 3),
 }
 """What is kept of an answer, and to how many digits."""
+OF_EXACT = {"error": 17, "distance": 9}
+"""Digits where a code is exact: the ledger compares its error with ours, and codes with each other by distances."""
 
 
 @dataclass(frozen=True)
@@ -124,11 +121,7 @@ SERIES = "code", "variant", "case", "family"
 
 
 def table(rows: list[dict]) -> tuple[list[dict], list[dict]]:
-    """Rows of errors.csv, one for each mesh, and of classes.csv, one for each case and mesh family.
-
-    Errors have all their digits, as the ledger of the study compares them with its own, and distances nine, which tell
-    codes apart that are exact.
-    """
+    """Rows of errors.csv, one for each mesh, and of classes.csv, one for each case and mesh family."""
     errors, classes = [], []
     for row in rows:
         key = {name: row[name] for name in ("code", "version", "variant", "case", "family")}
@@ -139,7 +132,8 @@ def table(rows: list[dict]) -> tuple[list[dict], list[dict]]:
         verdict = classify(row["h"], [Errors(**one) for one in row["errors"]])
         classes.append({**key, "class": verdict, **kept, "invariance": _short(row["invariance"])})
         for level, h, found, solves in zip(row["levels"], row["h"], row["errors"], row["solves"], strict=False):
-            numbers = {name: f"{found[name]:.{digits}g}" for name, digits in NUMBERS.items()}
+            digits = NUMBERS | (OF_EXACT if verdict == GOOD[0] else {})
+            numbers = {name: f"{found[name]:.{digits[name]}g}" for name in NUMBERS}
             mesh = {name: row[name] for name in SERIES}
             errors.append({**mesh, "level": str(level), "h": f"{h:.5g}", **numbers, "solves": solves})
     return errors, classes
