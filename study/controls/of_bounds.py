@@ -9,6 +9,7 @@ from study.controls import defects, inaccuracies, mistakes
 from study.controls.control import Control
 from study.controls.side_by_side import Bounding, Twins, TwoWays
 from study.controls.slips import Slip
+from study.controls.small_defects import OfAmount
 from study.statements.enclosure.courses import by_midpoint
 from study.statements.enclosure.inside import BoundedError, EnclosedError
 
@@ -52,6 +53,16 @@ BOUNDS: tuple[Control[Any], ...] = (
     Control("again: load", "1.05 F for F", AGAIN, inaccuracies.load_slightly_too_large, "displacement"),
     Control(
         "again: multipliers", "1.2 λ beside the right u^h", AGAIN, defects.multipliers_a_fifth_too_large, "multipliers"
+    ),
+    Control(
+        "again: modulus", "λ of A larger by a millionth", AGAIN, OfAmount("λ of A", 1e-6), "displacement-same-load"
+    ),
+    Control(
+        "again: forces",
+        "λ larger by a millionth beside the right u^h",
+        AGAIN,
+        OfAmount("contact force λ", 1e-6),
+        "multipliers-same-load",
     ),
     Control(
         "bound without residual",

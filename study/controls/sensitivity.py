@@ -27,7 +27,7 @@ from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.recomputed.judge import TRAJECTORIES, Recomputed
-from study.statements.recomputed.measure import Course, gaps
+from study.statements.recomputed.measure import Course, gaps, same_load
 from study.statements.recomputed.plain import PlainProblem
 from study.statements.shared.base import Setting, grid
 
@@ -47,12 +47,13 @@ SENSITIVITY = CsvFile(
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """One mesh, with the course that trajectories are compared with."""
+    """One mesh, with the plain way's courses for comparison: with its own load and with the study's."""
 
     setting: Setting
     setup: Experiment
     plain: PlainProblem
     course: Course
+    alike: Course
 
     @classmethod
     def of(cls, setting: Setting) -> Place:
@@ -62,11 +63,13 @@ class Place:
         setup = Experiment.of(case.solution, family_named(setting.family), setting.level, MIDPOINT, steps)
         setup = replace(setup, problem=replace(setup.problem, load=cache(setup.problem.load)))
         plain = PlainProblem(setup.solution, setup.space.mesh)
-        return cls(setting, setup, plain, list(plain.march(2 * steps)))
+        return cls(setting, setup, plain, list(plain.march(2 * steps, plain.load)), same_load(setup, plain))
 
     def failing(self, setup: Experiment) -> list[str]:
         """The keys of rows that fail."""
-        row = {**vars(self.setting), "h": setup.space.h, **gaps(setup, self.plain, self.course)}
+        right = setup.problem.load is self.setup.problem.load
+        alike = self.alike if right else same_load(setup, self.plain)
+        row = {**vars(self.setting), "h": setup.space.h, **gaps(setup, self.plain, self.course, alike)}
         table = {self.setting.family: pd.DataFrame([row])}
         verdicts = [rule.verdict(Recomputed(), self.setting.case, table) for rule in TRAJECTORIES]
         return [verdict.key for verdict in verdicts if verdict.verdict == FAILS]

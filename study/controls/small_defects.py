@@ -125,3 +125,15 @@ DEFECTS = (
     START,
     SmallDefect("time t", slow_clock),
 )
+
+
+@dataclass(frozen=True)
+class OfAmount:
+    """One of ``DEFECTS`` by its name, of a fixed amount, as a control has it."""
+
+    name: str
+    amount: float
+
+    def __call__(self, setup: Experiment) -> Experiment:
+        found = next(defect for defect in DEFECTS if defect.name == self.name)
+        return found.apply(setup, self.amount)

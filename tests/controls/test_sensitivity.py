@@ -20,10 +20,14 @@ def test_without_a_defect_no_row_fails() -> None:
     assert place().failing(place().setup) == []
 
 
+LOADS = "load f", "surface load f_2", "body force f_0", "contact load", "time t"
+"""Seen by the load that is integrated once more alone, with the quadrature of both ways between them."""
+
+
 @pytest.mark.parametrize("defect", DEFECTS, ids=lambda defect: defect.name)
-def test_two_per_cent_of_every_piece_is_seen_and_a_millionth_of_most_is_not(defect: SmallDefect) -> None:
+def test_a_millionth_is_seen_but_of_loads_of_which_two_per_cent_are(defect: SmallDefect) -> None:
     assert place().failing(defect.apply(place().setup, 0.02))
-    assert bool(place().failing(defect.apply(place().setup, 1e-6))) is (defect is START)
+    assert bool(place().failing(defect.apply(place().setup, 1e-6))) is (defect.name not in LOADS)
 
 
 def test_the_smallest_defect_fails_and_one_a_little_smaller_does_not() -> None:

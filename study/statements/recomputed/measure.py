@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -15,6 +15,8 @@ ERRORS = "error", "interpolation_error", "discrete_error"
 """Maxima over the nodes in time of the norms in V of u − u^h, u − Π^h u and Π^h u − u^h."""
 GAPS = "start", "displacement", "multipliers"
 """Relative differences of both ways: ‖u_0 − ũ_0‖_V, max_n ‖u_n − ũ_n‖_V, and of all λ_n in the Euclidean norm."""
+SAME_LOAD = "displacement_same_load", "multipliers_same_load"
+"""The last two for the plain way with the load of the other one, which leaves forms, contact and steps to differ."""
 TINY = 1e-12
 """Of the largest ‖ũ_n‖_V: a start that is no larger is zero."""
 Course = Sequence[tuple[float, Array, Array]]
@@ -22,10 +24,15 @@ Course = Sequence[tuple[float, Array, Array]]
 
 
 def recompute(setup: Experiment) -> dict[str, float]:
-    """``ERRORS`` by the plain way alone, and ``GAPS``; the scheme is the midpoint rule, of twice the steps."""
+    """``ERRORS`` by the plain way alone, ``GAPS`` and ``SAME_LOAD``; by the midpoint rule, with twice the steps."""
     plain = PlainProblem(setup.solution, setup.space.mesh)
-    course = list(plain.march(2 * setup.steps))
-    return errors(plain, course) | gaps(setup, plain, course)
+    course = list(plain.march(2 * setup.steps, plain.load))
+    return errors(plain, course) | gaps(setup, plain, course, same_load(setup, plain))
+
+
+def same_load(setup: Experiment, plain: PlainProblem) -> Course:
+    """The plain way with the load of an experiment."""
+    return list(plain.march(2 * setup.steps, setup.problem.load))
 
 
 def errors(plain: PlainProblem, course: Course) -> dict[str, float]:
@@ -37,14 +44,23 @@ def errors(plain: PlainProblem, course: Course) -> dict[str, float]:
     return dict(zip(ERRORS, map(float, largest), strict=True))
 
 
-def gaps(setup: Experiment, plain: PlainProblem, course: Course) -> dict[str, float]:
-    """``GAPS`` between what an experiment computes and a course."""
-    missing, forces, difference = [], 0.0, 0.0
-    size = max(plain.norm(u) for _, u, _ in course)
-    for state, (_, u, multipliers) in zip(setup.scheme.march(setup.problem, 2 * setup.steps), course, strict=True):
-        missing.append(plain.norm(state.u - u))
-        difference += float(np.sum((state.multipliers - multipliers) ** 2))
-        forces += float(np.sum(multipliers**2))
-    start = missing[0] / max(plain.norm(course[0][1]), TINY * size)
-    pressed = math.sqrt(difference / forces) if forces else float(difference > 0)
-    return dict(zip(GAPS, (start, max(missing) / size, pressed), strict=True))
+def gaps(setup: Experiment, plain: PlainProblem, course: Course, loaded_alike: Course) -> dict[str, float]:
+    """``GAPS`` between what an experiment computes and a course, and ``SAME_LOAD`` from one with its own load."""
+    states = [(s.time, s.u, s.multipliers) for s in setup.scheme.march(setup.problem, 2 * setup.steps)]
+    norms, forces = [plain.norm(u) for _, u, _ in course], _size(multipliers for *_, multipliers in course)
+    sizes = max(norms[0], TINY * max(norms)), max(norms), forces
+    apart, alike = _apart(plain, states, course), _apart(plain, states, loaded_alike)
+    found = zip((*GAPS, *SAME_LOAD), (*apart, *alike[1:]), (*sizes, *sizes[1:]), strict=True)
+    return {name: gap / size if size else float(gap > 0) for name, gap, size in found}
+
+
+def _apart(plain: PlainProblem, states: Course, course: Course) -> tuple[float, float, float]:
+    """‖u_0 − ũ_0‖_V, max_n ‖u_n − ũ_n‖_V, and the difference of all λ_n."""
+    pairs = list(zip(states, course, strict=True))
+    missing = [plain.norm(ours - u) for (_, ours, _), (_, u, _) in pairs]
+    return missing[0], max(missing), _size(ours - forces for (*_, ours), (*_, forces) in pairs)
+
+
+def _size(vectors: Iterable[Array]) -> float:
+    """The Euclidean norm of all together."""
+    return math.sqrt(sum(float(np.sum(each**2)) for each in vectors))

@@ -12,7 +12,7 @@ for the multipliers.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import numpy as np
 import scipy.sparse as sps
@@ -138,12 +138,12 @@ class PlainProblem:
         multipliers, _ = nnls(self._root.T, solve_triangular(self._root, self.N @ u / k, lower=True))
         return u - k * self._solve(self.N.T @ multipliers), multipliers
 
-    def march(self, steps: int) -> Iterator[tuple[float, Array, Array]]:
-        """(t_n, u_n, λ_n) of the midpoint rule from Π^h u_0; λ_0 = 0."""
+    def march(self, steps: int, load: Callable[[float], Array]) -> Iterator[tuple[float, Array, Array]]:
+        """(t_n, u_n, λ_n) of the midpoint rule from Π^h u_0 with a load F, (n,) at a time; λ_0 = 0."""
         k, u = self.solution.body.T / steps, self.interpolant(0.0)
         yield 0.0, u, np.zeros(self.N.shape[0])
         for n in range(1, steps + 1):
-            b, before, guess = self.load((n - 0.5) * k) + self.M @ u / k, u, u
+            b, before, guess = load((n - 0.5) * k) + self.M @ u / k, u, u
             for _ in range(ITERATIONS):
                 u, multipliers = self.contact(b - self.work(self.law.G(self.strain((guess + before) / 2))), k)
                 if self.norm(u - guess) <= SETTLED * self.norm(u):

@@ -10,13 +10,13 @@ from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.prop_5_4.sweep import RATES, RateSetting
-from study.statements.recomputed.measure import ERRORS, GAPS, recompute
+from study.statements.recomputed.measure import ERRORS, GAPS, SAME_LOAD, recompute
 from study.statements.shared import estimates
 from study.statements.shared.base import Statement
 from study.statements.shared.scope import Scope
 
-RECOMPUTED = CsvFile("recomputed.csv", RATES.key, (*RATES.key, "h", *ERRORS, *GAPS))
-"""A row of ``rates.csv`` once more: its errors, and the differences of both trajectories, as ``measure`` has them."""
+RECOMPUTED = CsvFile("recomputed.csv", RATES.key, (*RATES.key, "h", *ERRORS, *GAPS, *SAME_LOAD))
+"""A row of ``rates.csv`` once more: its errors, and the differences of the trajectories, as ``measure`` has them."""
 
 
 class Again(Statement):
