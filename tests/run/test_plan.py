@@ -63,6 +63,16 @@ def test_every_case_of_the_quick_study_is_on_one_family_and_a_twin_on_that_of_it
             assert found[case.name] == found[case.twin]
 
 
+def test_both_formulations_are_compared_on_one_family_of_a_case_in_the_quick_study_and_on_all_in_the_full_one() -> None:
+    for name, scope in SCOPES.items():
+        mine = [job.setting for job in PLANS[name].jobs if isinstance(job.statement, SameMesh)]
+        for case in catalogue():
+            found = {setting.family for setting in mine if setting.case == case.name}
+            serving = {family.name for family in scope.families_of(case)}
+            assert found <= serving
+            assert len(found) == (1 if name == "quick" else len(serving)), case.name
+
+
 def test_cases_with_levels_of_their_own_have_those_unless_levels_are_asked_for() -> None:
     own = {name: levels.of(0) for name, levels in SCOPES["full"].own}
     for setting in rates("full"):

@@ -313,6 +313,7 @@ MATRIX = ISOTROPIC.matrix
     ("tensor", "key", "verdict"),
     [
         (Stated(MATRIX), "ellipticity", HOLDS),
+        (Stated(MATRIX / 10), "ellipticity", HOLDS),
         (Stated(MATRIX, shares=(1.1, 1, 1)), "ellipticity", FAILS),
         (Stated(MATRIX, shares=(0.9, 1, 1)), "ellipticity", REPORTED),
         (Stated(MATRIX, shares=(1, 0.9, 1)), "bound", FAILS),
