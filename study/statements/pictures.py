@@ -23,7 +23,7 @@ from study.statements.shared.base import Setting, Statement
 from study.statements.shared.places import fits
 from study.statements.shared.scope import Scope
 
-FAMILY, LEVEL, STEPS = Unstructured(), 24, 64
+FAMILY, LEVEL, STEPS = Unstructured(), 20, 64
 SOLID_FAMILY, SOLID_LEVEL, SOLID_STEPS = OneDiagonal(), 9, 32
 INTERVALS = 16
 """Between the times that are kept."""
