@@ -39,7 +39,8 @@ def picture(case: Case) -> dict[str, Any]:
 
     The computed pressure at a vertex is its contact force over the integral of its shape function.
     ``cells`` are the triangles of the mesh, in space those of its surface, ``vertices`` their corners.
-    ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed.
+    ``displacement`` (times, d, vertices) and ``von_mises`` (times, cells) are packed; ``shapes`` are the times, among
+    these, of the deformed meshes.
 
     A face has gap, pressure and their exact values at its points. In the plane these are written out, with the ends of
     the exact zone, and ``line`` has exact values at more points, evenly spaced, packed. In space, where there are many,
@@ -69,7 +70,7 @@ def mesh_for(body: Body) -> tuple[MeshFamily, int]:
 def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
     """The picture of a motion, with one of ``every`` frames."""
     solution, space, shown = motion.solution, motion.space, motion.frames[::every]
-    skin, keep = Skin.of(space.mesh), _written(space.dim)
+    skin = Skin.of(space.mesh)
     times = np.array([frame.time for frame in shown])
     displacement = np.array([space.nodal(frame.u)[:, skin.vertices] for frame in shown])
     normal = np.array([frame.normal for frame in shown])
@@ -82,7 +83,7 @@ def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
         "times": short(times),
         "vertices": short(space.mesh.p[:, skin.vertices]),
         "cells": skin.triangles.tolist(),
-        "shapes": [{"time": times[n], "displacement": keep(displacement[n])} for n in instants],
+        "shapes": short(times[instants]),
         "displacement": Packed.of(displacement).record(),
         "von_mises": Packed.of(np.array([von_mises(frame.stress)[skin.cells] for frame in shown])).record(),
         "energy": {name: short(values) for name, values in motion.balance().items()},

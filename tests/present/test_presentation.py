@@ -169,7 +169,7 @@ def picture(case: str, level: int, steps: int, sides: Sequence[Side]) -> dict[st
     x = np.array([values.ravel() for values in np.meshgrid(grid, grid)])
     a = np.add.outer(np.arange(level) * (level + 1), np.arange(level)).ravel()
     cells = np.hstack([[a, a + 1, a + level + 2], [a, a + level + 2, a + level + 1]])
-    displacements = [(t, sum(lift(x, side, t) for side in sides)) for t in (0.0, 0.5, 1.0)]
+    displacement = np.array([sum(lift(x, side, t) for side in sides) for t in times])
     return {
         "case": case,
         "family": "one-diagonal",
@@ -177,7 +177,8 @@ def picture(case: str, level: int, steps: int, sides: Sequence[Side]) -> dict[st
         "times": times.tolist(),
         "vertices": x.tolist(),
         "cells": cells.tolist(),
-        "shapes": [{"time": t, "displacement": np.asarray(u).tolist()} for t, u in displacements],
+        "shapes": [0.0, 0.5, 1.0],
+        "displacement": Packed.of(displacement).record(),
         "faces": [contact_face(number, grid, times, side) for number, side in enumerate(sides, start=1)],
         "von_mises": Packed.of(np.multiply.outer(times, x[0, cells[0]])).record(),
         "energy": energy(times),

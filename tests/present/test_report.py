@@ -21,6 +21,7 @@ from study.ledger.datafiles import DataError
 from study.ledger.packing import FINE, STEPS, Packed
 from study.ledger.verdict import HOLDS, REPORTED
 from study.present.picture.faces import values
+from study.present.picture.picture import Picture
 from study.present.report import write_report
 from study.present.report.letters import LETTERS, MEANINGS
 from study.present.report.svg_chart import typeset, typeset_svg
@@ -237,10 +238,8 @@ def test_the_motion_on_the_page_passes_through_the_shapes_of_the_picture(directo
         record = json.loads((directory / "data" / "pictures" / f"{case}.json").read_text())
         raw = np.frombuffer(base64.b64decode(film["displacement"]), dtype="<i2")
         moving = film["unit"] * raw.reshape(len(film["times"]), len(film["vertices"]), -1)
-        for shape in record["shapes"]:
-            expected = values(shape["displacement"])
-            rounding = 0.5 * film["unit"] + 5e-4 * abs(expected) + abs(expected).max() / FINE
-            assert (abs(moving[film["times"].index(shape["time"])] - expected) <= rounding).all()
+        for shape in Picture.of(record).shapes:
+            assert (abs(moving[film["times"].index(shape.time)] - shape.displacement) <= 0.51 * film["unit"]).all()
         assert abs(raw).max() == STEPS
 
 

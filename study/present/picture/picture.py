@@ -65,7 +65,9 @@ class Picture:
         Raises:
             KeyError, TypeError, ValueError: it is not what ``study run`` writes.
         """
-        times, von_mises = np.array(record["times"], dtype=float), Packed.read(record["von_mises"]).values
+        times = np.array(record["times"], dtype=float)
+        displacement, von_mises = (Packed.read(record[name]).values for name in ("displacement", "von_mises"))
+        shown = [int(np.argmin(abs(times - time))) for time in record["shapes"]]
         cells = np.array(record["cells"], dtype=np.int64)
         plane = len(record["vertices"]) == 2
         return cls(
@@ -75,14 +77,7 @@ class Picture:
             times=times,
             vertices=np.array(record["vertices"], dtype=float),
             cells=cells,
-            shapes=[
-                Shape(
-                    time=float(shape["time"]),
-                    displacement=values(shape["displacement"]),
-                    von_mises=von_mises[np.argmin(abs(times - shape["time"]))],
-                )
-                for shape in record["shapes"]
-            ],
+            shapes=[Shape(float(times[n]), displacement[n], von_mises[n]) for n in shown],
             faces=[Segment.of(face) if plane else Polygon.of(face, cells) for face in record["faces"]],
             energy=Energy(**{field.name: values(record["energy"][field.name]) for field in fields(Energy)}),
         )
