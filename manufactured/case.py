@@ -17,6 +17,7 @@ from manufactured.face_strain import Memory, Prescribed
 from manufactured.profile import ZERO
 from manufactured.regularity import Regularity
 from manufactured.singular import SingularFace, SingularField, least_exponent
+from manufactured.symbols import t
 from manufactured.tensors import Array
 
 FIXED = 2.5
@@ -131,7 +132,9 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
     if isinstance(strain, Prescribed):
         ends = [*(min(end, T) for end, _ in strain.phases[:-1]), T]
         phases = zip(strain.phases, [0.0, *ends], ends, strict=False)
-        return piece(face.gap), [piece(formula, begin, end) for (_, formula), begin, end in phases]
+        # p ~ a q̇ + g q: where a front of q moves, that of p has one power less.
+        pieces = [piece(f, begin, end) for (_, q), begin, end in phases for f in (q, sp.sympify(q).diff(t))]
+        return piece(face.gap), pieces
     if isinstance(strain, Memory):
         # Not their sum, in which fronts may cancel.
         return piece(face.gap), [piece(f) for f in (strain.pressure, strain.initial) if f is not None]

@@ -11,13 +11,14 @@ if TYPE_CHECKING:
 
 @lru_cache
 def catalogue() -> tuple[Case, ...]:
-    """All cases: those of Prop. 5.4, simple zones first, then those too rough for it."""
+    """All cases: those of Prop. 5.4, simple zones first, then those too rough for it, then laws that soften."""
     from manufactured.cases import (
         advance_recede,
         anisotropic,
         corner,
         cube_disc,
         cube_two_faces,
+        double_well,
         fixed_front_off_vertex,
         fixed_front_on_vertex,
         full_contact,
@@ -38,6 +39,7 @@ def catalogue() -> tuple[Case, ...]:
         rough_2,
         rough_2_25,
         rough_trace,
+        softening,
         travelling_patch,
         yield_and_release,
         yield_on_a_part,
@@ -72,6 +74,8 @@ def catalogue() -> tuple[Case, ...]:
         rough_2_25.case(),
         re_entrant.case(),
         junction.case(),
+        softening.case(),
+        double_well.case(),
     )
 
 

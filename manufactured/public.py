@@ -10,13 +10,16 @@ from manufactured.exact import ExactSolution
 from manufactured.face_strain import Memory, Prescribed
 from manufactured.factor import Factor, x1, x2, x3
 from manufactured.law import (
+    Combined,
     DeviatoricBall,
     FrobeniusBall,
+    Indefinite,
     KelvinVoigt,
     LawError,
     Linear,
     Yield,
     isotropic,
+    isotropic_matrix,
 )
 from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, layered, slab
 from manufactured.regularity import Regularity
@@ -32,6 +35,7 @@ __all__ = [
     "BodyError",
     "Case",
     "CaseError",
+    "Combined",
     "ContactFace",
     "Data",
     "DeviatoricBall",
@@ -40,6 +44,7 @@ __all__ = [
     "Factor",
     "FormulaError",
     "FrobeniusBall",
+    "Indefinite",
     "KelvinVoigt",
     "Kind",
     "LawError",
@@ -61,6 +66,7 @@ __all__ = [
     "evaluate",
     "examine",
     "isotropic",
+    "isotropic_matrix",
     "kolosov",
     "layered",
     "named",

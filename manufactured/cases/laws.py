@@ -4,7 +4,16 @@ import numpy as np
 from sympy import Expr, Rational
 
 from manufactured.factor import UNIFORM, Factor, layers
-from manufactured.law import KelvinVoigt, Linear, isotropic
+from manufactured.law import (
+    Combined,
+    FrobeniusBall,
+    Indefinite,
+    KelvinVoigt,
+    Linear,
+    Yield,
+    isotropic,
+    isotropic_matrix,
+)
 from manufactured.symbols import t
 from manufactured.tensors import Array, rotation
 
@@ -37,6 +46,18 @@ def two_layers(interface: float, ratio: float) -> KelvinVoigt:
     """``not_proportional``, and ``ratio`` times as stiff and viscous above x_2 = ``interface``."""
     factor = layers((0.0, 1.0), interface, ratio)
     return not_proportional(2, factor, factor)
+
+
+def softening_in_volume() -> KelvinVoigt:
+    """A τ = 2τ + (tr τ)/2 I, G τ = τ − (3/2)(tr τ) I: positive in shear, negative in volume; a = 5/2, g = −1/2."""
+    return KelvinVoigt(isotropic(1, 0.5), Indefinite(isotropic_matrix(0.5, -1.5)), "linear, G softens in volume")
+
+
+def softening_then_hardening() -> KelvinVoigt:
+    """A τ = 2τ + (tr τ)/2 I, G ε = S − ε + 4 (ε − P_K ε) with K = {|τ| ≤ 2}, S = e_1 ⊗ e_1; a = 5/2."""
+    softens = Indefinite(isotropic_matrix(-0.5, 0))
+    G = Combined(np.array([1.0, 0.0, 0.0]), softens, Yield(4.0, FrobeniusBall(2.0)))
+    return KelvinVoigt(isotropic(1, 0.5), G, "G softens, then hardens, with a stress at rest")
 
 
 def lame(tensor: Linear) -> tuple[float, float]:

@@ -1,21 +1,25 @@
 """The Kelvin–Voigt law σ = A ε(u̇) + G ε(u), equation (2.1), and its two ingredients.
 
-A is a viscosity tensor with (3.1), G an elasticity operator with (3.2): linear, or the law (3.3)
-G(ε) = β (ε − P_K ε) with a closed convex set K ∋ 0 of S^d. Linear ones may vary in space through a
+A is a viscosity tensor with (3.1), G an elasticity operator with (3.2): linear, the law (3.3)
+G(ε) = β (ε − P_K ε) with a closed convex set K ∋ 0 of S^d, or the sum of a stress at rest, a linear
+one and (3.3). G need not be monotone: ``Indefinite``, ``Combined``. Linear ones may vary in space through a
 scalar factor, C(x) = α(x) C. Tensors are Mandel vectors (D, ...).
 """
 
+from manufactured.law.combined import Combined
 from manufactured.law.kelvin_voigt import KelvinVoigt, PointLaw
-from manufactured.law.linear_operator import Linear, Scaled, isotropic
+from manufactured.law.linear_operator import Indefinite, Linear, Scaled, isotropic, isotropic_matrix
 from manufactured.law.operators import AtPoints, Elasticity, LawError
 from manufactured.law.projection import ConvexSet, DeviatoricBall, FrobeniusBall, Yield
 
 __all__ = [
     "AtPoints",
+    "Combined",
     "ConvexSet",
     "DeviatoricBall",
     "Elasticity",
     "FrobeniusBall",
+    "Indefinite",
     "KelvinVoigt",
     "LawError",
     "Linear",
@@ -23,4 +27,5 @@ __all__ = [
     "Scaled",
     "Yield",
     "isotropic",
+    "isotropic_matrix",
 ]

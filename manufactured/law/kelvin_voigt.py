@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from manufactured.law.linear_operator import Linear
+from manufactured.law.linear_operator import Indefinite, Linear
 from manufactured.law.operators import AtPoints, Elasticity, LawError
 from manufactured.tensors import Array, Hyperplane, Points, Tensors
 
@@ -20,7 +20,7 @@ class KelvinVoigt:
     [5.0, 5.0, 0.0]
 
     Raises:
-        LawError: A and G act on tensors of different dimension.
+        LawError: A and G act on tensors of different dimension, or A is an operator that need not be elliptic.
     """
 
     A: Linear
@@ -30,10 +30,20 @@ class KelvinVoigt:
     def __post_init__(self) -> None:
         if self.A.dim != self.G.dim:
             raise LawError(f"A acts in dimension {self.A.dim}, G in dimension {self.G.dim}; make them equal")
+        if isinstance(self.A, Indefinite):
+            raise LawError("(3.1) needs a viscosity with m_A > 0, a ``Linear`` one; only G may soften")
 
     @property
     def dim(self) -> int:
         return self.A.dim
+
+    @property
+    def growth(self) -> float:
+        """max(−m, 0)/m_A for the constant m of monotonicity of G: the rate at which differences of solutions may grow.
+
+        At most L_G/m_A, the ω of (4.5), which serves every Lipschitz G; 0 where G is monotone.
+        """
+        return max(-self.G.monotonicity, 0.0) / self.A.ellipticity
 
     def require_dimension(self, dim: int) -> None:
         """Refuse a body, or a part of one, of another dimension.

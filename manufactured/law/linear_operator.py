@@ -28,18 +28,13 @@ class Linear:
     factor: Factor = UNIFORM
 
     def __post_init__(self) -> None:
-        matrix = np.asarray(self.matrix, dtype=float)
-        if matrix.shape not in ((3, 3), (6, 6)):
-            raise LawError(f"a tensor needs a 3×3 (d=2) or 6×6 (d=3) Mandel matrix, got {matrix.shape}")
-        if not np.isfinite(matrix).all():
-            raise LawError(f"the tensor has entries that are not finite: {matrix.tolist()}")
-        if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0):
-            raise LawError("the tensor is not symmetric, but (3.1) needs Aσ·τ = σ·Aτ; symmetrise it")
+        matrix = symmetric(self.matrix)
         smallest = float(np.linalg.eigvalsh(matrix)[0])
         if smallest <= 0:
             raise LawError(
                 f"the tensor is not elliptic: its smallest eigenvalue is {smallest:.6g}, but (3.1) "
-                "needs m_A > 0; for an isotropic tensor take 2μ > 0 and 2μ + dλ > 0"
+                "needs m_A > 0; for an isotropic tensor take 2μ > 0 and 2μ + dλ > 0. An elasticity operator that "
+                "softens need not be elliptic: it is an ``Indefinite`` one"
             )
         object.__setattr__(self, "matrix", matrix)
 
@@ -64,6 +59,11 @@ class Linear:
     @property
     def reference(self) -> Array:
         return self.matrix
+
+    @property
+    def at_rest(self) -> Tensors:
+        """0, (D,)."""
+        return np.zeros(len(self.matrix))
 
     def normal_modulus(self, normal: Array) -> float:
         """C_nnnn = (n⊗n)·C(n⊗n), without the factor."""
@@ -96,6 +96,47 @@ class Linear:
         n = frame[:, -1]
         directions = np.array([dyad(n, n), *(dyad(n, tangent) for tangent in frame[:, :-1].T)])
         return directions @ self.matrix @ directions.T
+
+
+@dataclass(frozen=True, eq=False)
+class Indefinite(Linear):
+    """τ ↦ α(x) C τ with C symmetric and not positive: an elasticity operator that softens, (3.2), and no viscosity.
+
+    (2.7) asks symmetry and positivity of G; (3.2), on which existence and estimates rest, only that G is Lipschitz.
+
+    Raises:
+        LawError: C is not square of size D(2) = 3 or D(3) = 6, not finite or not symmetric.
+    """
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "matrix", symmetric(self.matrix))
+
+    @cached_property
+    def ellipticity(self) -> float:
+        """The smallest eigenvalue of α C, negative where the law softens: the constant m of monotonicity."""
+        least = float(np.linalg.eigvalsh(self.matrix)[0])
+        return least * (self.factor.low if least > 0 else self.factor.high)
+
+    @cached_property
+    def lipschitz(self) -> float:
+        """L_G, the largest absolute eigenvalue of α C."""
+        return self.factor.high * float(abs(np.linalg.eigvalsh(self.matrix)).max())
+
+
+def symmetric(matrix: Array) -> Array:
+    """The matrix of a symmetric tensor on S^d, (D, D).
+
+    Raises:
+        LawError: not square of size D(2) = 3 or D(3) = 6, not finite or not symmetric.
+    """
+    matrix = np.asarray(matrix, dtype=float)
+    if matrix.shape not in ((3, 3), (6, 6)):
+        raise LawError(f"a tensor needs a 3×3 (d=2) or 6×6 (d=3) Mandel matrix, got {matrix.shape}")
+    if not np.isfinite(matrix).all():
+        raise LawError(f"the tensor has entries that are not finite: {matrix.tolist()}")
+    if not np.allclose(matrix, matrix.T, rtol=1e-12, atol=0):
+        raise LawError("the tensor is not symmetric, but (3.1) needs Aσ·τ = σ·Aτ; symmetrise it")
+    return matrix
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,5 +176,10 @@ def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> 
     Raises:
         LawError: not elliptic, that is 2μ ≤ 0 or 2μ + dλ ≤ 0.
     """
+    return Linear(isotropic_matrix(mu, lam, dim), factor)
+
+
+def isotropic_matrix(mu: float, lam: float, dim: int = 2) -> Array:
+    """C of τ ↦ 2μ τ + λ (tr τ) I in Mandel form, (D, D); eigenvalues 2μ and 2μ + dλ of either sign."""
     unit = identity(dim)
-    return Linear(2 * mu * np.eye(size(dim)) + lam * np.multiply.outer(unit, unit), factor)
+    return np.asarray(2 * mu * np.eye(size(dim)) + lam * np.multiply.outer(unit, unit))

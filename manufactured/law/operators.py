@@ -33,8 +33,8 @@ class Elasticity(Protocol):
     """G : S^d → S^d of (3.2).
 
     ``lipschitz`` is L_G; ``monotonicity`` a constant m with
-    (G(a) − G(b))·(a − b) ≥ m |a − b|²; ``reference`` a constant symmetric matrix (D, D) that a
-    solver may use in place of the derivative of G (for a linear G: G itself).
+    (G(a) − G(b))·(a − b) ≥ m |a − b|², negative where G softens; ``reference`` a constant symmetric matrix (D, D)
+    that a solver may use in place of the derivative of G (for a linear G: G itself); ``at_rest`` is G(·, 0).
     """
 
     @property
@@ -45,6 +45,8 @@ class Elasticity(Protocol):
     def monotonicity(self) -> float: ...
     @property
     def reference(self) -> Array: ...
+    @property
+    def at_rest(self) -> Tensors: ...
 
     @property
     def factor(self) -> Factor:

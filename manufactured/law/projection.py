@@ -85,6 +85,11 @@ class Yield:
         """(β/2) P: G minus this is Lipschitz with β/2 only, the best constant splitting."""
         return 0.5 * self.beta * self.convex.projector
 
+    @property
+    def at_rest(self) -> Tensors:
+        """0 = G(0), as 0 ∈ K, (D,)."""
+        return np.zeros(size(self.dim))
+
     def _norm(self, part: Tensors) -> Array:
         # Not np.linalg.norm: complex-step derivatives need the analytic square root.
         return np.sqrt(np.sum(part * part, axis=0))

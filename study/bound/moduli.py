@@ -56,7 +56,10 @@ def moduli(law: KelvinVoigt) -> Moduli:
         )
     if isinstance(G, Linear):
         values, directions = eigh(G.matrix, A.matrix)
-        return Moduli(values if G.factor is A.factor else values * G.factor.low / A.factor.high, directions)
+        if G.factor is A.factor:
+            return Moduli(values, directions)
+        damped, grows = G.factor.low / A.factor.high, G.factor.high / A.factor.low
+        return Moduli(values * np.where(values >= 0, damped, grows), directions)
     m = G.monotonicity / (A.lipschitz if G.monotonicity >= 0 else A.ellipticity)
     _, directions = eigh(A.matrix, A.matrix)
     return Moduli(np.full(len(directions), m), directions)

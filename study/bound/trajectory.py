@@ -138,6 +138,7 @@ def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete
         load=discretisation.load,
         u0=u0,
         T=discretisation.data.body.T,
+        growth=discretisation.data.law.growth,
     )
 
 

@@ -18,6 +18,7 @@ from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import Unstructured
 from study.fem.space import Space
 from study.solve.signorini import Signorini
+from study.solve.tableau import BACKWARD_EULER, Tableau
 from study.statements.shared.base import Setting
 from study.statements.shared.eigen import mass
 
@@ -31,6 +32,11 @@ def times(factor: float) -> Callable[[Function], Function]:
 
 def _times(factor: float, right: Function) -> Function:
     return lambda *given, **options: factor * right(*given, **options)
+
+
+def by_backward_euler(right: Tableau) -> Tableau:
+    """Another scheme, of the first order."""
+    return BACKWARD_EULER
 
 
 def times_width(right: Function) -> Function:

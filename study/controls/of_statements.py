@@ -20,6 +20,7 @@ from study.statements.interpolation import InterpolationInV, InterpolationOnCont
 from study.statements.korn import Korn, Norms
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms_in_time import LoadInTime, TractionInTime
+from study.statements.parting import Parting
 from study.statements.residual import Residual
 from study.statements.residual_bound import ResidualBound
 from study.statements.resolvent import Resolvent
@@ -58,6 +59,7 @@ MONOTONE = Listing(Resolvent(), FULL, "unstructured", (8,))
 LOADS = Listing(LoadInTime(), "lift-and-land", "unstructured", (4, 8))
 TRACTION, LOGARITHM = (Listing(TractionInTime(), case, "one-diagonal", (8, 16, 32)) for case in (MOVING, "junction"))
 AT_REST = Listing(ResidualBound(), FULL, "unstructured", (8,))
+PARTING = Listing(Parting(), "softening", "shaken", (4,))
 """Every row holds without a defect, and the named row fails with it."""
 
 
@@ -543,5 +545,33 @@ STATEMENTS: tuple[Control[Any], ...] = (
     *(
         Control(f"{factor:g} ‖R‖", f"{factor:g} ‖R‖ for ‖R‖", AT_REST, slip("residual_bound", "dual_norm", wrong), key)
         for factor, wrong, key in ((1.2, mistakes.times(1.2), "prestress"), (0.5, mistakes.times(0.5), "attained"))
+    ),
+    Control(
+        "softening by a tenth",
+        "1.1 G'(0) for G'(0), in the eigenvalue alone",
+        PARTING,
+        slip("parting", "derivative", mistakes.times(1.1)),
+        "rate",
+    ),
+    Control(
+        "backward Euler for midpoint",
+        "growth by 1/(1 − z) for e^z",
+        PARTING,
+        slip("parting", "MIDPOINT", mistakes.by_backward_euler),
+        "rate-even",
+    ),
+    Control(
+        "growth a tenth too fast",
+        "1.1 ‖u − v‖ for ‖u − v‖",
+        PARTING,
+        slip("parting", "quotients", mistakes.times(1.1)),
+        "bound",
+    ),
+    Control(
+        "growth a tenth too slow",
+        "0.9 ‖u − v‖ for ‖u − v‖",
+        PARTING,
+        slip("parting", "quotients", mistakes.times(0.9)),
+        "bound-even",
     ),
 )

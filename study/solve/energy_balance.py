@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from manufactured.law import Elasticity, Linear
+from manufactured.law import Combined, Elasticity, Linear
 from manufactured.tensors import Array, Tensors
 
 
@@ -33,8 +33,11 @@ class Power:
 def density(G: Elasticity, strain: Tensors, stress: Tensors) -> Array:
     """W(ε), (...), from ε and G(ε), (D, ...) each.
 
-    ½ G ε·ε of a linear law; β/2 dist(ε, K)² = |G(ε)|²/(2β) of law (3.3), as ½ dist² has the gradient ε − P_K ε.
+    ½ G ε·ε of a linear law; β/2 dist(ε, K)² = |G(ε)|²/(2β) of law (3.3), as ½ dist² has the gradient ε − P_K ε; both
+    and S·ε where G is combined of them.
     """
+    if isinstance(G, Combined):
+        return G.energy(strain)
     if isinstance(G, Linear):
         return np.asarray(0.5 * np.sum(strain * stress, axis=0))
     return np.asarray(np.sum(stress**2, axis=0) / (2 * G.lipschitz))

@@ -42,6 +42,7 @@ class SemiDiscrete:
         u0: u_0^h ∈ K^h, (n,).
         T: final time.
         solver: (S, N) ↦ the contact solve of one step.
+        growth: max(−m, 0)/m_A of the law, 0 for monotone G: what steps have to be short for.
     """
 
     M: sps.csc_array
@@ -52,6 +53,7 @@ class SemiDiscrete:
     u0: Array
     T: float
     solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver] = Signorini
+    growth: float = 0.0
 
     @classmethod
     def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> SemiDiscrete:
@@ -66,6 +68,7 @@ class SemiDiscrete:
             u0=u0,
             T=space.body.T,
             solver=contact_solver(space),
+            growth=law.growth,
         )
 
     def initial(self) -> State:
@@ -155,9 +158,14 @@ class State:
 
 
 class ContactStep:
-    """The steps of one scheme with one k."""
+    """The steps of one scheme with one k.
+
+    Raises:
+        StepsError: steps so long need not have one solution, as G is not monotone.
+    """
 
     def __init__(self, problem: SemiDiscrete, scheme: Tableau, k: float) -> None:
+        scheme.require_unique(k, problem.growth)
         self.problem, self.scheme, self.k = problem, scheme, k
         self.S = sps.csc_array(scheme.newest / k * problem.M + scheme.theta * problem.reference)
         self.solve, self.forces = problem.solver(self.S, problem.N), problem.N.T

@@ -12,7 +12,10 @@ By (3.12) and (3.15), σ_n minimises over Σ^h(t_n) the potential Φ whose deriv
 
       Φ(s₁, s₂) = ½ k (A⁻¹ s₁, s₁)_Q + (s₁, ε_{n−1})_Q + |s₂|²_Q/(2β) + ∫_Ω h_K(s₂),
 
-  where h_K, the support function of K = {|Pτ| ≤ r}, is r |s₂| on the range of the projector P and infinite elsewhere.
+  where h_K, the support function of K = {|Pτ| ≤ r}, is r |s₂| on the range of the projector P and infinite elsewhere;
+
+* both together, G ε = S + C ε + β (ε − P_K ε), with Ĉ = A/k + C positive and the strain r = Ĉ⁻¹((A/k) ε_{n−1} − S):
+  the same with Ĉ⁻¹ in place of k A⁻¹ and r in place of ε_{n−1}.
 
 Both are integrals of densities ½ Q y·y + g(ε_{n−1})·y, y an unknown on every cell that determines τ there. For (3.3)
 it has a part (ρ, z) in the second-order cone ρ ≥ |z|.
@@ -22,7 +25,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from manufactured.law import KelvinVoigt, Linear, Yield
+from manufactured.law import Combined, KelvinVoigt, Linear, Yield
 from manufactured.tensors import Array, Tensors
 from study.fem.material import means
 from study.fem.space import Space
@@ -71,39 +74,64 @@ class YieldPotential:
     """
 
     def __init__(self, space: Space, A: Linear, G: Yield, k: float) -> None:
+        compliance = k * np.linalg.inv(A.matrix)
+        self._with(np.multiply.outer(1 / means(space, A.factor), (compliance + compliance.T) / 2), G)
+
+    def _with(self, compliance: Array, G: Yield) -> None:
+        """The potential with k A⁻¹, or what takes its place, on every cell, (cells, D, D)."""
         values, vectors = np.linalg.eigh(G.convex.projector)
         R = vectors[:, values > 0.5]
         D, rank = R.shape
-        compliance = k * np.linalg.inv(A.matrix)
-        self.compliance = np.multiply.outer(1 / means(space, A.factor), (compliance + compliance.T) / 2)
+        self.compliance = compliance
         self.cone = 1 + rank
-        self.quadratic = np.zeros((len(space.volumes), D + 1 + rank, D + 1 + rank))
+        self.quadratic = np.zeros((len(compliance), D + 1 + rank, D + 1 + rank))
         self.quadratic[:, :D, :D] = self.compliance
         self.quadratic[:, D + 1 :, D + 1 :] = np.eye(rank) / G.beta
         self.stress = np.hstack([np.eye(D), np.zeros((D, 1)), R])
         self.radius = G.convex.radius
 
+    def released(self, strain: Tensors) -> Tensors:
+        """The strain without stress from ε_{n−1}: itself, as G vanishes inside K, (D, cells)."""
+        return strain
+
     def linear(self, strain: Tensors) -> Array:
         """g(ε_{n−1}) = (ε_{n−1}, r, 0), (p, cells)."""
         rest = np.zeros((self.cone, strain.shape[1]))
         rest[0] = self.radius
-        return np.vstack([strain, rest])
+        return np.vstack([self.released(strain), rest])
 
     def strain(self, y: Array, old: Tensors) -> Tensors:
         """ε_n = ε_{n−1} + k A⁻¹ s₁, (D, cells)."""
-        return old + _act(self.compliance, y[: len(old)])
+        return self.released(old) + _act(self.compliance, y[: len(old)])
+
+
+class CombinedPotential(YieldPotential):
+    """½ Ĉ⁻¹s₁·s₁ + s₁·r + |z|²/(2β) + r_K ρ with Ĉ = A/k + C, r = Ĉ⁻¹((A/k) ε_{n−1} − S) and the radius r_K of K."""
+
+    def __init__(self, space: Space, A: Linear, G: Combined, k: float) -> None:
+        self.viscosity = np.multiply.outer(means(space, A.factor), A.matrix / k)
+        compliance = np.linalg.inv(self.viscosity + G.linear.matrix)
+        self.rest = G.at_rest[:, None]
+        self._with((compliance + compliance.swapaxes(1, 2)) / 2, G.yielding)
+
+    def released(self, strain: Tensors) -> Tensors:
+        """r, (D, cells)."""
+        return _act(self.compliance, _act(self.viscosity, strain) - self.rest)
 
 
 def potential(space: Space, law: KelvinVoigt, k: float) -> LinearPotential | YieldPotential:
     """The potential of one backward Euler step of a law.
 
     Raises:
-        StressError: the elasticity operator is neither linear nor (3.3), so its potential is unknown.
+        StressError: the elasticity operator is neither linear nor (3.3) nor a sum of both: its potential is unknown.
     """
     if isinstance(law.G, Linear):
         return LinearPotential(space, law.A, law.G, k)
     if isinstance(law.G, Yield):
         return YieldPotential(space, law.A, law.G, k)
+    if isinstance(law.G, Combined):
+        return CombinedPotential(space, law.A, law.G, k)
     raise StressError(
-        f"Problem 3.2 needs a complementary potential, known for Linear and Yield, not for {type(law.G).__name__}"
+        "Problem 3.2 needs a complementary potential, known for Linear, Yield and Combined, not for "
+        f"{type(law.G).__name__}"
     )

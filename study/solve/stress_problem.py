@@ -28,6 +28,7 @@ from study.fem.space import Space
 from study.solve.steps import step_size
 from study.solve.stress_potential import potential
 from study.solve.stress_programme import Programme, StressState
+from study.solve.tableau import BACKWARD_EULER
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +50,11 @@ class StressProblem:
         """Backward Euler: the states at t_0, t_1, …, t_steps.
 
         Raises:
-            StepsError: fewer than one step.
+            StepsError: fewer than one step, or steps so long that they need not have one solution.
             StressError: no potential for the law, or a programme that the solver did not solve.
         """
         k = step_size(self.space.body.T, steps)
+        BACKWARD_EULER.require_unique(k, self.law.growth)
         programme = Programme(self.space, self.N, potential(self.space, self.law, k))
         strain = self.space.strain(self.u0)
         nan = np.full(self.N.shape[0], np.nan)

@@ -10,6 +10,7 @@ a matter of the problem: ``study.solve.evolution`` for Problem 5.1, ``study.stre
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
@@ -17,7 +18,7 @@ from operator import add, sub
 from typing import Protocol, TypeVar
 
 from manufactured.tensors import Array
-from study.solve.steps import step_size
+from study.solve.steps import StepsError, step_size
 
 S = TypeVar("S")
 
@@ -70,6 +71,27 @@ class Tableau:
     def of_step(self, n: int) -> Tableau:
         """The scheme that takes the step to t_n: this one as soon as it has its past."""
         return self.starting if self.starting and n < len(self.past) else self
+
+    def longest(self, growth: float) -> float:
+        """The k below which steps have one solution where differences may grow at a rate ω ≤ L_G/m_A.
+
+        (w/k) A + θ G is strongly monotone for θ k ω < w, so in particular for k L_G < m_A; any k serves a monotone G.
+        """
+        mine = self.newest / (self.theta * growth) if growth else math.inf
+        return min(mine, self.starting.longest(growth)) if self.starting else mine
+
+    def require_unique(self, k: float, growth: float) -> None:
+        """Refuse a step that need not have one solution.
+
+        Raises:
+            StepsError: says which steps have.
+        """
+        longest = self.longest(growth)
+        if k >= longest:
+            raise StepsError(
+                f"steps of {self.name} of size k = {k:.6g} need not have one solution: G is not monotone, so that "
+                f"differences may grow at the rate {growth:.6g}; take k < {longest:.6g} (k < m_A/L_G always serves)"
+            )
 
     def march(self, problem: TimeProblem[S], steps: int) -> Iterator[S]:
         """The states at t_0, t_1, …, t_steps = T.

@@ -21,6 +21,7 @@ from study.statements.landings import Landings
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms_in_time import LoadInTime, TractionInTime
 from study.statements.other_codes.judge import OtherCodes
+from study.statements.parting import Parting
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
@@ -45,6 +46,7 @@ PROBLEM = (
     Green(),
     Korn(),
     Dependence(),
+    Parting(),
     Viscosity(),
     ElasticityOperator(),
     Projection(),

@@ -105,14 +105,17 @@ def quotients(A: AtPoints, rng: np.random.Generator, dim: int, count: int) -> di
 
 
 class ElasticityOperator(OfLaws):
-    """|G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for generated tensors, and G(0)."""
+    """|G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for generated tensors, and G(·, 0).
+
+    (3.2) asks of G(·, 0) that it lies in Q, which is so where it is the stress at rest that the law states.
+    """
 
     label = "(3.2)"
     claim = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
     rules = (
         Constant("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", "quotient"),
         largest("monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
-        largest("at-zero", "|G(0)| / L_G", ZERO, "at zero"),
+        largest("at-zero", "|G(x, 0) − S| / L_G, S the stress at rest that the law states", ZERO, "at zero"),
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -124,7 +127,7 @@ class ElasticityOperator(OfLaws):
             square = np.sum(difference**2, axis=0)
             slopes.append(np.linalg.norm(change, axis=0) / np.sqrt(square))
             products.append(np.sum(change * difference, axis=0) / square)
-        zero = abs(operator(np.zeros((size(space.dim), x.shape[1])))).max()
+        zero = abs(operator(np.zeros((size(space.dim), x.shape[1]))) - G.at_rest[:, None]).max()
         found = {"quotient": np.max(slopes), "monotonicity": G.monotonicity - np.min(products), "at zero": zero}
         return with_h(space.h, {name: value / G.lipschitz for name, value in found.items()})
 

@@ -61,7 +61,7 @@ from study.ledger.window import Window, above_nothing, around
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.instants import Velocity, midpoints
 
 ROUGH = "fixed-front-off-vertex", "rough-1.75", "rough-2", "rough-2.25"
@@ -86,7 +86,7 @@ class ErrorBounds(ListedNumbers):
     quick = grid(("full-contact", "advance-recede", "rough-2"), ("shaken",), (6, 12, 24))
     full = (
         *grid((*EVOLVING, *ROUGH), ("one-diagonal",), (8, 16, 32)),
-        *grid((*EVOLVING, *ROUGH, "heterogeneous", "corner"), ("unstructured",), (8, 16, 32)),
+        *grid((*EVOLVING, *ROUGH, *SOFTENING, "heterogeneous", "corner"), ("unstructured",), (8, 16, 32)),
         *grid(("natural-front", "rough-trace"), ("one-diagonal",), (16, 36, 81)),
         *grid(("moving-rough",), ("one-diagonal",), (64, 128, 256)),
     )
@@ -153,7 +153,7 @@ def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
 
 def constant(law: KelvinVoigt, T: float) -> float:
     """c of the proof."""
-    L, omega = law.G.lipschitz / law.A.ellipticity, max(-law.G.monotonicity, 0.0) / law.A.ellipticity
+    L, omega = law.G.lipschitz / law.A.ellipticity, law.growth
     on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
     return math.exp(omega * T) * max(2 + L * T, on_rate)
 

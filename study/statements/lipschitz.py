@@ -1,14 +1,15 @@
 """(4.3) and (5.5): ‖B^h u − B^h v‖_V ≤ L_G/m_A ‖u − v‖_V for (B^h u, v)_V = (G ε(u), ε(v))_Q, on every mesh.
 
-On V^h, B^h = M⁻¹G with the matrix M of (·,·)_V. Where G is linear its largest quotient is the largest eigenvalue of G
-against M. In general large quotients are looked for: from u along a direction d the next direction is
-B^h(u + d) − B^h(u), scaled; for a linear G this is the power method, and quotients rise.
+On V^h, B^h = M⁻¹G with the matrix M of (·,·)_V. Where G is linear its largest quotient is the largest absolute
+eigenvalue of G against M, and (4.4) is about the most negative one: B^h + ω I is monotone for no ω below it. In general
+large quotients are looked for: from u along a direction d the next direction is B^h(u + d) − B^h(u), scaled; for a
+linear G this is the power method, and quotients rise.
 
-L_G/m_A need not be the best constant: pointwise G ε·ε ≤ κ A ε·ε with κ, the largest eigenvalue of A⁻¹G (of the
-derivative of G at large strains), and so ‖B‖ ≤ κ ≤ L_G/m_A. From below a field that oscillates fast inside Ω, v = a
-cos(n k·x) φ, has nearly the strains sym(a ⊗ k) of rank two at most, so that
+L_G/m_A need not be the best constant: pointwise |G ε·ε| ≤ κ A ε·ε with κ, the largest absolute eigenvalue of A⁻¹G (of
+the derivative of G at no strain or at large ones), and so ‖B‖ ≤ κ ≤ L_G/m_A. From below a field that oscillates fast
+inside Ω, v = a cos(n k·x) φ, has nearly the strains sym(a ⊗ k) of rank two at most, so that
 
-    ‖B‖ ≥ κ_1 = max {G τ·τ / (A τ·τ) : τ = sym(a ⊗ k)}.
+    ‖B‖ ≥ κ_1 = max {|G τ·τ| / (A τ·τ) : τ = sym(a ⊗ k)}.
 
 A plane body that is free on a part of Γ reaches κ also where κ belongs to τ = I: ε(v) is a multiple of I if v_1 + i v_2
 is holomorphic, and e^{nz} decays from the boundary as fast as one likes. Space has no such fields, by Liouville's
@@ -22,7 +23,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from manufactured.law import KelvinVoigt, Linear
+from manufactured.law import Indefinite, KelvinVoigt, Linear
 from manufactured.tensors import Array, mandel, size
 from study.fem.naming import resolve
 from study.fem.space import Space
@@ -89,13 +90,16 @@ def pointwise(space: Space, law: KelvinVoigt) -> tuple[float, float]:
     x, D, rng = points(space), size(space.dim), np.random.default_rng(SEED)
     large = tensors(rng, space.dim, x.shape[1])
     large *= LARGE / np.linalg.norm(large, axis=0)
-    viscous, elastic = derivative(law.A.at(x), np.zeros((D, x.shape[1]))), derivative(law.G.at(x), large)
+    none = np.zeros((D, x.shape[1]))
+    viscous = derivative(law.A.at(x), none)
+    elastic = np.concatenate([derivative(law.G.at(x), strain) for strain in (large, none)])
+    viscous = np.concatenate([viscous, viscous])
     root = np.linalg.inv(np.linalg.cholesky(viscous))
-    stiffest = np.linalg.eigvalsh(root @ elastic @ root.swapaxes(1, 2))[:, -1]
+    stiffest = abs(np.linalg.eigvalsh(root @ elastic @ root.swapaxes(1, 2))).max(axis=1)
     there = int(stiffest.argmax())
     waves = mandel(np.einsum("in,jn->ijn", *rng.standard_normal((2, space.dim, DIRECTIONS))))
     energies = [np.sum(waves * (matrix[there] @ waves), axis=0) for matrix in (elastic, viscous)]
-    return float(stiffest[there]), float((energies[0] / energies[1]).max())
+    return float(stiffest[there]), float(abs(energies[0] / energies[1]).max())
 
 
 class Lipschitz(ListedNumbers):
@@ -118,10 +122,13 @@ class Lipschitz(ListedNumbers):
         space, law = space_of(setting), resolve(setting.case).solution.law
         problem = unloaded(space, law)
         found = np.array(list(quotients(space, Operator(problem))))
-        steepest = found[:, 0].max()
+        steepest, falling = found[:, 0].max(), -found[:, 1].min()
         if isinstance(law.G, Linear):
             steepest = max(steepest, largest(problem.reference, problem.M))
+        if isinstance(law.G, Indefinite):
+            falling = max(falling, largest(-problem.reference, problem.M))
+            steepest = max(steepest, falling)
         bound, (kappa, waves) = law.G.lipschitz / law.A.ellipticity, pointwise(space, law)
         over = {"constant": bound, "pointwise constant": kappa, "waves": waves}
         values = {f"over the {name}": steepest / value for name, value in over.items()}
-        return with_h(space.h, {**values, "monotonicity": -found[:, 1].min() / bound})
+        return with_h(space.h, {**values, "monotonicity": falling / bound})

@@ -20,7 +20,7 @@ from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.shared.base import EVOLVING, SEED, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.instants import Velocity, norm
 
 FEW = ("advance-recede", "yield-on-a-part")
@@ -48,7 +48,7 @@ class BoundedVelocity(ListedNumbers):
         finest("limit", "max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, finest h and k", LIMIT, list(STEPS)[-1]),
     )
     quick = grid(FEW, ("shaken",), (8, 16))
-    full = grid((*EVOLVING, "lift-and-land"), ("unstructured",), (8, 16, 32))
+    full = grid((*EVOLVING, "lift-and-land", *SOFTENING), ("unstructured",), (8, 16, 32))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, BACKWARD_EULER, 1)

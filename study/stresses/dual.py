@@ -81,12 +81,14 @@ class StressEvolution:
 
         Raises:
             EquilibriumError: a scheme that takes G at another time than t_n, or a law whose G is not linear.
+            StepsError: steps so long need not have one solution, as G is not monotone.
         """
         law, points = self.data.law, self.space.points
         if scheme.theta != 1:
             raise EquilibriumError(f"Problem 3.2 is solved at t_n, which {scheme.name} does not do: take bdf2")
         if not isinstance(law.G, Linear):
             raise EquilibriumError(f"Problem 3.2 is solved on composite stresses for linear G, not for {law.name}")
+        scheme.require_unique(k, law.growth)
         viscous = tensor_at(law.A, points) / k
         compliance = np.linalg.inv(scheme.newest * viscous + tensor_at(law.G, points))
         equilibrium = Equilibrium(self.space, compliance, self.solver)

@@ -276,7 +276,7 @@ def test_the_committed_run_is_what_it_must_be(capsys: pytest.CaptureFixture[str]
     told = " ".join(capsys.readouterr().out.split())
     assert re.search(
         r"\d+ rows in \d files are those of the \d+ measurements planned; \d+ relations hold in all of them; "
-        r"predictions of 28 cases; \d+ verdicts and \d+ files of tables and article stand as they would be written$",
+        r"predictions of 30 cases; \d+ verdicts and \d+ files of tables and article stand as they would be written$",
         told,
     )
 

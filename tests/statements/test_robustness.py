@@ -17,6 +17,7 @@ from sympy import Expr, Rational, sympify
 from manufactured import (
     Body,
     Case,
+    Combined,
     ContactFace,
     ExactSolution,
     Factor,
@@ -27,7 +28,7 @@ from manufactured import (
     Prescribed,
     Yield,
     catalogue,
-    isotropic,
+    isotropic_matrix,
     layered,
     prove,
     s,
@@ -162,19 +163,26 @@ def other_law(law: KelvinVoigt, by: Constants) -> KelvinVoigt:
     A = other_tensor(law.A, by.A, by.ratio_A, by)
     if isinstance(law.G, Linear):
         return KelvinVoigt(A, other_tensor(law.G, by.G, by.ratio_G, by), law.name)
+    if isinstance(law.G, Combined):
+        linear, yielding = other_tensor(law.G.linear, by.G, by.ratio_G, by), other_yield(law.G.yielding, by)
+        return KelvinVoigt(A, Combined(by.G * law.G.prestress, linear, yielding), law.name)
     assert isinstance(law.G, Yield)
-    K = replace(law.G.convex, radius=by.radius * law.G.convex.radius)  # type: ignore[type-var]
-    return KelvinVoigt(A, Yield(by.G * law.G.beta, K), law.name)
+    return KelvinVoigt(A, other_yield(law.G, by), law.name)
+
+
+def other_yield(law: Yield, by: Constants) -> Yield:
+    K = replace(law.convex, radius=by.radius * law.convex.radius)  # type: ignore[type-var]
+    return Yield(by.G * law.beta, K)
 
 
 def other_tensor(tensor: Linear, scale: float, ratio: float, by: Constants) -> Linear:
     """scale · (2μ τ + ratio · λ (tr τ) I), or for other tensors D C D with D² = scale · ratio on normal strains."""
     mu, lam = lame(tensor)
     factor = other_factor(tensor.factor, by)
-    if np.array_equal(tensor.matrix, isotropic(mu, lam, tensor.dim).matrix):
-        return isotropic(scale * mu, scale * ratio * lam, tensor.dim, factor)
+    if np.array_equal(tensor.matrix, isotropic_matrix(mu, lam, tensor.dim)):
+        return type(tensor)(isotropic_matrix(scale * mu, scale * ratio * lam, tensor.dim), factor)
     D = np.sqrt(scale * np.where(np.arange(len(tensor.matrix)) < tensor.dim, ratio, 1.0))
-    return Linear(D[:, None] * tensor.matrix * D, factor)
+    return type(tensor)(D[:, None] * tensor.matrix * D, factor)
 
 
 def other_factor(factor: Factor, by: Constants) -> Factor:
@@ -247,14 +255,14 @@ EVERYWHERE = {"gap", "pressure", "A", "G", "ratio_A", "ratio_G", "speed", "place
 MORE = {
     **{key: {"contrast"} for key in ("heterogeneous", "layered")},
     "layered-unmet": {"contrast", "interface"},
-    **{key: {"radius"} for key in ("yield-and-release", "yield-on-a-part")},
+    **{key: {"radius"} for key in ("yield-and-release", "yield-on-a-part", "double-well")},
     **{key: {"mode"} for key in ("natural-front", "re-entrant", "junction")},
 }
 WITHOUT = {
     **{key: {"gap"} for key in ("full-contact", "load-w11", "layered-unmet")},
     "lift-and-land": {"pressure", "ratio_A"},  # p jumps by a ẇ; λ_A = 0
     "yield-and-release": {"ratio_G", "place"},  # the law (3.3); no front
-    "yield-on-a-part": {"ratio_G"},
+    **{key: {"ratio_G"} for key in ("yield-on-a-part", "double-well")},
     **{key: {"speed"} for key in ("rough-1.75", "rough-2", "rough-2.25")},  # linear in t
     "natural-front": {"gap", "pressure", "ratio_G"},  # one field makes both; A and G are proportional
     "junction": {"gap", "pressure", "ratio_G", "speed", "place"},  # the same, where Γ1 begins

@@ -88,7 +88,8 @@ def _smooth(data: FullRun) -> Named:
     yield "shareTime", _percent(data.rows(label, "time-share")["high"].max())
     yield "shareQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
     sweeps = data.rates[data.rates["claim"] == label]
-    yielding = sweeps["case"].isin(data.cases.loc[data.cases["law"].str.startswith("(3.3)"), "case"])
+    # Laws with a fixed point in every step.
+    yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
     yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
     yield "supremumLater", f"{data.rows(label, 'after-start')['observed'].iloc[0]:.0f}"

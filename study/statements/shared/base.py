@@ -102,6 +102,8 @@ SEED = 2002
 """Of whatever is random in a measurement."""
 EVOLVING = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 """Cases that stand for others where something is measured of trajectories: linear laws, moving fronts, law (3.3)."""
+SOFTENING = ("softening", "double-well")
+"""Cases whose G is not monotone, linear and not: of them (3.2) holds and no more."""
 LISTED = CsvFile(
     "statements.csv",
     ("label", "case", "family", "level"),

@@ -8,9 +8,10 @@ from itertools import pairwise
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.fem.mesh import FAMILIES, MeshFamily
-from study.fem.naming import resolve
+from study.fem.naming import choose, resolve
 from study.ledger.errors import UsageError
-from study.solve.steps import rate_steps, require_steps
+from study.solve.steps import StepsError, rate_steps, require_steps
+from study.solve.tableau import SCHEMES
 
 
 def serving(case: Case) -> list[MeshFamily]:
@@ -83,8 +84,8 @@ class Scope:
         """Refuse levels, steps and names that make no study.
 
         Raises:
-            UsageError: levels below 2, not increasing, a time step beyond T or far too small, two cases of one
-                name, or a body that no mesh family serves.
+            UsageError: levels below 2, not increasing, a time step beyond T, far too small or so long that it need not
+                have one solution, two cases of one name, or a body that no mesh family serves.
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
@@ -100,6 +101,16 @@ class Scope:
         for case in self.resolved():
             serving(case)
             require_steps(self.steps(case, max(self.levels_of(case).of(0))))
+            self._require_unique(case)
+
+    def _require_unique(self, case: Case) -> None:
+        """Refuse time steps of a case whose law softens that need not have one solution."""
+        solution = case.solution
+        steps = self.steps(case, min(self.levels_of(case).of(0)))
+        try:
+            choose("scheme", self.scheme, SCHEMES).require_unique(solution.body.T / steps, solution.law.growth)
+        except StepsError as error:
+            raise UsageError(f"{case.name}: {error}") from error
 
     def steps(self, case: Case, level: int) -> int:
         """Time steps at a level: of the size asked for, or as many as the case's pace says."""

@@ -5,13 +5,15 @@ K^h. The two share the matrix of strains, the load and the time steps of backwar
 
 How far they may be apart is known, without the solution. At step j the interior point stops with a duality gap g_j,
 and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in that of C = A/k + G are at most g_j, σ* and ε* exact for the
-same ε_{j−1} (``study.solve.interior_point``). A step is a contraction in ε_{j−1} for the norm of A, which is that of V,
-since G is monotone, and A ≤ k C: with R_n = Σ_{j≤n} g_j^{1/2},
+same ε_{j−1} (``study.solve.interior_point``). With ω = max(−m, 0)/m_A, 0 for monotone G, C ≥ (1 − kω) A/k: a step is
+Lipschitz in ε_{j−1} with q = 1/(1 − kω) for the norm of A, which is that of V, and A ≤ q k C. So with R_n = q R_{n−1} +
+g_n^{1/2}, which is Σ_{j≤n} g_j^{1/2} for monotone G,
 
-    ‖u_n(3.2) − u_n(3.1)‖_V ≤ k^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
+    ‖u_n(3.2) − u_n(3.1)‖_V ≤ (q k)^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
 
-but for rounding: A/k alone carries ε_{j−1} into σ_n, and |τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The law (3.3) obeys the same,
-its potential being at least as convex. ``paper/article.tex`` has the proof.
+but for rounding: A/k alone carries ε_{j−1} into σ_n, with ‖A ε/k‖_{C⁻¹} ≤ (q/k)^{1/2} ‖ε‖_A, and |τ|² ≤ (L_A/k + L_G)
+C⁻¹τ·τ. The law (3.3) obeys the same, its potential being at least as convex. ``paper/article.tex`` has the proof for
+monotone G.
 """
 
 from __future__ import annotations
@@ -50,7 +52,7 @@ class Gaps(NamedTuple):
             for σ_n of Problem 3.2, / max_n |F(t_n)|.
         energy_gap: |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| of Problem 3.2, (4.14), / max_n |(f(t_n), u_n)_V|.
         membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2, / max_n |u_n|_∞.
-        displacement_bound: what the duality gaps allow for displacement_gap, k^{1/2} R.
+        displacement_bound: what the duality gaps allow for displacement_gap, (q k)^{1/2} R.
         stress_bound: the same for stress_gap, (L_A/k + L_G)^{1/2} R.
     """
 
@@ -117,6 +119,7 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
     """March both problems in lockstep, holding no more than one step of either."""
     space, law, M = stresses.space, stresses.law, displacements.M
     cells, k, root, radius = on_cells(space, law), displacements.T / steps, np.sqrt(space.volumes), 0.0
+    q = 1 / (1 - k * law.growth)
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
     pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
@@ -125,7 +128,7 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
         load = displacements.load(primal.time)
         defect = load - space.functional(dual.stress)
         difference = dual.u - primal.u
-        radius += np.sqrt(dual.gap)
+        radius = q * radius + np.sqrt(dual.gap)
         now = [
             np.sqrt(difference @ (M @ difference)),
             np.linalg.norm(root * (dual.stress - stress)),
@@ -136,7 +139,7 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
         of_both = np.sqrt(primal.u @ (M @ primal.u)), np.linalg.norm(root * stress)
         size = [*of_both, np.linalg.norm(load), abs(load @ dual.u), abs(dual.u).max()]
         worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
-    bounds = radius * np.sqrt([k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
+    bounds = radius * np.sqrt([q * k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
     return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))
 
 

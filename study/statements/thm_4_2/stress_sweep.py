@@ -12,7 +12,7 @@ from study.statements.shared.base import Setting, Statement, grid
 from study.statements.thm_4_2.stress_errors import COLUMNS, measure_stresses
 
 FRONTS = "full-contact", "fixed-front-on-vertex", "fixed-front-off-vertex", "advance-recede", "travelling-patch"
-LAWS = "anisotropic", "heterogeneous", "layered"
+LAWS = "anisotropic", "heterogeneous", "layered", "softening"
 BODIES = "rotated", "corner", "hexagon"
 CASES = (*FRONTS, "merging-patches", "load-w11", *LAWS, *BODIES, "natural-front", "re-entrant")
 """Plane cases with linear laws, f_0 ∈ L² and stresses that are continuous in time: where the face lands with a

@@ -1,0 +1,44 @@
+"""A front that advances over a prestressed material that softens and then hardens: G is neither monotone nor linear.
+
+    w = 5 (1 + 24t(1 − t)) (x − c)_+^4,   q = −Q,   Q = 20 (c − x)_+³,   p = a Q̇ − Q + 4 (Q − 2)_+,
+    ψ = c − x,   c(t) = 5/24 + t/2
+
+on the unit square; A τ = 2τ + (tr τ)/2 I with a = 5/2, G ε = S − ε + 4 (ε − P_K ε), K = {|τ| ≤ 2}, S = e_1 ⊗ e_1.
+
+Predicted order 1: the front moves, and α = 4 > 7/2 and the exponent 3 of q, hence m = 2 > 3/2 of p ~ q̇, give (5.36), so
+that Prop. 5.4 applies, for which it is enough that G is Lipschitz.
+
+The energy of G, without S, has its wells on a sphere around ε = 0, as a body has that snaps through: G has the slope −1
+inside K and 3 far from it, so that L_G/m_A = 3/2, and differences may grow at the rate 1/2. G(·, 0) = S is not zero. S
+pulls along the face and loads neither its normal nor its tangent, so that it enters f_2 alone.
+
+The gap is largest while the front moves. At first the pressure made most of the error, beside a small gap, and the row
+on Pythagoras failed on criss-cross meshes: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} was up to 1.24 ‖u − Π^h u‖.
+"""
+
+from sympy import Rational
+
+from manufactured.body import Kind, unit_square
+from manufactured.case import Case
+from manufactured.cases.laws import softening_then_hardening
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution
+from manufactured.face_strain import Prescribed
+from manufactured.regularity import Regularity
+from manufactured.symbols import pos, s, t
+
+
+def case() -> Case:
+    body, law = unit_square(), softening_then_hardening()
+    (part,) = body.of(Kind.CONTACT)
+    c = Rational(5, 24) + t / 2
+    gap, strain = 5 * (1 + 24 * t * (1 - t)) * pos(s - c, 4), -20 * pos(c - s, 3)
+    face = ContactFace(part, gap, Prescribed(((body.T, strain),)), c - s)
+    return Case(
+        name="double-well",
+        summary="front advances, G softens, then hardens, and is prestressed",
+        solution=ExactSolution(body, law, (face,)),
+        regularity=Regularity(gap=4, pressure=2, moving=True),
+        order=1,
+        reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by Prop. 5.4, G only Lipschitz",
+    )

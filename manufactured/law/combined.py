@@ -1,0 +1,108 @@
+"""An elasticity operator that is neither monotone nor zero at rest, G(ε) = S + C ε + β (ε − P_K ε)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from manufactured.factor import UNIFORM, Factor
+from manufactured.law.linear_operator import Linear
+from manufactured.law.operators import AtPoints, LawError
+from manufactured.law.projection import Yield
+from manufactured.tensors import Array, Tensors, dyad
+
+
+@dataclass(frozen=True, eq=False)
+class Combined:
+    """G(ε) = S + C ε + β (ε − P_K ε): a stress at rest, a linear operator and the law (3.3) together, as (3.2) allows.
+
+    With K = {|Pτ| ≤ r} the derivative is C inside K and tends to C + βP far from it, and lies between the two:
+    m is the least eigenvalue of C, L_G the largest absolute one of both. A C that is not positive softens up to the
+    edge of K, and β hardens beyond it.
+
+    Attributes:
+        prestress: S, (D,).
+        linear: C, which may be ``Indefinite``.
+        yielding: β (ε − P_K ε).
+
+    Raises:
+        LawError: S, C and K are not of one dimension, S is not finite, or C varies in space.
+    """
+
+    prestress: Tensors
+    linear: Linear
+    yielding: Yield
+
+    def __post_init__(self) -> None:
+        stress = np.asarray(self.prestress, dtype=float)
+        if self.linear.dim != self.yielding.dim or stress.shape != (len(self.linear.matrix),):
+            raise LawError(
+                f"S has the shape {stress.shape}, C acts in dimension {self.linear.dim}, K lies in that of dimension "
+                f"{self.yielding.dim}; take a Mandel vector S and operators of one dimension"
+            )
+        if not np.isfinite(stress).all():
+            raise LawError(f"the stress at rest is not finite: {stress.tolist()}")
+        if self.linear.factor is not UNIFORM:
+            raise LawError("the linear part varies in space, but (3.3) does not; take a factor for none of them")
+        object.__setattr__(self, "prestress", stress)
+
+    @property
+    def dim(self) -> int:
+        return self.linear.dim
+
+    @property
+    def _far(self) -> Array:
+        """C + βP, the derivative far from K."""
+        return self.linear.matrix + self.yielding.beta * self.yielding.convex.projector
+
+    @property
+    def lipschitz(self) -> float:
+        least, largest = np.linalg.eigvalsh(self.linear.matrix)[0], np.linalg.eigvalsh(self._far)[-1]
+        return float(max(-least, largest))
+
+    @property
+    def monotonicity(self) -> float:
+        return float(np.linalg.eigvalsh(self.linear.matrix)[0])
+
+    @property
+    def reference(self) -> Array:
+        """C + (β/2) P: G minus this is Lipschitz with β/2 only."""
+        return self.linear.matrix + self.yielding.reference
+
+    @property
+    def at_rest(self) -> Tensors:
+        """S, (D,)."""
+        return self.prestress
+
+    @property
+    def factor(self) -> Factor:
+        return UNIFORM
+
+    def __call__(self, strain: Tensors) -> Tensors:
+        rest = self.prestress.reshape(-1, *[1] * (strain.ndim - 1))
+        return rest + self.linear(strain) + self.yielding(strain)
+
+    def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
+        return self.linear(direction) + self.yielding.derivative(strain, direction)
+
+    def at(self, x: Array) -> AtPoints:
+        return self
+
+    def scaled(self, factor: Array) -> AtPoints:
+        return self
+
+    def gradient(self, strain: Callable[[], Tensors], change: Array) -> Array:
+        return self.linear(change) + self.yielding.gradient(strain, change)
+
+    def energy(self, strain: Tensors) -> Array:
+        """W(ε) = S·ε + ½ Cε·ε + β/2 dist²(ε, K), with W' = G, (D, ...) → (...)."""
+        resisting = self.yielding(strain)
+        linear = np.tensordot(self.prestress, strain, axes=1) + 0.5 * np.sum(strain * self.linear(strain), axis=0)
+        return np.asarray(linear + np.sum(resisting**2, axis=0) / (2 * self.yielding.beta))
+
+    def normal_response(self, normal: Array) -> tuple[float, float, float, float]:
+        """(s, g, b, ρ) such that G(−Q n⊗n)_nn = s − g Q − b (Q − ρ)_+ for Q ≥ 0."""
+        b, edge = self.yielding.normal_response(normal)
+        return float(self.prestress @ dyad(normal, normal)), self.linear.normal_modulus(normal), b, edge

@@ -1,0 +1,123 @@
+"""Laws whose G is Lipschitz and not monotone, as (3.2) allows, and what is read off cases that have them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from manufactured import Case, CaseError, Regularity, named
+from manufactured.catalogue import catalogue
+from manufactured.factor import Factor, x1
+from manufactured.law import (
+    Combined,
+    DeviatoricBall,
+    FrobeniusBall,
+    Indefinite,
+    KelvinVoigt,
+    LawError,
+    Yield,
+    isotropic,
+    isotropic_matrix,
+)
+from manufactured.tensors import dyad
+
+SOFT = Indefinite(isotropic_matrix(0.5, -1.5))
+S = np.array([1.0, -0.5, 0.3])
+COMBINED = Combined(S, Indefinite(isotropic_matrix(-1, 0.25)), Yield(6.0, FrobeniusBall(2.0)))
+SHEARED = Combined(S, Indefinite(isotropic_matrix(-1, 0.25)), Yield(6.0, DeviatoricBall(2.0)))
+strains = st.lists(st.floats(-20, 20), min_size=3, max_size=3).map(np.array)
+
+
+def test_the_constants_of_an_operator_that_softens_are_its_extreme_eigenvalues() -> None:
+    assert (SOFT.monotonicity, SOFT.lipschitz) == pytest.approx((-2.0, 2.0))
+    varying = Indefinite(SOFT.matrix, Factor(2 + x1, 2.0, 3.0))
+    assert (varying.monotonicity, varying.lipschitz) == pytest.approx((-6.0, 6.0))
+    stiff = Indefinite(isotropic_matrix(1, 0), Factor(2 + x1, 2.0, 3.0))
+    assert (stiff.monotonicity, stiff.lipschitz) == pytest.approx((4.0, 6.0))
+
+
+@pytest.mark.parametrize("G", [SOFT, COMBINED, SHEARED], ids=["linear", "ball", "cylinder"])
+@given(a=strains, b=strains)
+def test_no_pair_of_strains_violates_the_stated_constants(G, a, b) -> None:
+    change, apart = G(a) - G(b), a - b
+    assert np.linalg.norm(change) <= G.lipschitz * np.linalg.norm(apart) * (1 + 1e-12) + 1e-12
+    assert change @ apart >= G.monotonicity * (apart @ apart) * (1 + 1e-12) - 1e-12
+
+
+def test_both_constants_of_a_combined_operator_are_attained() -> None:
+    """−m inside K, along the softest tensor; L_G far from K, along the steepest."""
+    small, large = 1e-3 * np.array([0, 0, 1.0]), 1e9 * np.array([1.0, 1.0, 0]) / np.sqrt(2)
+    assert (COMBINED(small) - S) @ small / (small @ small) == pytest.approx(COMBINED.monotonicity)
+    slope = COMBINED.derivative(large, large) @ large / (large @ large)
+    assert slope == pytest.approx(COMBINED.lipschitz) == pytest.approx(-2 + 0.5 + 6)
+
+
+@pytest.mark.parametrize("G", [COMBINED, SHEARED], ids=["ball", "cylinder"])
+@given(a=strains, direction=strains)
+def test_an_operator_is_the_derivative_of_its_energy_and_has_its_own_derivative(G, a, direction) -> None:
+    if abs(np.linalg.norm(G.yielding.convex.projector @ a) - G.yielding.convex.radius) < 1e-3:
+        return
+    step = 1e-30j * direction
+    assert np.imag(G.energy(a + step)) / 1e-30 == pytest.approx(G(a) @ direction, rel=1e-9, abs=1e-9)
+    assert np.imag(G(a + step)) / 1e-30 == pytest.approx(G.derivative(a, direction), rel=1e-9, abs=1e-9)
+
+
+def test_the_stress_at_rest_is_the_one_that_is_stated() -> None:
+    for case in catalogue():
+        G = case.solution.law.G
+        at_rest = G.at(np.zeros((G.dim, 1)))(np.zeros((len(G.at_rest), 1)))[:, 0]
+        np.testing.assert_array_equal(at_rest, G.at_rest)
+    assert named("double-well").solution.law.G.at_rest.any()
+
+
+@given(st.floats(0.01, 30))
+def test_the_normal_response_of_a_combined_operator_is_its_nn_component_under_compression(q) -> None:
+    n = np.array([0.6, -0.8])
+    rest, g, b, edge = COMBINED.normal_response(n)
+    assert COMBINED(-q * dyad(n, n)) @ dyad(n, n) == pytest.approx(rest - g * q - b * max(q - edge, 0))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: KelvinVoigt(SOFT, isotropic(1, 1), ""), "viscosity with m_A > 0.*only G may soften"),
+        (lambda: isotropic(0.5, -1.5), "it is an ``Indefinite`` one"),
+        (lambda: Indefinite(np.array([[2.0, 1, 0], [0, 2, 0], [0, 0, 1]])), "not symmetric"),
+        (lambda: Combined(np.zeros(6), SOFT, Yield(1.0, FrobeniusBall(1.0))), r"S has the shape \(6,\)"),
+        (lambda: Combined(np.zeros(3), SOFT, Yield(1.0, FrobeniusBall(1.0, 3))), "operators of one dimension"),
+        (lambda: Combined(np.full(3, np.nan), SOFT, Yield(1.0, FrobeniusBall(1.0))), "not finite"),
+        (
+            lambda: Combined(S, Indefinite(SOFT.matrix, Factor(2 + x1, 2.0, 3.0)), Yield(1.0, FrobeniusBall(1.0))),
+            "varies in space",
+        ),
+    ],
+)
+def test_what_is_no_law_is_refused(make, message: str) -> None:
+    with pytest.raises(LawError, match=message):
+        make()
+
+
+def test_differences_may_grow_under_laws_that_soften_alone_and_no_faster_than_the_source_says() -> None:
+    growing = {case.name: case.solution.law.growth for case in catalogue() if case.solution.law.growth}
+    assert growing == pytest.approx({"softening": 1.0, "double-well": 0.5})
+    for name, rate in growing.items():
+        law = named(name).solution.law
+        assert rate <= law.G.lipschitz / law.A.ellipticity
+
+
+def test_a_front_that_moves_costs_the_pressure_a_power_of_a_prescribed_strain() -> None:
+    case = named("double-well")
+    assert case.regularity == Regularity(gap=4, pressure=2, moving=True)
+    with pytest.raises(CaseError, match=r"m = 3, .*formulas say moving front, α = 4, m = 2|pressure=2"):
+        replace(case, regularity=Regularity(gap=4, pressure=3, moving=True))
+
+
+def test_a_moving_case_satisfies_3_4_literally() -> None:
+    """α > 9/2 and m > 5/2."""
+    literal: list[Case] = [case for case in catalogue() if case.regularity.moving and case.regularity.gap > 4.5]
+    assert [case.name for case in literal] == ["softening"]
+    assert all(case.regularity.pressure > 2.5 for case in literal)
