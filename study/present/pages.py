@@ -23,6 +23,7 @@ from study.ledger.window import STEEPER
 from study.present.article.source import FullRun
 from study.present.badges import write_badges
 from study.present.figures.drawing import in_style
+from study.present.formulas import lines as of_formulas
 from study.present.marks import END, markdown, put
 from study.present.picture.picture import with_every_shape
 from study.present.report.svg_chart import typeset
@@ -217,7 +218,8 @@ def refresh(page: Path, data: FullRun) -> bool:
         DataError: it has no marks.
     """
     text = before = page.read_text(encoding="utf-8")
-    for table in (headline, results, statements, cases, codes, marches, windows, new_windows):
+    tables = headline, results, statements, formulas, cases, codes, marches, windows, new_windows
+    for table in tables:
         if f"<!-- {table.__name__} -->" in text:
             text = put(text, table.__name__, table(data))
     if END not in text:
@@ -242,6 +244,12 @@ def statements(data: FullRun) -> str:
         found = ", ".join(f"`{name}`" for name in where["data"])
         lines.append([label, _literal(claim), counts, f"{code}: {found}"])
     return markdown(["statement", "says", "verdicts", "code: data"], lines)
+
+
+def formulas(data: FullRun) -> str:
+    """Every numbered formula and statement of the source with its rows, or why it has none, in Markdown."""
+    found = [[numbers, _literal(says), _literal(made)] for numbers, says, made in of_formulas(data.claims)]
+    return markdown(["number", "says", "rows, or why there are none"], found)
 
 
 def cases(data: FullRun) -> str:

@@ -39,7 +39,7 @@ from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.same_mesh import SameMesh
 from study.statements.thm_4_2.stands_alone import StandsAlone
 from study.statements.uniqueness import OneStress, OneTrajectory
-from study.statements.unmeasured import Slips, Untested
+from study.statements.unmeasured import Slips, Untested, WithoutRow
 from study.statements.wellposed import BoundedVelocity, Dependence
 
 PROBLEM = (
@@ -82,6 +82,7 @@ STATEMENTS: tuple[Statement, ...] = (
     *CERTIFIED,
     Slips(),
     Untested(),
+    WithoutRow(),
     Pictures(),
 )
 """The only list of statements."""

@@ -1,4 +1,5 @@
-"""Rows of the ledger about which nothing is measured: slips in the printed text, and what no computation can test."""
+"""Lines of the ledger about which nothing is measured: slips in the printed text, what no computation can test, and
+formulas that claim nothing which another row does not judge."""
 
 from __future__ import annotations
 
@@ -8,6 +9,7 @@ from collections.abc import Sequence
 import pandas as pd
 
 from study.ledger.datafiles import DataFile
+from study.ledger.numbered import NO_ROW, NOT_TESTED
 from study.ledger.verdict import REPORTED, Verdict, row
 from study.ledger.window import Window
 from study.statements.shared.base import LISTED, Statement
@@ -43,7 +45,8 @@ class Slips(Listed):
         ("constant-in-5.14", "(5.14)", "𝓛_G ‖u − u^h‖_V ‖u − v^h‖_V ds and 𝓛_G ‖u − u^h‖_V² dt",
          "read: 𝓛_G/m_A for 𝓛_G in both, as ‖·‖_V carries A, and ds for dt"),
         ("residual-at-zero", "(5.27)", "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)}) ‖v‖_V",
-         "read: with ‖G(·, 0)‖_Q in the sum: (3.2) lets G(·, 0) be any element of Q"),
+         "read: with ‖G(·, 0)‖_Q in the sum: (3.2) lets G(·, 0) be any element of Q, and rows of (5.27) have one for "
+         "which the printed bound is 0 and R is not"),
         ("root-in-5.28", "(5.28)", "‖u − v^h‖_{L∞(0,T;V)} in the infimum",
          "read: its square root, as in (5.33): (5.21) takes R^{1/2}"),
         ("norm-in-5.31", "(5.31)", "right side has ‖u̇_ε‖_{L∞(0,T;H²)}",
@@ -57,7 +60,7 @@ class Slips(Listed):
 class Untested(Listed):
     """What the source says of infinitely many functions or data: it stands in the ledger without passing."""
 
-    label = "not tested"
+    label = NOT_TESTED
     claim = "statements that no finite number of computations can test"
     lines = (
         ("existence", "Thm 4.1, 4.3, 5.2", "a solution exists for all data with (3.1), (3.2), (3.4), (3.5)",
@@ -66,9 +69,63 @@ class Untested(Listed):
         ("stress-in-Q1", "(4.1)", "σ ∈ L^∞(0,T;Q_1)",
          "not tested by itself: Div σ = −f_0 by (4.11), so it is (3.4) once u ∈ W^{1,∞}(0,T;V), which is judged, as is "
          "the balance of σ^h with P f_0"),
-        ("density", "Prop. 5.3", "W^{1,2}(0,T;K ∩ C^∞(Ω̄)²) is dense in W^{1,2}(0,T;K)",
+        ("density", "(5.29), (5.33)–(5.35)", "W^{1,2}(0,T;K ∩ C^∞(Ω̄)²) is dense in W^{1,2}(0,T;K), and an ε for each h",
          "not tested: about infinitely many functions, cited in the source; what it is used for, convergence for rough "
          "u, is judged on rough cases"),
         ("one-constant", "(5.21), (5.42)", "one constant c serves all solutions and meshes",
          "not tested: the ratios of both sides are judged on the solutions and meshes of the study"),
+    )  # fmt: skip
+
+
+class WithoutRow(Listed):
+    """Definitions, problems, assumptions, and steps that other rows judge: why each has no row of its own."""
+
+    label = NO_ROW
+    claim = "formulas that define, restate or lead to what other rows judge"
+    lines = (
+        ("problem", "Problem 2.1, (2.1)–(2.6)", "the mechanical problem",
+         "a problem, not a claim: every exact solution is checked against it before it is used"),
+        ("linear-law", "(2.7)", "the law with linear A and G",
+         "an example, which most cases have; (3.1) and (3.2) are judged for each of their laws"),
+        ("notation", "(2.8)–(2.13)", "products, spaces, strains, normal and tangential components",
+         "definitions; a wrong product and a wrong strain are among the deliberate defects of (3.6)"),
+        ("sets", "(2.15), (2.16)", "V and K", "definitions; that the code has K^h = V^h ∩ K is judged under K^h"),
+        ("inclusion", "(2.18)", "u̇ + Au ∋ f", "the problem of Thm 2.2, whose rows solve it for A = ∂ψ_K + B"),
+        ("data", "(3.4)", "f_0 ∈ W^{1,1}(0,T;H) and f_2 ∈ W^{1,1}(0,T;L²(Γ2)^d)",
+         "an assumption, used through (3.8), which is judged; literally it asks for smoothness in space that few "
+         "moving fronts have"),
+        ("start", "(3.5)", "u_0 ∈ K",
+         "an assumption; exact solutions are checked for u(t) ∈ K, and Π^h u(t) ∈ K^h is judged from t = 0 on"),
+        ("load", "(3.7)", "f(t) from f_0 and f_2", "a definition; (2.14) compares it with the load that is solved for"),
+        ("variational", "Problem 3.1, Problem 3.2, (3.12)–(3.15)", "both variational problems",
+         "problems, not claims: both are solved, and compared, under Thm 4.2"),
+        ("operator", "(4.2), (5.4)", "B and B^h", "definitions of what is measured under (4.3) and (4.5)"),
+        ("inequality", "(4.6)–(4.10), (5.1)", "Problem 3.1 as an inclusion and as an inequality",
+         "one problem in other words by (4.8), which defines ∂ψ_K; nothing more is claimed than of Problem 3.1"),
+        ("balance", "(4.11)", "Div σ + f_0 = 0",
+         "(2.2): exact solutions are checked against it, (2.14) compares its sides, and Thm 4.2 judges it for σ^h on "
+         "its own space"),
+        ("work", "(4.28)–(4.30)", "(σ, ε(u))_Q = (f, u)_V from both sides",
+         "(4.14) once more: judged there, with (3.11) for random stresses"),
+        ("scheme", "Problem 5.1, (5.2), (5.3)", "the semi-discrete scheme",
+         "a problem, not a claim: it is solved in several ways, (3.10) is asked of its solutions with random v^h, and "
+         "they are computed again"),
+        ("indicator", "(5.7), (5.8)", "the indicator of K^h and its subdifferential", "definitions, as (4.8) on V^h"),
+        ("scheme-inclusion", "(5.10)", "the scheme as an inclusion", "(5.3) in other words by (5.8)"),
+        ("velocity", "(5.17)", "u − v^h as the integral of its velocity",
+         "the fundamental theorem of calculus; what is made of it, (5.18), is judged"),
+        ("segments", "(5.22)", "Γ3 as a union of segments", "notation; cases have up to three of them"),
+        ("start-of-scheme", "(5.25)", "‖u_0 − u_0^h‖_V → 0",
+         "u_0^h = Π^h u_0 throughout, for which it is (5.23); that the scheme starts there is among what is computed "
+         "again"),
+        ("convergence", "(5.26)", "the error tends to 0", "what Prop. 5.3 says: judged there"),
+        ("both", "(5.28)", "(5.21) with (5.27) for R",
+         "follows from these two, which are judged; as printed it lacks a root, a slip"),
+        ("smooth-interpolants", "(5.30)–(5.32)", "interpolation of a smooth u_ε",
+         "(5.23), judged for smooth fields too"),
+        ("first-order", "(5.37)", "the error is O(h)", "what Prop. 5.4 says: judged there"),
+        ("residual", "(5.38), (5.39)", "R from σ, and after Green's formula",
+         "(5.38) is what R is measured by under (5.40); (5.39) is (2.14) for it"),
+        ("interpolation", "(5.43)", "interpolation in L²(0,T) and L¹(0,T)",
+         "(5.23) and (5.24), judged at single times; their norms in time are terms in the rows of (5.21) and (5.42)"),
     )  # fmt: skip

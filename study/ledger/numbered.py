@@ -1,0 +1,46 @@
+"""The numbered formulas and statements of the source, and which of them a label or a place of the ledger names.
+
+Labels such as "(3.9)–(3.11), (4.14), (4.15)" or "Thm 4.1, 5.2" say which ones a row is about; nothing else does.
+"""
+
+from __future__ import annotations
+
+import re
+
+FORMULAS = {2: 18, 3: 15, 4: 30, 5: 43}
+"""Section ↦ the number of its last formula."""
+STATEMENTS = (
+    "Problem 2.1",
+    "Thm 2.2",
+    "Problem 3.1",
+    "Problem 3.2",
+    "Thm 4.1",
+    "Thm 4.2",
+    "Thm 4.3",
+    "Problem 5.1",
+    "Thm 5.2",
+    "Prop. 5.3",
+    "Prop. 5.4",
+)
+NUMBERED = (*(f"({section}.{n})" for section, last in FORMULAS.items() for n in range(1, last + 1)), *STATEMENTS)
+"""All of them: formulas in the order of the source, then statements."""
+NO_ROW, NOT_TESTED = "no row", "not tested"
+"""Labels of lines that say why something has no row that could fail."""
+
+_FORMULA = re.compile(r"\((\d)\.(\d+)\)(?:–\((\d)\.(\d+)\))?")
+_STATEMENT = re.compile(r"(Thm|Prop\.|Problem) (\d\.\d(?:, \d\.\d)*)")
+
+
+def named(text: str) -> set[str]:
+    """The formulas and statements that a label or a place names.
+
+    >>> sorted(named("Thm 4.1, 5.2, (5.2)–(5.4)"))
+    ['(5.2)', '(5.3)', '(5.4)', 'Thm 4.1', 'Thm 5.2']
+    """
+    found = {f"{kind} {number}" for kind, numbers in _STATEMENT.findall(text) for number in numbers.split(", ")}
+    for section, first, last_section, last in _FORMULA.findall(text):
+        end = int(last) if last else int(first)
+        if last_section not in ("", section):
+            raise ValueError(f"{text!r}: a range of formulas of two sections; write one for each")
+        found |= {f"({section}.{n})" for n in range(int(first), end + 1)}
+    return found

@@ -1,0 +1,60 @@
+"""Every numbered formula and statement of the source has rows in the ledger, or a reason why it has none."""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import pandas as pd
+import pytest
+
+from study.ledger.datafiles import DataError
+from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
+from study.ledger.verdict import HOLDS
+from study.present.formulas import entries, lines
+from study.statements import STATEMENTS
+from study.statements.pictures import Pictures
+from study.statements.unmeasured import Listed, WithoutRow
+
+
+def ledger() -> pd.DataFrame:
+    """One row for each statement that is measured, and all lines of the others."""
+    rows = []
+    for statement in STATEMENTS:
+        if isinstance(statement, Listed):
+            rows += [asdict(line) for line in statement.judge(pd.DataFrame())]
+        elif not isinstance(statement, Pictures):
+            rows.append({"label": statement.label, "statement": statement.claim, "verdict": HOLDS})
+    return pd.DataFrame(rows)
+
+
+CLAIMS = ledger()
+
+
+def test_none_is_missing() -> None:
+    found = entries(CLAIMS)
+    assert [number for number in NUMBERED if not found[number]] == []
+
+
+def test_all_are_in_the_table_in_the_order_of_the_source() -> None:
+    first = [numbers.partition("–")[0] for numbers, _, _ in lines(CLAIMS)]
+    assert first == sorted(first, key=NUMBERED.index)
+    together = ", ".join(numbers for numbers, _, _ in lines(CLAIMS))
+    assert named(together.replace("Problem 3.1–Problem 3.2", "Problem 3.1, 3.2")) == set(NUMBERED)
+
+
+@pytest.mark.parametrize("label", sorted(set(CLAIMS["label"]) - {"slips"}))
+def test_a_label_names_nothing_that_the_source_does_not_have(label: str) -> None:
+    places = CLAIMS[CLAIMS["label"] == label]["case"] if label in (NO_ROW, NOT_TESTED) else [label]
+    assert set().union(*map(named, places)) <= set(NUMBERED)
+
+
+def test_a_formula_without_rows_or_reason_is_an_error() -> None:
+    with pytest.raises(DataError, match=r"neither rows nor a reason for \(5\.11\), \(5\.12\), \(5\.13\)"):
+        list(lines(CLAIMS[~CLAIMS["label"].str.contains(r"(5.11)", regex=False)]))
+
+
+def test_a_line_without_a_row_is_not_about_a_formula_that_has_one() -> None:
+    """A reason why there is no row would be wrong, then; what is not tested may be a part of what is."""
+    measured = set().union(*(named(label) for label in set(CLAIMS["label"]) - {NO_ROW, NOT_TESTED, "slips"}))
+    reasons = {place for _, place, _, _ in WithoutRow.lines}
+    assert {place: named(place) & measured for place in reasons if named(place) & measured} == {}
