@@ -122,9 +122,9 @@ docs: $(READY)  ## the documentation with the gallery and the API, build/docs/in
 		'!study\.solve\.(cholesky|multigrid|vertices)' '!study\.statements\.thm_4_2\.stands_alone' \
 		'!study\.controls\.(seeded|blindness|stress_slips)'
 
-paper: $(READY)  ## the article from the data of the full study, paper/build/article.pdf; needs latexmk
+paper: $(READY)  ## article and supplement from the data of the full study, in paper/build; needs latexmk
 	$(BIN)/study tables --out results
-	latexmk -cd -pdf -Werror -halt-on-error -interaction=nonstopmode -outdir=build paper/article.tex
+	latexmk -cd -pdf -Werror -halt-on-error -interaction=nonstopmode -outdir=build paper/article.tex paper/supplement.tex
 
 $(READY): requirements.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \

@@ -1,7 +1,8 @@
 """Beyond the source: ‖u^h − û^{hk}‖_V = O(k) for backward Euler, with a constant that no mesh enters.
 
 With Proposition 5.4 this is ‖u − û^{hk}‖_V = O(h + k) for the fully discrete scheme, without a condition between h and
-k. The theorem with its bounds is in ``study.solve.gradient_flow``, its proof in the article.
+k. The theorem with its bounds is in ``study.solve.gradient_flow``, its proof in the
+supplement to the article.
 
 Predicted: both bounds hold for every mesh and every step, k ≫ h and k ≪ h. The order in k is 1, as u̇^h jumps at
 landings and u is not smooth in time then. The constant is that of u^h, which converges, so that it hardly changes with

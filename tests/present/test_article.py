@@ -6,6 +6,7 @@ import json
 import re
 import shutil
 from collections import Counter
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
@@ -104,6 +105,33 @@ def test_every_reference_is_cited_and_every_citation_has_one() -> None:
     cited = {key for keys in re.findall(r"\\cite\{([^}]*)\}", source) for key in keys.split(",")}
     listed = re.findall(r"@\w+\{(\w+),", (PAPER / "references.bib").read_text(encoding="utf-8"))
     assert Counter(listed) == Counter(cited)
+
+
+STATEMENTS = r"(theorem|lemma|proposition|corollary)"
+
+
+def whole(name: str) -> str:
+    """A document with everything that it inputs from its own directory."""
+    found = text(PAPER / f"{name}.tex")
+    return re.sub(r"\\input\{(\w+)\}", lambda match: whole(match[1]), found)
+
+
+def test_every_statement_of_the_article_has_one_proof_there_or_in_the_supplement() -> None:
+    source, supplement = whole("article"), whole("supplement")
+    begins = [match.start() for match in re.finditer(rf"\\begin\{{{STATEMENTS}\}}", source)] + [len(source)]
+    assert len(begins) > 12
+    for start, following in pairwise(begins):
+        (label,) = re.findall(r"\\label\{((?:thm|lem|prop|cor):[\w-]+)\}", source[start:following])
+        here = source[start:following].count(r"\begin{proof}")
+        there = len(re.findall(rf"\\begin\{{proof\}}\[Proof of \w+~\\ref\{{{label}\}}\]", supplement))
+        assert here + there == 1, label
+
+
+def test_the_supplement_refers_to_nothing_that_neither_document_has() -> None:
+    both = whole("article") + whole("supplement")
+    labels = re.findall(r"\\label\{([^}]*)\}", both)
+    assert len(set(labels)) == len(labels)
+    assert set(re.findall(r"\\(?:eq)?ref\{([^}]*)\}", both)) <= set(labels)
 
 
 def test_counts_of_the_ledger_are_those_of_its_file() -> None:

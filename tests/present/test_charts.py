@@ -21,6 +21,7 @@ from study.present.charts.convergence_chart import (
     slope_triangle,
 )
 from study.present.charts.enclosure_chart import enclosure_chart
+from study.present.charts.rollers_chart import LABEL, rollers_chart
 from study.present.figures.draw_chart import draw_chart
 from study.present.figures.drawing import in_style
 from study.present.report.svg_chart import SvgChart
@@ -134,3 +135,44 @@ def test_a_linear_axis_has_three_to_seven_ticks_at_equal_steps(low: float, high:
     np.testing.assert_allclose(np.diff(values), values[1] - values[0])
     assert low <= values.min()
     assert values.max() <= high
+
+
+def of_rollers(excess: dict[str, float]) -> pd.DataFrame:
+    """Rows of ``statements.csv``, with excess c/n for every family and with c/n² for standing patches."""
+    rows = [
+        {
+            "label": LABEL,
+            "case": f"{kind}-{n}",
+            "family": family,
+            "level": n,
+            "h": 1 / n,
+            "quantity": name,
+            "value": value,
+        }
+        for family, c in excess.items()
+        for n in (16, 32)
+        for kind, name, value in (
+            ("roller", "excess", c / n),
+            ("roller", "error", 1.0),
+            ("standing", "excess", c / n**2),
+        )
+    ]
+    return pd.DataFrame(rows)
+
+
+def test_random_meshes_of_rollers_are_one_curve_with_their_range() -> None:
+    chart = rollers_chart(of_rollers({"one-diagonal": 1.0, "shaken": 2.0, "shaken-1": 4.0}))
+    assert chart is not None
+    (subplot,) = chart.subplots
+    first, mean, slope = subplot.curves
+    assert first.y == pytest.approx([1 / 16, 1 / 32])
+    assert mean.y == pytest.approx([3 / 16, 3 / 32])
+    assert slope.y[1] / slope.y[0] == pytest.approx(2)
+    (band,) = subplot.bands
+    assert (band.low, band.high) == (pytest.approx([2 / 16, 2 / 32]), pytest.approx([4 / 16, 4 / 32]))
+    assert "1.00 (one-diagonal), 1.00 (shaken)" in chart.caption
+    assert subplot.y.high >= 4 / 16
+
+
+def test_there_is_no_chart_of_rollers_without_any() -> None:
+    assert rollers_chart(of_rollers({"shaken": 1.0}).query("case.str.startswith('standing')")) is None

@@ -143,11 +143,11 @@ def verdicts(rows: pd.DataFrame) -> dict[tuple[str, str], str]:
 
 def test_what_was_predicted_holds() -> None:
     found = verdicts(data())
-    reported = {(ROLLER, "scatter"), (ROLLER, "best"), (ROLLER, "order-unstructured")}
+    reported = {(ROLLER, "scatter"), (ROLLER, "best"), (ROLLER, "share"), (ROLLER, "order-unstructured")}
     reported |= {(STANDING, "order-standing-shaken")}
     assert {key for key, verdict in found.items() if verdict == REPORTED} == reported
     assert set(found.values()) == {HOLDS, REPORTED}
-    assert len(found) == 16
+    assert len(found) == 17
 
 
 @pytest.mark.parametrize(

@@ -23,7 +23,8 @@ DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
 
 def macros(data: FullRun) -> str:
     """\\newcommand lines, sorted by nothing but their subject."""
-    groups = (_ledger, _seeds, _plan, _smooth, _rough, _equivalence, _bounds, _work, _time, _beyond, _made_with)
+    theory = _smooth, _rough, _equivalence, _bounds, _work, _rollers, _time, _beyond
+    groups = (_ledger, _seeds, _plan, *theory, _made_with)
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
     return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
 
@@ -166,6 +167,25 @@ def _work(data: FullRun) -> Named:
     shares = data.rows(label, "share")["observed"]
     yield "workShareLeast", below(shares.min(), 2)
     yield "workExcessMost", above(data.rows(label, "excess-share")["high"].max(), 2)
+
+
+def _rollers(data: FullRun) -> Named:
+    """What contact costs where a narrow patch rolls along Γ3, and the theorem's bound."""
+    label = "beyond: rollers"
+    for name, key in (("Equal", "order-equal"), ("Alternating", "order-alternating"), ("Standing", "order-standing")):
+        yield from _extremes(f"rollers{name}", data.rows(label, key))
+    yield from _extremes("rollersBest", data.rows(label, "best"))
+    for name, key in (
+        ("Shaken", "order-shaken"),
+        ("Unstructured", "order-unstructured"),
+        ("Scatter", "scatter"),
+        ("StandingShaken", "order-standing-shaken"),
+    ):
+        (row,) = data.rows(label, key)["observed"]
+        yield f"rollers{name}", f"{row:.2f}"
+    yield "rollersBound", above(data.rows(label, "bound")["high"].max(), 2)
+    yield "rollersTime", _percent(data.rows(label, "time")["high"].max())
+    yield "rollersShareMost", above(data.rows(label, "share")["high"].max(), 2)
 
 
 def _time(data: FullRun) -> Named:

@@ -35,7 +35,7 @@ def rollers_chart(statements: pd.DataFrame) -> Chart | None:
     low, high = rows["value"].min(), rows["value"].max()
     triangle = slope_triangle(curves, 0.5, math.log10(high / low))
     linear = _line(min(curves, key=lambda curve: curve.y.min()))
-    top = triangle.top if triangle else high
+    top = max(high, triangle.top if triangle else 0.0)
     subplot = Subplot(
         "",
         LogAxis.around("mesh size", rows["h"].min(), rows["h"].max(), "h"),

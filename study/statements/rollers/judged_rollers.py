@@ -37,6 +37,11 @@ def bound(group: pd.DataFrame) -> Measured:
     return greatest((group["error"] / group["right side"]).to_numpy())
 
 
+def share(group: pd.DataFrame) -> Measured:
+    """Excess over error."""
+    return greatest((group["excess"] / group["error"]).to_numpy())
+
+
 def halving(group: pd.DataFrame) -> Measured | None:
     """What half the time step changes of the excess, where it was taken; none without."""
     both = group.dropna()
@@ -65,6 +70,10 @@ OF_SCATTER = Observation(
 OF_UNSTRUCTURED = Observation(
     excess("order-unstructured", "unstructured meshes", ONE_MESH),
     "sweeps that even a mesh out leave the part of order 1 in sight, and one mesh hangs on chance",
+)
+OF_SHARE = Observation(
+    Criterion("share", "excess / error, largest", Window(), share, ("excess", "error")),
+    "what contact costs in V has no bound of its own",
 )
 OF_ONE_MESH = Observation(
     excess("order-standing-shaken", "the same on single shaken meshes", ONE),
@@ -103,6 +112,7 @@ def judged(kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
     yield OF_UNSTRUCTURED, among_families(groups, UNSTRUCTURED)
     yield OF_SCATTER, shaken
     yield OF_BEST, groups
+    yield OF_SHARE, groups
     yield TIME, {name: table for name, table in groups.items() if "excess, k/2" in table}
     yield GROWTH, among_families(groups, PLAIN[0])
 

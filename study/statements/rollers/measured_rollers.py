@@ -67,6 +67,10 @@ class MeasuredRollers(ListedNumbers):
         """Those of a study of the whole catalogue, to which rollers do not belong."""
         return self.places(scope.full) if scope.whole else []
 
+    def cost(self, setting: Setting) -> float:
+        """Time steps are as many as cells along a side."""
+        return 12.0 * setting.level**3
+
     def measure(self, setting: Setting) -> dict[str, float]:
         solution, space = resolve(setting.case).solution, space_of(setting)
         on, steps = OnContact(Resolved.of(solution, space)), passing(space, setting.level)
