@@ -9,8 +9,8 @@ and û the piecewise linear interpolant. Then, with the element z = ξ-least of 
     F = Σ_n ∫_{t_{n−1}}^{t_n} ‖f(t_n) − f(t)‖_V dt ≤ k Var f.
 
 The proof is in the supplement to the article (paper/proofs_time.tex). The first bound needs the computed solution, the
-second only the data; neither knows h. z is u̇^h(0+), the projection of f(0) − B^h u_0 onto the cone of directions that K^h allows at
-u_0, and at most ‖f(0)‖_V + ‖B^h u_0‖_V long.
+second only the data; neither knows h. z is u̇^h(0+), the projection of f(0) − B^h u_0 onto the cone of directions that
+K^h allows at u_0, and at most ‖f(0)‖_V + ‖B^h u_0‖_V long.
 """
 
 from __future__ import annotations
