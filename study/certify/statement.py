@@ -16,7 +16,7 @@ import sympy as sp
 from manufactured.body import Body, Kind
 from manufactured.data import Data, Expressions
 from manufactured.factor import UNIFORM, x1, x2
-from manufactured.law import KelvinVoigt, Linear
+from manufactured.law import Indefinite, KelvinVoigt, Linear
 from manufactured.symbols import pos, t
 from manufactured.tensors import Array
 from study.bound.moduli import BoundError
@@ -72,6 +72,8 @@ def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
     for name, operator in (("A", law.A), ("G", law.G)):
         if not isinstance(operator, Linear) or operator.factor is not UNIFORM:
             raise BoundError(f"{name} is not linear and uniform; certificates serve no other law, `study bound` does")
+        if isinstance(operator, Indefinite):
+            raise BoundError(f"{name} need not be positive; certificates serve positive ones only, `study bound` any")
         found[name] = [[str(c) for c in row] for row in voigt(operator.matrix)]
     return found
 

@@ -8,7 +8,18 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
-from manufactured import FrobeniusBall, KelvinVoigt, Linear, Yield, catalogue, isotropic
+from manufactured import (
+    Factor,
+    FrobeniusBall,
+    Indefinite,
+    KelvinVoigt,
+    Linear,
+    Yield,
+    isotropic,
+    isotropic_matrix,
+    named,
+    x1,
+)
 from manufactured.tensors import Array
 from study.bound.growth import Added, Sizes, grown, kernel, largest_square, mean_square
 from study.bound.moduli import moduli
@@ -133,7 +144,7 @@ LAWS = [
     KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "isotropic"),
     KelvinVoigt(isotropic(1, 1e4), Linear(np.diag([1.0, 2.0, 3.0])), "anisotropic"),
     KelvinVoigt(isotropic(1, 0.5), Yield(2.0, FrobeniusBall(0.1)), "(3.3)"),
-    next(case for case in catalogue() if case.name == "anisotropic").solution.law,
+    *(named(name).solution.law for name in ("anisotropic", "softening", "double-well")),
 ]
 
 
@@ -147,6 +158,18 @@ def test_moduli_bound_the_work_of_differences_from_below(law: KelvinVoigt) -> No
     assert np.einsum("in->n", parts**2) == pytest.approx(np.einsum("In,In->n", law.A(one - other), one - other))
     if isinstance(law.G, Linear):
         assert work == pytest.approx(found.values @ parts**2)
+
+
+def test_moduli_of_a_material_that_varies_take_the_worst_of_both_factors() -> None:
+    """Stiff directions by the least G over the largest A, those that soften by the largest G over the least A."""
+    A = isotropic(1, 0.5, factor=Factor(1 + x1, 1.0, 2.0))
+    law = KelvinVoigt(A, Indefinite(isotropic_matrix(0.5, -1.5), Factor(4 - x1, 3.0, 4.0)), "varies")
+    found, rng, x = moduli(law), np.random.default_rng(0), np.linspace(0, 1, 9)[None]
+    for strain in rng.normal(size=(50, 3, 1)):
+        parts = found.directions.T @ A.matrix @ strain
+        local = np.sum(law.G.at(x)(np.broadcast_to(strain, (3, 9))) * strain, axis=0)
+        assert (local >= A.factor(x) * (found.values @ parts**2) - 1e-12).all()
+    assert found.values.min() == pytest.approx(-2 / 3 * 4)
 
 
 def test_the_norm_of_residuals_is_that_of_viscosity_where_nothing_is_stiff() -> None:

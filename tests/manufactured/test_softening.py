@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from manufactured import Case, CaseError, Regularity, named
+from manufactured import Case, CaseError, Data, Regularity, named, unit_square
 from manufactured.catalogue import catalogue
 from manufactured.factor import Factor, x1
 from manufactured.law import (
@@ -24,6 +24,9 @@ from manufactured.law import (
     isotropic_matrix,
 )
 from manufactured.tensors import dyad
+from study.bound.moduli import BoundError
+from study.certify.statement import statement
+from study.cli.main import main
 
 SOFT = Indefinite(isotropic_matrix(0.5, -1.5))
 S = np.array([1.0, -0.5, 0.3])
@@ -99,6 +102,17 @@ def test_the_normal_response_of_a_combined_operator_is_its_nn_component_under_co
 def test_what_is_no_law_is_refused(make, message: str) -> None:
     with pytest.raises(LawError, match=message):
         make()
+
+
+def test_a_task_does_not_serve_a_law_that_softens(tmp_path, capsys) -> None:
+    assert main(["export", "softening", "--levels", "4", "--to", str(tmp_path / "task")]) == 2
+    assert "a static problem with it need not have a solution" in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_certificate_does_not_serve_a_law_that_softens() -> None:
+    data = Data.formulas(unit_square(), named("softening").solution.law, f0=(0, 0))
+    with pytest.raises(BoundError, match="certificates serve positive ones only"):
+        statement(data)
 
 
 def test_differences_may_grow_under_laws_that_soften_alone_and_no_faster_than_the_source_says() -> None:

@@ -21,7 +21,7 @@ import numpy as np
 
 from manufactured.body import Kind
 from manufactured.case import Case
-from manufactured.law import Linear
+from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
 from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
 from study.fem.material import form
@@ -42,7 +42,8 @@ class Task:
     """One case on one mesh, in one mode.
 
     Raises:
-        UsageError: the law of the case is not linear, so that no constants say all.
+        UsageError: the law of the case is not linear, so that no constants say all, or it softens, so that static
+            problems with G need not have a solution.
     """
 
     case: Case
@@ -54,6 +55,11 @@ class Task:
             raise UsageError(
                 f"{self.case.name}: a task states the law by constants, but G of {self.solution.law.name} is not "
                 "linear; take another case"
+            )
+        if isinstance(self.solution.law.G, Indefinite):
+            raise UsageError(
+                f"{self.case.name}: G of {self.solution.law.name} is not positive, a static problem with it need not "
+                "have a solution; take another case"
             )
 
     @property
