@@ -96,7 +96,7 @@ FROZEN = Study(
     ROOT / "build" / "tasks",
 )
 MARCH = Study(
-    ("this_study", "scikit_fem", "kratos_mortar", "ngsolve_penalty", "dolfinx_snesvi", "freefem"),
+    ("this_study", "scikit_fem", "kratos_mortar", "ngsolve_penalty", "dolfinx_snesvi", "getfem_contact", "freefem"),
     ("advance-recede", "anisotropic"),
     ("one-diagonal",),
     RESULTS / "march",

@@ -26,6 +26,7 @@ MADE = "make codes"
 AGAIN = f"make it again with `{MADE}`"
 FOLDER, MARCHES = "codes", "codes/march"
 """Where the files of frozen problems are, and those of marches in time."""
+FROZEN, MARCH = "frozen", "march"
 
 
 @dataclass(frozen=True)
@@ -91,15 +92,15 @@ class Codes:
 
 @dataclass(frozen=True)
 class OtherErrors(CsvFile):
-    """``codes/errors.csv`` as a file that lies beside the rows of a statement."""
+    """Errors of frozen problems and of marches as a file that lies beside the rows of a statement."""
 
     label: str = ""
 
     def read(self, directory: Path) -> pd.DataFrame:
-        """``Codes.on_meshes`` with the label of the statement; nothing where there are no such data."""
-        codes = Codes.read(directory)
-        found = codes.on_meshes() if codes else pd.DataFrame(columns=[*self.columns])
-        return found[[name for name in self.columns if name != "label"]].assign(label=self.label)
+        """``Codes.on_meshes`` with the mode and the label of the statement; nothing where there are no such data."""
+        there = {FROZEN: Codes.read(directory, FOLDER), MARCH: Codes.read(directory, MARCHES)}
+        found = [codes.on_meshes().assign(mode=mode, label=self.label) for mode, codes in there.items() if codes]
+        return pd.concat(found, ignore_index=True)[[*self.columns]] if found else pd.DataFrame(columns=[*self.columns])
 
 
 def _table(path: Path, columns: list[str], key: list[str], empty: bool = False) -> pd.DataFrame:

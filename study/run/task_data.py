@@ -14,8 +14,6 @@ from study.fem.material import means
 from study.fem.space import Space
 from study.ledger.errors import UsageError
 from study.run.foundation import slab
-from study.solve.evolution import SemiDiscrete
-from study.solve.tableau import MIDPOINT
 from study.statements.other_codes.tasks import Task
 
 FORMAT, VERSION = "contact-task", 1
@@ -53,15 +51,14 @@ def require_scale(scale: float) -> None:
 
 def march(task: Task, steps: int, scale: float = 1.0) -> Data:
     """The problem in time by the midpoint rule with equal steps, b at t_{n−1/2} and the answer at t_n."""
-    start = task.gauge.sample(0.0).interpolant
-    problem = SemiDiscrete.of(task.space, task.solution.law, task.gauge.load, start)
+    problem, states = task.march(steps)
     k, judge, loads = problem.T / steps, [], []
-    for n, state in enumerate(MIDPOINT.march(problem, steps)):
+    for n, state in enumerate(states):
         if n:
             load = scale * task.space.nodal(problem.load((n - 0.5) * k)).T
             loads.append({"time": state.time, "load": load})
             judge.append(_judged(task, state.time, (n - 0.5) * k, state.u))
-    moved = scale * task.space.nodal(start).T
+    moved = scale * task.space.nodal(problem.u0).T
     return {**_head(task, "march", scale), "step": k, "start": moved, "steps": loads, "judge": judge}
 
 

@@ -124,7 +124,7 @@ BY_TESTS = {
         ("other codes", key): (
             "statements/test_other_codes.py::test_an_error_that_is_another_turns_the_row_of_its_code_to_fails"
         )
-        for key in ("snesvi", "getfem", "freefem", "scikit-fem", "kratos")
+        for key in ("snesvi", "getfem", "freefem", "kratos")
     },
     ("other codes", "own-digits"): "statements/test_other_codes.py::test_a_column_that_was_copied_is_noticed",
     ("enclosure", "order"): "statements/test_enclosure.py::test_an_order_is_judged_where_nobody_knows_the_error",

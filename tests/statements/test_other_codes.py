@@ -10,10 +10,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.ledger.codes import MESH, NOT_EXPRESSED, Codes
+from study.ledger.codes import FROZEN, MARCH, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.judgement import beside
-from study.statements.other_codes.judge import OURS, PEERS, OtherCodes, Peer
+from study.statements.other_codes.judge import MARCHED, OURS, PEERS, OtherCodes, Peer
 from study.statements.shared.base import LISTED, Setting, grid
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -42,10 +42,10 @@ def of(table: pd.DataFrame, code: str, variant: str) -> pd.Series:
     return (table["code"] == code) & (table["variant"] == variant)
 
 
-def one(table: pd.DataFrame, peer: Peer) -> int:
+def one(table: pd.DataFrame, peer: Peer, mode: str = FROZEN) -> int:
     """The place of an error of a code on one of the meshes."""
-    chosen = of(table, peer.code, peer.variant) & (table["case"] == "advance-recede") & (table["level"] == 16)
-    return int(np.flatnonzero(chosen)[0])
+    on = (table["case"] == "advance-recede") & (table["level"] == 16) & (table["mode"] == mode)
+    return int(np.flatnonzero(of(table, peer.code, peer.variant) & on)[0])
 
 
 EVERY = {peer.key: HOLDS for peer in PEERS} | {"own-digits": HOLDS}
@@ -55,11 +55,12 @@ def test_errors_of_other_codes_are_ours() -> None:
     assert verdicts(lambda table: table) == EVERY
 
 
+@pytest.mark.parametrize("mode", [FROZEN, MARCH])
 @pytest.mark.parametrize("peer", PEERS, ids=lambda peer: peer.key)
-def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer: Peer) -> None:
+def test_an_error_that_is_another_turns_the_row_of_its_code_to_fails(peer: Peer, mode: str) -> None:
     def change(table: pd.DataFrame) -> pd.DataFrame:
         found = table.copy()
-        found.loc[one(table, peer), "error"] *= 1 + 3 * peer.window.high
+        found.loc[one(table, peer, mode), "error"] *= 1 + 3 * peer.window.high
         return found
 
     assert verdicts(change) == EVERY | {peer.key: FAILS}
@@ -70,9 +71,10 @@ def test_a_column_that_was_copied_is_noticed(peer: Peer) -> None:
     """From this study to the code, on all meshes that both have."""
 
     def change(table: pd.DataFrame) -> pd.DataFrame:
-        source = table[of(table, *OURS)].set_index(MESH)["distance"]
+        place = [*MESH, "mode"]
+        source = table[of(table, *OURS)].set_index(place)["distance"]
         chosen = of(table, peer.code, peer.variant) & (table["class"] != NOT_EXPRESSED)
-        copied = [source[tuple(place)] for place in table.loc[chosen, MESH].itertuples(index=False)]
+        copied = [source[tuple(names)] for names in table.loc[chosen, place].itertuples(index=False)]
         found = table.copy()
         found.loc[chosen, "distance"] = copied
         return found
@@ -86,7 +88,7 @@ def test_a_column_that_was_copied_is_noticed(peer: Peer) -> None:
 def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undecided(peer: Peer) -> None:
     without = judged(lambda table: table.drop(index=one(table, peer)))[peer.key]
     assert without.verdict == UNDECIDED
-    assert "1 meshes lack an error" in without.expected
+    assert "1 problems lack an error" in without.expected
     gone = judged(lambda table: table[~of(table, peer.code, peer.variant)])[peer.key]
     assert (gone.verdict, np.isnan(gone.observed)) == (UNDECIDED, True)
 
@@ -100,7 +102,10 @@ def test_codes_that_nobody_ran_are_said_to_be_missing(tmp_path: Path) -> None:
 
 
 def test_the_meshes_of_the_full_study_are_those_that_other_codes_ran_on() -> None:
-    codes = Codes.read(RESULTS)
+    codes, marches = Codes.read(RESULTS), Codes.read(RESULTS, MARCHES)
     assert codes is not None
+    assert marches is not None
+    assert set(marches.errors["case"]) == set(MARCHED)
+    assert set(marches.errors["family"]) == {"one-diagonal"}
     ran = {Setting(*mesh) for mesh in codes.errors[MESH].itertuples(index=False) if mesh[0] != "nearly-incompressible"}
     assert set(OtherCodes.full) == ran

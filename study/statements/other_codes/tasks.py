@@ -12,7 +12,7 @@ the caller's. All but u, and what it is judged by, is scaled by S: the problem i
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -30,8 +30,10 @@ from study.fem.moments import QuadraturePoints, StrainSums
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.errors import UsageError
+from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
 from study.solve.solver_choice import contact_solver
+from study.solve.tableau import MIDPOINT
 
 INSTANTS = 0.15, 0.55, 0.9
 """Frozen instants, if none are given, in units of T: in no case does one meet a jump in time or a vertex of n = 2^k."""
@@ -99,6 +101,18 @@ class Task:
         """The largest ‖u(t) − u^h‖_V of the frozen problems at some instants in units of T."""
         times = [part * self.solution.body.T for part in instants]
         return max(self.gauge.distance(self.gauge.sample(t), self.static(t)) for t in times)
+
+    def march(self, steps: int) -> tuple[SemiDiscrete, Iterator[State]]:
+        """The problem in time with the interpolant of u_0, and its states by the midpoint rule, the start first."""
+        start = self.gauge.sample(0.0).interpolant
+        problem = SemiDiscrete.of(self.space, self.solution.law, self.gauge.load, start)
+        return problem, MIDPOINT.march(problem, steps)
+
+    def error_of_march(self, steps: int) -> float:
+        """The largest ‖u(t_n) − u_n‖_V behind the start."""
+        _, states = self.march(steps)
+        next(states)
+        return max(self.gauge.distance(self.gauge.sample(state.time), state.u) for state in states)
 
     def resultants(self, time: float) -> Array:
         """∫ p over each piece of Γ3 as the vertices off Γ1 carry it, Σ_i ∫ p φ_i, (pieces,)."""
