@@ -41,7 +41,7 @@ from study.ledger.measures import ENOUGH, ROUNDING, change, every, exactly
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around
 from study.solve.cholesky.factorisation import Cholesky
-from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.instants import dual_norm
 from study.statements.shared.places import FIRST, named, place, space_of
@@ -69,7 +69,9 @@ class LoadInTime(ListedNumbers):
         change("uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh over coarsest", UNIFORM, "norm", levels=2),
     )
     quick = grid(("lift-and-land",), ("unstructured",), (8, 16))
-    full = grid((*EVOLVING, "lift-and-land", "load-w11", "moving-rough", "hexagon"), ("unstructured",), (16, 32))
+    full = grid(
+        (*EVOLVING, "lift-and-land", "load-w11", "moving-rough", "hexagon", *SOFTENING), ("unstructured",), (16, 32)
+    )
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         rough, others = (rows[(rows["case"] == ROUGH) == chosen] for chosen in (True, False))

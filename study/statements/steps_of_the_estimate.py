@@ -54,7 +54,7 @@ from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.constraint import with_trace
 from study.statements.prop_5_4.experiment import Experiment
-from study.statements.shared.base import EVOLVING, SEED, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.energies import ContactWork, Energies
 from study.statements.wellposed import growth
 
@@ -93,7 +93,7 @@ class StepsOfTheEstimate(ListedNumbers):
         largest("5.19", "left / right side of (5.19)", TOGETHER, "5.19"),
     )
     quick = grid(("advance-recede",), ("unstructured",), (8,))
-    full = grid((*EVOLVING, "lift-and-land", "anisotropic", "hexagon"), ("unstructured",), (8, 16))
+    full = grid((*EVOLVING, "lift-and-land", "anisotropic", "hexagon", *SOFTENING), ("unstructured",), (8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, STEPS)
