@@ -23,7 +23,7 @@ DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
 
 def macros(data: FullRun) -> str:
     """\\newcommand lines, sorted by nothing but their subject."""
-    theory = _smooth, _rough, _equivalence, _bounds, _work, _rollers, _time, _beyond
+    theory = _smooth, _rough, _equivalence, _bounds, _work, _rollers, _time, _laws, _beyond
     groups = (_ledger, _seeds, _plan, *theory, _made_with)
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
     return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
@@ -198,6 +198,20 @@ def _time(data: FullRun) -> Named:
     yield "timeGrowth", above(100 * (uniform[["low", "high"]] - 1).abs().max(axis=None), 0)
     for name, key in (("rollingMid", "midpoint-rolling"), ("rollingBdf", "bdf2-rolling"), ("ownMid", "midpoint-own")):
         yield from _extremes(name, data.rows("beyond: landings", key))
+
+
+def _laws(data: FullRun) -> Named:
+    """How fast solutions part where G softens, beside eigenvalues and the bound of Theorem 2.2."""
+    label, soft, wells = "Thm 2.2, (4.4)", "softening", "double-well"
+    rates = pd.concat([data.rows(label, key) for key in ("rate", "rate-even")])
+    yield "lawsRate", _power((rates[["low", "high"]] - 1).abs().max(axis=None))
+    yield "lawsEven", _power((data.rows(label, "bound-even")[["low", "high"]] - 1).abs().max(axis=None))
+    yield "lawsBound", above(data.rows(label, "bound")["high"].max(), 3)
+    for name, case in (("Soft", soft), ("Wells", wells)):
+        (row,) = data.rows("(4.3), (5.5)", "monotonicity", case)["high"]
+        yield f"lawsMonotone{name}", below(row, 3)
+    constants = [data.rows("(5.20)–(5.21), (5.42)", "constant-5.21", case)["high"].max() for case in (soft, wells)]
+    yield "lawsConstant", above(max(constants), 3)
 
 
 def _beyond(data: FullRun) -> Named:
