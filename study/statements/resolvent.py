@@ -16,9 +16,9 @@ each law of the catalogue is taken with its G and with −G, which (3.2) allows 
   w is solved by u ↦ P(w ∓ λBu), a contraction with the factor 1/2, P the projection on K^h in ‖·‖_V. That
   w − u ∓ λBu lies in ∂ψ_K(u) is asked by nonnegative least squares. Predicted: round-off.
 * *Its inverse J.* Monotonicity with ω is ‖Jw − Jw'‖_V ≤ (1 − λω)⁻¹ ‖w − w'‖_V: ω = L for −G, twice, and for G the
-  ω that its law states, 0 where it is monotone. Large quotients are looked for with a w inside K^h, from d to the next one along J(w + d) − J(w). There J
-  is (I ± λB)⁻¹. So with ‖B‖ = κ the part (1 − κ/2L)⁻¹/2 of the bound for −G is used, a half without B and 0.6 … 1 for
-  homogeneous laws; for a monotone G at least (1 + 1/2)⁻¹ = 2/3.
+  ω that its law states, 0 where it is monotone. Large quotients are looked for with a w inside K^h, from d to the next
+  one along J(w + d) − J(w). There J is (I ± λB)⁻¹. So with ‖B‖ = κ the part (1 − κ/2L)⁻¹/2 of the bound for −G is used,
+  a half without B and 0.6 … 1 for homogeneous laws; for a monotone G at least (1 + 1/2)⁻¹ = 2/3.
 """
 
 from __future__ import annotations
