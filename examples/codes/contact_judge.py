@@ -29,11 +29,27 @@ EXACT = 1e-5
 iterations are stopped at. A contact law that tends to the right one leaves more on meshes anybody uses."""
 FALLS = 0.5
 """Order from which on a distance falls under refinement; with its negative it grows. Half of the order of the error."""
+PRESSURE_FALLS = 2 / 3
+"""Order from which on the error of the pressure falls. A vertex that is not held leaves an error on the size h of Γ3,
+whose norm in L² has the order ½, between .4 and .6 on shaken meshes; the solution in K^h had .87 or more."""
+MESHES = 3
+"""Meshes without which nothing is said of an order: on the first two, an error of quadrature that falls fast hides one
+that does not."""
+NEGLIGIBLE = 0.01
+"""Distance relative to the discretisation error up to which one that grows is not wrong: the error changes by a
+hundredth at most, and what is made of so little (quadrature, iterations) need not fall in every step."""
 NO_CONTACT = 0.9
 """Relative error of the pressure from which on a code is wrong: no contact at all has 1."""
 OTHER_EQUATIONS = 0.1
 """Part of the load that is left where no force may be, from which on a code is wrong: an elastic body of another
 stiffness, say. Methods of Nitsche's kind leave up to some hundredths."""
+FEW_FORCES = 1e-3
+"""Part of the load from which on forces where none may be are mentioned."""
+LARGE_PRESSURE = 3
+"""Times the error of K^h from which on the pressure of a consistent code is mentioned."""
+NEXT_TO_NOTHING = 0.1
+"""Part of the force that the solution in K^h has at a vertex, up to which the vertex is idle, and part of the largest
+pressure from which on it is asked."""
 NECESSARY = 0.15
 """Distance of an order in V from that of the solution in K^h that is still the same."""
 GOOD = "exact for P1", "consistent"
@@ -202,6 +218,7 @@ class Errors:
         penetration: largest u_ν over the largest |u|.
         resultant: largest |∫ p − Σ λ_i| over the largest ∫ p.
         tangential: largest force on Γ3 along it, and on nodes off Γ3 at all, over the largest load: other equations.
+        idle: vertices on which the solution in K^h presses and this one does not, over all steps together.
     """
 
     error: float
@@ -213,6 +230,7 @@ class Errors:
     penetration: float
     resultant: float
     tangential: float
+    idle: tuple[int, ...] = ()
 
 
 def measure(task: Task, u: np.ndarray) -> Errors:
@@ -221,7 +239,8 @@ def measure(task: Task, u: np.ndarray) -> Errors:
     mine, theirs = _contact(task, u / task.scale), _contact(task, np.array(exact))
     rows = [_in_v(task, one, v / task.scale) for one, v in zip(task.data["judge"], u, strict=True)]
     error, best, discrete, distance = np.max(rows, axis=0) if np.isfinite(rows).all() else [np.inf] * 4
-    return Errors(*map(float, (error, best, discrete, distance, mine[0], theirs[0], *mine[1:])))
+    numbers = map(float, (error, best, discrete, distance, mine[0], theirs[0], *mine[1:]))
+    return Errors(*numbers, idle(task, u / task.scale, np.array(exact)))
 
 
 def _in_v(task: Task, exact: dict, u: np.ndarray) -> list[float]:
@@ -232,10 +251,10 @@ def _in_v(task: Task, exact: dict, u: np.ndarray) -> list[float]:
     return [*np.sqrt(exact["rest"] + np.square(apart)), *nodes]
 
 
-def _contact(task: Task, u: np.ndarray) -> tuple[float, float, float, float]:
-    """Pressure error, penetration, error of the resultant, what is out of balance; of displacements (steps, n, d)."""
-    pieces, before, worst = task.pieces(), task.start() / task.scale, []
-    for n, (exact, now) in enumerate(zip(task.data["judge"], u, strict=True)):
+def balance(task: Task, u: np.ndarray) -> list[tuple[list[np.ndarray], np.ndarray, np.ndarray]]:
+    """For each step λ_i at the vertices of each piece, what is still out of balance (n, d), and the load (n, d)."""
+    pieces, before, found = task.pieces(), task.start() / task.scale, []
+    for n, now in enumerate(u):
         load, stress = (part / task.scale for part in task.step(n, before * task.scale))
         elastic = np.einsum("cij,cj->ci", task.stiffness, task.strain(now))
         left = load - task.internal(elastic + stress)
@@ -243,6 +262,15 @@ def _contact(task: Task, u: np.ndarray) -> tuple[float, float, float, float]:
         forces = carried(left, pieces)
         for (normal, vertices, _), force in zip(pieces, forces, strict=True):
             left[vertices] -= force[:, None] * normal
+        found.append((forces, left, load))
+        before = now
+    return found
+
+
+def _contact(task: Task, u: np.ndarray) -> tuple[float, float, float, float]:
+    """Pressure error, penetration, error of the resultant, what is out of balance; of displacements (steps, n, d)."""
+    pieces, worst = task.pieces(), []
+    for exact, now, (forces, left, load) in zip(task.data["judge"], u, balance(task, u), strict=True):
         p = [np.array(values, float) for values in exact["pressure"]]
         squares = [
             [mass @ (force / mass - values) ** 2, mass @ values**2]
@@ -252,9 +280,33 @@ def _contact(task: Task, u: np.ndarray) -> tuple[float, float, float, float]:
         totals = np.array([force.sum() for force in forces]), np.array(exact["resultant"], float)
         sizes = [abs(totals[0] - totals[1]).max(), abs(totals[1]).max(), abs(left).max(), abs(load).max()]
         worst.append([*np.sqrt(np.sum(squares, axis=0)), max(deepest, 0), abs(now).max(), *sizes])
-        before = now
     most = np.max(worst, axis=0) if np.isfinite(worst).all() else np.full(8, np.inf)
     return tuple(float(a / max(b, 1e-300)) if np.isfinite(a) else np.inf for a, b in most.reshape(4, 2))
+
+
+def idle(task: Task, u: np.ndarray, reference: np.ndarray) -> tuple[int, ...]:
+    """Vertices that the reference presses, over all steps, and u next to nothing."""
+    found, pieces = set(), task.pieces()
+    totals = [
+        [sum(step) for step in zip(*(forces for forces, *_ in balance(task, v)), strict=True)] for v in (u, reference)
+    ]
+    most = max((force / mass).max() for (_, _, mass), force in zip(pieces, totals[1], strict=True))
+    for (_, vertices, mass), mine, theirs in zip(pieces, *totals, strict=True):
+        asked = theirs / mass >= NEXT_TO_NOTHING * most
+        found |= set(vertices[asked & (mine <= NEXT_TO_NOTHING * theirs)].tolist())
+    return tuple(sorted(found)) if most > 0 else ()
+
+
+def tested(task: Task) -> tuple[int, int, int]:
+    """Constraints u_i·ν ≤ 0 that are in contact at some step, that are free at some step, and all of them."""
+    pressed = free = count = 0
+    for i, (normal, vertices, _) in enumerate(task.pieces()):
+        p = np.array([one["pressure"][i] for one in task.data["judge"]], float)
+        u = np.array([one["displacement"] for one in task.data["judge"]], float)
+        pressed += int((p > 0).any(axis=0).sum())
+        free += int((u[:, vertices] @ normal < -1e-9 * abs(u).max()).any(axis=0).sum())
+        count += len(vertices)
+    return pressed, free, count
 
 
 def carried(forces: np.ndarray, pieces: list) -> list[np.ndarray]:
@@ -271,18 +323,24 @@ def carried(forces: np.ndarray, pieces: list) -> list[np.ndarray]:
     ]
 
 
+def orders(h: list[float], errors: list[float]) -> list[float]:
+    """The orders between neighbouring meshes; infinite where nothing is left."""
+    pairs_of = zip(zip(h, errors, strict=True), zip(h[1:], errors[1:], strict=False), strict=False)
+    return [float(np.log(a / b) / np.log(k / m)) if min(a, b) > 0 else float("inf") for (k, a), (m, b) in pairs_of]
+
+
 def order(h: list[float], errors: list[float]) -> float:
-    """The order between the last two meshes; nan from one mesh, infinite where nothing is left."""
-    if len(h) < 2:
-        return float("nan")
-    if errors[-1] <= 0 or errors[-2] <= 0:
-        return float("inf")
-    return float(np.log(errors[-2] / errors[-1]) / np.log(h[-2] / h[-1]))
+    """The order between the last two meshes; nan from one mesh."""
+    return orders(h, errors)[-1] if len(h) > 1 else float("nan")
 
 
 @dataclass(frozen=True)
 class Judgement:
-    """A code on one case, mesh by mesh; orders between the last two meshes, ``order_of_best`` that of K^h."""
+    """A code on one case, mesh by mesh; orders between the last two meshes, ``order_of_best`` that of K^h.
+
+    ``why`` has the numbers behind the verdict in words. ``tested`` has the constraints that are in contact at some step
+    on the last mesh, those that are free at some step, and all: no answer says anything of the others.
+    """
 
     case: str
     family: str
@@ -290,6 +348,8 @@ class Judgement:
     levels: list[int]
     errors: list[Errors]
     verdict: str
+    why: str
+    tested: tuple[int, int, int]
     order_in_v: float
     order_of_best: float
     order_of_distance: float
@@ -301,23 +361,44 @@ def classify(h: list[float], errors: list[Errors]) -> str:
     """The class of a code from its errors, mesh by mesh.
 
     *exact for P1*: its distance from the solution in K^h is at most ``EXACT`` of the discretisation error.
-    *consistent*: distance and error of the pressure fall, with an order of ``FALLS`` at least.
-    *wrong*: no numbers, a distance that grows, a pressure no better than none, or other equations.
-    *stagnates*: anything else; *undecided* if there is one mesh.
+    *consistent*: on ``MESHES`` meshes or more, the distance falls between the last two with an order of ``FALLS`` at
+    least, and the error of the pressure with ``PRESSURE_FALLS``.
+    *wrong*: no numbers; or, from two meshes on, a distance that grows and is more than ``NEGLIGIBLE``, a pressure no
+    better than none, or other equations.
+    *stagnates*: anything else; *undecided* if there are fewer meshes.
     """
-    shares = [one.distance / one.best for one in errors]
+    return judged(h, errors)[0]
+
+
+def judged(h: list[float], errors: list[Errors]) -> tuple[str, str]:
+    """The class, and the numbers that decided."""
+    shares, last = [one.distance / one.best for one in errors], errors[-1]
     if not np.isfinite(shares).all():
-        return "wrong"
+        return "wrong", "no numbers"
     if max(shares) <= EXACT:
-        return "exact for P1"
+        return "exact for P1", f"{max(shares):.0e} of the error"
     if len(h) < 2:
-        return "undecided"
-    distance = order(h, [one.distance for one in errors])
-    last = errors[-1]
-    if distance < -FALLS or last.pressure >= NO_CONTACT or last.tangential >= OTHER_EQUATIONS:
-        return "wrong"
-    falls = distance >= FALLS and order(h, [one.pressure for one in errors]) >= FALLS
-    return "consistent" if falls else "stagnates"
+        return "undecided", f"one mesh, not exact: {shares[-1]:.1e} of the error"
+    fall = orders(h, [one.distance for one in errors])
+    if fall[-1] < -FALLS and shares[-1] > NEGLIGIBLE:
+        return "wrong", f"grows with order {-fall[-1]:.1f}, {shares[-1]:.1e} of the error"
+    if last.pressure >= NO_CONTACT:
+        return "wrong", f"pressure no better than none, error {last.pressure:.2f}"
+    if last.tangential >= OTHER_EQUATIONS:
+        return "wrong", f"other equations, forces of {last.tangential:.2g} of the load where none may be"
+    return _by_orders(fall, order(h, [one.pressure for one in errors]), shares[-1])
+
+
+def _by_orders(fall: list[float], pressure: float, share: float) -> tuple[str, str]:
+    """The class of what is neither exact nor wrong."""
+    told = f"order {', '.join(f'{one:.1f}' for one in fall)}"
+    if len(fall) + 1 < MESHES:
+        return "undecided", f"{told} from {len(fall) + 1} meshes; {MESHES} are needed"
+    if fall[-1] < FALLS:
+        return "stagnates", f"at {share:.1e} of the error, {told}"
+    if pressure < PRESSURE_FALLS:
+        return "stagnates", f"in the pressure, order {pressure:.1f}"
+    return "consistent", told
 
 
 def assess(tasks: list[Task], answers: dict[str, np.ndarray]) -> list[Judgement]:
@@ -336,12 +417,11 @@ def assess(tasks: list[Task], answers: dict[str, np.ndarray]) -> list[Judgement]
         h = [levels[n][0].data["h"] for n in numbers]
         errors = [measure(levels[n][0], answers[levels[n][0].name]) for n in numbers]
         apart = [_between(levels[n], answers, one.best) for n, one in zip(numbers, errors, strict=True)]
-        orders = [
-            order(h, [getattr(one, name) for one in errors]) for name in ("error", "best", "distance", "pressure")
-        ]
+        last = [order(h, [getattr(one, name) for one in errors]) for name in ("error", "best", "distance", "pressure")]
         known = [value for value in apart if not np.isnan(value)]
         invariance = max(known, default=float("nan"))
-        found.append(Judgement(*key, numbers, errors, classify(h, errors), *orders, invariance))
+        reached = tested(levels[numbers[-1]][0])
+        found.append(Judgement(*key, numbers, errors, *judged(h, errors), reached, *last, invariance))
     return found
 
 
@@ -366,30 +446,54 @@ def unpack(task: Task, directory: Path) -> None:
         np.savetxt(place / f"normal_{i}.txt", np.array([piece["normal"]]), fmt="%.17g")
     for name, values in numbers.items():
         np.savetxt(place / f"{name}.txt", values, fmt="%d")
-    reals = {"vertices": task.vertices, "stiffness": task.stiffness.reshape(len(task.cells), -1)}
-    for n in range(0 if task.marches else task.count):
+    tensors = {"stiffness": task.stiffness} | ({"A": task.A, "G": task.G} if task.marches else {})
+    reals = {"vertices": task.vertices} | {name: one.reshape(len(task.cells), -1) for name, one in tensors.items()}
+    if task.marches:
+        reals |= {"start": task.start(), "step": np.array([task.data["step"]])}
+    for n in range(task.count):
         load, stress = task.step(n, task.start())
-        reals |= {f"load_{n + 1}": load, f"initial_stress_{n + 1}": stress}
+        reals |= {f"load_{n + 1}": load} | ({} if task.marches else {f"initial_stress_{n + 1}": stress})
     for name, values in reals.items():
         np.savetxt(place / f"{name}.txt", values, fmt="%.17g")
 
 
 def table(found: list[Judgement]) -> str:
-    """What the judgements say, in lines."""
-    lines = [f"{'case':<24}{'meshes':<14}{'V order':>8}{'distance':>12}{'pressure':>10}  class"]
+    """What the judgements say, in lines; numbers are those of the last mesh."""
+    head = f"{'case':<22}{'meshes':<13}{'mode':<7}{'n':<9}{'V order':>8}{'distance':>10}{'pressure':>10}{'of K^h':>8}"
+    lines = [f"{head}{'pressed':>9}{'free':>8}  class"]
     for one in found:
-        last = one.errors[-1]
-        what = f"{one.verdict}, order {one.order_of_distance:.1f}" if one.verdict == "consistent" else one.verdict
-        kept = "" if np.isnan(one.invariance) else f", scales differ by {one.invariance:.1e}"
-        numbers = f"{one.order_in_v:8.2f}{last.distance:12.2e}{last.pressure:10.3f}"
-        lines.append(f"{one.case:<24}{one.family:<14}{numbers}  {what}{kept}")
-        if abs(one.order_in_v - one.order_of_best) > NECESSARY:
-            lines.append("    the order in V is not that of the solution in K^h, which is necessary")
-        if last.tangential > 1e-3:
-            lines.append(
-                f"    forces of {last.tangential:.1e} of the load where none may be: other equations were solved"
-            )
+        last, (pressed, free, count) = one.errors[-1], one.tested
+        levels = " ".join(map(str, one.levels))
+        numbers = (
+            f"{one.order_in_v:8.2f}{last.distance / last.best:10.1e}{last.pressure:10.3f}{last.best_pressure:8.3f}"
+        )
+        reached = f"{f'{pressed}/{count}':>9}{f'{free}/{count}':>8}"
+        what = f"{one.verdict} ({one.why})"
+        lines += [f"{one.case:<22}{one.family:<13}{one.mode:<7}{levels:<9}{numbers}{reached}  {what}"]
+        lines += [f"    {note}" for note in notes(one)]
     return "\n".join(lines)
+
+
+def notes(one: Judgement) -> list[str]:
+    """What the class does not say."""
+    last, found = one.errors[-1], []
+    if not np.isnan(one.invariance):
+        found.append(f"load scales differ by {one.invariance:.1e} of the error")
+    if abs(one.order_in_v - one.order_of_best) > NECESSARY:
+        found.append("the order in V is not that of the solution in K^h, which is necessary")
+    if last.idle:
+        named = ", ".join(map(str, last.idle[:5])) + (", …" if len(last.idle) > 5 else "")
+        found.append(f"vertices that are pressed and carry next to nothing: {len(last.idle)} ({named})")
+    if one.verdict == "consistent" and last.pressure > LARGE_PRESSURE * last.best_pressure:
+        found.append(
+            f"the pressure has {last.pressure / last.best_pressure:.0f} times the error of the solution in K^h"
+        )
+    if FEW_FORCES < last.tangential < OTHER_EQUATIONS:
+        found.append(
+            f"forces of {last.tangential:.1e} of the load where none may be: terms inside the body (Nitsche), places "
+            "of contact that move (smaller loads?), or equations that are not quite those of the task"
+        )
+    return found
 
 
 def main() -> int:

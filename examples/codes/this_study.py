@@ -17,11 +17,7 @@ def make(task: Task):
     """step(b, s0) ↦ u."""
     free = np.setdiff1d(np.arange(task.vertices.size), np.add.outer(task.dim * task.clamped, np.arange(task.dim)))
     S = stiffness(task)[free][:, free]
-    rows = [(v, normal) for normal, vertices, _ in task.pieces() for v in vertices]
-    N = sps.lil_array((len(rows), task.vertices.size))
-    for row, (vertex, normal) in enumerate(rows):
-        N[row, task.dim * vertex : task.dim * (vertex + 1)] = normal
-    solve = Signorini(sps.csc_array(S), sps.csr_array(sps.csr_array(N)[:, free]))
+    solve = Signorini(sps.csc_array(S), sps.csr_array(normals(task)[:, free]))
 
     def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
         u = np.zeros(task.vertices.size)
@@ -29,6 +25,15 @@ def make(task: Task):
         return u.reshape(task.vertices.shape)
 
     return step
+
+
+def normals(task: Task) -> sps.csr_array:
+    """v ↦ v_i·ν at the constrained vertices, piece after piece, for all vertices."""
+    rows = [(v, normal) for normal, vertices, _ in task.pieces() for v in vertices]
+    N = sps.lil_array((len(rows), task.vertices.size))
+    for row, (vertex, normal) in enumerate(rows):
+        N[row, task.dim * vertex : task.dim * (vertex + 1)] = normal
+    return sps.csr_array(N)
 
 
 def stiffness(task: Task) -> sps.csr_array:

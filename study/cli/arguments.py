@@ -128,7 +128,7 @@ def _enclosed(bound: argparse.ArgumentParser, levels: tuple[int, ...], shorter: 
 
 def _export(export: argparse.ArgumentParser) -> None:
     export.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case with a linear law")
-    export.add_argument("--levels", nargs="+", type=int, default=[8, 16], metavar="N", help="default 8 16")
+    export.add_argument("--levels", nargs="+", type=int, default=[8, 16, 32], metavar="N", help="default 8 16 32")
     meshes = f"meshes: {', '.join(FAMILIES)} (default one-diagonal)"
     export.add_argument("--family", nargs="+", default=["one-diagonal"], metavar="NAME", help=meshes)
     export.add_argument("--mode", choices=MODES, default="frozen", help="static problems, or steps in time")

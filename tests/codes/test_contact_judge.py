@@ -38,6 +38,11 @@ def ours(judge: ModuleType) -> ModuleType:
     return importlib.import_module("this_study")
 
 
+@pytest.fixture(scope="module")
+def faults(judge: ModuleType) -> ModuleType:
+    return importlib.import_module("faults")
+
+
 def read(judge: ModuleType, data: dict[str, Any]) -> Any:
     return judge.Task(f"{data['case']}-{data['level']}-{data['scale']}", json.loads(json.dumps(plain(data))))
 
@@ -57,33 +62,6 @@ Make = Callable[[Any], Callable[[np.ndarray, np.ndarray], np.ndarray]]
 def judged(judge: ModuleType, tasks: list[Any], make: Make) -> Any:
     (found,) = judge.assess(tasks, {task.name: judge.answer(task, make) for task in tasks})
     return found
-
-
-def with_springs(ours: ModuleType, stiffness: Callable[[Any], float]) -> Make:
-    """Springs in place of the foundation, so stiff, by active sets."""
-
-    def make(task: Any) -> Any:
-        K, free = ours.stiffness(task).toarray(), np.setdiff1d(np.arange(task.vertices.size), _fixed(task))
-        ((normal, vertices, mass),) = task.pieces()
-
-        def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
-            b, held, u = (load - task.internal(stress)).ravel(), np.ones(len(vertices), bool), None
-            for _ in range(30):
-                S, u = K.copy(), np.zeros(len(b))
-                for vertex, weight in zip(vertices[held], mass[held], strict=True):
-                    on = slice(2 * vertex, 2 * vertex + 2)
-                    S[on, on] += stiffness(task) * weight * np.outer(normal, normal)
-                u[free] = np.linalg.solve(S[np.ix_(free, free)], b[free])
-                held = u.reshape(-1, 2)[vertices] @ normal > 0
-            return u.reshape(-1, 2)
-
-        return step
-
-    return make
-
-
-def _fixed(task: Any) -> np.ndarray:
-    return np.add.outer(2 * task.clamped, [0, 1]).ravel()
 
 
 def test_tasks_read_back_give_our_own_errors(judge: ModuleType, tasks: list[Any]) -> None:
@@ -134,16 +112,18 @@ def test_a_cube_is_judged_like_a_square(judge: ModuleType, ours: ModuleType) -> 
     assert found.errors[0].tangential < 1e-11
 
 
-def test_springs_as_stiff_as_cells_are_consistent_of_order_one(judge: ModuleType, ours: ModuleType, tasks: Any) -> None:
-    found = judged(judge, tasks, with_springs(ours, lambda task: 30 / task.data["h"]))
+def test_springs_as_stiff_as_cells_are_consistent_of_order_one(
+    judge: ModuleType, faults: ModuleType, tasks: Any
+) -> None:
+    found = judged(judge, tasks, faults.springs(lambda task: 30 / task.data["h"]))
     assert found.verdict == "consistent"
     assert found.order_of_distance == pytest.approx(1, abs=0.3)
 
 
 def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_not_see_it(
-    judge: ModuleType, ours: ModuleType, tasks: Any
+    judge: ModuleType, faults: ModuleType, tasks: Any
 ) -> None:
-    found = judged(judge, tasks, with_springs(ours, lambda task: 30.0))
+    found = judged(judge, tasks, faults.springs(lambda task: 30.0))
     assert found.verdict == "stagnates"
     assert abs(found.order_in_v - 1) < 0.15
     assert found.errors[-1].pressure > 5 * found.errors[-1].best_pressure
@@ -175,13 +155,104 @@ def test_one_mesh_says_nothing_of_an_order(judge: ModuleType, ours: ModuleType, 
     assert found.verdict == "undecided"
 
 
-def test_contact_forgotten_is_seen_by_the_pressure_and_the_penetration(judge: ModuleType, tasks: Any) -> None:
-    ours = importlib.import_module("this_study")
-    found = judged(judge, tasks, with_springs(ours, lambda task: 0.0))
+def test_contact_forgotten_is_seen_by_the_pressure_and_the_penetration(
+    judge: ModuleType, faults: ModuleType, tasks: Any
+) -> None:
+    found = judged(judge, tasks, faults.springs(lambda task: 0.0))
     assert found.verdict == "wrong"
     assert found.errors[-1].penetration > 0.1
     assert found.errors[-1].pressure == pytest.approx(1, abs=1e-6)
     assert found.errors[-1].resultant == pytest.approx(1, abs=1e-6)
+
+
+def errors(judge: ModuleType, shares: list[float], pressure: list[float], tangential: float = 0.0) -> list[Any]:
+    """Errors with distances of some shares of a discretisation error h, on meshes h = 1, ½, ¼ …"""
+    h = [0.5**k for k in range(len(shares))]
+    rows = zip(h, shares, pressure, strict=True)
+    return [judge.Errors(k, k, k, share * k, p, 0.01 * k, 0.0, 0.0, tangential) for k, share, p in rows]
+
+
+def classed(judge: ModuleType, found: list[Any]) -> str:
+    return str(judge.classify([one.best for one in found], found))
+
+
+def test_what_grows_from_nothing_to_next_to_nothing_stagnates_and_is_not_wrong(judge: ModuleType) -> None:
+    """Constraints at Gauss points on shaken meshes: 1.4e-5 of the error on the first mesh, then 1.6e-4."""
+    p = [0.04, 0.02, 0.01]
+    assert classed(judge, errors(judge, [1.4e-5, 1.6e-4, 1e-3], p)) == "stagnates"
+    assert classed(judge, errors(judge, [1.4e-5, 1.6e-4, 3.2e-4], p)) == "stagnates"
+    assert classed(judge, errors(judge, [1.4e-5, 1.6e-4], p[:2])) == "undecided"
+    assert classed(judge, errors(judge, [1e-3, 5e-3, 3e-2], p)) == "wrong"
+
+
+def test_a_constant_part_behind_one_that_falls_fast_needs_a_third_mesh(judge: ModuleType) -> None:
+    """A penalty that is not scaled, 1000 g on merging patches: distances with orders 1.6 and 0.0."""
+    distances, p = [1.61, 0.5, 0.486], [0.15, 0.1, 0.05]
+    shares = [d * 2**k for k, d in enumerate(distances)]
+    assert classed(judge, errors(judge, shares[:2], p[:2])) == "undecided"
+    assert classed(judge, errors(judge, shares, p)) == "stagnates"
+    assert classed(judge, errors(judge, [0.08, 0.013, 0.003], p)) == "consistent"
+
+
+def test_a_vertex_that_is_not_held_is_named_and_its_pressure_falls_too_slowly(
+    judge: ModuleType, faults: ModuleType, tasks: Any
+) -> None:
+    found = judged(judge, tasks, faults.misread(faults.without(0.25)))
+    assert found.verdict == "stagnates"
+    assert found.order_of_distance > judge.FALLS
+    assert found.order_of_pressure == pytest.approx(0.5, abs=0.1)
+    (vertex,) = found.errors[-1].idle
+    assert tasks[-1].vertices[vertex] == pytest.approx([0.25, 0])
+    assert f"carry next to nothing: 1 ({vertex})" in judge.table([found])
+
+
+def test_a_vertex_that_no_step_presses_is_not_judged_and_the_table_says_how_many(
+    judge: ModuleType, faults: ModuleType, tasks: Any
+) -> None:
+    found = judged(judge, tasks, faults.misread(faults.without(1.0)))
+    assert found.verdict == "exact for P1"
+    pressed, free, count = found.tested
+    assert max(pressed, free) < count
+    assert f"{pressed}/{count}" in judge.table([found])
+
+
+def test_full_contact_presses_all_vertices_and_frees_none(judge: ModuleType, faults: ModuleType) -> None:
+    case = [read(judge, frozen(exported("full-contact", level=n), (0.15, 0.55, 0.9))) for n in LEVELS]
+    assert judge.tested(case[-1]) == (17, 0, 17)
+    assert judged(judge, case, faults.misread(faults.without(1.0))).errors[-1].idle
+    assert judged(judge, case, faults.tied).verdict == "exact for P1"
+
+
+def test_the_class_and_the_line_about_forces_agree(judge: ModuleType) -> None:
+    p = [0.04, 0.02, 0.01]
+    for tangential, verdict, said in ((5e-4, "consistent", False), (0.02, "consistent", True), (0.2, "wrong", False)):
+        found = errors(judge, [0.1, 0.05, 0.025], p, tangential)
+        h = [one.best for one in found]
+        reached, last = (1, 1, 1), [1.0, 1.0, 1.0, 1.0]
+        one = judge.Judgement("c", "f", "frozen", [1, 2, 4], found, *judge.judged(h, found), reached, *last, np.nan)
+        assert one.verdict == verdict
+        assert any("where none may be" in note for note in judge.notes(one)) == said
+    assert "other equations" in one.why
+
+
+def test_a_consistent_code_with_a_pressure_many_times_that_of_k_h_does_not_pass_without_a_word(
+    judge: ModuleType,
+) -> None:
+    found = errors(judge, [0.1, 0.05, 0.025], [0.3, 0.15, 0.075])
+    why = judge.judged([1, 0.5, 0.25], found)
+    one = judge.Judgement("c", "f", "frozen", [1, 2, 4], found, *why, (1, 1, 1), 1.0, 1.0, 1.0, 1.0, np.nan)
+    assert one.verdict == "consistent"
+    assert "30 times the error of the solution in K^h" in judge.table([one])
+
+
+@pytest.mark.slow
+def test_the_page_says_of_each_fault_which_case_shows_it(judge: ModuleType, faults: ModuleType) -> None:
+    cases = {
+        case: [read(judge, frozen(exported(case, level=n), (0.15, 0.55, 0.9))) for n in (8, 16, 32)]
+        for case in faults.CASES
+    }
+    page = (Path(__file__).parents[2] / "docs" / "how-to" / "verify-a-contact-code.md").read_text(encoding="utf-8")
+    assert "\n".join(faults.table(cases)) in page
 
 
 def test_other_equations_leave_forces_where_none_may_be(judge: ModuleType, ours: ModuleType, tasks: Any) -> None:
@@ -296,3 +367,26 @@ def test_unpacked_files_are_the_same_problem(tmp_path: Path, judge: ModuleType, 
     assert np.array_equal(np.loadtxt(place / "load_2.txt"), load)
     assert np.array_equal(np.loadtxt(place / "initial_stress_2.txt"), stress)
     assert np.array_equal(np.loadtxt(place / "constrained_1.txt"), tasks[1].pieces()[0][1])
+
+
+def test_a_march_can_be_done_from_unpacked_files_alone(tmp_path: Path, judge: ModuleType, ours: ModuleType) -> None:
+    task = read(judge, march(exported("anisotropic", level=4), 3))
+    judge.unpack(task, tmp_path)
+
+    def of(name: str) -> np.ndarray:
+        return np.loadtxt(tmp_path / task.name / f"{name}.txt", ndmin=2)
+
+    k, u, found, step = float(of("step")[0, 0]), of("start"), [], ours.make(task)
+    A, G = (of(name).reshape(-1, 3, 3) for name in "AG")
+    assert np.allclose(of("stiffness").reshape(-1, 3, 3), A / k + G / 2, rtol=1e-14)
+    for n in range(1, task.count + 1):
+        u = step(of(f"load_{n}"), np.einsum("cij,cj->ci", G / 2 - A / k, task.strain(u)))
+        found.append(u)
+    assert not list((tmp_path / task.name).glob("initial_stress*"))
+    assert judged(judge, [task], lambda _: iter_step(found)).verdict == "exact for P1"
+
+
+def iter_step(found: list[np.ndarray]) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """A step that gives what was computed before."""
+    rest = iter(found)
+    return lambda load, stress: next(rest)
