@@ -1,8 +1,8 @@
 """Solutions with details of many sizes, each lifted to a depth in proportion to its size."""
 
 from manufactured.multiscale.fading import FadingFace
-from manufactured.multiscale.roller import rollers
+from manufactured.multiscale.roller import COARSEST_ROLLER, ROLLERS, rollers
 from manufactured.multiscale.strip import StripFace
 from manufactured.multiscale.trains import multiscale
 
-__all__ = ["FadingFace", "StripFace", "multiscale", "rollers"]
+__all__ = ["COARSEST_ROLLER", "ROLLERS", "FadingFace", "StripFace", "multiscale", "rollers"]

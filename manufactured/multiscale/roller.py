@@ -43,6 +43,10 @@ LANDINGS = Rational(1, 10), Rational(2, 5)
 """t_j."""
 SLOPE = Rational(1, 10)
 """ω."""
+ROLLERS = "roller", "pushing-roller", "steep-roller", "standing"
+"""What names of cases begin with, before the level."""
+COARSEST_ROLLER = 5
+"""The least level n: a standing patch of the half-width 2/n has to end on the face."""
 DEPTH = Rational(7, 10)
 """Of the lifting, over the distance from the patch or its width."""
 
@@ -50,12 +54,12 @@ DEPTH = Rational(7, 10)
 @lru_cache
 def rollers(level: int) -> tuple[Case, ...]:
     """The cases with ℓ = 2/n, which are not of the catalogue: each belongs to the meshes of one level n."""
-    width = Rational(2, level)
+    width, (plain, pushing, steep, still) = Rational(2, level), (f"{kind}-{level}" for kind in ROLLERS)
     return (
-        roller(f"roller-{level}", width),
-        roller(f"pushing-roller-{level}", width, push=2),
-        roller(f"steep-roller-{level}", width, slope=2 * SLOPE),
-        standing(f"standing-{level}", width),
+        roller(plain, width),
+        roller(pushing, width, push=2),
+        roller(steep, width, slope=2 * SLOPE),
+        standing(still, width),
     )
 
 

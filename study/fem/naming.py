@@ -16,7 +16,7 @@ from typing import Any
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.data import Data
-from manufactured.multiscale import multiscale, rollers
+from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, rollers
 from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.errors import UsageError
@@ -69,9 +69,10 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
 
 
 def _cases(name: str) -> tuple[Case, ...]:
-    """The catalogue and the cases beside it, of rollers those whose width belongs to the level in a name."""
-    width = re.fullmatch(r"[a-z-]+-(\d+)", name)
-    return (*catalogue(), *multiscale(), *(rollers(int(width[1])) if width and int(width[1]) > 2 else ()))
+    """The catalogue and the cases beside it; of rollers, of which every level has its own, those that a name means."""
+    rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
+    level = int(rolling[1]) if rolling else 0
+    return (*catalogue(), *multiscale(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
 
 
 def name_of(reference: str) -> str:

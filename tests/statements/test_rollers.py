@@ -9,9 +9,10 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from manufactured.multiscale import rollers
-from study.fem.naming import family_named
+from manufactured.multiscale import ROLLERS, rollers
+from study.fem.naming import family_named, resolve
 from study.fem.space import Space
+from study.ledger.errors import UsageError
 from study.ledger.orders import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.evolution import SemiDiscrete
@@ -32,6 +33,13 @@ from study.statements.rollers.measured_rollers import (
     sides,
 )
 from study.statements.rollers.on_contact import OnContact, Trajectories
+
+
+def test_every_level_has_its_rollers_by_name_and_other_names_mean_none() -> None:
+    assert [resolve(f"{kind}-12").name for kind in ROLLERS] == [case.name for case in rollers(12)]
+    for name in ("standing-4", "rolling-12", "roller"):
+        with pytest.raises(UsageError, match=f"unknown case '{name}'"):
+            resolve(name)
 
 
 def trajectories(family: str, level: int, steps: int | None = None) -> Trajectories:

@@ -10,7 +10,7 @@ import sympy as sp
 
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
-from manufactured.multiscale import FadingFace
+from manufactured.multiscale import ROLLERS, FadingFace
 from manufactured.symbols import Jet
 from manufactured.tensors import Array
 from study.fem.gauge import FACET_POINTS
@@ -38,7 +38,7 @@ INSTANTS = 32
 """Parts of [0, T] at whose ends errors and E_h are measured."""
 PER_H = 8
 """Time steps to the time in which a roller passes an edge."""
-ROLLER, PUSHING, STEEP, STANDING = "roller", "pushing-roller", "steep-roller", "standing"
+ROLLER, PUSHING, STEEP, STANDING = ROLLERS
 
 
 def named(kind: str, families: Sequence[str], levels: Sequence[int]) -> list[Setting]:
