@@ -22,7 +22,8 @@ class Modes:
         shapes: φ_k(x_p), (K, n).
         places: j(p), (n,).
         count: the number J of different s_j.
-        amplitudes: (t, whether of the rate) ↦ T_k(s_j, t) or ∂_t T_k(s_j, t), (K, J).
+        amplitudes: (t, whether of the rate) ↦ T_k(s_j, t) or ∂_t T_k(s_j, t), (K, J); (K, J, n) for n times, which
+            are found faster together where J is small.
     """
 
     tensors: Array
@@ -30,7 +31,7 @@ class Modes:
     shapes: Array
     places: Array
     count: int
-    amplitudes: Callable[[float, bool], Array]
+    amplitudes: Callable[[Array | float, bool], Array]
 
     def among(self, first: int, stop: int) -> Modes:
         """The same strain at the points first, …, stop − 1, counted from zero."""

@@ -182,7 +182,7 @@ def written_with_pos(expression: sp.Expr) -> str:
 class Jet:
     """A formula of (s, t) with its derivatives along the face, evaluated by NumPy.
 
-    ``Jet(expr, (s,))(points, time, order)`` has points (d−1, ...), one time or one for each point, and
+    ``Jet(expr, (s,))(points, time, order)`` has points (d−1, ...), one time or some that broadcast with them, and
     gives every ∂^i expr with |i| ≤ order as arrays (...); with ``in_time`` n those of ∂_t^n expr.
 
     Raises:
@@ -211,7 +211,7 @@ class Jet:
             orders = [(*key, self.in_time) for key in keys]
             self._compiled[order] = derivatives(self.expression, (*self.variables, t), orders)
         values = self._compiled[order](*points, time)
-        shape = points.shape[1:]
+        shape = np.broadcast_shapes(points.shape[1:], np.shape(time))
         return {k: v if np.shape(v) == shape else np.broadcast_to(v, shape) for k, v in zip(keys, values, strict=True)}
 
     def rate(self) -> Jet:

@@ -141,9 +141,10 @@ class _Traces:
     def __init__(self, face: ContactFace, s: Array) -> None:
         self.face, self.s, self.strain = face, s, face.strain.at(s)
 
-    def __call__(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
+    def __call__(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
         gap = self.face.gap_rate_jet if rate else self.face.gap_jet
-        return gap(self.s, time, order + 1), self.strain(time, order)[rate]
+        places = self.s.reshape(*self.s.shape, *(1,) * np.ndim(time))
+        return gap(places, time, order + 1), self.strain(time, order)[rate]
 
 
 class Lifting:
@@ -228,9 +229,10 @@ class Lifting:
         terms = strain_terms(len(self.s), self._deep, len(on_face(0.0, False, 0)[1]) - 1)
         axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
 
-        def amplitudes(time: float, rate: bool) -> Array:
+        def amplitudes(time: Array | float, rate: bool) -> Array:
             w, strain = on_face(time, rate, order)
-            return np.array([(w, *strain)[term.source][term.along].ravel() for term in terms])
+            found = np.array([(w, *strain)[term.source][term.along] for term in terms])
+            return found.reshape(len(terms), -1, *np.shape(time))
 
         return Modes(
             tensors=np.array([axes[:, term.row] for term in terms]),

@@ -17,7 +17,7 @@ class Started(Protocol):
     """∫_a^b e^{−λ(b−r)} ∂_s^i P(s, r) dr at N points with their a, as a function of b."""
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """The integrals up to b (n,) at the points with these numbers (n,), for every i."""
+        """The integrals up to b (n,) at the points with these numbers (n,), which may repeat, for every i."""
         ...
 
 
@@ -75,9 +75,9 @@ class _Taylor:
 
     def upto(self, upper: Array, chosen: Array) -> Values:
         """As ``Started``."""
-        weights, every = self.convolution.weights(upper - self.lower[chosen]), chosen.size == self.lower.size
+        weights = self.convolution.weights(upper - self.lower[chosen])
         return {
-            index: np.einsum("jn,jn->n", value if every else value[:, chosen], weights)
+            index: np.einsum("jn,jn->n", np.take(value, chosen, axis=1), weights)
             for index, value in self.coefficients.items()
         }
 
@@ -95,24 +95,28 @@ def phi(z: Array, count: int) -> Array:
     """
     found = np.empty((count, *z.shape), dtype=np.result_type(z, float))
     large = abs(z) > SMALL
-    near, far = np.where(large, 0.0, z), np.where(large, z, -1.0)
-    term = np.full_like(found[0], 1 / math.factorial(count))
-    total = term.copy()
-    biggest = float(abs(near).max(initial=0.0))
-    for n in range(1, TERMS):
-        if biggest**n * math.factorial(count) < 1e-18 * math.factorial(n + count):
-            break
-        term = term * near / (n + count)
-        total += term
-    found[-1] = total
+    near = np.where(large, 0.0, z)
+    # Horner's rule, in place: this is most of what the memory of a face costs.
+    series = found[-1]
+    series[:] = 0.0
+    for n in reversed(range(_terms(float(abs(near).max(initial=0.0)), count))):
+        series *= near
+        series += 1 / math.factorial(n + count)
     for k in range(count - 1, 0, -1):
         found[k - 1] = near * found[k] + 1 / math.factorial(k)
     if large.any():
+        far = np.where(large, z, -1.0)
         value = np.expm1(far) / far
         for k in range(1, count + 1):
             found[k - 1] = np.where(large, value, found[k - 1])
             value = (value - 1 / math.factorial(k)) / far
     return found
+
+
+def _terms(size: float, count: int) -> int:
+    """How many terms of the series of φ_count are seen beside the first one for |z| ≤ ``size``."""
+    first = 1e18 * math.factorial(count)
+    return next((n for n in range(1, TERMS) if size**n * first < math.factorial(n + count)), TERMS)
 
 
 def _nested(polynomial: sp.Poly) -> sp.Expr:

@@ -63,7 +63,7 @@ class Coupled:
                 for row in self.vectors
             )
 
-        def strain(time: complex, order: int) -> tuple[Components, Components]:
+        def strain(time: Array | complex, order: int) -> tuple[Components, Components]:
             found = [mode(time, order) for mode in modes]
             return combine([s for (s,), _ in found]), combine([r for _, (r,) in found])
 

@@ -104,17 +104,18 @@ class MemoryAtPoints:
         # side for the same times.
         self._found = lru_cache(RECENT)(self._evaluate)
 
-    def __call__(self, time: complex, order: int) -> tuple[Components, Components]:
-        return self._found(time, order)
+    def __call__(self, time: Array | complex, order: int) -> tuple[Components, Components]:
+        return self._found(tuple(time) if isinstance(time, np.ndarray) else time, order)
 
-    def _evaluate(self, time: complex, order: int) -> tuple[Components, Components]:
-        memory, shape = self.memory, self.points.shape[1:]
+    def _evaluate(self, when: tuple[float, ...] | complex, order: int) -> tuple[Components, Components]:
+        time = np.array(when) if isinstance(when, tuple) else when
+        memory, shape = self.memory, (*self.points.shape[1:], *np.shape(time))
         if order not in self._start:
             self._start[order] = memory.start(self.flat, 0.0, order)
-        source = memory.source_jet(self.points, time, order)
+        source = memory.source_jet(self.points.reshape(*self.points.shape, *(1,) * np.ndim(time)), time, order)
         fading = np.exp(-memory.decay * time)
         totals = {
-            index: (fading * start).astype(np.result_type(self.flat, time))
+            index: np.multiply.outer(start, fading).astype(np.result_type(self.flat, time))
             for index, start in self._start[order].items()
         }
         for contact in self.contacts:
@@ -141,21 +142,24 @@ class _ContactIntervals:
         self.entry, self.exit = entry[used], exit_[used]
         self._found: dict[int, tuple[Started, Values]] = {}
 
-    def subtract(self, totals: Values, time: complex, order: int) -> None:
+    def subtract(self, totals: Values, time: Array | complex, order: int) -> None:
         """totals[i] −= the integral up to ``time`` for ∂^i, at the points that are ever touched."""
         started, whole = self._started(order)
-        now = np.real(time)
-        over = np.flatnonzero(self.exit <= now)
+        times, entry, exit_ = np.atleast_1d(time), self.entry[:, None], self.exit[:, None]
+        now = times.real
+        over, when = np.nonzero(exit_ <= now)
         if over.size:
-            since = np.exp(-self.decay * (time - self.exit[over]))
+            since = np.exp(-self.decay * (times[when] - self.exit[over]))
+            places = self.touched[over] * len(times) + when
             for index, total in totals.items():
-                np.subtract.at(total, self.touched[over], since * whole[index][over])
-        touching = np.flatnonzero((self.entry < now) & (self.exit > now))
+                np.subtract.at(total.reshape(-1), places, since * whole[index][over])
+        touching, when = np.nonzero((entry < now) & (exit_ > now))
         if touching.size:
-            found = started.upto(np.full(touching.size, time), touching)
+            found = started.upto(times[when], touching)
+            # A point touches in one interval at a time.
+            places = self.touched[touching] * len(times) + when
             for index, total in totals.items():
-                # A point touches in one interval at a time.
-                total[self.touched[touching]] -= found[index]
+                total.reshape(-1)[places] -= found[index]
 
     def _started(self, order: int) -> tuple[Started, Values]:
         """The integrals from the entries, and those up to the exits."""

@@ -9,7 +9,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints
-from manufactured.symbols import Jet, s
+from manufactured.symbols import Jet, Values, s
 from manufactured.tensors import Array
 
 
@@ -35,8 +35,28 @@ class Prescribed:
         return tuple((end, jet, jet.rate()) for end, jet in jets)
 
     def at(self, points: Array) -> StrainAtPoints:
-        def strain(time: complex, order: int) -> tuple[Components, Components]:
-            jet, rate = next(((jet, rate) for end, jet, rate in self._jets if np.real(time) <= end), self._jets[-1][1:])
-            return (jet(points, time, order),), (rate(points, time, order),)
+        ends = [end for end, _, _ in self._jets]
+
+        def strain(time: Array | complex, order: int) -> tuple[Components, Components]:
+            times = np.atleast_1d(time)
+            phase = np.minimum(np.searchsorted(ends, times.real), len(ends) - 1)
+            if (phase != phase[0]).any():
+                # Every phase has formulas of its own.
+                return _joined([(phase == n, strain(times[phase == n], order)) for n in np.unique(phase)])
+            _, jet, rate = self._jets[phase[0]]
+            places = points.reshape(*points.shape, *(1,) * np.ndim(time))
+            return (jet(places, time, order),), (rate(places, time, order),)
 
         return strain
+
+
+def _joined(pieces: list[tuple[Array, tuple[Components, Components]]]) -> tuple[Components, Components]:
+    """(q,) and (q̇,) at all times from those at some of them, with the mask of these."""
+    whole: list[Components] = []
+    for i in (0, 1):
+        found: Values = {}
+        for among, parts in pieces:
+            for index, value in parts[i][0].items():
+                found.setdefault(index, np.empty((*value.shape[:-1], len(among)), value.dtype))[..., among] = value
+        whole.append((found,))
+    return whole[0], whole[1]

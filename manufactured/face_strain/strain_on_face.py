@@ -14,9 +14,12 @@ Components = tuple[Values, ...]
 
 
 class StrainAtPoints(Protocol):
-    """(q, r) and its rate at fixed points of the face, with derivatives along the face up to an order."""
+    """(q, r) and its rate at fixed points of the face, with derivatives along the face up to an order.
 
-    def __call__(self, time: complex, order: int) -> tuple[Components, Components]: ...
+    Times (T,) give arrays with one axis more, the last one.
+    """
+
+    def __call__(self, time: Array | complex, order: int) -> tuple[Components, Components]: ...
 
 
 class FaceStrain(Protocol):

@@ -45,9 +45,9 @@ class SingularField:
         jet = Jet(sp.sympify(self.theta), (s,))
         return jet, jet.rate()
 
-    def at_time(self, time: complex, rate: bool) -> Array:
+    def at_time(self, time: Array | complex, rate: bool) -> Array:
         """θ(t) or its rate."""
-        return self.amplitude[rate](np.zeros((1, 1)), time)[0,][0]
+        return self.amplitude[rate](np.zeros(1), time)[0,]
 
     def at(self, x: Points) -> SingularAtPoints:
         """The field at fixed points, (2, ...)."""
@@ -79,8 +79,8 @@ class SingularAtPoints:
         shapes = self._strain.reshape(len(self._strain), -1)
         field, count = self.field, len(shapes)
 
-        def amplitudes(time: float, rate: bool) -> Array:
-            return np.full((count, 1), field.at_time(time, rate))
+        def amplitudes(time: Array | float, rate: bool) -> Array:
+            return np.broadcast_to(field.at_time(time, rate), (count, 1, *np.shape(time)))
 
         points = np.flatnonzero(shapes.any(axis=0))
         places = np.zeros(len(points), dtype=int)

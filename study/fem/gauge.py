@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -21,6 +20,7 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array, Tensors, dyad
+from study.fem.ahead import Ahead
 from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, energy
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
@@ -31,8 +31,6 @@ needs, as kinks may cross cells and points that share coordinates lower the degr
 dominates the cost. Every row of a rate table records what a plain rule raised by two would change."""
 FACET_POINTS, SOLID_FACET_POINTS = 8, 4
 """Gauss points on a contact facet in 2D, or on each side of a rough point of it, and in each direction of one in 3D."""
-RECENT = 6
-"""Amplitudes that are at hand: those of the last three times."""
 PARALLEL = 0.1
 """Sine of the angle below which two directions are too close for points to share coordinates along both."""
 
@@ -77,8 +75,7 @@ class Gauge:
         # Points in cells and on facets together, so that formulas are evaluated once for both.
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
-        # Two trajectories side by side and their errors ask for the same times, one soon after the other.
-        self._amplitudes = lru_cache(RECENT)(lambda time, rate: [part.amplitudes(time, rate) for part in modes])
+        self._amplitudes = Ahead(modes)
         ends = np.cumsum([0, *(len(found.weights) for found in points)])
         split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
         self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
@@ -92,6 +89,16 @@ class Gauge:
         """The points on the facets of a contact face, summed for each of their vertices."""
         rule = facet_rule(self.space.mesh, self.space.facets(face.part), face.part, face.rough, points)
         return QuadraturePoints.on_facets(rule, face.part, self.space.mesh)
+
+    def foresee(self, steps: int) -> None:
+        """Trajectories of so many steps and of twice as many will ask for their nodes and the midpoints of their steps.
+
+        Nothing depends on it but how long they take.
+        """
+        quarter = self.space.body.T / max(4 * steps, 1)
+        nodes, halves, quarters = (np.arange(first, 4 * steps + 1, by) for first, by in ((0, 4), (2, 4), (1, 2)))
+        for numbers in (nodes, halves, quarters):
+            self._amplitudes.foresee(quarter * numbers)
 
     def means(self, time: float) -> Tensors:
         """The cell means of ε(u(t)), (D, cells)."""

@@ -32,6 +32,34 @@ def test_the_modes_of_a_solution_sum_to_its_strain(case, rate: bool) -> None:
     assert abs(found - expected).max() <= 1e-13 * abs(expected).max()
 
 
+@pytest.mark.parametrize("case", catalogue(), ids=lambda case: case.name)
+@pytest.mark.parametrize("rate", [False, True], ids=["strain", "rate"])
+def test_amplitudes_at_many_times_are_those_at_each(case, rate: bool) -> None:
+    solution = case.solution
+    times = solution.body.T * np.linspace(0, 1, 23)
+    for part in solution.at(solution.body.sample(np.random.default_rng(2), 40)).modes():
+        each = np.array([part.amplitudes(float(time), rate) for time in times])
+        together = part.amplitudes(times, rate)
+        assert together.shape == (len(part.tensors), part.count, len(times))
+        assert np.moveaxis(together, -1, 0) == pytest.approx(each, rel=1e-13, abs=1e-14 * abs(each).max())
+
+
+@pytest.mark.parametrize("case", ["travelling-patch", "yield-on-a-part", "corner", "re-entrant", "cube-disc"])
+def test_a_gauge_that_foresees_times_measures_the_same(case: str) -> None:
+    """Times it was told of, in and out of their order, and others."""
+    solution = resolve(case).solution
+    family = next(family for family in FAMILIES if family.serves(solution.body))
+    space = Space(family(solution.body, 8), solution.body)
+    told, other = Gauge(solution, space), Gauge(solution, space)
+    told.foresee(13)
+    k = solution.body.T / 13
+    for time in (0.0, k / 2, k, 12.5 * k, 3.25 * k, 0.75 * k, 0.3 * k, 13 * k):
+        one, two = told.load(time), other.load(time)
+        assert one == pytest.approx(two, rel=1e-12, abs=1e-13 * abs(two).max())
+        one, two = told.sample(time).means, other.sample(time).means
+        assert one == pytest.approx(two, rel=1e-12, abs=1e-13 * abs(two).max())
+
+
 @pytest.mark.parametrize(
     "case", ["advance-recede", "corner", "hexagon", "re-entrant", "heterogeneous", "cube-two-faces"]
 )

@@ -37,6 +37,7 @@ class Experiment:
         """The experiment as the source has it: u_0^h = Π^h u_0, K^h = V^h ∩ K, the load of (3.7)."""
         space = Space(family(solution.body, level), solution.body)
         gauge = Gauge(solution, space)
+        gauge.foresee(steps)
         u0 = gauge.sample(0.0).interpolant
         return cls(solution, space, gauge, SemiDiscrete.of(space, solution.law, gauge.load, u0), scheme, steps)
 
