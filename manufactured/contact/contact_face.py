@@ -225,21 +225,21 @@ class Lifting:
     def modes(self) -> Modes:
         """ε(u) as a sum of products, one for each term of the local strain."""
         # The amplitudes keep what they need, not the points.
-        on_face, order = self.on_face, 1 + self._deep
+        on_face, order, count = self.on_face, 1 + self._deep, self.s[0].size
         terms = strain_terms(len(self.s), self._deep, len(on_face(0.0, False, 0)[1]) - 1)
         axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
             w, strain = on_face(time, rate, order)
             found = np.array([(w, *strain)[term.source][term.along] for term in terms])
-            return found.reshape(len(terms), -1, *np.shape(time))
+            return found.reshape(len(terms), count, *np.shape(time))
 
         return Modes(
             tensors=np.array([axes[:, term.row] for term in terms]),
             points=np.flatnonzero(self.reach),
             shapes=np.array([term.factor * self._profile(term.profile, 0).ravel() for term in terms]),
             places=np.arange(self.y.size) if self.where is None else self.where.ravel(),
-            count=self.s[0].size,
+            count=count,
             amplitudes=amplitudes,
         )
 

@@ -130,8 +130,10 @@ class Fading:
         """ε(u) as one field for each component and point: it is no sum of products of fewer."""
         count = self.places.shape[1]
 
-        def amplitudes(time: float, rate: bool) -> Array:
-            return self.strain(time, rate).reshape(3, count)
+        def amplitudes(time: Array | float, rate: bool) -> Array:
+            # Which points lie within the depth changes with time.
+            found = [self.strain(float(moment), rate).reshape(3, count) for moment in np.ravel(time)]
+            return np.stack(found, axis=-1).reshape(3, count, *np.shape(time))
 
         return Modes(np.eye(3), np.arange(count), np.ones((3, count)), np.arange(count), count, amplitudes)
 
