@@ -82,23 +82,24 @@ class StrainSums:
     """Σ w_p ε(x_p, t), (D, sums), from the amplitudes at one time; w may be the rule's times a coefficient, (n,)."""
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
-        parts = [_by_tensor(part, points, weights) for part in modes]
-        self._tensors = np.concatenate([tensors for tensors, _ in parts]).T
-        self._matrix = sps.block_diag([matrix for _, matrix in parts], format="csr")
+        tensors, data, rows, columns = [], [], [], []
+        height = width = 0
+        for part in modes:
+            distinct, group = np.unique(part.tensors, axis=0, return_inverse=True)
+            sums = points.sums[part.points]
+            rows += [height + i * points.count + sums for i in group]
+            columns += [width + k * part.count + part.places for k in range(len(group))]
+            data.append((weights[part.points] * part.shapes).ravel())
+            tensors.append(distinct)
+            height, width = height + len(distinct) * points.count, width + len(group) * part.count
+        # The B_k of each different tensor side by side, these below each other: one product for all.
+        places = np.concatenate(rows), np.concatenate(columns)
+        self._matrix = sps.csr_array((np.concatenate(data), places), shape=(height, width))
+        self._tensors = np.concatenate(tensors).T
 
     def __call__(self, amplitudes: Amplitudes) -> Tensors:
         sums = self._matrix @ np.concatenate([part.ravel() for part in amplitudes])
         return self._tensors @ sums.reshape(self._tensors.shape[1], -1)
-
-
-def _by_tensor(modes: Modes, points: QuadraturePoints, weights: Array) -> tuple[Array, sps.csr_array]:
-    """The different tensors, (E, D), and below each other the B_k of each, side by side, (E · sums, K · J)."""
-    distinct, group = np.unique(modes.tensors, axis=0, return_inverse=True)
-    sums, weights = points.sums[modes.points], weights[modes.points]
-    rows = np.concatenate([sums + i * points.count for i in group])
-    columns = np.concatenate([modes.places + k * modes.count for k in range(len(group))])
-    shape = (len(distinct) * points.count, len(group) * modes.count)
-    return distinct, sps.csr_array(((weights * modes.shapes).ravel(), (rows, columns)), shape=shape)
 
 
 class StressSums:
