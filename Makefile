@@ -75,7 +75,7 @@ build/codes-venv/.ready: examples/codes/requirements.txt
 
 codes-check: $(READY) build/codes-venv/.ready  ## two of them on one case, a minute: their classes are the committed ones
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --only kratos_mortar ngsolve_penalty \
-		--cases advance-recede --families one-diagonal --levels 8 16 \
+		--cases advance-recede --families one-diagonal --levels 8 16 32 \
 		--tasks build/codes-check/tasks --out build/codes-check --check
 
 certificates: $(READY)  ## bounds as theorems: certificates of three problems, LEVELS="4 8", some minutes, 12 MB
