@@ -51,7 +51,7 @@ class ResidualBound(ListedNumbers):
     claim = "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)} + ‖G(·, 0)‖_Q) ‖v‖_V, c and G(·, 0) explicit"
     rules = (
         largest("bound", "max_s ‖R(s)‖ / the bound, exact solution", TERM_BY_TERM, "bound"),
-        largest("rest", "G(·, 0) = A ε(z): distance of −R from {Nᵀλ : λ ≥ 0} / its size", AT_REST, "rest"),
+        largest("rest", "G(·, 0) = A ε(z): distance of −R from the forces of contact / its size", AT_REST, "rest"),
         largest("prestress", "G(·, 0) = A ε(z): ‖R‖ / (‖G(·, 0)‖_Q / √m_A)", NEVER, "prestress"),
         every("attained", "the same over √(m_A/‖A‖), the least that it can be", ATTAINED, "attained"),
     )

@@ -66,10 +66,12 @@ class Resolvent(ListedNumbers):
     claim = "∂ψ_K + B + (L_G/m_A) I is a maximal monotone operator"
     rules = (
         largest("normal-cone", "−(g − g', u − u')_V / sizes, g ∈ ∂ψ_K(u)", NEVER, "normal cone"),
-        every("monotone", "largest −(g − g' ± Bu ∓ Bu', u − u')_V / (L ‖u − u'‖_V²)", USED, "monotone"),
-        largest("onto", "distance of w − u ∓ λBu from ∂ψ_K(u), random w", ONTO, "onto, G", "onto, −G"),
-        every("resolvent", "largest ‖Jw − Jw'‖_V / ‖w − w'‖_V over 1/(1 − λL), −G", GROWING, "resolvent, −G"),
-        every("resolvent-monotone", "largest ‖Jw − Jw'‖_V / ‖w − w'‖_V over 1/(1 − λω), G", SHRINKING, "resolvent, G"),
+        every("monotone", "largest −(g − g' ± (B u − B u'), u − u')_V / (L ‖u − u'‖_V²)", USED, "monotone"),
+        largest("onto", "distance of w − u − λ (± B u) from ∂ψ_K(u), random w", ONTO, "onto, G", "onto, −G"),
+        every("resolvent", "largest ‖J w − J w'‖_V / ‖w − w'‖_V over 1/(1 − λ L), −G", GROWING, "resolvent, −G"),
+        every(
+            "resolvent-monotone", "largest ‖J w − J w'‖_V / ‖w − w'‖_V over 1/(1 − λ ω), G", SHRINKING, "resolvent, G"
+        ),
     )
 
     def places(self, full: bool) -> list[Setting]:

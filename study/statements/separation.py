@@ -56,10 +56,10 @@ class Separation(ListedNumbers):
     """The four steps for random u ∉ K^h and random σ ∈ Σ^h(t), once for each body."""
 
     label = "(4.16)–(4.27)"
-    claim = "u ∉ K is told from K by τ̃ = Aε(Pu − u), and then (3.15) fails for every σ ∈ Σ(t)"
+    claim = "a u outside K is told from K by τ̃ = A ε(P u − u), and then (3.15) fails for every σ ∈ Σ(t)"
     rules = (
-        largest("cone", "(4.16), (4.23): distance of −(τ̃, ε(·))_Q from {Nᵀλ : λ ≥ 0} / its size", CONE, "cone"),
-        every("gap", "(4.17)–(4.20): −(τ̃, ε(u))_Q / ‖Pu − u‖_V²", HALFWAY, "least gap", "largest gap"),
+        largest("cone", "(4.16), (4.23): distance of −(τ̃, ε(·))_Q from the forces of contact / its size", CONE, "cone"),
+        every("gap", "(4.17)–(4.20): −(τ̃, ε(u))_Q / ‖P u − u‖_V²", HALFWAY, "least gap", "largest gap"),
         largest("stresses", "(4.24): τ̃ + σ̃, 2σ − σ̃ ∈ Σ^h, distance of f less them from the cone", CONE, "stresses"),
         every("refuted", "(4.25)–(4.27): least (τ − σ, ε(u))_Q / half of (τ̃, ε(u))_Q", HALFWAY, "refuted"),
     )
