@@ -76,11 +76,13 @@ class Adapter:
 
 
 KRATOS = "KratosMultiphysics", "KratosMultiphysics.ContactStructuralMechanicsApplication"
+SFEPY = "make codes-venv && build/codes-venv/bin/python -m pip install sfepy==2026.3, which compiles for some minutes"
 ADAPTERS = (
     Adapter("this_study", Path(sys.executable), ("study",), "make test"),
     Adapter("scikit_fem", Path(sys.executable), ("skfem",), "make test"),
     Adapter("kratos_mortar", WHEELS, KRATOS, "make codes-venv"),
     Adapter("ngsolve_penalty", WHEELS, ("ngsolve",), "make codes-venv"),
+    Adapter("sfepy_contact", WHEELS, ("sfepy",), SFEPY),
     Adapter("dolfinx_snesvi", DEBIAN, ("dolfinx", "petsc4py"), "the Debian packages python3-dolfinx python3-petsc4py"),
     Adapter("getfem_contact", DEBIAN, ("getfem",), "the Debian package python3-getfem"),
     Adapter("freefem", Path(sys.executable), ("numpy",), "the Debian package freefem++", "FreeFem++"),
