@@ -39,4 +39,8 @@ neighbourhoods on Γ3 nearly equal: the excess is about as large as with one dia
 begins to show where n = 64. After one sweep instead of eight it is twice as large there and has the orders 0.61 and
 0.46. Neither had been thought of; the order of one mesh for each level is reported. E_h has orders 0.6 to 0.8 on
 these levels, where its logarithm is not small beside the rest.
+
+With one diagonal the orders are 0.84, 1.00 and 1.16 from level to level, and those of M_h 0.9, 1.4 and 1.8: nodal
+values of P_hu on Γ3 seem to be superclose there, and the excess to fall faster than was thought. The order over all
+levels is judged; what becomes of it on finer meshes is not known.
 """
