@@ -32,6 +32,19 @@ def step_size(T: float, steps: int) -> float:
     return T / steps
 
 
+def require_unique(scheme: str, k: float, growth: float, longest: float) -> None:
+    """Refuse a step that need not have one solution, where differences may grow at a rate ω ≤ L_G/m_A.
+
+    Raises:
+        StepsError: k is ``longest`` or more; says which steps have one.
+    """
+    if k >= longest:
+        raise StepsError(
+            f"steps of {scheme} of size k = {k:.6g} need not have one solution: G is not monotone, so that "
+            f"differences may grow at the rate {growth:.6g}; take k < {longest:.6g} (k < m_A/L_G always serves)"
+        )
+
+
 def require_steps(steps: int) -> None:
     """Refuse, before time is spent, more steps than anybody waits for.
 

@@ -16,6 +16,7 @@ with its march in time.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -25,10 +26,9 @@ import scipy.sparse as sps
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
 from study.fem.space import Space
-from study.solve.steps import step_size
+from study.solve.steps import require_unique, step_size
 from study.solve.stress_potential import potential
 from study.solve.stress_programme import Programme, StressState
-from study.solve.tableau import BACKWARD_EULER
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +54,8 @@ class StressProblem:
             StressError: no potential for the law, or a programme that the solver did not solve.
         """
         k = step_size(self.space.body.T, steps)
-        BACKWARD_EULER.require_unique(k, self.law.growth)
+        growth = self.law.growth
+        require_unique("backward Euler", k, growth, 1 / growth if growth else math.inf)
         programme = Programme(self.space, self.N, potential(self.space, self.law, k))
         strain = self.space.strain(self.u0)
         nan = np.full(self.N.shape[0], np.nan)

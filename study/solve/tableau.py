@@ -18,7 +18,7 @@ from operator import add, sub
 from typing import Protocol, TypeVar
 
 from manufactured.tensors import Array
-from study.solve.steps import StepsError, step_size
+from study.solve.steps import require_unique, step_size
 
 S = TypeVar("S")
 
@@ -86,12 +86,7 @@ class Tableau:
         Raises:
             StepsError: says which steps have.
         """
-        longest = self.longest(growth)
-        if k >= longest:
-            raise StepsError(
-                f"steps of {self.name} of size k = {k:.6g} need not have one solution: G is not monotone, so that "
-                f"differences may grow at the rate {growth:.6g}; take k < {longest:.6g} (k < m_A/L_G always serves)"
-            )
+        require_unique(self.name, k, growth, self.longest(growth))
 
     def march(self, problem: TimeProblem[S], steps: int) -> Iterator[S]:
         """The states at t_0, t_1, …, t_steps = T.
