@@ -101,7 +101,7 @@ bench: $(READY)  ## ratios of timings into results/benchmarks, some minutes; war
 bench-growth: $(READY)  ## time and memory on finer and finer meshes, some minutes and 10 GB of memory
 	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.growth
 
-bench-peers: $(READY)  ## the same matrices solved by other programs, ten minutes
+bench-peers: $(READY)  ## the same matrices solved by other programs in turns, half an hour
 	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.compare
 
 bench-parallel: $(READY)  ## the quick study with one process and with two, four minutes; PLAN=--full, an hour

@@ -1,10 +1,11 @@
 """The same levels solved by others: `make bench-peers`.
 
-    python -m benchmarks.compare [--levels N ...] [--limit SECONDS] [--python PYTHON] [--out DIRECTORY]
+    python -m benchmarks.compare [--levels N ...] [--rounds N] [--limit SECONDS] [--python PYTHON] [--out DIRECTORY]
 
 Matrices, loads and start of every level are written to a temporary file; each peer is a script of ``peers/`` that
-reads it, run by the Python that has its libraries, in a process and with one thread of its own. All trajectories are
-compared in the norm of V with the one of this study.
+reads it, run by the Python that has its libraries, in a process and with one thread of its own. This study and all
+peers take turns, so that a machine that is slower for some minutes is slower for all. All trajectories are compared in
+the norm of V with the one of this study.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import sys
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 from tempfile import TemporaryDirectory
 from typing import Any
 
@@ -47,6 +49,7 @@ COLUMNS = [
     "factorisations",
     "assembly_seconds",
     "seconds",
+    "slowest",
     "ratio",
     "agreement",
     "remark",
@@ -91,7 +94,9 @@ PEERS = (
     Peer("PETSc SNESVI, LU", "snesvi.py", ("petsc4py", "scipy"), True, 4, ("lu",)),
     Peer("DOLFINx, SNESVI, Cholesky", "native_dolfinx.py", ("dolfinx", "petsc4py", "scipy"), True, 4),
     Peer("scikit-fem, naive active set", "naive_skfem.py", ("skfem",), False, 4),
-    Peer("SciPy, condensed once", "condensed_scipy.py", ("scipy",), False, 4),
+    Peer("SciPy, condensed once", "condensed.py", ("scipy",), False, 4, ("superlu",)),
+    Peer("CHOLMOD by AMD, condensed once", "condensed.py", ("sksparse.cholmod",), False, 4, ("cholmod-amd",)),
+    Peer("CHOLMOD by METIS, condensed once", "condensed.py", ("sksparse.cholmod",), False, 4, ("cholmod-metis",)),
     Peer("Clarabel", "qp_clarabel.py", ("clarabel",)),
     Peer("OSQP", "qp_osqp.py", ("osqp",)),
 )
@@ -181,42 +186,45 @@ def distance(M: sps.csc_array, u: Array, v: Array) -> float:
     return float((norms(u - v) / norms(u)).max())
 
 
-def row(peer: Peer, done: Run, ours: Run, problem: SemiDiscrete, n: int) -> dict[str, Any]:
-    """A line of the table; a time is compared only where the solutions agree."""
+def row(peer: Peer, runs: Sequence[Run], ours: Sequence[Run], problem: SemiDiscrete, n: int) -> dict[str, Any]:
+    """A line of the table: medians over the rounds; a time is compared only where the solutions agree."""
+    done = runs[-1]
     line = {"peer": peer.name, "n": n, "dofs": len(problem.u0), "steps": STEPS, "remark": done.remark, **done.printed}
-    if done.u is None or ours.u is None:
+    if done.u is None or ours[-1].u is None:
         return line
-    line["agreement"] = distance(problem.M, ours.u, done.u)
+    seconds, own = ([of.printed["seconds"] for of in which] for which in (runs, ours))
+    line |= {"seconds": median(seconds), "slowest": max(seconds), "agreement": distance(problem.M, ours[-1].u, done.u)}
     if not line["agreement"] <= AGREEMENT:
         return line | {"remark": "disagrees: not compared"}
-    return line | {"ratio": done.printed["seconds"] / ours.printed["seconds"]}
+    return line | {"ratio": median(theirs / mine for theirs, mine in zip(seconds, own, strict=True))}
 
 
-def compare(levels: Sequence[int], limit: float, python: str) -> Iterator[dict[str, Any]]:
-    """The lines of the table, level by level; who was too slow on one is not asked for finer ones."""
+def compare(levels: Sequence[int], limit: float, python: str, rounds: int) -> Iterator[dict[str, Any]]:
+    """The lines of the table, level by level; who was too slow on one is asked neither again nor for finer ones."""
     present = [peer for peer in PEERS if peer.installed(python)]
     slow: dict[Peer, str] = {}
     for n in sorted(levels):
         with TemporaryDirectory() as directory:
             source = Path(directory) / "problem.npz"
             problem = export(n, source)
-            ours = run(OURS, source, limit, python)
-            yield row(OURS, ours, ours, problem, n)
-            for peer in PEERS:
-                if peer not in present:
-                    done = Run(None, {}, "not installed")
-                elif peer in slow:
-                    done = Run(None, {}, slow[peer])
-                else:
-                    done = run(peer, source, limit, python)
-                if done.remark.startswith("stopped after"):
-                    slow.setdefault(peer, f"{done.remark} at n = {n}")
-                yield row(peer, done, ours, problem, n)
+            asked = [OURS, *(peer for peer in present if peer not in slow)]
+            runs: dict[Peer, list[Run]] = {peer: [] for peer in asked}
+            for _ in range(rounds):
+                for peer in asked:
+                    if not any(done.remark for done in runs[peer]):
+                        runs[peer].append(run(peer, source, limit, python))
+            for peer in (OURS, *PEERS):
+                absent = Run(None, {}, slow.get(peer, "not installed"))
+                found = runs.get(peer, [absent])
+                if found[-1].remark.startswith("stopped after"):
+                    slow.setdefault(peer, f"{found[-1].remark} at n = {n}")
+                yield row(peer, found, runs[OURS], problem, n)
 
 
 def main(arguments: list[str]) -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--levels", type=int, nargs="+", default=[64, 128, 256])
+    parser.add_argument("--rounds", type=int, default=3, help="turns of each program; medians are shown (default 3)")
     parser.add_argument(
         "--limit", type=float, default=75.0, help="seconds for a peer on a level (four times that but for QP solvers)"
     )
@@ -224,18 +232,20 @@ def main(arguments: list[str]) -> None:
     parser.add_argument("--out", type=Path, default=RESULTS)
     options = parser.parse_args(arguments)
     lines = []
-    for line in compare(options.levels, options.limit, options.python):
+    for line in compare(options.levels, options.limit, options.python, options.rounds):
         print(line, flush=True)
         lines.append(line)
     notes = [
-        f"{CASE} on {FAMILY.name} meshes, {STEPS} backward Euler steps, one run in a process of its own, after the "
-        "first step alone, so that all code is loaded. *seconds*: every set-up and all steps, without assembly (only "
-        "DOLFINx and scikit-fem assemble themselves; load vectors are given to them, too). *factorisations*: of all "
-        "steps, of matrices with about as many unknowns. *ratio*: seconds over those of this study. *agreement*: the "
-        f"largest ‖u − v‖_V/‖u‖_V of all steps; beyond {AGREEMENT:g} times are not compared. *blas*: what the process "
+        f"{CASE} on {FAMILY.name} meshes, {STEPS} backward Euler steps, each run in a process of its own, after the "
+        f"first step alone, so that all code is loaded; rounds in which all programs take turns: {options.rounds}. "
+        "*seconds*: every set-up and all steps, without assembly (only DOLFINx and scikit-fem assemble themselves; "
+        "load vectors are given to them, too), the median of the rounds; *slowest*: the largest. *factorisations*: of "
+        "all steps, of matrices with about as many unknowns. *ratio*: seconds over those of this study in the same "
+        "round, the median. *agreement*: the largest ‖u − v‖_V/‖u‖_V of all steps; beyond "
+        f"{AGREEMENT:g} times are not compared. *blas*: what the process "
         "has loaded, all with one thread.",
         "Most of the ratio to programs that factorise for every guess of the contact zone is due to factorising once: "
-        "*SciPy, condensed once* does so, too; what is left of its ratio is due to order, factorisation and passes.",
+        "those *condensed once* do so, too; what is left of their ratios is due to order, factorisation and passes.",
     ]
     write(options.out, "peers", pd.DataFrame(lines, columns=COLUMNS), "Peers", notes)
     print((options.out / "peers.md").read_text(encoding="utf-8"))

@@ -193,7 +193,7 @@ def test_a_peer_that_is_installed_agrees_in_the_norm_of_v(exported, peer: compar
     source, problem, ours = exported
     if not peer.installed(SYSTEM):
         pytest.skip(f"{peer.name} is not installed")
-    line = compare.row(peer, compare.run(peer, source, 60, SYSTEM), ours, problem, 8)
+    line = compare.row(peer, [compare.run(peer, source, 60, SYSTEM)], [ours], problem, 8)
     assert line["remark"] == ""
     assert line["agreement"] <= compare.AGREEMENT
     assert line["ratio"] > 0
@@ -202,7 +202,7 @@ def test_a_peer_that_is_installed_agrees_in_the_norm_of_v(exported, peer: compar
 def test_the_time_of_a_peer_that_disagrees_is_not_compared(exported) -> None:
     _, problem, ours = exported
     other = compare.Run(ours.u * (1 + 2 * compare.AGREEMENT), {"seconds": 1.0})
-    line = compare.row(compare.PEERS[0], other, ours, problem, 8)
+    line = compare.row(compare.PEERS[0], [other], [ours], problem, 8)
     assert line["agreement"] == pytest.approx(2 * compare.AGREEMENT, rel=1e-4)
     assert line["remark"] == "disagrees: not compared"
     assert "ratio" not in line
@@ -219,8 +219,34 @@ def test_a_peer_that_fails_or_is_too_slow_says_so(exported, tmp_path, monkeypatc
     assert compare.run(compare.Peer("peer", "peer.py", ()), source, 0.6, sys.executable).remark == remark
 
 
+def test_seconds_and_ratios_are_medians_of_turns_taken(exported) -> None:
+    _, problem, ours = exported
+    mine, theirs = ([compare.Run(ours.u, {"seconds": s}) for s in seconds] for seconds in ((1, 9, 2), (3, 18, 2)))
+    line = compare.row(compare.PEERS[0], theirs, mine, problem, 8)
+    assert (line["seconds"], line["slowest"], line["ratio"]) == (3, 18, 2)
+
+
+def test_programs_take_turns_and_who_is_too_slow_is_not_asked_again(monkeypatch) -> None:
+    quick, slow = (compare.Peer(name, "ours.py", ("study",)) for name in ("quick", "slow"))
+    asked: list[str] = []
+
+    def run(peer: compare.Peer, source: Path, limit: float, python: str) -> compare.Run:
+        asked.append(peer.name)
+        u = np.ones((1, len(exchange.load(source).u0)))
+        return compare.Run(None, {}, "stopped after 1 s") if peer is slow else compare.Run(u, {"seconds": 1.0})
+
+    monkeypatch.setattr(compare, "PEERS", (quick, slow))
+    monkeypatch.setattr(compare, "run", run)
+    lines = list(compare.compare([4, 8], 1, sys.executable, 2))
+    assert asked == ["this study", "quick", "slow", *3 * ["this study", "quick"]]
+    assert [line["remark"] for line in lines if line["peer"] == "slow"] == [
+        "stopped after 1 s",
+        "stopped after 1 s at n = 4",
+    ]
+
+
 def test_a_peer_that_is_missing_is_listed_as_not_installed(monkeypatch) -> None:
     monkeypatch.setattr(compare, "PEERS", (compare.Peer("nobody", "nobody.py", ("no_such_module",)),))
-    ours, nobody = compare.compare([4], 60, SYSTEM)
+    ours, nobody = compare.compare([4], 60, SYSTEM, 1)
     assert ours["ratio"] == 1
     assert nobody["remark"] == "not installed"
