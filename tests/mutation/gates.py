@@ -110,7 +110,13 @@ GATES = (
         "measuring on meshes",
         tuple(f"study.fem.{name}" for name in ("gauge", "independent", "moments", "space", "material"))
         + ("study.fem.quadrature", "study.fem.mesh"),
-        (*ROWS, "tests/fem/test_shaken.py", "tests/fem/test_moments.py", "tests/statements/test_recomputed.py"),
+        (
+            *ROWS,
+            "tests/fem/test_shaken.py",
+            "tests/fem/test_moments.py",
+            "tests/fem/test_fem_3d.py",
+            "tests/statements/test_recomputed.py",
+        ),
         numbers=True,
     ),
     Gate(
