@@ -24,7 +24,7 @@ _SIGNS = {
     "≠": r"\neq", "≈": r"\approx", "∼": r"\sim", "∈": r"\in", "∉": r"\notin", "⊂": r"\subset", "∪": r"\cup",
     "∩": r"\cap", "→": r"\to", "↦": r"\mapsto", "⇒": r"\Rightarrow", "⇔": r"\Leftrightarrow", "∀": r"\forall",
     "∃": r"\exists", "∫": r"\int", "∂": r"\partial", "∇": r"\nabla", "√": r"\surd", "∑": r"\sum", "∏": r"\prod",
-    "⟨": r"\langle", "⟩": r"\rangle", "∋": r"\ni", "⊗": r"\otimes", "≡": r"\equiv", "′": "'", "ℝ": r"\mathbb{R}",
+    "⟨": r"\langle", "⟩": r"\rangle", "∋": r"\ni", "⊗": r"\otimes", "≡": r"\equiv", "′": "'", "ℝ": r"\mathbb{R}", "ℓ": r"\ell",
 }  # fmt: skip
 _COMMANDS = _GREEK | _SIGNS
 _ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
@@ -48,6 +48,7 @@ _TOKEN = re.compile(r"[\^_]\{(?:[^{}]|\{[^{}]*\})*\}|[\^_].|[A-Za-z]{2,}|.", re.
 _SPELLINGS = {"u̇(t)": "u̇", "~": "∼", "ᵀ": "^{T}", "𝓛": "L", "½": "^{1/2}", "Nv": "N v", "(Nv)": "(N v)"}
 _EXPONENT = re.compile(r"\^(\d+(?:\.\d+)?)")
 _LETTER = re.compile(r"(?:[|(]*[A-HJ-Zb-z]|[|(]+a)(?:[(|);,:]+[A-Za-z0-9.]*)*|a[)|]+[;,]?|[|+/=a]|[0-9.]+")
+_TWO = re.compile(r"[a-z]{2}")
 _WORD_OR_FORMULA = re.compile(r"\\\(.*?\\\)\S*|\S+")
 
 
@@ -161,7 +162,8 @@ def _formula(text: str) -> str:
             out[-1] = f"{_ACCENTS[token]}{{{out[-1]}}}"
         elif token[0] in "^_" and len(token) > 1:
             script = token[2:-1] if token[1] == "{" else token[1]
-            out.append(f"{token[0]}{{{_formula(script)}}}")
+            # Two letters are two names, as in e^{ct} and u^{hk}, and no word.
+            out.append(f"{token[0]}{{{script if _TWO.fullmatch(script) else _formula(script)}}}")
         else:
             out.append(_atom(token))
     return _spaced(_merged(out))
