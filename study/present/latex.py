@@ -24,7 +24,8 @@ _SIGNS = {
     "≠": r"\neq", "≈": r"\approx", "∼": r"\sim", "∈": r"\in", "∉": r"\notin", "⊂": r"\subset", "∪": r"\cup",
     "∩": r"\cap", "→": r"\to", "↦": r"\mapsto", "⇒": r"\Rightarrow", "⇔": r"\Leftrightarrow", "∀": r"\forall",
     "∃": r"\exists", "∫": r"\int", "∂": r"\partial", "∇": r"\nabla", "√": r"\surd", "∑": r"\sum", "∏": r"\prod",
-    "⟨": r"\langle", "⟩": r"\rangle", "∋": r"\ni", "⊗": r"\otimes", "≡": r"\equiv", "′": "'", "ℝ": r"\mathbb{R}", "ℓ": r"\ell",
+    "⟨": r"\langle", "⟩": r"\rangle", "∋": r"\ni", "⊗": r"\otimes", "≡": r"\equiv", "′": "'", "ℝ": r"\mathbb{R}",
+    "ℓ": r"\ell",
 }  # fmt: skip
 _COMMANDS = _GREEK | _SIGNS
 _ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
