@@ -87,6 +87,7 @@ def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(stat
 
 def test_the_committed_verdicts_follow_from_the_committed_data_and_none_fails(tmp_path: Path) -> None:
     shutil.copytree(RESULTS / "data", tmp_path / "data", ignore=shutil.ignore_patterns("jobs", "pictures"))
+    shutil.copytree(RESULTS / "codes", tmp_path / "codes")
     verdicts = judge(tmp_path)
     committed = pd.read_csv(RESULTS / "data" / "claims.csv")
     again = pd.read_csv(tmp_path / "data" / "claims.csv")

@@ -60,7 +60,13 @@ def excess(key: str, where: str, window: Window) -> Criterion:
 
 
 BOUND = Criterion("bound", "error / right side of the theorem", at_most(1.0, "proved"), bound, ("error", "right side"))
-TIME = Criterion("time", "change of the excess with k/2", at_most(0.02), halving, ("excess", "excess, k/2"))
+TIME = Criterion(
+    "time",
+    "change of the excess with k/2",
+    at_most(0.02, "of the excess, so that it is not one of the steps"),
+    halving,
+    ("excess", "excess, k/2"),
+)
 GROWTH = Criterion("step", "growth of |q|²_{1/2,Γ3} with every halving of ℓ", STEP, increments, ("|q|²",), ENOUGH)
 OF_MEAN = excess("order-shaken", "mean over shaken meshes", HALF)
 OF_SCATTER = Observation(
