@@ -11,9 +11,9 @@ g_n^{1/2}, which is Σ_{j≤n} g_j^{1/2} for monotone G,
 
     ‖u_n(3.2) − u_n(3.1)‖_V ≤ (q k)^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
 
-but for rounding: A/k alone carries ε_{j−1} into σ_n, with ‖A ε/k‖_{C⁻¹} ≤ (q/k)^{1/2} ‖ε‖_A, and |τ|² ≤ (L_A/k + L_G)
-C⁻¹τ·τ. The law (3.3) obeys the same, its potential being at least as convex. ``paper/proofs_rest.tex`` has the proof
-for monotone G.
+but for the tolerances of both solvers: A/k alone carries ε_{j−1} into σ_n, with ‖A ε/k‖_{C⁻¹} ≤ (q/k)^{1/2} ‖ε‖_A, and
+|τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The same holds of Cε + β(ε − P_K ε), with A/k + C and β(ε − P_K ε) apart.
+``paper/proofs_rest.tex`` has the proof.
 """
 
 from __future__ import annotations
