@@ -38,10 +38,15 @@ class KelvinVoigt:
         return self.A.dim
 
     @property
+    def kappa(self) -> float:
+        """κ = L_G/m_A, with which B of (4.3) is Lipschitz in V, and the ω of (4.5) that serves every Lipschitz G."""
+        return self.G.lipschitz / self.A.ellipticity
+
+    @property
     def growth(self) -> float:
         """max(−m, 0)/m_A for the constant m of monotonicity of G: the rate at which differences of solutions may grow.
 
-        At most L_G/m_A, the ω of (4.5), which serves every Lipschitz G; 0 where G is monotone.
+        At most ``kappa``; 0 where G is monotone.
         """
         return max(-self.G.monotonicity, 0.0) / self.A.ellipticity
 

@@ -32,6 +32,14 @@ def step_size(T: float, steps: int) -> float:
     return T / steps
 
 
+def longest_step(growth: float, newest: float = 1.0, theta: float = 1.0) -> float:
+    """The k below which steps have one solution where differences may grow at a rate ω ≤ L_G/m_A, ∞ for ω = 0.
+
+    (w/k) A + θ G is strongly monotone for θ k ω < w, so in particular for k L_G < m_A; w = θ = 1 is backward Euler.
+    """
+    return newest / (theta * growth) if growth else math.inf
+
+
 def require_unique(scheme: str, k: float, growth: float, longest: float) -> None:
     """Refuse a step that need not have one solution, where differences may grow at a rate ω ≤ L_G/m_A.
 

@@ -16,7 +16,6 @@ with its march in time.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
@@ -26,7 +25,7 @@ import scipy.sparse as sps
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
 from study.fem.space import Space
-from study.solve.steps import require_unique, step_size
+from study.solve.steps import longest_step, require_unique, step_size
 from study.solve.stress_potential import potential
 from study.solve.stress_programme import Programme, StressState
 
@@ -54,8 +53,7 @@ class StressProblem:
             StressError: no potential for the law, or a programme that the solver did not solve.
         """
         k = step_size(self.space.body.T, steps)
-        growth = self.law.growth
-        require_unique("backward Euler", k, growth, 1 / growth if growth else math.inf)
+        require_unique("backward Euler", k, self.law.growth, longest_step(self.law.growth))
         programme = Programme(self.space, self.N, potential(self.space, self.law, k))
         strain = self.space.strain(self.u0)
         nan = np.full(self.N.shape[0], np.nan)

@@ -10,7 +10,6 @@ a matter of the problem: ``study.solve.evolution`` for Problem 5.1, ``study.stre
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
@@ -18,7 +17,7 @@ from operator import add, sub
 from typing import Protocol, TypeVar
 
 from manufactured.tensors import Array
-from study.solve.steps import require_unique, step_size
+from study.solve.steps import longest_step, require_unique, step_size
 
 S = TypeVar("S")
 
@@ -73,11 +72,8 @@ class Tableau:
         return self.starting if self.starting and n < len(self.past) else self
 
     def longest(self, growth: float) -> float:
-        """The k below which steps have one solution where differences may grow at a rate ω ≤ L_G/m_A.
-
-        (w/k) A + θ G is strongly monotone for θ k ω < w, so in particular for k L_G < m_A; any k serves a monotone G.
-        """
-        mine = self.newest / (self.theta * growth) if growth else math.inf
+        """``longest_step`` of all steps, the first ones included."""
+        mine = longest_step(growth, self.newest, self.theta)
         return min(mine, self.starting.longest(growth)) if self.starting else mine
 
     def require_unique(self, k: float, growth: float) -> None:

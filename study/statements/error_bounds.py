@@ -153,7 +153,7 @@ def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
 
 def constant(law: KelvinVoigt, T: float) -> float:
     """c of the proof."""
-    L, omega = law.G.lipschitz / law.A.ellipticity, law.growth
+    L, omega = law.kappa, law.growth
     on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
     return math.exp(omega * T) * max(2 + L * T, on_rate)
 

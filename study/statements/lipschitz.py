@@ -128,7 +128,7 @@ class Lipschitz(ListedNumbers):
         if isinstance(law.G, Indefinite):
             falling = max(falling, largest(-problem.reference, problem.M))
             steepest = max(steepest, falling)
-        bound, (kappa, waves) = law.G.lipschitz / law.A.ellipticity, pointwise(space, law)
+        bound, (kappa, waves) = law.kappa, pointwise(space, law)
         over = {"constant": bound, "pointwise constant": kappa, "waves": waves}
         values = {f"over the {name}": steepest / value for name, value in over.items()}
         return with_h(space.h, {**values, "monotonicity": falling / bound})

@@ -45,7 +45,7 @@ from study.statements.constitutive_law import derivative
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.instants import norm
-from study.statements.wellposed import Perturbation, along_the_contact, growth, perturbations, quotients, smooth
+from study.statements.wellposed import Perturbation, along_the_contact, perturbations, quotients, smooth
 
 SWEEP = tuple((omega, T) for omega in (0.1, 1.0, 10.0) for T in (0.1, 1.0, 10.0) if omega * T <= 10)
 """(ω, T): ωT from 1/100 to 10, e^{ωT} up to 2e4."""
@@ -104,7 +104,7 @@ def even(dim: int, omega: float) -> KelvinVoigt:
 
 def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
     """The law with a multiple of G for which L_G/m_A = ω."""
-    return KelvinVoigt(law.A, times(omega / growth(law), law.G), law.name)
+    return KelvinVoigt(law.A, times(omega / law.kappa, law.G), law.name)
 
 
 def times(number: float, G: Elasticity) -> Elasticity:
@@ -142,7 +142,7 @@ def softest(space: Space, law: KelvinVoigt) -> Mode:
 
 def steps_for(law: KelvinVoigt, T: float) -> int:
     """Short beside 1/ω and T."""
-    return math.ceil(SHORT * max(growth(law) * T, 1.0))
+    return math.ceil(SHORT * max(law.kappa * T, 1.0))
 
 
 def rate(space: Space, law: KelvinVoigt, T: float) -> float:

@@ -34,7 +34,6 @@ from study.statements.shared.energies import Energies
 from study.statements.shared.instants import dual_norm, midpoints
 from study.statements.shared.places import space_of
 from study.statements.thm_4_2.gaps import beyond
-from study.statements.wellposed import growth
 
 INSTANTS = 32
 """Midpoints at which the norms in time are taken."""
@@ -76,7 +75,7 @@ def share(energies: Energies, gauge: Gauge, problem: SemiDiscrete, law: KelvinVo
         norms = (energies.product(field, field) ** 0.5 for field in (rate, strain))
         rows.append((dual_norm(residual, riesz), *norms, dual_norm(load, riesz)))
     R, velocity, displacement, force = np.max(rows, axis=0)
-    return float(R / (velocity + growth(law) * displacement + at_zero(energies, law) + force))
+    return float(R / (velocity + law.kappa * displacement + at_zero(energies, law) + force))
 
 
 def at_zero(energies: Energies, law: KelvinVoigt) -> float:

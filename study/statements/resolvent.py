@@ -44,7 +44,6 @@ from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.places import FIRST, LAST, different, material, place, space_of
 from study.statements.thm_4_2.gaps import beyond
-from study.statements.wellposed import growth
 
 PAIRS, CLIMBS = 8, 20
 """Random pairs of each size of strains, and steps of the search for large quotients of J."""
@@ -80,13 +79,13 @@ class Resolvent(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, law = space_of(setting), resolve(setting.case).solution.law
-        problem, L = unloaded(space, law), growth(law)
+        problem, L = unloaded(space, law), law.kappa
         normal, used = monotone(space, problem, L)
         found = {"normal cone": normal, "monotone": used}
         for name, sign in (("G", 1.0), ("−G", -1.0)):
             J = Inverse(problem, sign / (2 * L))
             found[f"onto, {name}"] = max(J.defect(w) for w in functions(space, np.random.default_rng(SEED)))
-            omega = L if sign < 0 else max(-law.G.monotonicity, 0.0) / law.A.ellipticity
+            omega = L if sign < 0 else law.growth
             found[f"resolvent, {name}"] = max(quotients(space, J)) * (1 - omega / (2 * L))
         return with_h(space.h, found)
 

@@ -56,7 +56,6 @@ from study.statements.constraint import with_trace
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.energies import ContactWork, Energies
-from study.statements.wellposed import growth
 
 NODES = 12
 """Steps of backward Euler, at the end of each of which (5.12) is asked."""
@@ -181,7 +180,7 @@ INTEGRANDS = "ė η", "e η̇", "|e| |η|", "e²", "η²", "η̇²", "|R|"
 def over_time(setup: Experiment) -> dict[str, float]:
     """The largest share of the left side in the right one over the instants, for each inequality."""
     start, *later = courses(setup)
-    L = growth(setup.solution.law)
+    L = setup.solution.law.kappa
     return dict(
         zip(("5.14", "5.15", "5.16", "5.18", "5.19"), np.max([shares(start, c, L) for c in later], 0), strict=True)
     )

@@ -9,7 +9,6 @@ from itertools import islice, pairwise
 
 import numpy as np
 
-from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
@@ -110,18 +109,13 @@ class Dependence(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         solution = resolve(setting.case).solution
-        omega = growth(solution.law)
+        omega = solution.law.kappa
         steps = max(12, math.ceil(4 * omega * solution.body.T))
         setup = Experiment.at(setting, BACKWARD_EULER, steps)
         trajectory, others = list(setup.scheme.march(setup.problem, steps)), perturbations(setup.problem, setup.space)
         found = np.array([quotients(setup.problem, trajectory, other) for other in others])
         damped = found * np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
         return with_h(setup.space.h, {"bound": damped.max(), "monotone": found.max(), "first step": damped[0, 0]})
-
-
-def growth(law: KelvinVoigt) -> float:
-    """ω = L_G/m_A, (4.3)–(4.5)."""
-    return law.G.lipschitz / law.A.ellipticity
 
 
 def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbation) -> Array:

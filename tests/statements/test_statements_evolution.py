@@ -23,7 +23,7 @@ from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid
 from study.statements.uniqueness import OneTrajectory, apart, rivals
-from study.statements.wellposed import BoundedVelocity, Dependence, fastest, growth, perturbations, quotients
+from study.statements.wellposed import BoundedVelocity, Dependence, fastest, perturbations, quotients
 
 CASES = {case.name: case for case in catalogue()}
 JUDGED = [Admissibility(), OneTrajectory(), BoundedVelocity(), Dependence(), NaturalConditions(), ErrorBounds()]
@@ -167,7 +167,7 @@ def test_a_start_outside_K_has_no_bounded_velocity() -> None:
 
 def test_growth_beyond_omega_exceeds_the_bound() -> None:
     found = setup("advance-recede", 6, 12)
-    omega = growth(found.solution.law)
+    omega = found.solution.law.kappa
     problem = replace(found.problem, reference=-4 * omega * found.problem.M)
     trajectory = list(BACKWARD_EULER.march(problem, 12))
     damping = np.exp(-omega * np.array([state.time for state in trajectory[1:]]))
