@@ -16,7 +16,7 @@ from manufactured.face_formula import FaceFormula, read_off
 from manufactured.face_strain import Memory, Prescribed
 from manufactured.profile import ZERO
 from manufactured.regularity import Regularity
-from manufactured.singular import SingularFace, SingularField, least_exponent
+from manufactured.singular import SingularFace, SingularField, TravellingField, least_exponent
 from manufactured.symbols import t
 from manufactured.tensors import Array
 
@@ -107,12 +107,13 @@ class Case:
             _plane(np.array(direction), offset * np.array(direction)) not in drawn
             for direction, offset in solution.law.steps
         )
+        singular = [face.field for face in solution.faces if isinstance(face, SingularFace)]
         return Regularity(
             gap=alpha,
             pressure=m,
-            moving=moving,
+            moving=moving or any(isinstance(field, TravellingField) for field in singular),
             corner=least_exponent(field for field in solution.others if isinstance(field, SingularField)),
-            on_contact=least_exponent(face.field for face in solution.faces if isinstance(face, SingularFace)),
+            on_contact=least_exponent(singular),
             kink=unmet,
         )
 

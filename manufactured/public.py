@@ -24,7 +24,7 @@ from manufactured.law import (
 from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, layered, slab
 from manufactured.regularity import Regularity
 from manufactured.self_proof import SelfProofError, examine, prove
-from manufactured.singular import Monomial, SingularFace, SingularField, kolosov
+from manufactured.singular import Monomial, SingularFace, SingularField, TravellingField, kolosov
 from manufactured.symbols import FormulaError, pos, s, s1, s2, t
 
 __all__ = [
@@ -59,6 +59,7 @@ __all__ = [
     "SelfProofError",
     "SingularFace",
     "SingularField",
+    "TravellingField",
     "Yield",
     "box",
     "catalogue",

@@ -14,7 +14,8 @@ Near a front c(t) let w ~ (s − c)_+^α and p ~ (c − s)_+^m. The lifting has 
 
 A field of the form r^λ at a point (corner, junction of two conditions, natural front, extension of a
 trace s_+^λ) lies in H^{1+s}(Ω) for s < λ; if the point is on Γ3 its trace lies in H^τ(Γ3) for τ < λ + 1/2
-and σ_ν ~ r^{λ−1} in L²(Γ3) iff λ > 1/2. A strain that jumps across a line which the mesh does not
+and σ_ν ~ r^{λ−1} in L²(Γ3) iff λ > 1/2. If the point moves along Γ3, u̇ ~ r^{λ−1} lies in H^{1+s} for s < λ − 1, and
+σ_ν ~ r^{λ−2} in L²(Γ3) iff λ > 3/2. A strain that jumps across a line which the mesh does not
 follow gives s < 1/2.
 
 The predicted order of ‖u − u^h‖_{L∞(0,T;V)} for P1 on meshes that do not know the rough place is that
@@ -70,8 +71,8 @@ class Regularity:
 
     @property
     def rate_smoothness(self) -> float:
-        """sup of the s with u̇(t) ∈ H^{1+s}(Ω): a front that moves costs w one power."""
-        return min(self.smoothness, self.gap - 2.5) if self.moving else self.smoothness
+        """sup of the s with u̇(t) ∈ H^{1+s}(Ω): a front that moves costs w, or a field r^λ on Γ3, one power."""
+        return min(self.smoothness, self.gap - 2.5, self.on_contact - 1) if self.moving else self.smoothness
 
     @property
     def force_in_L2(self) -> bool:
@@ -95,7 +96,7 @@ class Regularity:
     @property
     def proved_order(self) -> float:
         """What the proof of Prop. 5.4 gives: min(1, s', τ/2), or min(1, s', s/2) for σ_ν ∉ L²(Γ3)."""
-        contact = self.trace / 2 if self.on_contact > 0.5 else self.smoothness / 2
+        contact = self.trace / 2 if self.on_contact - self.moving > 0.5 else self.smoothness / 2
         return min(1.0, self.rate_smoothness, contact)
 
     @property
@@ -116,7 +117,7 @@ class Regularity:
         if not math.isinf(self.corner):
             found.append(f"r^{self.corner:.4g} at a corner")
         if not math.isinf(self.on_contact):
-            found.append(f"r^{self.on_contact:.4g} on Γ3")
+            found.append(f"r^{self.on_contact:.4g} on Γ3{', moving' if self.moving else ''}")
         if self.kink:
             found.append("strain with a jump inside cells")
         return ", ".join(found) or "smooth"

@@ -93,3 +93,4 @@ VARIANTS = {
     "surface to surface, LINEAR 10 g": partial(make, LINEAR, 10, False),
     "surface to surface, HARD": partial(make, HARD, 1, False),
 }
+FINEST = dict.fromkeys(VARIANTS, 32)

@@ -2,8 +2,9 @@
 
     python drive.py ADAPTER TASKS OUT
 
-An adapter is a module beside this one with CODE, VERSION and VARIANTS, names with all parameters ↦ make(task). OUT gets
-ADAPTER.json: for each variant a judgement of each case and mesh family, or why the code cannot express it.
+An adapter is a module beside this one with CODE, VERSION and VARIANTS, names with all parameters ↦ make(task). It may
+have FINEST, names of variants ↦ the level behind which they are not run for what it costs. OUT gets ADAPTER.json: for
+each variant a judgement of each case and mesh family, or why the code cannot express it.
 """
 
 from __future__ import annotations
@@ -51,10 +52,12 @@ def main(adapter: str, directory: str, out: str) -> None:
     for task in sorted(read_tasks(Path(directory)), key=lambda one: one.data["level"]):
         groups[task.data["case"], task.data["family"]].append(task)
     rows = []
+    finest = getattr(module, "FINEST", {})
     for variant, make in module.VARIANTS.items():
         for (case, family), tasks in groups.items():
+            run = [task for task in tasks if task.data["level"] <= finest.get(variant, task.data["level"])]
             with np.errstate(all="ignore"):
-                row = variant_on(make, tasks)
+                row = variant_on(make, run)
             rows.append({"code": module.CODE, "version": module.VERSION, "variant": variant} | {"case": case} | row)
             rows[-1]["family"] = family
             print(f"{module.CODE:<12}{variant:<42}{case:<22}{row.get('verdict', row.get('left_out'))}", flush=True)

@@ -54,6 +54,7 @@ class Study:
     adapters: tuple[str, ...]
     cases: tuple[str, ...]
     families: tuple[str, ...]
+    levels: tuple[int, ...]
     out: Path
     tasks: Path
 
@@ -94,6 +95,7 @@ FROZEN = Study(
     tuple(one.name for one in ADAPTERS),
     (*PLANE, *SOLID),
     ("one-diagonal", "shaken"),
+    (8, 16, 32, 64),
     RESULTS,
     ROOT / "build" / "tasks",
 )
@@ -101,6 +103,7 @@ MARCH = Study(
     ("this_study", "scikit_fem", "kratos_mortar", "ngsolve_penalty", "dolfinx_snesvi", "getfem_contact", "freefem"),
     ("advance-recede", "anisotropic"),
     ("one-diagonal",),
+    (8, 16, 32),
     RESULTS / "march",
     ROOT / "build" / "marches",
 )
@@ -112,7 +115,7 @@ def export(directory: Path, mode: str, cases: list[str], families: list[str], le
     for case in cases:
         kinds, numbers = (["one-diagonal"], list(SOLID[case])) if case in SOLID else (families, levels)
         name = "nearly-incompressible" if ":" in case else case
-        names = [f"{name}-{family}-{mode}-{n}.json.gz" for family in kinds for n in numbers]
+        names = [f"{name}-{family}-{mode}-{n}.json.xz" for family in kinds for n in numbers]
         if not all((directory / one).exists() for one in names):
             command = [Path(sys.executable).with_name("study"), "export", case, "--mode", mode, "--to", directory]
             command += ["--family", *kinds, "--levels", *map(str, numbers)]
@@ -203,14 +206,15 @@ def main() -> int:
     parser.add_argument("--only", nargs="+", metavar="ADAPTER")
     parser.add_argument("--cases", nargs="+", metavar="NAME")
     parser.add_argument("--families", nargs="+", metavar="NAME")
-    parser.add_argument("--levels", nargs="+", type=int, default=[8, 16, 32], metavar="N")
+    parser.add_argument("--levels", nargs="+", type=int, metavar="N")
     parser.add_argument("--out", type=Path, metavar="DIR")
     parser.add_argument("--tasks", type=Path, metavar="DIR")
     parser.add_argument("--check", action="store_true", help="compare the classes with those of results/codes")
     options = parser.parse_args()
     study = MODES[options.mode]
     tasks, out = options.tasks or study.tasks, options.out or study.out
-    export(tasks, options.mode, options.cases or study.cases, options.families or study.families, options.levels)
+    families, levels = options.families or study.families, options.levels or study.levels
+    export(tasks, options.mode, options.cases or study.cases, families, levels)
     rows = answered([one for one in ADAPTERS if one.name in (options.only or study.adapters)], tasks)
     errors, classes = table(rows)
     before = read(out)

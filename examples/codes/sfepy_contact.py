@@ -137,3 +137,4 @@ VARIANTS = {
     "dw_contact_plane, penalty 10 g/h": partial(contact_line, 10, True),
     "dw_contact_plane, penalty 10 g": partial(contact_line, 10, False),
 }
+FINEST = dict.fromkeys(VARIANTS, 32)

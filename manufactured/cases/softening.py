@@ -22,20 +22,28 @@ from manufactured.case import Case
 from manufactured.cases.laws import softening_in_volume
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
 from manufactured.regularity import Regularity
 from manufactured.symbols import pos, s, t
 
+LAW = softening_in_volume()
+
+
+def softening(law: KelvinVoigt = LAW, T: float = 1.0) -> ExactSolution:
+    """The solution for another law with a > 0, in t/T for t."""
+    body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
+    (part,) = body.of(Kind.CONTACT)
+    c = Rational(7, 24) + Rational(15, 8) * time * (1 - time)
+    gap, pressure = 20 * (1 + time) * pos(s - c, 5), 20 * pos(c - s, 3)
+    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, initial=Integer(0))
+    return ExactSolution(body, law, (face,))
+
 
 def case() -> Case:
-    body, law = unit_square(), softening_in_volume()
-    (part,) = body.of(Kind.CONTACT)
-    c = Rational(7, 24) + Rational(15, 8) * t * (1 - t)
-    gap, pressure = 20 * (1 + t) * pos(s - c, 5), 20 * pos(c - s, 3)
-    face = ContactFace.linear(part, law, body.T, gap, pressure, c - s, initial=Integer(0))
     return Case(
         name="softening",
         summary="front advances and recedes, G softens in volume, memory grows",
-        solution=ExactSolution(body, law, (face,)),
+        solution=softening(),
         regularity=Regularity(gap=5, pressure=3, moving=True),
         order=1,
         reason="α = 5 > 7/2 and m = 3 > 3/2 give (5.36): order 1 by Prop. 5.4, G only Lipschitz",

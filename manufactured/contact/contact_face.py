@@ -23,6 +23,8 @@ VARIABLES = {2: (s,), 3: (s1, s2)}
 
 PLAIN = cutoff()
 """The usual profile, φ = HERMITE down to depth 1."""
+PLACES, HALVINGS = 1000, 44
+"""Places at which signs are looked at, and how often the gap between two of them is halved: to 1e-16 of the face."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,6 +131,26 @@ class ContactFace:
     def exponents_in(self) -> sp.Expr:
         """The formula with the truncated powers of the pressure side."""
         return self.strain.formula
+
+    def fronts(self, time: float) -> tuple[float, ...]:
+        """The s at which the contact zone of a face of a plane body begins or ends: where ψ(·, t) changes its sign.
+
+        Two that are nearer than a thousandth of the face are not seen.
+        """
+
+        def contact(s: Array) -> Array:
+            return np.broadcast_to(self.level_jet(s[None], time)[(0,)] > 0, s.shape)
+
+        # An irregular grid, so that no front lies on it.
+        grid = self.part.measure * np.linspace(0, 1, PLACES) ** 1.01
+        inside = contact(grid)
+        here = np.flatnonzero(inside[:-1] != inside[1:])
+        low, high, left = grid[here], grid[here + 1], inside[here]
+        for _ in range(HALVINGS if here.size else 0):
+            middle = (low + high) / 2
+            same = contact(middle) == left
+            low, high = np.where(same, middle, low), np.where(same, high, middle)
+        return tuple(map(float, (low + high) / 2))
 
     def at(self, x: Points) -> Lifting:
         """The lifted fields at fixed points of Ω̄, (d, ...)."""

@@ -5,6 +5,6 @@ by ``Data.of``; formulas of x1, x2 and t by ``Data.formulas``.
 """
 
 from manufactured.data.expressions import Expressions
-from manufactured.data.problem_data import Data, ForceInTime, LoadError
+from manufactured.data.problem_data import Data, ForceInTime, LoadError, no_fronts
 
-__all__ = ["Data", "Expressions", "ForceInTime", "LoadError"]
+__all__ = ["Data", "Expressions", "ForceInTime", "LoadError", "no_fronts"]

@@ -22,6 +22,11 @@ ForceInTime = Callable[[float], Vectors]
 Formulas = Sequence[sp.Expr | float]
 
 
+def no_fronts(time: float) -> tuple[Hyperplane, ...]:
+    """No line."""
+    return ()
+
+
 @dataclass(frozen=True, eq=False)
 class Data:
     """Problem 2.1 without its solution.
@@ -39,6 +44,7 @@ class Data:
         points: vertices of Ω at which they are singular.
         formulas_of: what the callables were made from, by which equal data are known as equal: an exact solution,
             ``Expressions``, or None for functions of Python.
+        fronts: t ↦ lines across which f_0 jumps or has kinks at this time alone.
     """
 
     body: Body
@@ -50,6 +56,7 @@ class Data:
     lines: tuple[Hyperplane, ...] = ()
     points: tuple[tuple[float, ...], ...] = ()
     formulas_of: object = None
+    fronts: Callable[[float], tuple[Hyperplane, ...]] = no_fronts
 
     @classmethod
     def of(cls, solution: ExactSolution) -> Data:
@@ -75,6 +82,7 @@ class Data:
             solution.rough,
             solution.singular,
             solution,
+            solution.fronts,
         )
 
     @classmethod

@@ -60,6 +60,11 @@ class ExactSolution:
         fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
         return (*fronts, *self.law.steps)
 
+    def fronts(self, time: float) -> tuple[Hyperplane, ...]:
+        """Where f_0 jumps or has kinks at one time, in the plane: {s = c} for the fronts c of every lifting."""
+        faces = [face for face in self.faces if isinstance(face, ContactFace)] if self.body.dim == 2 else []
+        return tuple(face.part.line(c) for face in faces for c in face.fronts(time))
+
     def at(self, x: ArrayLike) -> Fields:
         """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed.
 

@@ -22,6 +22,9 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotati
 
 y = sp.Symbol("y", real=True)
 """The distance from the face."""
+BLOCK = 1 << 13
+"""Points at which formulas are evaluated together: they are so long that what they leave half-done at more of them does
+not stay in the cache, and at fewer calls would cost more than arithmetic."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,8 +145,13 @@ class Fading:
         depth = self.face.depth_jet(self.places[:1], time)[(0,)]
         inside = np.flatnonzero(np.real(self.places[1]) < np.real(depth))
         along, into = self.face.velocity if rate else self.face.displacement
-        points = self.places[:, inside]
-        values = of((along(points, time, order), into(points, time, order)))
+
+        def at(chosen: Array) -> Array:
+            points = self.places[:, chosen]
+            return of((along(points, time, order), into(points, time, order)))
+
+        blocks = [inside[start : start + BLOCK] for start in range(0, len(inside), BLOCK)] or [inside]
+        values = np.concatenate([at(block) for block in blocks], axis=-1)
         found = np.zeros((*values.shape[:-1], self.places.shape[1]), dtype=values.dtype)
         found[..., inside] = values
         return found.reshape(*values.shape[:-1], *self.shape)

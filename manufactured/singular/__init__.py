@@ -15,5 +15,6 @@ Problems of the Mathematical Theory of Elasticity, Noordhoff 1953, for the poten
 from manufactured.singular.monomials import Monomial, kolosov
 from manufactured.singular.singular_face import SingularFace
 from manufactured.singular.singular_field import SingularField, least_exponent
+from manufactured.singular.travelling_field import TravellingField
 
-__all__ = ["Monomial", "SingularFace", "SingularField", "kolosov", "least_exponent"]
+__all__ = ["Monomial", "SingularFace", "SingularField", "TravellingField", "kolosov", "least_exponent"]

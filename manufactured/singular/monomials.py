@@ -37,14 +37,24 @@ def kolosov(kappa: float, a: complex, b: complex, exponent: float) -> tuple[tupl
     return u_x, u_y
 
 
-def real_power(x: Array, y: Array, c: complex, beta: float) -> Array:
-    """Re(c (x + iy)^β) by r^β (c_r cos βθ − c_i sin βθ), analytic in x and y for the complex step; 0 at r = 0."""
-    r2 = x * x + y * y
-    there = np.real(r2) > 0
-    r = np.sqrt(np.where(there, r2, 1.0))
-    right = np.real(x) >= 0
-    # θ = 2 arctan(y/(r + x)), or ±π − 2 arctan(y/(r − x)) where x < 0: no cancellation, θ = π on the cut.
-    half = np.arctan(y / np.where(right, r + x, r - x))
-    theta = np.where(right, 2 * half, np.where(np.real(y) >= 0, np.pi, -np.pi) - 2 * half)
-    value = r**beta * (c.real * np.cos(beta * theta) - c.imag * np.sin(beta * theta))
-    return np.where(there, value, 0.0)
+class Powers:
+    """(c, β) ↦ Re(c (x + iy)^β) at fixed points, by r^β (c_r cos βθ − c_i sin βθ); 0 at r = 0.
+
+    Analytic in x and y for the complex step. Terms of one exponent share r^β, cos βθ and sin βθ.
+    """
+
+    def __init__(self, x: Array, y: Array) -> None:
+        r2 = x * x + y * y
+        self._there = np.real(r2) > 0
+        self._r = np.sqrt(np.where(self._there, r2, 1.0))
+        right = np.real(x) >= 0
+        # θ = 2 arctan(y/(r + x)), or ±π − 2 arctan(y/(r − x)) where x < 0: no cancellation, θ = π on the cut.
+        half = np.arctan(y / np.where(right, self._r + x, self._r - x))
+        self._theta = np.where(right, 2 * half, np.where(np.real(y) >= 0, np.pi, -np.pi) - 2 * half)
+        self._known: dict[float, tuple[Array, Array, Array]] = {}
+
+    def __call__(self, c: complex, beta: float) -> Array:
+        if beta not in self._known:
+            self._known[beta] = self._r**beta, np.cos(beta * self._theta), np.sin(beta * self._theta)
+        size, cosine, sine = self._known[beta]
+        return np.where(self._there, size * (c.real * cosine - c.imag * sine), 0.0)

@@ -9,6 +9,7 @@ import sympy as sp
 
 from manufactured.body import Part
 from manufactured.singular.singular_field import SingularAtPoints, SingularField
+from manufactured.singular.travelling_field import TravellingAtPoints, TravellingField
 from manufactured.symbols import Jet, refuse_kinks, s
 from manufactured.tensors import Points
 
@@ -23,7 +24,7 @@ class SingularFace:
         pressure: p(s, t), what the law makes of the field; the self-proof compares.
         level: ψ(s, t).
         field: the displacement.
-        rough: coordinates s of the singular points.
+        rough: coordinates s of the singular points that do not move.
 
     Raises:
         FormulaError: a kink of a formula is not written with ``pos``.
@@ -33,7 +34,7 @@ class SingularFace:
     gap: sp.Expr
     pressure: sp.Expr
     level: sp.Expr
-    field: SingularField
+    field: SingularField | TravellingField
     rough: tuple[float, ...] = ()
 
     def __post_init__(self) -> None:
@@ -60,6 +61,6 @@ class SingularFace:
         """The formula with the truncated powers of the pressure side."""
         return self.pressure
 
-    def at(self, x: Points) -> SingularAtPoints:
+    def at(self, x: Points) -> SingularAtPoints | TravellingAtPoints:
         """The field at fixed points of Ω̄, (2, ...)."""
         return self.field.at(x)

@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 import sympy as sp
 
 from manufactured.modes import Modes
 from manufactured.profile import Piecewise
-from manufactured.singular.monomials import Monomial, real_power
+from manufactured.singular.monomials import Monomial, Powers
 from manufactured.symbols import Jet, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
 
@@ -87,6 +88,10 @@ class SingularAtPoints:
         return Modes(np.eye(len(shapes)), points, shapes[:, points], places, 1, amplitudes)
 
     @cached_property
+    def _powers(self) -> Powers:
+        return Powers(*self.local)
+
+    @cached_property
     def _displacement(self) -> Array:
         return np.tensordot(self.field.frame, self._derivative(0, 0), axes=1)
 
@@ -117,11 +122,11 @@ class SingularAtPoints:
 
     def _singular(self, dx: int, dy: int) -> Array:
         """∂_x^dx ∂_y^dy of U, (2, ...)."""
-        x, y = self.local
+        y = self.local[1]
         return np.array(
             [
                 sum(
-                    y**m * real_power(x, y, c, beta)
+                    y**m * self._powers(c, beta)
                     for monomial in component
                     for m, c, beta in monomial.terms(dx, dy)
                     if c != 0
@@ -154,6 +159,15 @@ def _binomial(n: int, k: int) -> int:
     return 1 if k in (0, n) else n
 
 
-def least_exponent(fields: Iterable[SingularField]) -> float:
+class _OfMonomials(Protocol):
+    """What is made of monomials."""
+
+    @property
+    def x(self) -> tuple[Monomial, ...]: ...
+    @property
+    def y(self) -> tuple[Monomial, ...]: ...
+
+
+def least_exponent(fields: Iterable[_OfMonomials]) -> float:
     """The least regular power of the distance in some fields, min(m + β); infinite without any."""
     return min((m.m + m.beta for field in fields for m in (*field.x, *field.y) if m.c != 0), default=math.inf)

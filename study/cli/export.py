@@ -12,7 +12,6 @@ from study.fem.naming import family_named, resolve
 from study.ledger.errors import UsageError
 from study.run.foundation import require_segments
 from study.run.resources import available, require
-from study.run.store import Store
 from study.run.task_data import (
     Data,
     frozen,
@@ -21,7 +20,7 @@ from study.run.task_data import (
     require_scale,
     with_foundation,
 )
-from study.run.task_files import write_task
+from study.run.task_files import TaskStore, write_task
 from study.solve.steps import require_steps
 from study.statements.other_codes.tasks import INSTANTS, Task
 from study.statements.shared import estimates
@@ -35,7 +34,7 @@ def do_export(options: argparse.Namespace) -> int:
     for family, level in wanted:
         _check_mesh(options, Task(case, family, level))
     prove(case.solution, f"case {case.name}")
-    with Store(options.out, written=(".",)).locked():
+    with TaskStore(options.out).locked():
         for family, level in wanted:
             path = write_task(options.out, _data(Task(case, family, level), options))
             print(f"{path}  {path.stat().st_size / 1000:.1f} kB")

@@ -125,7 +125,7 @@ def _again(seed: int, directory: Path, pool: Pool) -> int:
     record, known = Record.read(directory), rules(store.directory, plan, plan)
     shutil.rmtree(store.directory)
     rows = [verdict for verdict in found if row_of(verdict) in known]
-    red = [row for row in rows if row.verdict != HOLDS and claimed(row.label, row.case)]
+    red = [row for row in rows if row.verdict != HOLDS and claimed(row.label)]
     print(
         "\n".join([f"{row.label}, {row.key}, {row.case}: {row.observed:.6g}, expected {row.expected}" for row in red])
     )

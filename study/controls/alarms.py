@@ -71,7 +71,7 @@ class Seen:
 
     @property
     def claimed(self) -> bool:
-        return claimed(self.key[0], self.key[2])
+        return claimed(self.key[0])
 
     def line(self, part: str) -> dict[str, object]:
         """Its line of ``seeds.csv``; ``part`` is the least part of the plan that has it."""

@@ -21,11 +21,17 @@ from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete, State
 from study.solve.signorini import ContactSolver, Signorini
 from study.solve.tableau import BACKWARD_EULER
+from study.statements.growing_errors import projection
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.thm_4_2 import stress_errors as own
 from study.statements.thm_4_2.stands_alone import Derived, Sides
 
 # The contact condition.
+
+
+def start_at_projection(setup: Experiment) -> Experiment:
+    """u_0^h = P_h u_0, the projection in (·,·)_V, for a homogeneous A."""
+    return replace(setup, problem=replace(setup.problem, u0=projection(setup, 0.0)))
 
 
 def contact_dropped(setup: Experiment) -> Experiment:

@@ -10,11 +10,13 @@ from study.controls.control import Control
 from study.controls.slips import Slip, blinded, in_experiments_of, instead
 from study.solve.signorini import Signorini
 from study.statements.admissibility import Admissibility
+from study.statements.advancing_front import AdvancingFront
 from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
 from study.statements.constraint import Interpolant, VertexConstraint
 from study.statements.error_bounds import ErrorBounds
 from study.statements.green import Green
+from study.statements.growing_errors import GrowingErrors
 from study.statements.hypercircle import Hypercircle
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
@@ -60,6 +62,8 @@ LOADS = Listing(LoadInTime(), "lift-and-land", "unstructured", (4, 8))
 TRACTION, LOGARITHM = (Listing(TractionInTime(), case, "one-diagonal", (8, 16, 32)) for case in (MOVING, "junction"))
 AT_REST = Listing(ResidualBound(), FULL, "unstructured", (8,))
 PARTING = Listing(Parting(), "softening", "shaken", (4,))
+GROWING = Listing(GrowingErrors(), "softening", "unstructured", (4,))
+ADVANCING = Listing(AdvancingFront(), "natural-motion", "shaken", (6, 12, 24))
 """Every row holds without a defect, and the named row fails with it."""
 
 
@@ -573,5 +577,63 @@ STATEMENTS: tuple[Control[Any], ...] = (
         PARTING,
         slip("parting", "quotients", mistakes.times(0.9)),
         "bound-even",
+    ),
+    Control(
+        "f off by a tenth at a front",
+        "0.9 f for f",
+        ADVANCING,
+        slip("advancing_front", "load_from_forces", mistakes.times(0.9)),
+        "order",
+    ),
+    Control(
+        "squares of velocities",
+        "‖u̇ − Π^h u̇‖² for its root",
+        ADVANCING,
+        slip("advancing_front", "Velocity.interpolation_error", mistakes.squared),
+        "rate",
+    ),
+    Control(
+        "traction off by a tenth",
+        "0.9 σ_ν for σ_ν in the linear problem",
+        ADVANCING,
+        slip("advancing_front", "Traction.__call__", mistakes.times(0.9)),
+        "excess",
+    ),
+    Control(
+        "blind: steps at a front",
+        "one trajectory beside itself",
+        ADVANCING,
+        blinded("time share"),
+        "time",
+    ),
+    Control(
+        "blind: a rule beside itself",
+        "the finer rule for f_0 is no finer",
+        ADVANCING,
+        slip("advancing_front", "RAISED", instead(2)),
+        "quadrature",
+    ),
+    Control(
+        "P_h off by a tenth",
+        "1.1 P_h u for P_h u",
+        GROWING,
+        slip("growing_errors", "projection", mistakes.times(1.1)),
+        "known",
+    ),
+    Control(
+        "start without an error in V^h",
+        "u_0^h = P_h u_0 for Π^h u_0",
+        GROWING,
+        in_experiments_of("growing_errors", defects.start_at_projection),
+        "needed",
+    ),
+    *(
+        Control(
+            f"ten times the error: {key}", f"10 {error} for {error}", GROWING, slip(*where, mistakes.times(10.0)), key
+        )
+        for key, error, where in (
+            ("bound", "‖u − u^h‖", ("growing_errors", "share")),
+            ("time", "‖u^h − û^{hk}‖", ("growing_errors", "furthest")),
+        )
     ),
 )

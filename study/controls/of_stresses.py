@@ -10,6 +10,7 @@ from study.controls.control import Control
 
 ALONE, STRESS, STRAIN = "alone-stress", "order-stress", "order-strain"
 BOTH, OWN = Equivalence("advance-recede"), StressSweep("natural-front")
+MERGING = StressSweep("merging-patches", levels=(16, 32))
 
 STRESSES: tuple[Control[Any], ...] = (
     Control(
@@ -49,5 +50,6 @@ STRESSES: tuple[Control[Any], ...] = (
     Control(
         "3.1 without A", "Gε(u^h) in place of Aε(δu^h) + Gε(u^h)", OWN, stress_slips.ELASTIC, "order-primal_stress"
     ),
+    Control("fronts missed", "f_0 not cut along fronts in 3.2", MERGING, stress_slips.fronts_missed, "time-share"),
     Control("f_2 late", "f_2(t − k) in place of f_2(t)", OWN, stress_slips.surface_load_late, "growth"),
 )

@@ -157,11 +157,11 @@ class Record:
         return next((draw for draw in self.draws if draw.judged < 0), None)
 
     def judged(
-        self, seed: int, verdicts: Sequence[Verdict], rules: Mapping[RowKey, str], claimed: Callable[[str, str], bool]
+        self, seed: int, verdicts: Sequence[Verdict], rules: Mapping[RowKey, str], claimed: Callable[[str], bool]
     ) -> Record:
         """With what was found on a seed that was drawn; the lines of other rules stay as they are.
 
-        ``claimed`` says of (label, case) whether an alarm of its rows counts.
+        ``claimed`` says of a label whether an alarm of its rows counts.
         """
         position = [draw.seed for draw in self.draws].index(seed)
         if self.draws[position].judged >= 0:
@@ -172,7 +172,7 @@ class Record:
             known = *row, rules[row]
             line = lines.get(known, Line(verdict.window_low, verdict.window_high))
             lines[known] = line.at(position, place(verdict))
-            alarms += verdict.verdict != HOLDS and claimed(verdict.label, verdict.case)
+            alarms += verdict.verdict != HOLDS and claimed(verdict.label)
         together = fingerprint(sorted((*row, rules[row]) for row in {(v.label, v.key, v.case) for v in verdicts}))
         draw = replace(self.draws[position], rules=together, judged=len(verdicts), alarms=alarms)
         return Record((*self.draws[:position], draw, *self.draws[position + 1 :]), lines)

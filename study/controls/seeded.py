@@ -31,19 +31,15 @@ WHOLE, LIGHT = "whole", "light"
 """The parts of the plan: all of it, and what costs little."""
 EVERY = 5
 """One of so many seeds is measured whole: then both parts take about the same time."""
-NOT_CLAIMED = {
-    ("(5.24)", ""): "orders of a trace hang on few edges of random length",
-    ("Thm 4.2, own space", "natural-front"): "the pressure's error is that of the one cell in which the front rests",
-    ("Thm 4.2, own space", "rough-trace"): "the same, and an order of the multipliers that is not understood",
-}
-"""Label and case, or every case, of what the ledger does not claim on shaken meshes, and why."""
+NOT_CLAIMED = {"(5.24)": "orders of a trace hang on few edges of random length"}
+"""The labels of what the ledger does not claim on shaken meshes, and why."""
 TRACES = ("no-contact", "advance-recede")
 """Cases whose traces are interpolated."""
 
 
-def claimed(label: str, case: str) -> bool:
+def claimed(label: str) -> bool:
     """Whether the ledger claims the rows of a statement on shaken meshes."""
-    return (label, case) not in NOT_CLAIMED and (label, "") not in NOT_CLAIMED
+    return label not in NOT_CLAIMED
 
 
 @dataclass(frozen=True)
@@ -93,17 +89,12 @@ def costly(job: Job) -> bool:
 def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
     """The settings of the quick study on shaken meshes; where it has none those of the full one, up to its levels.
 
-    Where nothing is claimed on shaken meshes it is measured nevertheless: the traces of (5.24), and stresses on their
-    own space at all levels of the full study, of every case that it has on shaken meshes or does not claim there.
+    Where nothing is claimed on shaken meshes it is measured nevertheless: the traces of (5.24).
     """
     if isinstance(statement, InterpolationOnContact):
         return grid(TRACES, (scope.family,), (16, 32, 64))
     everywhere = [setting for setting in statement.settings(replace(scope, name="full")) if is_random(setting.family)]
-    if isinstance(statement, OwnSpace):
-        unclaimed = [case for label, case in NOT_CLAIMED if label == statement.label]
-        levels = sorted({setting.level for setting in everywhere})
-        everywhere += grid(unclaimed, (scope.family,), levels)
-    else:
+    if not isinstance(statement, OwnSpace):
         quickly = statement.settings(scope)
         finest = max((setting.level for setting in quickly), default=0)
         shaken = [setting for setting in quickly if is_random(setting.family)]

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from manufactured.body import Part
-from manufactured.data import ForceInTime
+from manufactured.data import ForceInTime, no_fronts
 from manufactured.tensors import Array, Points
 from study.controls.blindness import halved_is_the_run
 from study.controls.slips import Slip, always, instead
@@ -21,7 +21,7 @@ from study.statements.thm_4_2.stress_errors import StressExperiment
 PROGRAMME, ERRORS = "study.solve.stress_programme", "study.statements.thm_4_2.stress_errors"
 STOPPED_EARLY = Slip(PROGRAMME, "AIM", instead(Accuracy(gap=1e-8, feasibility=1e-11)))
 NO_DISTANCE = Slip("study.statements.thm_4_2.stands_alone", "gaps", always(Gaps(*[0.0] * len(Gaps._fields))))
-COMPANION = Slip(ERRORS, "StressExperiment.march", halved_is_the_run)
+COMPANION = Slip(ERRORS, "StressExperiment.companion", halved_is_the_run)
 ADMISSIBLE = Slip(ERRORS, "inadmissible", always(0.0))
 
 
@@ -101,3 +101,8 @@ def surface_load_late(setup: StressExperiment) -> StressExperiment:
         return lambda time: load(max(time - k, 0.0))
 
     return replace(setup, data=replace(setup.data, surface_load=late))
+
+
+def fronts_missed(setup: StressExperiment) -> StressExperiment:
+    """f_0 by a rule that does not know where it jumps at the time."""
+    return replace(setup, data=replace(setup.data, fronts=no_fronts))

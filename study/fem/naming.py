@@ -17,6 +17,7 @@ from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.data import Data
 from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, rollers
+from manufactured.natural_motion import natural_motion
 from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.errors import UsageError
@@ -72,7 +73,7 @@ def _cases(name: str) -> tuple[Case, ...]:
     """The catalogue and the cases beside it; of rollers, of which every level has its own, those that a name means."""
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0
-    return (*catalogue(), *multiscale(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
+    return (*catalogue(), *multiscale(), natural_motion(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
 
 
 def name_of(reference: str) -> str:

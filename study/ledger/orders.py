@@ -76,11 +76,3 @@ def limit(h: Array, error: Array, order: float) -> float:
     x, e = (np.exp(np.log(np.asarray(v, dtype=float)[-4:]).reshape(2, 2).mean(axis=1)) for v in (h, error))
     x = x**order
     return float((e[1] * x[0] - e[0] * x[1]) / (x[0] - x[1]) / e[1])
-
-
-def fitted_limit(h: Array, error: Array, order: float) -> float:
-    """The same by least squares of (e_i − e∞ − C h_i^p)/e_i over all levels, for errors that differ by chance alone."""
-    e = np.asarray(error, dtype=float)
-    columns = np.stack([1 / e, np.asarray(h, dtype=float) ** order / e], axis=1)
-    (found, _), *_ = np.linalg.lstsq(columns, np.ones_like(e), rcond=None)
-    return float(found / np.sqrt(e[-1] * e[-2]))

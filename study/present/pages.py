@@ -242,7 +242,7 @@ def statements(data: FullRun) -> str:
             f"[`{path}`](../../{path}{'__init__.py' if path.endswith('/') else ''})" for path in where["code"]
         )
         found = ", ".join(f"`{name}`" for name in where["data"])
-        lines.append([label, _literal(claim), counts, f"{code}: {found}"])
+        lines.append([_literal(label), _literal(claim), counts, f"{code}: {found}"])
     return markdown(["statement", "says", "verdicts", "code: data"], lines)
 
 
@@ -283,7 +283,7 @@ def _judged(found: Codes | None) -> str:
         ]
         for row in found.rows().to_dict("records")
     ]
-    return markdown([*header, "pressure / that of K^h", "scales"], lines)
+    return markdown([*header, _literal("pressure / that of K^h"), "scales"], lines)
 
 
 def windows(data: FullRun) -> str:
@@ -295,7 +295,7 @@ def windows(data: FullRun) -> str:
     return markdown(
         ["rows", "then", "today", "why"],
         [
-            [", ".join(f"{one.label} *{one.key}* ({one.rows})" for one in group), before, today, why]
+            [", ".join(map(_rows, group)), *map(_literal, (before, today, why))]
             for (before, today, why), group in alike.items()
         ],
     )
@@ -303,10 +303,12 @@ def windows(data: FullRun) -> str:
 
 def new_windows(data: FullRun) -> str:
     """Rows that are claimed today and were not known then, in Markdown."""
-    lines = [
-        [f"{one.label} *{one.key}* ({one.rows})", one.today, one.why] for one in added(_earlier(data), data.claims)
-    ]
+    lines = [[_rows(one), _literal(one.today), _literal(one.why)] for one in added(_earlier(data), data.claims)]
     return markdown(["rows", "window", "why"], lines)
+
+
+def _rows(change: Change) -> str:
+    return f"{_literal(change.label)} *{change.key}* ({change.rows})"
 
 
 def _earlier(data: FullRun) -> pd.DataFrame:

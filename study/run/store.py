@@ -7,6 +7,7 @@ does the rest. What is truncated, altered, or another job's is not believed but 
 
 from __future__ import annotations
 
+import errno
 import hashlib
 import json
 import os
@@ -15,7 +16,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import psutil
 
@@ -48,16 +49,26 @@ class Store:
     def data(self) -> Path:
         return self.directory / "data"
 
+    @property
+    def lock(self) -> Path:
+        """The file that is locked while a command works on the directory."""
+        return self.data / ".lock"
+
+    @property
+    def marks(self) -> tuple[Path, ...]:
+        """Files of which one is there where the study has written before."""
+        return self.lock, self.data / "provenance.json"
+
     def path(self, key: str) -> Path:
         return self.data / "jobs" / f"{key}.json"
 
     def refuse_foreign(self) -> None:
-        """Refuse a directory with files of others where this writes: the study's have a lock or a provenance.
+        """Refuse a directory with files of others where this writes: the study's have one of the ``marks``.
 
         Raises:
             StoreError: names the first foreign file.
         """
-        if any((self.data / mark).exists() for mark in (".lock", "provenance.json")):
+        if any(mark.exists() for mark in self.marks):
             return
         for place in self.written:
             found = self.directory / place
@@ -94,23 +105,29 @@ class Store:
             StoreError: another run works on the directory, or it cannot be written.
         """
         self.refuse_foreign()
-        path = self.data / ".lock"
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            file = path.open("a")
+            self.lock.parent.mkdir(parents=True, exist_ok=True)
+            file = self.lock.open("a")
         except OSError as error:
-            raise unwritable(path, error) from error
+            raise unwritable(self.lock, error) from error
         with file:
-            if sys.platform != "win32":
-                try:
-                    fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except OSError as error:
-                    raise StoreError(
-                        f"another run works on {self.directory}: wait until it ends, or give another directory with "
-                        f"--out ({path}: {error.strerror})"
-                    ) from error
+            self._hold(file)
             self._sweep()
             yield
+
+    def _hold(self, file: IO[str]) -> None:
+        if sys.platform == "win32":
+            return
+        try:
+            fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # A store that removes its lock may have done so since this one opened it: then it holds nothing.
+            if not os.path.samestat(os.fstat(file.fileno()), os.stat(self.lock)):
+                raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
+        except OSError as error:
+            raise StoreError(
+                f"another run works on {self.directory}: wait until it ends, or give another directory with "
+                f"--out ({self.lock}: {error.strerror})"
+            ) from error
 
     def steady(self) -> AbstractContextManager[None]:
         """``locked`` for commands that start from the data of a finished run.
@@ -120,7 +137,7 @@ class Store:
         Raises:
             StoreError: another run works on the directory, or its data can be written and its lock cannot.
         """
-        changes = any(os.access(path, os.W_OK) for path in (self.data, self.data / ".lock"))
+        changes = any(os.access(path, os.W_OK) for path in (self.data, self.lock))
         return self.locked() if changes else nullcontext()
 
     def _sweep(self) -> None:

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
-import gzip
 import hashlib
 import json
+import lzma
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from study.ledger.files import StoreError, write_text, write_whole
+from study.run.store import Store
+
+SUMS = "SHA256SUMS"
 
 DIGITS = 13
 """Decimal digits kept of the largest number of an array, and of its others as many decimal places."""
@@ -18,19 +24,45 @@ FINER = {"reference": 14}
 """Digits of that from which distances are measured that may be zero: rounding grows like 1/h in them."""
 
 
+@dataclass(frozen=True)
+class TaskStore(Store):
+    """A directory of tasks, which nothing but tasks and their sums is left in: people copy it."""
+
+    written: tuple[str, ...] = (".",)
+
+    @property
+    def lock(self) -> Path:
+        return self.directory / ".lock"
+
+    @property
+    def marks(self) -> tuple[Path, ...]:
+        return self.lock, self.directory / SUMS
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """``Store.locked``; the lock is removed at the end."""
+        with super().locked():
+            try:
+                yield
+            finally:
+                # Windows removes no file that is open.
+                with suppress(PermissionError):
+                    self.lock.unlink(missing_ok=True)
+
+
 def write_task(directory: Path, data: dict[str, Any]) -> Path:
-    """NAME.json.gz, the same bytes for the same data, and its line in SHA256SUMS; both whole or not at all.
+    """NAME.json.xz, the same bytes for the same data, and its line in SHA256SUMS; both whole or not at all.
 
     Raises:
         StoreError: the directory cannot be written.
         StoreError: SHA256SUMS has a line that is none.
     """
     scale = "" if data["scale"] == 1 else f"-times-{data['scale']:g}"
-    path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.gz"
-    packed = gzip.compress(json.dumps(plain(data), separators=(",", ":")).encode(), 9, mtime=0)
-    sums = _sums(directory / "SHA256SUMS") | {path.name: hashlib.sha256(packed).hexdigest()}
+    path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.xz"
+    packed = lzma.compress(json.dumps(plain(data), separators=(",", ":")).encode())
+    sums = _sums(directory / SUMS) | {path.name: hashlib.sha256(packed).hexdigest()}
     write_whole(path, lambda part: part.write_bytes(packed))
-    write_text(directory / "SHA256SUMS", "".join(f"{sums[name]}  {name}\n" for name in sorted(sums)))
+    write_text(directory / SUMS, "".join(f"{sums[name]}  {name}\n" for name in sorted(sums)))
     return path
 
 

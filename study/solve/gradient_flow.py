@@ -8,9 +8,16 @@ and û the piecewise linear interpolant. Then, with the element z = ξ-least of 
 
     F = Σ_n ∫_{t_{n−1}}^{t_n} ‖f(t_n) − f(t)‖_V dt ≤ k Var f.
 
-The proof is in the supplement to the article (paper/proofs_time.tex). The first bound needs the computed solution, the
-second only the data; neither knows h. z is u̇^h(0+), the projection of f(0) − B^h u_0 onto the cone of directions that
-K^h allows at u_0, and at most ‖f(0)‖_V + ‖B^h u_0‖_V long.
+U_n itself, on (t_{n−1}, t_n], is k ‖δU_n‖_V ≤ k (‖z‖_V + Var f) further away at most. For any scheme what happens
+between nodes is what interpolation leaves of u^h: with its values at nodes and û linear in between
+
+    max_t ‖u^h − û‖_V ≤ max_n ‖u^h(t_n) − U_n‖_V + k/4 max_n osc_n u̇^h,   osc_n u̇^h ≤ 2 (‖z‖_V + Var f),
+
+osc_n the largest difference of velocities within a step.
+
+The proofs are in the supplement to the article (paper/proofs_time.tex). The first bound needs the computed solution,
+the second only the data; neither knows h. z is u̇^h(0+), the projection of f(0) − B^h u_0 onto the cone of directions
+that K^h allows at u_0, and at most ‖f(0)‖_V + ‖B^h u_0‖_V long.
 """
 
 from __future__ import annotations
@@ -82,10 +89,23 @@ class GradientFlow:
         left, right = self.distance(ahead, nodes[:-1]), self.distance(ahead, nodes[1:])
         return float(np.maximum(left, right).mean()) * self.problem.T
 
+    @cached_property
+    def first(self) -> float:
+        """‖z‖_V."""
+        return math.sqrt(self.start @ (self.problem.M @ self.start))
+
+    @property
+    def fastest(self) -> float:
+        """‖z‖_V + Var f ≥ ‖u̇^h(t)‖_V, ‖δU_n‖_V."""
+        return self.first + self.variation
+
     def a_priori(self, steps: int) -> float:
         """k (‖z‖_V/√2 + 3 Var f)."""
-        z = math.sqrt(self.start @ (self.problem.M @ self.start))
-        return self.problem.T / steps * (z / math.sqrt(2) + 3 * self.variation)
+        return self.problem.T / steps * (self.first / math.sqrt(2) + 3 * self.variation)
+
+    def piecewise_constant(self, steps: int) -> float:
+        """The bound for U_n on (t_{n−1}, t_n] in place of û: k (‖z‖_V/√2 + 3 Var f) + k (‖z‖_V + Var f)."""
+        return self.a_priori(steps) + self.problem.T / steps * self.fastest
 
     def a_posteriori(self, states: Array) -> float:
         """F + (F² + k² Σ (ξ_n − ξ_{n−1}, δU_n)_V)^½ from U_0, …, U_N, (N + 1, n), N a divisor of m."""

@@ -24,6 +24,23 @@ def interpolated(states: Array, steps: int) -> Array:
     return np.vstack([*pieces, states[-1:]])
 
 
+def last(states: Array, steps: int) -> tuple[Array, Array]:
+    """U_n on (t_{n−1}, t_n], from the left and from the right at the nodes of more steps, (steps + 1, n) each."""
+    ahead = np.repeat(states[1:], steps // (len(states) - 1), axis=0)
+    return np.vstack([states[:1], ahead]), np.vstack([ahead, states[-1:]])
+
+
+def oscillation(problem: SemiDiscrete, states: Array, steps: int) -> float:
+    """max_n sup ‖v̇(r) − v̇(s)‖_V, r and s in one of some longer steps, v piecewise linear through the states."""
+    inner = (len(states) - 1) // steps
+    rates = np.diff(states, axis=0) * ((len(states) - 1) / problem.T)
+    groups = rates.reshape(steps, inner, -1)
+    products = np.einsum("nid,njd->nij", groups, (problem.M @ rates.T).T.reshape(groups.shape))
+    squares = np.einsum("nii->ni", products)
+    apart = squares[:, :, None] + squares[:, None] - 2 * products
+    return math.sqrt(max(float(apart.max()), 0.0))
+
+
 def furthest(problem: SemiDiscrete, one: Array, other: Array) -> float:
     """max_n ‖v_n − w_n‖_V."""
     away = one - other

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from study.statements.admissibility import Admissibility
+from study.statements.advancing_front import AdvancingFront
 from study.statements.backward_euler import BackwardEuler
 from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
@@ -14,6 +15,7 @@ from study.statements.enclosure.inside import BoundedError, EnclosedError
 from study.statements.error_bounds import ErrorBounds
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
+from study.statements.growing_errors import GrowingErrors
 from study.statements.hypercircle import Hypercircle
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
@@ -65,10 +67,17 @@ PROPERTIES = (
     VertexConstraint(),
     Interpolant(),
 )
-ESTIMATES = StepsOfTheEstimate(), ErrorBounds(), InterpolationInV(), SizeOfInterpolation(), InterpolationOnContact()
+ESTIMATES = (
+    StepsOfTheEstimate(),
+    ErrorBounds(),
+    GrowingErrors(),
+    InterpolationInV(),
+    SizeOfInterpolation(),
+    InterpolationOnContact(),
+)
 CONVERGENCE = ResidualBound(), Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Superclose(), Residual()
 WEIGHED = ContactForce(), Recomputed(), OtherCodes()
-BEYOND = EdgeWork(), WorkOfContact(), Rollers(), BackwardEuler(), FullyDiscrete(), Landings()
+BEYOND = EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), BackwardEuler(), FullyDiscrete(), Landings()
 CERTIFIED = BoundedError(), EnclosedError()
 
 STATEMENTS: tuple[Statement, ...] = (

@@ -179,6 +179,7 @@ class FullyDiscrete(ListedNumbers):
     """e(h, k) and d(h, k) for backward Euler, BDF2 and the midpoint rule."""
 
     label = "beyond: fully discrete"
+    effort = 30
     claim = "the fully discrete error is of order p in h and q in k, open in the source"
     rules = tuple(line for scheme in SCHEMES for line in lines(scheme))
     # Nothing is judged here, and every table needs a solution in a thousand steps: left to the full study.

@@ -27,11 +27,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
 import pandas as pd
 import scipy.sparse as sps
-from scipy.optimize import brentq
 
 from manufactured.body import Kind
 from manufactured.case import Case
@@ -73,6 +73,7 @@ class Green(ListedNumbers):
     """The two sides as functionals on V^h, for the cases with Div σ ∈ H."""
 
     label = "(2.14)"
+    effort = 15
     claim = "(σ, ε(v))_Q + (Div σ, v)_H = ∫_Γ σν·v"
 
     def places(self, full: bool) -> list[Setting]:
@@ -114,6 +115,8 @@ def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0
     riesz = Cholesky(unloaded(space, solution.law).M)
     fine, prolong = halved(space, halvings)
     raised = degree - (DEGREE if space.dim == 2 else SOLID_DEGREE)
+    # One for all times where nothing is cut.
+    gauge = lru_cache(maxsize=1)(lambda cut: Gauge(cut, fine, raised))
 
     def norm(functional: Array) -> float:
         on_space = space.interpolate((prolong.T @ fine.nodal(functional).T).T)
@@ -121,7 +124,7 @@ def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0
 
     def relative(time: float) -> float:
         cut = cut_at_fronts(solution, time)
-        load = Gauge(cut, fine, raised).load(time)
+        load = gauge(cut).load(time)
         contact, loaded = (work_on(kind, cut, fine, time) for kind in (Kind.CONTACT, Kind.LOADED))
         body = work_of_body_force(cut, fine, time, degree)
         return norm(load - body - loaded) / smallest([norm(term) for term in (load + contact, contact, body, loaded)])
@@ -166,17 +169,4 @@ def cut_at_fronts(solution: ExactSolution, time: float) -> ExactSolution:
     face, *others = solution.faces
     if solution.body.dim > 2 or others or solution.rough or not isinstance(face, ContactFace):
         return solution
-    return replace(solution, faces=(replace(face, rough=fronts(face, time)),))
-
-
-def fronts(face: ContactFace, time: float) -> tuple[float, ...]:
-    """The zeros of ψ(·, t) inside a face of one dimension."""
-
-    def level(s: Array) -> Array:
-        return face.level_jet(np.atleast_1d(s)[None], time)[0,]
-
-    # An irregular grid, so that no front lies on it.
-    grid = face.part.measure * np.linspace(0, 1, 1000) ** 1.01
-    signs = np.sign(np.broadcast_to(level(grid), grid.shape))
-    changes = np.flatnonzero(signs[:-1] * signs[1:] < 0)
-    return tuple(float(brentq(lambda s: float(level(s)[0]), grid[i], grid[i + 1], xtol=1e-15)) for i in changes)
+    return replace(solution, faces=(replace(face, rough=face.fronts(time)),))

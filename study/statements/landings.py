@@ -108,6 +108,7 @@ class Landings(ListedNumbers):
     """Orders of second-order schemes where many vertices land."""
 
     label = "beyond: landings"
+    effort = 300
     claim = "a landing that kicks a loaded neighbour loose leaves second-order schemes the order 1 in k"
     rules = tuple(rules())
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))

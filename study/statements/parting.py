@@ -74,6 +74,7 @@ class Parting(ListedNumbers):
     """Rates of growth against eigenvalues, and differences over their bound."""
 
     label = "Thm 2.2, (4.4)"
+    effort = 150
     claim = "where G softens, solutions part like e^{ct}, c the softest mode, and never faster than e^{ωt}, ω = L_G/m_A"
     rules = (
         every("rate", "rate of growth / c, softest mode under contact, all ω and T", SEEN, *columns("own", "rate")),

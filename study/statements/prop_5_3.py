@@ -6,8 +6,8 @@ corners, fronts, interfaces that the mesh does not meet, loads that are hardly c
 **Judged.** No rate is claimed, so none is asked for: errors fall from level to level, and a fit
 e = e∞ + C h^s leaves no room for a positive limit e∞. The order seen is compared with the one that the regularity
 predicts. The place of a front that rests within its cell alternates between levels, so orders are taken over two
-refinements. On random meshes, where levels differ by chance and not in turn, the limit is fitted to all of them, which
-halves the variance. Meshes graded towards a corner regain the order 1.
+refinements. On random meshes levels differ by chance, too, and from one seed to the next the limit scatters by up to a
+quarter of its window: there the other two decide. Meshes graded towards a corner regain the order 1.
 """
 
 from __future__ import annotations
@@ -19,19 +19,17 @@ import pandas as pd
 
 from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_family
 from study.ledger.measures import ENOUGH, between_levels, exactly, greatest_ratio
-from study.ledger.orders import fitted_limit, limit
+from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
 from study.ledger.window import STEEPER, Window, around, at_most
 from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
 from study.statements.prop_5_4.from_rates import GRADED
 from study.statements.prop_5_4.sweep import Rates
-from study.statements.shared.random_meshes import is_random
+from study.statements.shared.random_meshes import apart
 
 LEVELS = ENOUGH + 1
 """Two refinements twice."""
-LIMIT = at_most(
-    0.1, "of the two finest errors, if s is the predicted order; random meshes: fitted to all levels", low=-math.inf
-)
+LIMIT = at_most(0.1, "of the two finest errors, if s is the predicted order", low=-math.inf)
 """Over two refinements an order s − δ instead of s looks like e∞/e = (1 − 4^{−δ})/(1 − 4^{−s}): for s = 1/4
 the window answers to δ = 0.02, as sharp as the place of a front within its cell lets orders be."""
 
@@ -57,12 +55,13 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
     graded = {name: group for name, group in groups.items() if name == GRADED}
     falling = at_most(0.999, "on every level")
     yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
-    yield _limit("limit", LIMIT, expected), uniform
-    steeper = _limit("limit-steeper", Window(), expected + STEEPER)
-    yield (
-        Observation(steeper, f"s is taken {STEEPER:g} above the predicted order, as far as the row on orders allows"),
-        uniform,
-    )
+    by_chance, others = apart(uniform)
+    steeper = f"s is taken {STEEPER:g} above the predicted order, as far as the row on orders allows"
+    if others:
+        yield _limit("limit", LIMIT, expected), others
+        yield Observation(_limit("limit-steeper", Window(), expected + STEEPER), steeper), others
+    if by_chance:
+        yield Observation(_limit("limit-random", Window(), expected), "it scatters from seed to seed"), by_chance
     yield _order("order", "order seen", expected), uniform
     if graded:
         yield _order("order-graded", "order seen on graded meshes", 1.0), graded
@@ -71,14 +70,13 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
 
 
 def _limit(key: str, window: Window, expected: float) -> Criterion:
-    """The limit for an order: it depends on that, and nothing but the row on orders says which it is.
+    """The limit for an order, from the last four levels in pairs.
 
-    From the last four levels in pairs, on random meshes from all levels.
+    It depends on the order, and nothing but the row on orders says which it is.
     """
 
     def measure(group: pd.DataFrame) -> Measured:
-        found = fitted_limit if any(is_random(str(family)) for family in group["family"]) else limit
-        return exactly(found(group["h"].to_numpy(), group["error"].to_numpy(), expected))
+        return exactly(limit(group["h"].to_numpy(), group["error"].to_numpy(), expected))
 
     return Criterion(key, "limit e∞ of e = e∞ + C h^s", window, measure, ("error",), LEVELS)
 

@@ -158,7 +158,7 @@ class OneStress(ListedNumbers):
 
 def stresses(experiment: StressExperiment) -> list[Tensors]:
     """σ at the points of the space in every step."""
-    return [state.stress.values for state in experiment.march(experiment.steps)]
+    return [state.stress.values for state in experiment.march()]
 
 
 def size_of(stress: Tensors, weights: Array) -> float:

@@ -55,11 +55,15 @@ def tensor_at(C: Linear, x: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class StressEvolution:
-    """Problem 3.2 in time: A, G, f_0, f_2, u_0 and T, the stresses, and (S, N) ↦ the contact solve of one step."""
+    """Problem 3.2 in time: A, G, f_0, f_2, u_0 and T, the stresses, and (S, N) ↦ the contact solve of one step.
+
+    ``raised`` is added to the degree of the rule for f_0.
+    """
 
     data: Data
     space: StressSpace
     solver: type[Signorini] = Signorini
+    raised: int = 0
 
     @property
     def T(self) -> float:
@@ -67,7 +71,7 @@ class StressEvolution:
 
     @cached_property
     def loads(self) -> ProjectedLoads:
-        return ProjectedLoads(self.data, self.space)
+        return ProjectedLoads(self.data, self.space, self.raised)
 
     def initial(self) -> DualState:
         """ε(u_0); the schemes have no rate there, so the stress is not a number."""

@@ -60,10 +60,9 @@ class Equilibrium:
     def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
         self.space, self.compliance = space, compliance
         cells, p = space.cells, space.basis.shape[-1]
-        # (cells, 3 Q, p): matrix products then need no copies.
-        self.basis = space.basis.reshape(cells, -1, p)
-        weighted = (space.weights[..., None, None] * (compliance @ space.basis)).reshape(self.basis.shape)
-        self.stiffness = np.linalg.inv(self.basis.swapaxes(1, 2) @ weighted)
+        basis = space.basis.reshape(cells, -1, p)
+        weighted = (space.weights[..., None, None] * (compliance @ space.basis)).reshape(basis.shape)
+        self.stiffness = np.linalg.inv(basis.swapaxes(1, 2) @ weighted)
         # (cells, 3 sides · n · 2, p)
         self.R = space.tractions.reshape(cells, -1, p)
         self.RT = self.R.swapaxes(1, 2)
@@ -121,8 +120,7 @@ class Equilibrium:
         """Static condensation: the lifting τ_0 of P f_0, (C⁻¹τ_0 + ε*, ·)_Q on the basis, (cells, p), and g."""
         space = self.space
         values, tractions = space.lift(loads.force)
-        response = (self.compliance @ np.moveaxis(values, 0, 2)[..., None])[..., 0] + np.moveaxis(strain, 0, 2)
-        known = _times((space.weights[..., None] * response).reshape(space.cells, -1), self.basis)
+        known = space.tested(np.einsum("...IJ,J...->I...", self.compliance, values) + strain)
         of_lift = tractions.reshape(space.cells, -1) - _times(_times(known, self.stiffness), self.RT)
         g = loads.surface.ravel() - np.bincount(self.numbers.ravel(), of_lift.ravel(), self.total)
         return EquilibratedStress(values, tractions, np.empty(0)), known, g[self.free]
@@ -131,9 +129,8 @@ class Equilibrium:
         """The stress with the multipliers m, from what ``_condense`` found; ``shifted`` is m less the given moments."""
         space = self.space
         c = _times(_times(shifted[self.numbers], self.R) - known, self.stiffness)
-        added = (self.basis @ c[..., None]).reshape(space.cells, -1, 3)
         return EquilibratedStress(
-            lift.values + np.moveaxis(added, 2, 0),
+            lift.values + space.combined(c),
             lift.tractions + _times(c, self.RT).reshape(lift.tractions.shape),
             m.reshape(-1, space.degree + 1, 2),
         )

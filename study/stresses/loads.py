@@ -2,11 +2,14 @@
 
 P is the L² projection: of f_0 onto polynomials of degree k − 1 on the thirds of cells, of f_2 onto polynomials of
 degree k on the edges of Γ2, for stresses of degree k. Thirds and edges are cut along the lines at which the data are
-rough (``study.fem.quadrature``).
+rough (``study.fem.quadrature``), and thirds along the fronts of the time, too. f_0 jumps at fronts that move, and rules
+that do not see it miss a part of order h of whole columns of cells: with them ‖σ − σ^h‖_Q on meshes with one diagonal
+was 2.4 times as large at n = 64, and the error of the pressure 19 times.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
@@ -15,7 +18,7 @@ import numpy as np
 from manufactured.body import Kind, Part
 from manufactured.data import Data
 from manufactured.tensors import Array, Vectors
-from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule
+from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
 from study.stresses.bernstein import bernstein, triangle_mass
 from study.stresses.composite import alfeld_split, barycentric
 from study.stresses.stress_space import StressSpace
@@ -68,18 +71,19 @@ class Snapshot:
 
 
 class ProjectedLoads:
-    """t ↦ P f_0 and P f_2 for a space of stresses; those of the last time are at hand, for a march beside one."""
+    """t ↦ P f_0 and P f_2 for a space of stresses; those of the last time are at hand, for a march beside one.
 
-    def __init__(self, data: Data, space: StressSpace) -> None:
-        self.space = space
-        mesh, corners = alfeld_split(space.mesh)
-        lines = [Line(direction, offset) for direction, offset in data.lines]
-        cells = np.repeat(space.mesh.p[:, space.mesh.t], 3, axis=2)
-        self._blocks = []
-        for rule in cell_rules(mesh, max(DEGREE, 2 * space.degree), lines, data.points):
-            local, full = (barycentric(c[:, :, rule.cells], rule.points) for c in (corners, cells))
-            shapes, whole = bernstein(space.degree - 1, local), bernstein(space.degree, full)
-            self._blocks.append(_Block(data, rule, shapes, whole))
+    ``raised`` is added to the degree of the rule for f_0.
+    """
+
+    def __init__(self, data: Data, space: StressSpace, raised: int = 0) -> None:
+        self.space, self.data = space, data
+        self._thirds, self._corners = alfeld_split(space.mesh)
+        self._cells = np.repeat(space.mesh.p[:, space.mesh.t], 3, axis=2)
+        self._degree = max(DEGREE, 2 * space.degree) + raised
+        lines = [Line(*line) for line in data.lines]
+        self._blocks = [self._block(rule) for rule in cell_rules(self._thirds, self._degree, lines, data.points)]
+        self._cut = np.concatenate([*rough_cells(self._thirds, lines, data.points), np.empty(0, dtype=int)])
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
         self._last: tuple[float, Loads] | None = None
 
@@ -88,11 +92,23 @@ class ProjectedLoads:
             self._last = time, self._loads(time)
         return self._last[1]
 
+    def _block(self, rule: CellRule) -> _Block:
+        local, full = (barycentric(c[:, :, rule.cells], rule.points) for c in (self._corners, self._cells))
+        return _Block(self.data, rule, bernstein(self.space.degree - 1, local), bernstein(self.space.degree, full))
+
+    def _blocks_at(self, time: float) -> Iterator[_Block]:
+        """All thirds, and those at the fronts of a time once more, which count."""
+        yield from self._blocks
+        for rule in sliced_rules(
+            self._thirds, [Line(*line) for line in self.data.fronts(time)], self._cut, self._degree
+        ):
+            yield self._block(rule)
+
     def _loads(self, time: float) -> Loads:
         space = self.space
         force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
-        for block in self._blocks:
+        for block in self._blocks_at(time):
             force[block.cells] = block.projected(block.force(time))
         for part in self._parts:
             surface[part.edges] = part.projected(part.load(time))
@@ -104,7 +120,7 @@ class ProjectedLoads:
         lower = space.degree * (space.degree + 1) // 2
         force, squares = np.empty((3 * space.cells, lower, 2)), np.empty(3 * space.cells)
         moments = np.empty((3 * space.cells, len(mass), 2))
-        for block in self._blocks:
+        for block in self._blocks_at(time):
             force[block.cells], squares[block.cells], moments[block.cells] = block(time)
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
         on_edges = np.zeros(len(surface))

@@ -121,10 +121,31 @@ class StressSpace(MeshedBody):
         return np.multiply.outer(self.volumes / 3, np.tile(self._rule[1], 3))
 
     @cached_property
+    def reference(self) -> Array:
+        """The stresses with Div σ̂ = 0 at the points of the reference triangle, (Q, 3, p)."""
+        return np.einsum("qta,taJp->qJp", self._values, self.element.divergence_free)
+
+    @cached_property
     def basis(self) -> Array:
         """The stresses with Div σ = 0 at the points, (cells, Q, 3, p)."""
-        reference = np.einsum("qta,taJp->qJp", self._values, self.element.divergence_free)
-        return np.einsum("cIJ,qJp->cqIp", self._piola, reference, optimize=True)
+        return np.einsum("cIJ,qJp->cqIp", self._piola, self.reference, optimize=True)
+
+    def tested(self, strain: Tensors) -> Array:
+        """∫_T σ·ε for the stresses of ``basis`` and the values of ε, (3, cells, Q) → (cells, p).
+
+        All cells have the same stresses but for the Piola transformation, so that this is one product of two matrices.
+        """
+        pulled = np.einsum("cIJ,Icq,cq->cqJ", self._piola, strain, self.weights, optimize=True)
+        return pulled.reshape(self.cells, -1) @ self.reference.reshape(-1, self.reference.shape[-1])
+
+    def combined(self, coefficients: Array) -> Tensors:
+        """The values of combinations of ``basis``, (cells, p) → (3, cells, Q)."""
+        flat = coefficients @ self.reference.reshape(-1, self.reference.shape[-1]).T
+        return self._pushed(flat.reshape(self.cells, -1, 3))
+
+    def _pushed(self, reference: Array) -> Tensors:
+        """Values on the reference triangle ↦ those on the cells, (cells, Q, 3) → (3, cells, Q)."""
+        return np.moveaxis(reference @ self._piola.swapaxes(1, 2), 2, 0)
 
     @cached_property
     def tractions(self) -> Array:
@@ -158,9 +179,22 @@ class StressSpace(MeshedBody):
 
         (cells, 3 thirds, lower, 2) → values (3, cells, Q) and tractions (cells, 3, n, 2), not continuous across edges.
         """
-        back = -np.einsum("c,cij,ctaj->ctai", self.determinant, np.linalg.inv(self.map), coefficients)
-        stress = np.tensordot(back, self.element.lift, axes=([1, 2, 3], [3, 4, 5]))
-        reference = np.einsum("qta,ctaJ->cqJ", self._values, stress, optimize=True)
-        values = np.einsum("cIJ,cqJ->Icq", self._piola, reference, optimize=True)
-        tractions = np.tensordot(stress, self.element.tractions, axes=([1, 2, 3], [3, 4, 5]))
-        return values, self._to_edges(tractions)
+        values, tractions = self._lifting
+        back = -self.determinant[:, None, None, None] * np.einsum("cij,ctaj->ctai", self._inverse, coefficients)
+        return self._pushed(np.tensordot(back, values, axes=3)), self._to_edges(np.tensordot(back, tractions, axes=3))
+
+    @cached_property
+    def _inverse(self) -> Array:
+        """F⁻¹, (cells, 2, 2)."""
+        return np.linalg.inv(self.map)
+
+    @cached_property
+    def _lifting(self) -> tuple[Array, Array]:
+        """``element.lift`` at the points and on the sides of the reference triangle.
+
+        (3 thirds, lower, 2; Q, 3) and (3 thirds, lower, 2; 3 sides, n, 2).
+        """
+        lift, tractions = self.element.lift, self.element.tractions
+        return np.einsum("qta,taJubi->ubiqJ", self._values, lift), np.tensordot(
+            lift, tractions, axes=((0, 1, 2), (3, 4, 5))
+        )

@@ -186,7 +186,7 @@ CODES: dict[str, tuple[Edit, str]] = {
     ),
     "the mesh size of a code": (edit(ERRORS, "h", times(2), rows=1), r"errors.csv, line 2, column h: stands"),
     "errors of a code that fall faster": (
-        edit(ERRORS, "pressure", times(0.5), "level == '32'", 1),
+        edit(ERRORS, "pressure", times(0.5), "level == '64'", 1),
         r"codes/classes.csv, line \d+, column order_of_pressure: stands",
     ),
     "a class for what a code cannot express": (

@@ -21,13 +21,14 @@ from study.controls.baselines import Sweep
 from study.controls.register import Control
 from study.controls.run_controls import run_controls
 from study.ledger.datafiles import made_by
-from study.ledger.files import write_text
+from study.ledger.files import StoreError, write_text
 from study.ledger.verdict import FAILS, HOLDS, Verdict, row
 from study.ledger.window import at_most
 from study.run.plan import Plan
 from study.run.processes import Processes
 from study.run.provenance import provenance
 from study.run.store import Store
+from study.run.task_files import TaskStore
 from study.statements.green import Green
 from study.statements.shared.scope import Scope
 
@@ -124,8 +125,8 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done(
 def test_two_commands_on_one_directory_are_refused_by_name(
     command: list[str], folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    Store(tmp_path / folder).check()
-    lock = "import sys; from pathlib import Path; from study.run.store import Store\n"
+    of = "task_files import TaskStore as" if command[0] == "export" else "store import"
+    lock = f"import sys; from pathlib import Path; from study.run.{of} Store\n"
     lock += "with Store(Path(sys.argv[1])).locked(): print('locked', flush=True); sys.stdin.read()"
     other = subprocess.Popen(
         [sys.executable, "-c", lock, str(tmp_path / folder)], stdin=subprocess.PIPE, stdout=subprocess.PIPE
@@ -135,6 +136,29 @@ def test_two_commands_on_one_directory_are_refused_by_name(
     told = refused(capsys, *command, "--out", str(tmp_path))
     other.communicate()
     assert f"another run works on {tmp_path / folder}: wait until it ends, or give another directory with" in told
+
+
+def test_an_export_leaves_nothing_but_tasks_and_their_sums(tmp_path: Path) -> None:
+    command = ["export", "full-contact", "--levels", "4", "--instants", "0.5", "--to", str(tmp_path / "tasks")]
+    for scale in ("1", "2"):
+        assert main([*command, "--scale", scale]) == 0
+    names = "full-contact-one-diagonal-frozen-4.json.xz", "full-contact-one-diagonal-frozen-4-times-2.json.xz"
+    assert {path.name for path in (tmp_path / "tasks").rglob("*")} == {*names, "SHA256SUMS"}
+
+
+def test_a_lock_that_its_owner_has_removed_holds_nothing(tmp_path: Path) -> None:
+    """Opened while one export worked, locked after it ended: a third one has a new file by then."""
+    store = TaskStore(tmp_path)
+    with store.lock.open("a") as opened_before:
+        store.lock.unlink()
+        with pytest.raises(StoreError, match="another run works on"):
+            store._hold(opened_before)
+        store.lock.touch()
+        with pytest.raises(StoreError, match="another run works on"):
+            store._hold(opened_before)
+    with store.locked():
+        assert store.lock.exists()
+    assert list(tmp_path.iterdir()) == []
 
 
 def verdicts(self: Sweep, defect: Callable[[Any], Any]) -> list[Verdict]:

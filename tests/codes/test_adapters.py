@@ -71,6 +71,23 @@ def test_a_task_that_a_code_cannot_express_is_named_with_the_reason(directory: P
     assert (left["class"], left["reason"]) == ("not expressed", "no springs in this code")
 
 
+def test_a_variant_stops_at_its_finest_level_and_its_class_is_that_of_the_meshes_before(
+    directory: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (make,) = module("this_study").VARIANTS.values()
+    two = SimpleNamespace(CODE="c", VERSION="1", VARIANTS={"slow": make, "quick": make}, FINEST={"slow": 4})
+    monkeypatch.setitem(sys.modules, "two_variants", two)
+    module("drive").main("two_variants", str(directory), str(tmp_path))
+    rows = json.loads((tmp_path / "two_variants.json").read_text())
+    levels = {(row["variant"], row["case"]): row["levels"] for row in rows}
+    assert levels == {
+        ("slow", "corner"): [4],
+        ("quick", "corner"): [4, 8],
+        ("slow", "cube-disc"): [2, 4],
+        ("quick", "cube-disc"): [2, 4],
+    }
+
+
 def test_a_code_that_is_not_installed_is_said_to_be_missing() -> None:
     adapter = module("run_codes").Adapter
     assert adapter("a", Path("no-such-python"), ("os",), "").missing()

@@ -89,7 +89,7 @@ BY_TESTS = {
     },
     **{
         ("beyond: O(h + k)", key): "statements/test_time_errors.py::test_every_row_about_backward_euler_can_fail"
-        for key in ("data", "solution", "order", "uniform", "reference")
+        for key in ("data", "solution", "constant", "between", "midpoint", "order", "uniform", "reference")
     },
     **{
         ("beyond: work on edges", key): "statements/test_contact_work.py::test_every_row_about_edges_can_fail"

@@ -93,11 +93,10 @@ def test_the_study_of_a_seed_is_the_quick_one_but_for_the_seed() -> None:
     assert Scope(**others) == replace(quick(), rough=full().rough, command="study seeds")
 
 
-@pytest.mark.parametrize(("label", "case"), NOT_CLAIMED)
-def test_what_is_not_claimed_is_measured_and_raises_no_alarm(label: str, case: str) -> None:
-    assert not claimed(label, case or "full-contact")
-    assert claimed(label, "advance-recede") == bool(case)
-    assert any(job.statement.label == label and case in ("", job.setting.case) for job in JOBS)
+@pytest.mark.parametrize("label", NOT_CLAIMED)
+def test_what_is_not_claimed_is_measured_and_raises_no_alarm(label: str) -> None:
+    assert not claimed(label)
+    assert any(job.statement.label == label for job in JOBS)
 
 
 def test_the_light_part_lacks_what_costs_most_and_nothing_else() -> None:

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from manufactured.catalogue import catalogue
 from manufactured.multiscale import multiscale, rollers
+from manufactured.natural_motion import natural_motion
 from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
@@ -33,7 +34,9 @@ def test_the_modes_of_a_solution_sum_to_its_strain(case, rate: bool) -> None:
     assert abs(found - expected).max() <= 1e-13 * abs(expected).max()
 
 
-@pytest.mark.parametrize("case", [*catalogue(), *multiscale(), *rollers(8)], ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    "case", [*catalogue(), *multiscale(), *rollers(8), natural_motion()], ids=lambda case: case.name
+)
 @pytest.mark.parametrize("rate", [False, True], ids=["strain", "rate"])
 def test_amplitudes_at_many_times_are_those_at_each(case, rate: bool) -> None:
     solution = case.solution

@@ -99,11 +99,28 @@ GATES = (
         ("study.statements.contact_force", "study.statements.recomputed"),
         ("tests/statements/test_contact_force.py", "tests/statements/test_recomputed.py", *LEDGER),
     ),
+    Gate(
+        "stress spaces",
+        ("study.stresses",),
+        (
+            *STRESSES,
+            "tests/stresses/test_equilibrated.py",
+            "tests/stresses/test_loads.py",
+            "tests/stresses/test_oscillation.py",
+        ),
+    ),
     Gate("enclosures", ("study.statements.enclosure",), ("tests/statements/test_enclosure.py", *LEDGER, *DATA)),
     Gate(
         "statements",
         ("study.statements",),
-        (*LEDGER, "tests/statements/test_statements_static.py", "tests/statements/test_statements_evolution.py"),
+        (
+            *LEDGER,
+            "tests/statements/test_statements_static.py",
+            "tests/statements/test_statements_evolution.py",
+            "tests/statements/test_rollers.py",
+            "tests/statements/test_parting.py",
+            "tests/statements/test_other_codes.py",
+        ),
         numbers=True,
     ),
     Gate(

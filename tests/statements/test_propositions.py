@@ -164,6 +164,17 @@ def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit() -> None:
     assert verdicts(prop_5_3(rising, 0.5))["falling"] == FAILS
 
 
+def test_on_random_meshes_a_limit_is_reported_beside_others_and_never_missed_alone() -> None:
+    random = table(0.5, levels=(8, 16, 32, 64), claim="Prop. 5.3", family="shaken-7")
+    alone = verdicts(prop_5_3(random, 0.5))
+    assert "limit" not in alone
+    assert alone["limit-random"] == REPORTED
+    assert {alone["falling"], alone["order"]} == {HOLDS}
+    plain = table(0.5, levels=(8, 16, 32, 64), claim="Prop. 5.3")
+    both = verdicts(prop_5_3(pd.concat([random, plain.assign(error=plain["error"] + 0.5)]), 0.5))
+    assert both["limit"] == FAILS
+
+
 def test_in_3d_the_finest_pair_must_be_within_a_tenth_of_one() -> None:
     rows = table(0.97).assign(dim=3)
     assert verdicts(prop_5_4(rows))["order-finest"] == HOLDS

@@ -11,7 +11,7 @@ import pytest
 
 from study.ledger.datafiles import read_rates
 from study.ledger.measures import growth, order, weighted
-from study.ledger.orders import fitted_limit, limit, weighted_order
+from study.ledger.orders import weighted_order
 from study.ledger.verdict import FAILS, HOLDS
 from study.ledger.window import Window, around, at_most
 from study.statements.interpolation import FIELDS, InterpolationInV
@@ -43,18 +43,6 @@ def test_a_weighted_order_is_exact_for_powers_and_sees_what_is_wrong_on_the_fine
     assert weighted_order(h, 3 * h**1.5, CELLS) == pytest.approx(1.5)
     stagnating = np.array([1.0, 0.5, 0.4])
     assert weighted_order(h, stagnating, CELLS) < weighted_order(h, stagnating, 0)
-
-
-def test_a_limit_from_all_levels_scatters_less_than_one_from_two_pairs() -> None:
-    scatter = np.full(5, 0.02)
-    both = [spread(lambda h, e, found=found: found(h, e, 0.5), scatter, 0.5) for found in (fitted_limit, limit)]
-    assert both[0] < 0.75 * both[1]
-
-
-def test_a_limit_from_all_levels_is_the_limit() -> None:
-    h = 1.0 / LEVELS_OF[5]
-    error = 0.3 + 2 * h**0.5
-    assert fitted_limit(h, error, 0.5) * np.sqrt(error[-1] * error[-2]) == pytest.approx(0.3)
 
 
 def table(**columns: list[float]) -> pd.DataFrame:

@@ -135,6 +135,7 @@ def data(excess: Number = predicted, right: float = 2.0, changed: float = 1.001,
         family, n = setting.family, setting.level
         kind = setting.case.removesuffix(f"-{n}")
         numbers = {"excess": excess(kind, family, n), "error": 1 / n, "right side": right / n, "E_h": 1 / n}
+        numbers |= {"excess at T": 1 / n, "M_h beside": 1 / n}
         if n == HALVED and family not in SEEDS[1:]:
             numbers["excess, k/2"] = changed * numbers["excess"]
         if family == PLAIN[0]:
@@ -152,10 +153,10 @@ def verdicts(rows: pd.DataFrame) -> dict[tuple[str, str], str]:
 def test_what_was_predicted_holds() -> None:
     found = verdicts(data())
     reported = {(ROLLER, "scatter"), (ROLLER, "best"), (ROLLER, "share"), (ROLLER, "order-unstructured")}
-    reported |= {(STANDING, "order-standing-shaken")}
+    reported |= {(STANDING, "order-standing-shaken"), (ROLLER, "order-end"), (ROLLER, "nodal-beside")}
     assert {key for key, verdict in found.items() if verdict == REPORTED} == reported
     assert set(found.values()) == {HOLDS, REPORTED}
-    assert len(found) == 17
+    assert len(found) == 19
 
 
 @pytest.mark.parametrize(

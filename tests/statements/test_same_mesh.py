@@ -11,6 +11,7 @@ import pytest
 
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
+from study.solve.steps import StepsError
 from study.solve.stress_problem import StressProblem
 from study.solve.stress_programme import StressState
 from study.solve.tableau import BACKWARD_EULER
@@ -21,8 +22,8 @@ Change = Callable[[int, StressState], StressState]
 
 
 @lru_cache
-def both():
-    return problems(resolve("full-contact").solution, OneDiagonal(), 4)
+def both(name: str = "full-contact"):
+    return problems(resolve(name).solution, OneDiagonal(), 4)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,17 +38,19 @@ class Changed(StressProblem):
             yield self.change(n, state)
 
 
-def found(change: Change) -> Gaps:
-    displacements, honest = both()
+def found(change: Change, name: str = "full-contact") -> Gaps:
+    displacements, honest = both(name)
     changed = Changed(honest.space, honest.law, honest.N, honest.load, honest.u0, honest, change)
     return gaps(displacements, changed, STEPS)
 
 
+@pytest.mark.parametrize(("name", "q"), [("full-contact", 1.0), ("softening", 4 / 3)])
 @pytest.mark.parametrize("left", [(1e-6, 0.0, 0.0, 0.0), (1e-8, 4e-8, 9e-8, 1.6e-7)], ids=["once", "always"])
-def test_what_is_allowed_is_what_the_proof_gives_for_the_gaps_at_which_the_solver_stopped(left) -> None:
-    """k^{1/2} R and (L_A/k + L_G)^{1/2} R over the largest sizes, R the sum of the roots of all gaps, by hand."""
-    displacements, stresses = both()
-    law, space, k, R = stresses.law, stresses.space, displacements.T / STEPS, float(np.sum(np.sqrt(left)))
+def test_what_is_allowed_is_what_the_proof_gives_for_the_gaps_at_which_the_solver_stopped(left, name, q) -> None:
+    """(q k)^{1/2} R and (L_A/k + L_G)^{1/2} R over the largest sizes by hand, R = Σ q^{N−n} g_n^{1/2}, kγ = 1 − 1/q."""
+    displacements, stresses = both(name)
+    law, space, k = stresses.law, stresses.space, displacements.T / STEPS
+    R = sum(q ** (STEPS - n) * np.sqrt(gap) for n, gap in enumerate(left, start=1))
     before, size_u, size_s = displacements.u0, 0.0, 0.0
     for state in list(BACKWARD_EULER.march(displacements, STEPS))[1:]:
         strain, rate = space.strain(state.u), space.strain(state.u - before) / k
@@ -55,10 +58,15 @@ def test_what_is_allowed_is_what_the_proof_gives_for_the_gaps_at_which_the_solve
         size_u = max(size_u, float(np.sqrt(np.einsum("In,In,n->", law.A(strain), strain, space.volumes))))
         size_s = max(size_s, float(np.sqrt(np.einsum("In,In,n->", sigma, sigma, space.volumes))))
         before = state.u
-    largest = [float(np.linalg.eigvalsh(tensor.matrix).max()) for tensor in (law.A, law.G)]
-    now = found(lambda n, state: replace(state, gap=left[n - 1] if n else 0.0))
-    assert now.displacement_bound == pytest.approx(np.sqrt(k) * R / size_u, rel=1e-9)
+    largest = [float(abs(np.linalg.eigvalsh(tensor.matrix)).max()) for tensor in (law.A, law.G)]
+    now = found(lambda n, state: replace(state, gap=left[n - 1] if n else 0.0), name)
+    assert now.displacement_bound == pytest.approx(np.sqrt(q * k) * R / size_u, rel=1e-9)
     assert now.stress_bound == pytest.approx(np.sqrt(largest[0] / k + largest[1]) * R / size_s, rel=1e-9)
+
+
+def test_steps_for_which_the_proof_has_no_factor_are_refused_in_words() -> None:
+    with pytest.raises(StepsError, match="k = 1 need not have one solution"):
+        gaps(*both("softening"), steps=1)
 
 
 def test_an_error_of_the_size_that_is_allowed_for_one_step_is_seen() -> None:

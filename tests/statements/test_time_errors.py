@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from study.ledger.verdict import FAILS, HOLDS, REPORTED
 from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
-from study.solve.paths import furthest, interpolated, path
+from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
 from study.statements import backward_euler, landings
 from study.statements.backward_euler import BackwardEuler
@@ -57,6 +57,35 @@ def test_both_bounds_hold_for_any_gradient_flow_and_the_one_with_the_solution_is
         assert bound <= flow.a_priori(steps) * (1 + 1e-9)
 
 
+@settings(max_examples=10, deadline=None)
+@given(seed=st.integers(0, 2**32))
+def test_between_nodes_any_trajectory_is_as_near_as_its_velocities_are_to_each_other(seed: int) -> None:
+    problem = random_flow(seed)
+    flow, fine = flow_of(problem), path(problem, BACKWARD_EULER, FINE)
+    for steps in (2, 8, 32):
+        every = fine[:: FINE // steps]
+        left, jump = furthest(problem, fine, interpolated(every, FINE)), oscillation(problem, fine, steps)
+        assert left <= jump / steps / 4 * (1 + 1e-9)
+        assert jump <= 2 * flow.fastest * (1 + 1e-9)
+        held = max(furthest(problem, fine, side) for side in last(path(problem, BACKWARD_EULER, steps), FINE))
+        assert held <= flow.piecewise_constant(steps) + flow.a_priori(FINE)
+
+
+def test_a_jump_of_the_velocity_amid_a_step_attains_the_bound_and_one_that_is_steady_half_of_it() -> None:
+    one = sps.csc_array(np.eye(1))
+    rod = SemiDiscrete(one, 0 * one, None, sps.csr_array(-np.eye(1)), lambda t: np.zeros(1), np.zeros(1), 1.0)
+    t = np.arange(FINE + 1)[:, None] / FINE
+    for states, share in ((np.maximum(t - 1 / 2, 0.0), 1.0), (t**2, 1 / 2)):
+        left = furthest(rod, states, interpolated(states[::FINE], FINE))
+        assert left == pytest.approx(share * oscillation(rod, states, 1) / 4, rel=1e-3)
+
+
+def test_a_step_is_held_from_the_left_and_seen_from_the_right() -> None:
+    left, right = last(np.array([[0.0], [1.0], [5.0]]), 4)
+    assert left.ravel().tolist() == [0, 1, 1, 5, 5]
+    assert right.ravel().tolist() == [1, 1, 5, 5, 5]
+
+
 def test_the_constants_are_not_vacuous() -> None:
     """A rod that is pulled back and forth through a stop comes within a third of the bound by its solution."""
     one = sps.csc_array(np.eye(1))
@@ -89,7 +118,7 @@ def in_time() -> pd.DataFrame:
 
 def test_backward_euler_is_judged_by_its_theorem(in_time: pd.DataFrame) -> None:
     assert {verdict.key: verdict.verdict for verdict in BackwardEuler().judge(in_time)} == dict.fromkeys(
-        ["data", "solution", "order", "uniform", "reference"], HOLDS
+        ["data", "solution", "constant", "between", "midpoint", "order", "uniform", "reference"], HOLDS
     )
 
 
@@ -98,6 +127,10 @@ def test_backward_euler_is_judged_by_its_theorem(in_time: pd.DataFrame) -> None:
     [
         ("4 by data", lambda value, level: 11 * value, "data"),
         ("256 by solution", lambda value, level: 5 * value, "solution"),
+        ("256 constant", lambda value, level: 7 * value, "constant"),
+        ("4 between", lambda value, level: value**2 / 2, "between"),
+        ("4 between", lambda value, level: 3 * value, "between"),
+        ("4 midpoint", lambda value, level: 20 * value, "midpoint"),
         ("4 error", lambda value, level: 2 * value, "order"),
         ("256 error", lambda value, level: value * level, "uniform"),
         ("reference", lambda value, level: 0 * value, "reference"),

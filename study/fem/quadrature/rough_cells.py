@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -30,6 +30,11 @@ class Line:
                 f"the direction {self.direction} of a line has the length {length:.9g}, expected 1; "
                 "divide it and the offset by its length"
             )
+
+    @property
+    def tangent(self) -> Array:
+        """The direction turned by a right angle, (2,)."""
+        return np.array([-self.direction[1], self.direction[0]])
 
     def __str__(self) -> str:
         terms = " + ".join(f"{c:.4g} x{i}" for i, c in enumerate(self.direction, start=1) if abs(c) > TOUCHING)
@@ -99,36 +104,91 @@ def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
     lies between its longest edge in s and the two others. Gauss in r, and in s after the substitution s = c + L ξ^8
     with c the end of the slab that is nearer to the line.
     """
-    normal = np.array(line.direction)
-    tangent = np.array([-normal[1], normal[0]])
-    corners = mesh.p[:, mesh.t[:, cells]]
-    s = np.einsum("d,dvn->vn", normal, corners) - line.offset
-    r = np.einsum("d,dvn->vn", tangent, corners)
-    order = np.argsort(s, axis=0)
-    s, r = np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0)
-    nodes = np.sort(np.vstack([s, np.clip(np.zeros_like(s[:1]), s[0], s[2])]), axis=0)
-    slabs = [_slab(s, r, left, right, degree) for left, right in pairwise(nodes)]
-    s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
-    return CellRule(cells, normal[:, None, None] * (s + line.offset) + tangent[:, None, None] * r, weights)
+    frame = _Frame.of(mesh, cells, line)
+    slabs = [frame.slab(*_graded(left, right, degree), degree) for left, right in pairwise(frame.ends([0.0]))]
+    return frame.rule(cells, slabs)
 
 
-def _slab(s: Array, r: Array, left: Array, right: Array, degree: int) -> tuple[Array, ...]:
-    """Points s, r and weights, (n, q) each, on the parts left < s < right of triangles with the vertices (3, n)."""
+def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) -> Iterator[CellRule]:
+    """Rules for the cells that fronts meet, cut along them, but for some cells (n,).
 
-    def chord(x: Array, low: int, high: int) -> Array:
+    A cell that two fronts of one direction meet is cut along both, one where fronts of two faces cross along the first.
+    """
+    left = np.ones(mesh.t.shape[1], dtype=bool)
+    left[but] = False
+    for direction in dict.fromkeys(front.direction for front in fronts):
+        parallel = [front for front in fronts if front.direction == direction]
+        met = np.zeros((len(parallel), len(left)), dtype=bool)
+        for mine, front in zip(met, parallel, strict=True):
+            mine[_touching(mesh, front)] = True
+        met &= left
+        for pattern in np.unique(met[:, met.any(axis=0)], axis=1).T:
+            cells = np.flatnonzero((met == pattern[:, None]).all(axis=0))
+            here = [front for front, one in zip(parallel, pattern, strict=True) if one]
+            yield sliced_rule(mesh, cells, here, degree)
+        left &= ~met.any(axis=0)
+
+
+def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) -> CellRule:
+    """Cells cut as in ``cut_rule`` along parallel lines, for what is smooth up to each of them: Gauss in s, too."""
+    frame = _Frame.of(mesh, cells, lines[0])
+    ends = frame.ends([line.offset - lines[0].offset for line in lines])
+    x, w = gauss(degree // 2 + 2)
+    widths = np.diff(ends, axis=0)[..., None]
+    slabs = [
+        frame.slab(left[:, None] + width * x, width * w, degree) for left, width in zip(ends, widths, strict=False)
+    ]
+    return frame.rule(cells, slabs)
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """Triangles in coordinates (s, r) from a line and along it, vertices sorted by s: (3, n) each."""
+
+    line: Line
+    s: Array
+    r: Array
+
+    @classmethod
+    def of(cls, mesh: Mesh, cells: Array, line: Line) -> _Frame:
+        corners = mesh.p[:, mesh.t[:, cells]]
+        s = np.einsum("d,dvn->vn", np.array(line.direction), corners) - line.offset
+        r = np.einsum("d,dvn->vn", line.tangent, corners)
+        order = np.argsort(s, axis=0)
+        return cls(line, np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0))
+
+    def ends(self, parallels: Sequence[float]) -> Array:
+        """Where slabs end: at vertices and at parallels to the line in some distances, (3 + parallels, n), sorted."""
+        low, high = self.s[0], self.s[2]
+        return np.sort(np.vstack([self.s, *(np.clip(np.full_like(low, s), low, high) for s in parallels)]), axis=0)
+
+    def slab(self, x: Array, weights: Array, degree: int) -> tuple[Array, ...]:
+        """Points s, r and weights, (n, q) each, on the part of the triangles that a rule (n, p) in s covers."""
+        s, (eta, we) = self.s, gauss(degree // 2 + 2)
+        long = self._chord(x, 0, 2)
+        # The last point: the first of a graded rule lies on the end of the slab but for rounding.
+        short = np.where(x[:, -1:] <= s[1][:, None], self._chord(x, 0, 1), self._chord(x, 1, 2))
+        across = long[..., None] + (short - long)[..., None] * eta
+        weights = (weights * abs(short - long))[..., None] * we
+        return tuple(part.reshape(len(x), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), across, weights))
+
+    def rule(self, cells: Array, slabs: Sequence[tuple[Array, ...]]) -> CellRule:
+        """The rule that some slabs make together."""
+        s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
+        normal, tangent = np.array(self.line.direction)[:, None, None], self.line.tangent[:, None, None]
+        return CellRule(cells, normal * (s + self.line.offset) + tangent * r, weights)
+
+    def _chord(self, x: Array, low: int, high: int) -> Array:
         """r on the edge from vertex low to vertex high at s = x, (n, q)."""
+        s, r = self.s, self.r
         length = s[high] - s[low]
         slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
         return r[low][:, None] + slope[:, None] * (x - s[low][:, None])
 
-    (xi, wx), (eta, we) = gauss(degree + GRADING), gauss(degree // 2 + 2)
+
+def _graded(left: Array, right: Array, degree: int) -> tuple[Array, Array]:
+    """A rule (n, q) on left < s < right, graded to the end that is nearer to s = 0."""
+    xi, wx = gauss(degree + GRADING)
     near_left = abs(left) <= abs(right)
     near, far = np.where(near_left, left, right)[:, None], np.where(near_left, right, left)[:, None]
-    x = near + (far - near) * xi**GRADING
-    jacobian = abs(far - near) * GRADING * xi ** (GRADING - 1) * wx
-    long = chord(x, 0, 2)
-    middle = (left + right)[:, None] / 2
-    short = np.where(middle <= s[1][:, None], chord(x, 0, 1), chord(x, 1, 2))
-    across = long[..., None] + (short - long)[..., None] * eta
-    weights = (jacobian * abs(short - long))[..., None] * we
-    return tuple(part.reshape(len(left), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), across, weights))
+    return near + (far - near) * xi**GRADING, abs(far - near) * GRADING * xi ** (GRADING - 1) * wx

@@ -12,7 +12,7 @@ from markupsafe import Markup, escape
 from study.present.charts.chart import Array, Axis, Chart, Style, Subplot
 from study.present.charts.palette import BLACK, DARK
 
-_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|[\w+−])")
+_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|[\w+−∞])")
 _TAGS = {"^": "sup", "_": "sub"}
 _OFFSETS = {"": 0.0, "^": -0.35, "_": 0.2}
 _SIZE = 0.72
@@ -20,7 +20,7 @@ _SIZE = 0.72
 
 
 def typeset(text: str) -> Markup:
-    """Escaped text in which x^y, x_y, x^{yz}, x^1.5 and x^(1+s) have scripts; braces of scripts are dropped."""
+    """Escaped text in which x^y, x_y, x^∞, x^{yz}, x^1.5 and x^(1+s) have scripts; braces of scripts are dropped."""
     out = Markup()
     for piece, script in _pieces(text):
         tag = Markup(_TAGS.get(script, ""))

@@ -9,6 +9,7 @@ high-dimensional embedding, J. Graph Algorithms Appl. 8 (2004) 195–214).
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -44,7 +45,7 @@ class Dissection(NamedTuple):
 def nested_dissection(S: sps.sparray, last: Integers) -> Dissection:
     """The order for a matrix with a symmetric pattern in which the unknowns ``last`` are the last block."""
     graph = sps.csr_array(S)
-    node, depth = _tree(graph, _embedding(graph))
+    node, depth = _halves(graph.indptr.tobytes(), graph.indices.tobytes(), graph.indices.dtype.name)
     deepest = int(depth.max())
     # Leaves below a node have consecutive numbers: the node follows the last of them.
     below = ((node + 1) << (deepest - depth)) - 1
@@ -53,6 +54,14 @@ def nested_dissection(S: sps.sparray, last: Integers) -> Dissection:
     order = np.argsort(rank, kind="stable")
     changes = np.flatnonzero(np.diff(rank[order])) + 1
     return Dissection(order, np.concatenate([[0], changes, [len(order)]]))
+
+
+@lru_cache(maxsize=1)
+def _halves(starts: bytes, columns: bytes, kind: str) -> tuple[Integers, Integers]:
+    """``_tree`` of a pattern: trajectories with other steps, and with or without contact, have matrices of the same."""
+    indptr, indices = np.frombuffer(starts, kind), np.frombuffer(columns, kind)
+    graph = sps.csr_array((np.ones(len(indices)), indices, indptr), shape=(len(indptr) - 1,) * 2)
+    return _tree(graph, _embedding(graph))
 
 
 def _tree(graph: sps.csr_array, x: Array) -> tuple[Integers, Integers]:

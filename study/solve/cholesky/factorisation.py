@@ -116,8 +116,7 @@ def _eliminate(lower: sps.csc_array, start: int, end: int, left: list[tuple[Inte
     columns = np.repeat(np.arange(k), np.diff(lower.indptr[start : end + 1]))
     front[np.searchsorted(unknowns, rows), columns] = lower.data[entries]
     for border, remainder in left:
-        at = np.searchsorted(unknowns, border)
-        front[np.ix_(at, at)] += remainder
+        sweeps.add(front, np.searchsorted(unknowns, border), remainder)
     diagonal, failed = dpotrf(front[:k, :k], lower=1)
     if failed:
         raise np.linalg.LinAlgError("the matrix is not positive definite, so it has no Cholesky factor")

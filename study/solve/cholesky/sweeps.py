@@ -1,4 +1,7 @@
-"""Forward and back substitution with a sparse Cholesky factor, compiled; each reads L once."""
+"""What is compiled of a sparse Cholesky factorisation: the assembly of its fronts, and both substitutions.
+
+Each substitution reads L once.
+"""
 
 from __future__ import annotations
 
@@ -43,6 +46,14 @@ class Panel(NamedTuple):
             np.concatenate([rows for _, rows, _ in blocks]),
             np.concatenate(entries),
         )
+
+
+@njit(cache=True)
+def add(front: Array, at: Integers, remainder: Array) -> None:
+    """Add a Schur complement (b, b) to a front at some of its unknowns, increasing, (b,): lower triangles alone."""
+    for j in range(len(at)):
+        for i in range(j, len(at)):
+            front[at[i], at[j]] += remainder[i, j]
 
 
 @njit(cache=True, fastmath={"reassoc", "nsz", "contract"})

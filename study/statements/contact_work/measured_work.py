@@ -18,6 +18,7 @@ class MeasuredWork(ListedNumbers):
     """The root of the work of contact beside the error and the excess over the linear problem."""
 
     label = "beyond: work of contact"
+    effort = 5
     claim = "‖R(·; Π^h u − u)‖^{1/2} = O(h) with contact at every scale, u_ν not bounded in H²(Γ3)"
     # On coarse meshes there is nothing to be seen, and fine ones take time: left to the full study.
     full = (

@@ -68,7 +68,8 @@ PLANE = (
     *("advance-recede", "merging-patches", "rotated", "corner"),
     *("layered", "anisotropic", "full-contact", "lift-and-land"),
 )
-MARCHED = ("advance-recede", "anisotropic")
+MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
+"""The problems in which codes march, too."""
 COLUMNS = ("label", "case", "family", "level", "mode", "code", "version", "variant", "class", "error", "distance")
 MODE, CODE, VERSION, VARIANT, CLASS, ERROR, DISTANCE = (name + base.REPORTED for name in COLUMNS[4:])
 PLACE = ["case", "family", "level", "quantity"]
@@ -83,7 +84,7 @@ class OtherCodes(ListedNumbers):
     beside = OtherErrors("codes/errors.csv", LISTED.key, COLUMNS, label=LABEL)
     quick = grid(("advance-recede",), ("one-diagonal",), (8,))
     full = (
-        *grid(PLANE, ("one-diagonal", "shaken"), (8, 16, 32)),
+        *grid(PLANE, ("one-diagonal", "shaken"), (8, 16, 32, 64)),
         *grid(("cube-disc",), ("one-diagonal",), (4, 8)),
         *grid(("cube-two-faces",), ("one-diagonal",), (3, 6)),
     )
@@ -91,7 +92,7 @@ class OtherCodes(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         task = Task(resolve(setting.case), family_named(setting.family), setting.level)
         found = {FROZEN: task.error(INSTANTS)}
-        if setting.case in MARCHED and setting.family == "one-diagonal":
+        if setting in MARCHED:
             found[MARCH] = task.error_of_march(setting.level)
         return with_h(task.space.h, found)
 
@@ -104,7 +105,7 @@ class OtherCodes(ListedNumbers):
 
     def cost(self, setting: Setting) -> float:
         """A march is as many steps as there are cells along a side."""
-        return super().cost(setting) * (setting.level if setting.case in MARCHED else 1)
+        return super().cost(setting) * (setting.level if setting in MARCHED else 1)
 
 
 def same(of: OtherCodes, rows: pd.DataFrame, peer: Peer) -> Verdict:

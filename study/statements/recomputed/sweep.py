@@ -13,8 +13,11 @@ from study.statements.prop_5_4.sweep import RATES, RateSetting
 from study.statements.recomputed.measure import ERRORS, GAPS, SAME_LOAD, recompute
 from study.statements.shared import estimates
 from study.statements.shared.base import Statement
+from study.statements.shared.random_meshes import is_random
 from study.statements.shared.scope import Scope
 
+ROUGH = "Prop. 5.3"
+"""What a case without (5.36) is a case of."""
 RECOMPUTED = CsvFile("recomputed.csv", RATES.key, (*RATES.key, "h", *ERRORS, *GAPS, *SAME_LOAD))
 """A row of ``rates.csv`` once more: its errors, and the differences of the trajectories, as ``measure`` has them."""
 
@@ -26,12 +29,17 @@ class Again(Statement):
     beside = RATES
 
     def settings(self, scope: Scope) -> list[RateSetting]:
-        """The coarsest level of every case on all families that the study has of it."""
+        """The coarsest level of every case on all families that the study has of it.
+
+        Rough cases are left out on random meshes: there the size of the cells at a singularity, which is chance, says
+        how well the loads are integrated, and the rows are about both ways and not about chance.
+        """
         return [
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
             for reference, case in zip(scope.cases, scope.resolved(), strict=True)
             if scope.scheme == MIDPOINT.name
             for family in scope.families_of(case)
+            if not (case.proposition == ROUGH and is_random(family.name))
             for level in scope.levels_of(case).all[:1]
         ]
 

@@ -27,6 +27,7 @@ EQUAL = Window(0.75, 1.1, "1 less a logarithm: all vertices of Γ3 have equal ne
 HALF = around(0.5, 0.15, "neighbours keep different displacements; 1 if all kept the same")
 ONE_MESH = around(0.5, 0.3, "one random mesh for every level")
 ONE = around(1, 0.25, "the trail is left at few vertices")
+SIMILAR = around(1, 0.1, "the same picture at every ℓ = 2h")
 SCATTER = around(0.5, 0.35, "as of a sum over n vertices")
 STEP = around(2 * math.log(2), 0.15, "2 log 2 of a step of the height 1; other powers of ℓ vanish or explode")
 BEST = Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}")
@@ -85,6 +86,15 @@ OF_ONE_MESH = Observation(
     excess("order-standing-shaken", "the same on single shaken meshes", ONE),
     "the trail at few vertices hangs on their few neighbourhoods",
 )
+AT_END = Observation(
+    order("order-end", f"{ORDER} at T, one or two diagonals", EQUAL, "excess at T"),
+    "it was looked at when orders of the largest one had been seen to rise beyond 1: with one diagonal that is one of "
+    "the start, on all meshes but the finest",
+)
+BESIDE = Observation(
+    order("nodal-beside", "order of nodal errors beside the patch, one or two diagonals", SIMILAR, "M_h beside"),
+    "it was looked at when orders of M_h had been seen to rise beyond 1: with one diagonal that is one at an end of Γ3",
+)
 OF_BEST = Observation(
     order("best", "order of E_h = ‖u − P_hu‖_V, that of the linear problem", BEST, "E_h"),
     "a logarithm bends it",
@@ -114,6 +124,8 @@ def judged(kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
         return
     shaken = {SEEDS[0]: over_seeds(groups)}
     yield excess("order-equal", "one or two diagonals", EQUAL), among_families(groups, *PLAIN)
+    yield AT_END, among_families(groups, *PLAIN)
+    yield BESIDE, among_families(groups, *PLAIN)
     yield OF_MEAN, shaken
     yield OF_UNSTRUCTURED, among_families(groups, UNSTRUCTURED)
     yield OF_SCATTER, shaken

@@ -11,6 +11,7 @@ import sympy as sp
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.multiscale import ROLLERS, FadingFace
+from manufactured.multiscale.roller import START
 from manufactured.symbols import Jet
 from manufactured.tensors import Array
 from study.fem.gauge import FACET_POINTS
@@ -75,9 +76,11 @@ class MeasuredRollers(ListedNumbers):
         solution, space = resolve(setting.case).solution, space_of(setting)
         on, steps = OnContact(Resolved.of(solution, space)), passing(space, setting.level)
         found = Trajectories.of(on, steps)
-        numbers = {"excess": found.excess(), **sides(found)}
+        numbers = {"excess": found.excess(), "excess at T": found.excess_at_end(), **sides(found)}
         if setting.family == PLAIN[0]:
             numbers["|q|²"] = seminorm(solution, 4 * setting.level)
+        if setting in named(ROLLER, PLAIN, [setting.level]):
+            numbers["M_h beside"] = nodal_error_beside(found, 2 / setting.level)
         if setting.level == HALVED and setting.family not in SEEDS[1:]:
             numbers["excess, k/2"] = Trajectories.of(on, 2 * steps).excess()
         return with_h(space.h, numbers)
@@ -106,6 +109,18 @@ def sides(found: Trajectories) -> dict[str, float]:
     growth, work = math.exp(kappa * T), math.sqrt(2 * (2 * nodal + between) * force)
     right = (1 + kappa * T * growth) * (best + field * nodal) + growth * (start + field * nodal + work)
     return {"error": error, "right side": right, "E_h": best, "M_h": nodal, "J_h": between, "force": force}
+
+
+def nodal_error_beside(found: Trajectories, width: float) -> float:
+    """The part of M_h at vertices no further than 2ℓ from the middle of the patch for t ≥ T/2, far from all corners."""
+    at, half = found.on.at, found.steps // 2
+    (face,), (_, vertices) = at.solution.faces, at.space.contact[0]
+    s = face.part.coordinates(at.space.mesh.p[:, vertices])[0][0]
+    errors = [
+        abs(found.projected[n] + gap(at, n * found.k))[abs(s - float(START) - n * found.k + width / 2) <= 2 * width]
+        for n in range(half, found.steps + 1)
+    ]
+    return float(np.concatenate(errors).max())
 
 
 def gap(at: Resolved, time: float) -> Array:

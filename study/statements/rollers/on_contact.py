@@ -129,10 +129,19 @@ class Trajectories:
     def steps(self) -> int:
         return len(self.forces)
 
+    @cached_property
+    def apart(self) -> Array:
+        """‖u^h − u^h_lin‖_V² at all nodes, (steps + 1,)."""
+        z = self.contact - self.linear
+        return np.asarray(np.einsum("ni,ij,nj->n", z, self.on.S, z, optimize=True))
+
     def excess(self) -> float:
         """max_n ‖u^h − u^h_lin‖_V."""
-        z = self.contact - self.linear
-        return math.sqrt(np.einsum("ni,ij,nj->n", z, self.on.S, z, optimize=True).max())
+        return math.sqrt(self.apart.max())
+
+    def excess_at_end(self) -> float:
+        """‖u^h − u^h_lin‖_V at T."""
+        return math.sqrt(max(float(self.apart[-1]), 0.0))
 
     def displacement(self, n: int) -> Array:
         """u^h(t_n) = P_hu(t_n) + ((1 − k/2)/(1 + k/2))^n (Π^h u_0 − P_hu_0) + M⁻¹Nᵀc, (dofs,)."""

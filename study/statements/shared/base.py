@@ -113,9 +113,14 @@ LISTED = CsvFile(
 
 
 class ListedNumbers(Statement):
-    """A statement whose numbers are listed one by one in ``statements.csv``."""
+    """A statement whose numbers are listed one by one in ``statements.csv``.
+
+    Attributes:
+        effort: how many times as long as most it takes at the same level.
+    """
 
     file: DataFile = LISTED
+    effort: float = 1.0
 
     def records(self, setting: Setting, found: Mapping[str, float]) -> Iterator[tuple[DataFile, Row]]:
         """A row for every number but the mesh size."""
@@ -129,7 +134,7 @@ class ListedNumbers(Statement):
 
     def cost(self, setting: Setting) -> float:
         """By level and dimension alone."""
-        return float(setting.level**2) * (230 if setting.dim == 2 else 30_000)
+        return self.effort * float(setting.level**2) * (230 if setting.dim == 2 else 30_000)
 
     def memory(self, setting: Setting) -> float:
         """The largest of all such statements."""

@@ -35,6 +35,7 @@ from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.datafiles import CsvFile
 from study.solve.evolution import SemiDiscrete
+from study.solve.steps import step_size
 from study.solve.stress_problem import StressProblem
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared import estimates
@@ -116,9 +117,14 @@ def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[S
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
-    """March both problems in lockstep, holding no more than one step of either."""
+    """March both problems in lockstep, holding no more than one step of either.
+
+    Raises:
+        StepsError: steps so long that they need not have one solution, for which there is no q.
+    """
     space, law, M = stresses.space, stresses.law, displacements.M
-    cells, k, root, radius = on_cells(space, law), displacements.T / steps, np.sqrt(space.volumes), 0.0
+    cells, k, root, radius = on_cells(space, law), step_size(displacements.T, steps), np.sqrt(space.volumes), 0.0
+    BACKWARD_EULER.require_unique(k, law.growth)
     q = 1 / (1 - k * law.growth)
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
     pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)

@@ -36,7 +36,7 @@ from study.ledger.criterion import Criterion, Observation, Rule
 from study.ledger.measures import among, growth, largest, order, weighted
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, above_nothing, at_least, at_most, between
-from study.statements.shared.random_meshes import ALONG, CELLS
+from study.statements.shared.random_meshes import ALONG, CELLS, is_random
 from study.statements.thm_4_2.stress_sweep import Stresses
 
 MARGIN, SMOOTH = 0.15, 0.3
@@ -46,7 +46,12 @@ JUDGED, PAIR = 3, 2
 IN_CELLS = ("stress", "strain", "primal_stress")
 """Their errors are sums over all cells. Those of the pressure are sums over the edges on Γ3, those of multipliers are
 largest along a front that moves: over as many cells as there are along a line."""
-TIME = above_nothing(1.0, "by the order 3/2 in k the error in time is then ≤ 0.55 of the error")
+CHANCE = 0.3
+"""Room beside it for an order on random meshes that comes from cells along a line: three standard deviations, of which
+one was 0.03 … 0.19 in a pilot on shaken meshes, n = 8, 16, 32, that judged nothing. Orders of sums over
+all cells scattered by 0.03 and need none. The windows without it are those of meshes with one diagonal."""
+BOUNDED, BOUNDED_BY_CHANCE = at_most(1.25, "bounded"), at_most(1.35, "bounded; two deviations more for chance")
+TIME = above_nothing(0.5, "by the order 3/2 in k what steps contribute is then ≤ 0.27 of the error")
 RATIO = "‖σ − σ^h‖_Q / that of the best polynomials"
 ADMISSIBLE = "σ^hν continuous, P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3, strongly"
 QUANTITIES = {
@@ -78,14 +83,16 @@ def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
     """What is judged of a solution on a mesh family."""
     for name, orders in predicted(regularity, family).items():
         parts = CELLS if name in IN_CELLS else ALONG
-        yield weighted(f"order-{name}", f"order of {QUANTITIES[name]}", orders.window, name, parts, JUDGED, PAIR)
+        window = orders.window(CHANCE if parts == ALONG and is_random(family) else 0.0)
+        yield weighted(f"order-{name}", f"order of {QUANTITIES[name]}", window, name, parts, JUDGED, PAIR)
     # The finest one is shown.
     ratios = Criterion("ratio", RATIO, at_least(1), lambda of: among(of["ratio"].iloc[-1], of["ratio"]), ("ratio",))
     yield Observation(ratios, "the best polynomials are those of a larger space")
     quantity = f"growth of {RATIO}, coarsest to finest, fitted"
-    yield growth("growth", quantity, at_most(1.25, "bounded"), "ratio", CELLS, PAIR)
+    bounded = BOUNDED_BY_CHANCE if is_random(family) else BOUNDED
+    yield growth("growth", quantity, bounded, "ratio", CELLS, PAIR)
     yield largest("admissible", ADMISSIBLE, above_nothing(1e-9), "admissibility")
-    yield largest("time-share", "time share of ‖σ − σ^h‖_Q", TIME, "time_share")
+    yield largest("time-share", "share of steps and quadrature in ‖σ − σ^h‖_Q", TIME, "time_share")
     in_the_maximum = order("order-sup", "order of max_n ‖σ − σ^h‖_Q", Window(), "stress_sup", JUDGED, PAIR)
     yield Observation(in_the_maximum, "the maximum is where a front lies worst in its cell, by chance on every level")
 
@@ -97,10 +104,9 @@ class Orders:
     low: float
     high: float
 
-    @property
-    def window(self) -> Window:
-        """These orders with some room."""
-        return between(self.low, self.high, SMOOTH if self.low == 2 else MARGIN, 0.2)
+    def window(self, chance: float = 0.0) -> Window:
+        """These orders with some room, and more of it for chance."""
+        return between(self.low, self.high, (SMOOTH if self.low == 2 else MARGIN) + chance, 0.2 + chance)
 
 
 def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
@@ -119,7 +125,7 @@ def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
         "primal_stress": Orders(constant, constant),
         "primal_displacement": Orders(moments, max(moments, 2.0)),
     }
-    return {name: orders for name, orders in found.items() if orders.window.low > 0}
+    return {name: orders for name, orders in found.items() if orders.window().low > 0}
 
 
 def _smoothness(regularity: Regularity, family: str) -> tuple[float, float]:

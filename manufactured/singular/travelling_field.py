@@ -1,0 +1,111 @@
+"""A singular field whose singular point moves along a straight piece of Γ3."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from typing import Any
+
+import numpy as np
+import sympy as sp
+
+from manufactured.modes import Modes
+from manufactured.singular.monomials import Monomial
+from manufactured.singular.singular_field import SingularAtPoints, SingularField
+from manufactured.symbols import Jet, s
+from manufactured.tensors import Array, Points, Tensors, Vectors, size
+
+
+@dataclass(frozen=True, eq=False)
+class TravellingField:
+    """u = θ(t) χ(y) U(x − c(t), y), and so u̇ = θ̇ χ U(x − c, y) − θ ċ χ ∂_x U(x − c, y).
+
+    Attributes:
+        steady: θ(t) χ(y) U(x, y), with a cut-off of the depth alone.
+        place: c(t), SymPy, along the local x-axis from the centre of ``steady``.
+
+    Raises:
+        ValueError: the cut-off depends on x, too.
+    """
+
+    steady: SingularField
+    place: sp.Expr
+
+    def __post_init__(self) -> None:
+        if self.steady.radial is not None:
+            raise ValueError("a field travels along a face, so that its cut-off has to be one of the depth")
+
+    @property
+    def x(self) -> tuple[Monomial, ...]:
+        """The monomials of U_x."""
+        return self.steady.x
+
+    @property
+    def y(self) -> tuple[Monomial, ...]:
+        """The monomials of U_y."""
+        return self.steady.y
+
+    @cached_property
+    def slope(self) -> SingularField:
+        """θ(t) χ(y) ∂_x U(x, y)."""
+        return replace(self.steady, x=_along(self.steady.x), y=_along(self.steady.y))
+
+    @cached_property
+    def _place(self) -> tuple[Jet, Jet]:
+        jet = Jet(sp.sympify(self.place), (s,))
+        return jet, jet.rate()
+
+    def place_at(self, time: Any, rate: bool = False) -> Any:
+        """c(t) or its rate, complex for complex t."""
+        return self._place[rate](np.zeros((1, 1)), time)[(0,)][0]
+
+    def at(self, x: Points) -> TravellingAtPoints:
+        """The field at fixed points of Ω̄, (2, ...)."""
+        return TravellingAtPoints(self, x)
+
+
+def _along(component: tuple[Monomial, ...]) -> tuple[Monomial, ...]:
+    """The monomials of ∂_x."""
+    return tuple(Monomial(*term) for monomial in component for term in monomial.terms(1, 0))
+
+
+class TravellingAtPoints:
+    """Two fields at points that move against the face: at every time they are new ones."""
+
+    def __init__(self, field: TravellingField, x: Points) -> None:
+        self.field, self.x = field, x
+        self._now = lru_cache(1)(self._moved)
+
+    def _moved(self, time: complex) -> tuple[SingularAtPoints, SingularAtPoints]:
+        """U and ∂_x U at x − c(t)."""
+        along = self.field.steady.frame[:, 0] * self.field.place_at(time)
+        x = self.x - along.reshape((-1,) + (1,) * (self.x.ndim - 1))
+        return self.field.steady.at(x), self.field.slope.at(x)
+
+    def _value(self, time: complex, rate: bool, of: Callable[[SingularAtPoints, bool], Array]) -> Array:
+        own, slope = self._now(time)
+        return of(own, True) - self.field.place_at(time, rate=True) * of(slope, False) if rate else of(own, False)
+
+    def displacement(self, time: complex, rate: bool = False) -> Vectors:
+        """u (or u̇), (2, ...)."""
+        return self._value(time, rate, lambda at, of_rate: at.displacement(time, of_rate))
+
+    def strain(self, time: complex, rate: bool = False) -> Tensors:
+        """ε(u) (or ε(u̇)), (3, ...)."""
+        return self._value(time, rate, lambda at, of_rate: at.strain(time, of_rate))
+
+    def strain_gradient(self, time: complex, rate: bool = False) -> Array:
+        """∂_j ε(u) (or of u̇), (3, 2, ...)."""
+        return self._value(time, rate, lambda at, of_rate: at.strain_gradient(time, of_rate))
+
+    def modes(self) -> Modes:
+        """ε(u) itself for the amplitudes: every point is a place of its own."""
+        count, rows = int(np.prod(self.x.shape[1:])), size(2)
+
+        def amplitudes(time: Array | float, rate: bool) -> Array:
+            values = [self.strain(one, rate).reshape(rows, count) for one in np.ravel(time)]
+            return np.stack(values, axis=-1).reshape(rows, count, *np.shape(time))
+
+        places = np.arange(count)
+        return Modes(np.eye(rows), places, np.ones((rows, count)), places, count, amplitudes)
