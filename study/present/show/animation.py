@@ -46,7 +46,7 @@ def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: i
     return write_whole(
         path,
         lambda part: images[0].save(
-            part, "GIF", save_all=True, append_images=images[1:], duration=durations, loop=0, optimize=False
+            part, "GIF", save_all=True, append_images=images[1:], duration=durations, loop=0, optimize=True
         ),
     )
 
