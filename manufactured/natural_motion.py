@@ -7,8 +7,8 @@ same conditions on both sides of the front, moved with it. So u̇ ~ r^{1/2} and
 
     p = 3μ_A θ ċ (c − x)_+^{−1/2} + 6 (μ_A θ̇ + μ_G θ) (c − x)_+^{1/2},
 
-which is not bounded, and no pressure if ċ < 0. Forces f_0 come from the cut-off alone and are ~ y r^{−1/2} at the
-front, with rates ~ y r^{−3/2}: (3.4) holds as it is printed.
+which is not bounded, and no pressure if ċ < 0. Forces f_0 come from the cut-off alone and are ~ r^{1/2} at the front,
+with rates ~ r^{−1/2}, and tractions f_2 are smooth: (3.4) holds as it is printed.
 
 Predicted order 1: u(t) ∈ H^{1+s} for s < 3/2, so that the interpolation error of u has order 1. But u̇(t) ∈ H^{1+s}
 for s < 1/2 only and p ∉ L²(Γ3), which misses both halves of (5.36). The proof of Prop. 5.4 gives 1/2, as does the

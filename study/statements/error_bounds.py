@@ -12,8 +12,9 @@ its c; here it is part of the bound, so that (5.41) makes the second bound the l
 
     ½ d/dt ‖χ‖_V² ≤ −(η̇, χ)_V − (Bu − BΠ^h u, χ)_V − (BΠ^h u − Bu^h, χ)_V + |R(·; −η)|.
 
-By (4.3) the second product is at most L‖η‖_V ‖χ‖_V, L = L_G/m_A, and the third at most ω‖χ‖_V², with ω = 0 for
-monotone G. Gronwall's inequality in the form of Brézis, φ²/2 ≤ a²/2 + ∫ gφ ⇒ φ ≤ a + ∫ g, gives
+By (4.3) the second product is at most L‖η‖_V ‖χ‖_V, L = L_G/m_A, and the third at most ω‖χ‖_V², ω = max(−m, 0)/m_A ≤ L
+with the constant m of monotonicity of G: 0 for monotone G. Gronwall's inequality in the form of Brézis, φ²/2 ≤
+a²/2 + ∫ gφ ⇒ φ ≤ a + ∫ g, gives
 
     ‖χ(t)‖_V ≤ e^{ωT} ((‖χ_0‖_V² + 2‖R‖_{L¹})^{1/2} + ∫_0^T (‖η̇‖_V + L‖η‖_V)),
 

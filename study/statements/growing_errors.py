@@ -13,7 +13,8 @@ multiplied by a number, as there, for the law of the case and for the even law G
   had no e^{ωT}: it makes 2e4, where the constants of the proof and Π^h u_0 for P_h u_0 lose 1e2 … 1e3. (With K^h, as
   the first prediction had it, the quotient is 0.92 for ωT = 10: u^h is wrong by more than the gap, and lands. The other
   rows have K^h.)
-* *Moving contact, both laws*: errors below c · (right side of (5.21)), for all ω and T.
+* *Moving contact, both laws*: errors below c · (right side of (5.21)), for all ω and T. c has e^{ωT}, as
+  max(−m, 0)/m_A, the exponent of ``error_bounds``, is ω for both laws.
 * *Monotone laws, G = ωA:* the bound of ``backward_euler`` has no exponential, and holds for all ω and T.
 """
 

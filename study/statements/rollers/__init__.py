@@ -2,9 +2,9 @@
 
 Proposition 5.4 asks for u̇(t) ∈ H². A theorem of the supplement does without, for u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
 
-    ‖u − u^h‖_V ≤ (1 + κT e^{κT}) (E_h + ΘM_h) + e^{κT} (‖u_0 − Π^hu_0‖_V + ΘM_h + (2m‖ϑ‖_{L¹(0,T)})^{1/2}),
+    ‖u − u^h‖_V ≤ (1 + κT e^{κT}) (E_h + ΘM_h) + e^{κT} (‖u_0 − Π^hu_0‖_V + ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}),
 
-E_h = sup ‖u − P_hu‖_V, M_h the largest nodal value of (P_hu − Π^hu)_ν on Γ3 at any time, m = 2M_h + J_h,
+E_h = sup ‖u − P_hu‖_V, M_h the largest nodal value of (P_hu − Π^hu)_ν on Γ3 at any time, D_h = 2M_h + J_h,
 J_h = sup_{Γ3} |u − Π^hu|, ϑ = ∫_{Γ3} p, Θ = ‖Π^hθ‖_V with θ the distance from Γ1 times ν. The right side is of the
 order ½ for s = 1, less a logarithm, as M_h ~ h. Measured are, for ``manufactured.multiscale.roller`` with ℓ = 2h,
 
