@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Executor, Future, as_completed
 from dataclasses import asdict, dataclass
 from hashlib import sha256
+from itertools import combinations
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 from tabulate import tabulate
 from threadpoolctl import threadpool_limits
@@ -25,6 +27,8 @@ from study.run.fingerprint import of_everything
 from study.run.store import Store
 
 NO_DEFECT = "none"
+SAME = 1e-3
+"""Two defects with all numbers of a setting as near as this are one mistake; some rows are about rounding."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +41,7 @@ class Outcome:
         setting: where.
         row: the row that the control names. Of a baseline, the first row, or the first that does not hold.
         caught: whether the row that the control names fails; None for a baseline.
+        besides: what else is wrong: a row that no defect is there for, a defect that is another one once more.
     """
 
     defect: str
@@ -44,27 +49,35 @@ class Outcome:
     setting: str
     row: Verdict
     caught: bool | None
+    besides: str = ""
 
     @property
     def passes(self) -> bool:
-        """A defect is caught, or without one every row holds."""
-        return self.row.verdict == HOLDS if self.caught is None else self.caught
+        """A defect is caught, or without one every row holds, and nothing else is wrong."""
+        return not self.besides and (self.row.verdict == HOLDS if self.caught is None else self.caught)
 
     @classmethod
-    def of_control(cls, control: Control[Any], verdicts: list[Verdict]) -> Outcome:
+    def of_control(cls, control: Control[Any], verdicts: list[Verdict], besides: str = "") -> Outcome:
         """Whether a defect is caught by the row that is there for it: another one may fail for another reason.
 
         Raises:
             KeyError: the setting has no row with the key that the control gives.
         """
         named = {verdict.key: verdict for verdict in verdicts}[control.caught_by]
-        return cls(control.name, control.what, str(control.setting), named, named.verdict == FAILS)
+        return cls(control.name, control.what, str(control.setting), named, named.verdict == FAILS, besides)
 
     @classmethod
-    def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict]) -> Outcome:
-        """Whether every row holds without a defect."""
+    def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict], named: set[str]) -> Outcome:
+        """Whether every row holds without a defect, and is one that a control names, and no other row's namesake.
+
+        A row that no defect is there for could be weakened or left out, and all controls would still do their duty.
+        """
         row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
-        return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None)
+        keys = [verdict.key for verdict in verdicts]
+        twice = [f"two rows are called {key}" for key in dict.fromkeys(keys) if keys.count(key) > 1]
+        unnamed = [f"no defect is there for the row {key}" for key in dict.fromkeys(keys) if key not in named]
+        besides = "; ".join(twice + unnamed)
+        return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None, besides)
 
 
 def unchanged(measured: S) -> S:
@@ -109,10 +122,30 @@ def run_controls(
         for future in running:
             future.cancel()
     rows = [found[key] for key in keys]
+    return outcomes(dict(zip(places, rows, strict=False)), list(zip(controls, rows[len(places) :], strict=True)))
+
+
+def outcomes(
+    sound: Mapping[Baseline[Any], list[Verdict]], defective: Sequence[tuple[Control[Any], list[Verdict]]]
+) -> list[Outcome]:
+    """What is found, from the rows of every setting and those of every control."""
+    named = {control.caught_by for control, _ in defective}
+    besides: dict[str, str] = {}
+    for (one, first), (other, second) in combinations(defective, 2):
+        if one.setting == other.setting and alike(first, second):
+            besides[other.name] = f"the same mistake as {one.name}"
     return [
-        *(Outcome.of_baseline(place, verdicts) for place, verdicts in zip(places, rows, strict=False)),
-        *(Outcome.of_control(one, verdicts) for one, verdicts in zip(controls, rows[len(places) :], strict=True)),
+        *(Outcome.of_baseline(place, verdicts, named) for place, verdicts in sound.items()),
+        *(Outcome.of_control(one, verdicts, besides.get(one.name, "")) for one, verdicts in defective),
     ]
+
+
+def alike(first: list[Verdict], second: list[Verdict]) -> bool:
+    """Whether two defects show the same in every row, but for rounding."""
+    if [verdict.verdict for verdict in first] != [verdict.verdict for verdict in second]:
+        return False
+    one, other = ([verdict.observed for verdict in rows] for rows in (first, second))
+    return np.allclose(one, other, rtol=SAME, atol=SAME)
 
 
 def _key(name: str, setting: Baseline[Any], defect: Callable[[Any], Any]) -> str:
@@ -160,6 +193,7 @@ def controls_text(findings: Sequence[Outcome]) -> str:
             "",
             f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every row holds",
             f"{len(controls)} defects: {sum(f.passes for f in controls)} caught",
+            *(f"NOT IN ORDER: {f.setting}, {f.defect}: {f.besides}" for f in findings if f.besides),
         ]
     )
 
@@ -170,9 +204,9 @@ def _table(head: list[str], rows: list[tuple[str, ...]]) -> str:
 
 
 def _baseline_line(finding: Outcome) -> tuple[str, ...]:
-    if finding.passes:
-        return finding.setting, finding.what, HOLDS
     row = finding.row
+    if row.verdict == HOLDS:
+        return finding.setting, finding.what, HOLDS
     return finding.setting, f"{row.label}: {row.quantity}: {cell(row.observed)}", row.verdict
 
 

@@ -67,7 +67,8 @@ class Criterion:
 
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
         """The row for a case: undecided if the levels of one family cannot tell."""
-        enough = [group for group in groups.values() if len(group) >= self.levels and set(self.needs) <= set(group)]
+        complete = [group for group in groups.values() if all(name in group for name in self.needs)]
+        enough = [group for group in complete if len(group) >= self.levels]
         found = [value for group in enough if (value := self.measure(group)) is not None]
         decided = bool(found) and len(found) == len(groups)
         judged = self._judge(found) if decided else (math.nan, NOWHERE, UNDECIDED)

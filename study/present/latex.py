@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import unicodedata
 from collections.abc import Iterable, Sequence
+from functools import cache
 from itertools import groupby
 from operator import itemgetter
 
@@ -53,8 +54,9 @@ _TWO = re.compile(r"[a-z]{2}")
 _WORD_OR_FORMULA = re.compile(r"\\\(.*?\\\)\S*|\S+")
 
 
+@cache
 def encode(text: str) -> str:
-    """LaTeX of a line of prose with Unicode mathematics in it."""
+    """LaTeX of a line of prose with Unicode mathematics in it; columns repeat few."""
     number = _NUMBER.fullmatch(text)
     if number:
         return _number(*number.groups())
