@@ -261,7 +261,7 @@ random_examples = given(
 )
 
 
-@settings(max_examples=15)
+@settings(max_examples=8)
 @random_examples
 def test_no_error_lies_outside_for_random_cases(case, family, n, scheme, steps, trajectory, seed) -> None:
     prove(case.solution, case.name)
