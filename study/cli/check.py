@@ -6,12 +6,11 @@ import argparse
 from collections.abc import Sequence
 from pathlib import Path
 
-from study.cli.common import exit_code
-from study.cli.exits import OK
+from study.cli.exits import FAILED, OK
 from study.ledger.datafiles import DataError, read_claims, table_text
 from study.ledger.differing import NUMBERS, difference
 from study.ledger.terminal import folded
-from study.ledger.verdict import Verdict
+from study.ledger.verdict import Verdict, all_pass
 from study.present.outcome import ledger_text, write_junit
 from study.present.tables import texts
 from study.run.judgement import claims, claims_file, verdicts
@@ -27,10 +26,10 @@ def do_check(options: argparse.Namespace) -> int:
         if options.junit:
             write_junit(options.junit, found)
         print(ledger_text(claims(found)))
-        code = exit_code(found)
-        if code == OK:
-            print(folded(f"{compared}; {as_written(options.out, found)}"))
-    return code
+        if not all_pass(found):
+            return FAILED
+        print(folded(f"{compared}; {as_written(options.out, found)}"))
+    return OK
 
 
 def as_written(directory: Path, found: Sequence[Verdict]) -> str:

@@ -8,9 +8,8 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from study.cli.exits import FAILED, OK
 from study.ledger.errors import UsageError
-from study.ledger.verdict import HOLDS, REPORTED, Verdict
+from study.ledger.verdict import Verdict
 from study.present.figures import Drawing, draw_figures
 from study.run.collect import collect
 from study.run.execute import Pool, execute
@@ -62,8 +61,3 @@ def listed(paths: Sequence[Path]) -> str:
     for path in paths:
         kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)
     return ", ".join(f"{kind} ({len(of)})" if len(of) > 2 else ", ".join(map(str, of)) for kind, of in kinds.items())
-
-
-def exit_code(verdicts: Sequence[Verdict]) -> int:
-    """0 iff every claim holds; undecided is not a pass, and what is only reported claims nothing."""
-    return OK if verdicts and all(verdict.verdict in (HOLDS, REPORTED) for verdict in verdicts) else FAILED

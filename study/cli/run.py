@@ -9,11 +9,13 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from study.cli.common import check_jobs, draw, exit_code, listed, measure
+from study.cli.common import check_jobs, draw, listed, measure
+from study.cli.exits import FAILED, OK
 from study.cli.typed import run_line
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
 from study.ledger.terminal import folded
+from study.ledger.verdict import all_pass
 from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
@@ -61,7 +63,7 @@ def do_run(options: argparse.Namespace) -> int:
     print(ledger_text(read_claims(store.directory)))
     if any(TRY in verdict.expected for verdict in verdicts):
         print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
-    return exit_code(verdicts)
+    return OK if all_pass(verdicts) else FAILED
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:

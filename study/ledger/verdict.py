@@ -9,6 +9,7 @@ reported   no claim is made, the numbers stand for themselves
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -94,3 +95,8 @@ def row(
         window_low=window.low,
         window_high=window.high,
     )
+
+
+def all_pass(verdicts: Sequence[Verdict]) -> bool:
+    """Whether there are verdicts and every claim holds; undecided is no pass, and what is reported claims nothing."""
+    return bool(verdicts) and all(verdict.verdict in (HOLDS, REPORTED) for verdict in verdicts)
