@@ -3,7 +3,8 @@
 A row is judged by the seeds that were drawn since the last change to its rule, levels or window; seeds before it stay
 in the record and do not count. ``data/seeds.csv`` has a line for each row, and two in front for all claimed rows
 together: ``every`` counts seeds that were measured whole, ``light`` all seeds with the rows that are measured on each
-of them.
+of them. Both begin anew with the last change to any of their rows, and ``every`` when a row leaves the ledger, too: a
+row that was given up for its alarms would take them away from seeds that had shown them.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ import pandas as pd
 from tabulate import tabulate
 
 from manufactured.tensors import Array
-from study.controls.record import Line, Record, RowKey, two_sided, unpacked
+from study.controls.record import NO_RULES, Line, Record, RowKey, two_sided, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, tail
 from study.ledger.datafiles import ALL_ROWS, raised, write_csv
@@ -89,26 +90,33 @@ def tally(record: Record) -> pd.DataFrame:
     """The lines of ``seeds.csv``: those of all rows together, then one for each row."""
     rows = Seen.of(record)
     whole = np.array([draw.part == WHOLE for draw in record.draws])
+    last = next((draw.rules for draw in reversed(record.draws) if draw.part == WHOLE and draw.judged >= 0), NO_RULES)
+    in_force = np.array([draw.rules == last for draw in record.draws])
     on_each = [bool(np.isfinite(row.places[~whole]).any()) for row in rows]
     parts = [LIGHT if light else WHOLE for light in on_each]
     table = pd.DataFrame([row.line(part) for row, part in zip(rows, parts, strict=True)], columns=COLUMNS)
     places = np.array([row.places for row in rows])
     mine = (table["claimed"] == "yes").to_numpy()
     light = mine & np.array(on_each)
-    every = _together("every", table[mine], places[mine][:, whole])
+    every = _together("every", table[mine], np.where(whole & in_force, places[mine], math.nan))
     of_light = _together("light", table[light], places[light])
     return pd.concat([pd.DataFrame([every, of_light], columns=COLUMNS), table], ignore_index=True)
 
 
 def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
-    """On how many seeds one of some rows or more raised an alarm, from their places (rows, seeds); tails are summed."""
-    judged = int(np.isfinite(places).any(axis=0).sum())
-    red = int((abs(np.nan_to_num(places)) > 1).any(axis=0).sum())
+    """On how many of the seeds that judged all of some rows one or more raised an alarm; tails are summed.
+
+    ``places`` has shape (rows, seeds).
+    """
+    counted = np.flatnonzero(np.isfinite(places).all(axis=0)) if len(places) else np.empty(0, dtype=int)
+    places, judged = places[:, counted], len(counted)
+    since = int(counted[0]) + 1 if judged else 0
+    red = int((abs(places) > 1).any(axis=0).sum())
     low, high = interval(red, judged)
     ends = (float(np.nanmin(places)), float(np.nanmax(places))) if judged else (math.nan, math.nan)
     # A row without a model, or rows that were on no seed yet, may do anything.
     rate = float(rows["rate_tail"].sum(skipna=False)) if judged else math.nan
-    known = ALL_ROWS, key, f"{len(rows)} rows", "", "", "yes", int(rows["since"].max()) if len(rows) else 0, judged
+    known = ALL_ROWS, key, f"{len(rows)} rows", "", "", "yes", since, judged
     return dict(zip(COLUMNS, (*known, red, low, high, *ends, "sum", math.nan, rate), strict=True))
 
 

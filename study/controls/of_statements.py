@@ -63,7 +63,7 @@ TRACTION, LOGARITHM = (Listing(TractionInTime(), case, "one-diagonal", (8, 16, 3
 AT_REST = Listing(ResidualBound(), FULL, "unstructured", (8,))
 PARTING = Listing(Parting(), "softening", "shaken", (4,))
 GROWING = Listing(GrowingErrors(), "softening", "unstructured", (4,))
-ADVANCING = Listing(AdvancingFront(), "natural-motion", "shaken", (6, 12, 24))
+ADVANCING = Listing(AdvancingFront(), "natural-motion", "unstructured", (6, 12, 24))
 """Every row holds without a defect, and the named row fails with it."""
 
 

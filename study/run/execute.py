@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from dataclasses import dataclass
@@ -138,6 +139,12 @@ def _failure(job: Job, error: BaseException) -> str:
 
 
 def work(job: Job) -> Mapping[str, Any]:
-    """Run one job with one thread: the processes share the cores already."""
-    with threadpool_limits(1):
-        return job.run()
+    """Run one job with one thread: the processes share the cores already.
+
+    Arrays in circles of references would stay until many small objects have been made, gigabytes after some hours.
+    """
+    try:
+        with threadpool_limits(1):
+            return job.run()
+    finally:
+        gc.collect()

@@ -70,8 +70,10 @@ class AdvancingFront(ListedNumbers):
         largest("time", "time share", NEGLIGIBLE, "time share"),
         largest("quadrature", "change under finer quadrature of f_0", NEGLIGIBLE, "quadrature"),
     )
-    quick = grid((NAME,), ("shaken",), (6, 12, 24))
-    full = grid((NAME,), ("one-diagonal", "shaken", "unstructured"), (8, 16, 32, 64))
+    # Not on random meshes: in which cells a singular front lies at the times that count is chance there, and orders of
+    # single levels follow it.
+    quick = grid((NAME,), ("unstructured",), (8, 16, 32))
+    full = grid((NAME,), ("one-diagonal", "unstructured"), (8, 16, 32, 64))
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
         """Those of a study of the whole catalogue, to which the case does not belong."""

@@ -8,6 +8,7 @@ import re
 import signal
 import subprocess
 import sys
+import weakref
 from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from dataclasses import dataclass, replace
@@ -22,7 +23,7 @@ from study.cli.main import main
 from study.ledger.errors import UsageError
 from study.ledger.files import StoreError
 from study.run.collect import collect
-from study.run.execute import JobsError, Pool, admitted, execute, refuse_too_large
+from study.run.execute import JobsError, Pool, admitted, execute, refuse_too_large, work
 from study.run.job import Job
 from study.run.plan import Plan, quick
 from study.run.processes import Processes
@@ -126,6 +127,21 @@ def test_the_most_expensive_jobs_go_first(tmp_path) -> None:
     jobs = [Toy("a", 1), Toy("b", 3), Toy("c", 2)]
     execute(jobs, Store(tmp_path), pool(executor, workers=1), ignore)
     assert [job.name for job in executor.order] == ["b", "c", "a"]
+
+
+class Circular:
+    """A job that refers to what it made from what it made."""
+
+    def run(self) -> dict[str, float]:
+        self.made = weakref.ref(made := Circular())
+        made.itself = made
+        return {}
+
+
+def test_what_a_job_leaves_in_circles_of_references_is_gone_when_the_next_one_begins() -> None:
+    job = Circular()
+    assert work(job) == {}
+    assert job.made() is None
 
 
 def test_jobs_start_beside_those_running_while_workers_and_memory_last() -> None:

@@ -18,6 +18,8 @@ from study.statements.shared.scope import Scope
 
 ROUGH = "Prop. 5.3"
 """What a case without (5.36) is a case of."""
+NARROW = ("travelling-patch",)
+"""Cases with a patch that is two or three cells wide on the coarsest meshes."""
 RECOMPUTED = CsvFile("recomputed.csv", RATES.key, (*RATES.key, "h", *ERRORS, *GAPS, *SAME_LOAD))
 """A row of ``rates.csv`` once more: its errors, and the differences of the trajectories, as ``measure`` has them."""
 
@@ -31,15 +33,16 @@ class Again(Statement):
     def settings(self, scope: Scope) -> list[RateSetting]:
         """The coarsest level of every case on all families that the study has of it.
 
-        Rough cases are left out on random meshes: there the size of the cells at a singularity, which is chance, says
-        how well the loads are integrated, and the rows are about both ways and not about chance.
+        Rough cases, and those whose patch is narrow, are left out on random meshes: there the size of the cells at a
+        singularity or below the patch, which is chance, says how well loads and errors are integrated, and the rows
+        are about both ways and not about chance.
         """
         return [
             RateSetting(reference, family.name, level, scope.scheme, scope.steps(case, level))
             for reference, case in zip(scope.cases, scope.resolved(), strict=True)
             if scope.scheme == MIDPOINT.name
             for family in scope.families_of(case)
-            if not (case.proposition == ROUGH and is_random(family.name))
+            if not (is_random(family.name) and (case.proposition == ROUGH or case.name in NARROW))
             for level in scope.levels_of(case).all[:1]
         ]
 
