@@ -8,6 +8,7 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from dataclasses import dataclass
 from typing import Any
 
+import psutil
 from threadpoolctl import threadpool_limits
 
 from study.run.job import Job
@@ -45,6 +46,8 @@ class Pool:
 
 Notify = Callable[[float], None]
 """Called with the cost of each finished job."""
+CROWDED = 1.0 * GIB
+"""A process that holds more after a job looks for what nobody refers to any longer."""
 
 
 def unfinished(jobs: Sequence[Job], store: Store) -> list[Job]:
@@ -141,10 +144,12 @@ def _failure(job: Job, error: BaseException) -> str:
 def work(job: Job) -> Mapping[str, Any]:
     """Run one job with one thread: the processes share the cores already.
 
-    Arrays in circles of references would stay until many small objects have been made, gigabytes after some hours.
+    Arrays in circles of references would stay until many small objects have been made, gigabytes after some hours;
+    to look for them takes a quarter of a second.
     """
     try:
         with threadpool_limits(1):
             return job.run()
     finally:
-        gc.collect()
+        if psutil.Process().memory_info().rss > CROWDED:
+            gc.collect()
