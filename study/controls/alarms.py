@@ -18,7 +18,7 @@ import pandas as pd
 from tabulate import tabulate
 
 from manufactured.tensors import Array
-from study.controls.record import NO_RULES, Line, Record, RowKey, two_sided, unpacked
+from study.controls.record import Line, Record, RowKey, two_sided, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, tail
 from study.ledger.datafiles import ALL_ROWS, raised, write_csv
@@ -67,8 +67,7 @@ class Seen:
             cls(key, rule, unpacked(line.places.ljust(wide, ".")), two_sided(line.window_low, line.window_high))
             for key, (rule, line) in latest.items()
         ]
-        whole = [n for n, draw in enumerate(record.draws) if draw.part == WHOLE and draw.judged >= 0]
-        return [row for row in found if np.isfinite(row.places[max(whole, default=0) :]).any()]
+        return [row for row in found if np.isfinite(row.places[newest(record) :]).any()]
 
     @property
     def claimed(self) -> bool:
@@ -86,12 +85,16 @@ class Seen:
         return dict(zip(COLUMNS, (*known, *found), strict=True))
 
 
+def newest(record: Record) -> int:
+    """The place among the seeds of the last one that was judged whole, 0 if none was."""
+    return max((n for n, draw in enumerate(record.draws) if draw.part == WHOLE and draw.judged >= 0), default=0)
+
+
 def tally(record: Record) -> pd.DataFrame:
     """The lines of ``seeds.csv``: those of all rows together, then one for each row."""
     rows = Seen.of(record)
     whole = np.array([draw.part == WHOLE for draw in record.draws])
-    last = next((draw.rules for draw in reversed(record.draws) if draw.part == WHOLE and draw.judged >= 0), NO_RULES)
-    in_force = np.array([draw.rules == last for draw in record.draws])
+    in_force = np.array([draw.rules == record.draws[newest(record)].rules for draw in record.draws])
     on_each = [bool(np.isfinite(row.places[~whole]).any()) for row in rows]
     parts = [LIGHT if light else WHOLE for light in on_each]
     table = pd.DataFrame([row.line(part) for row, part in zip(rows, parts, strict=True)], columns=COLUMNS)
