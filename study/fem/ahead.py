@@ -24,7 +24,8 @@ class Ahead:
     """(t, whether of the rate) ↦ the amplitudes of all modes at t, each (K, J)."""
 
     def __init__(self, modes: Sequence[Modes]) -> None:
-        self._modes = modes
+        # Not the modes, whose shapes at all points are most of what a fine mesh takes.
+        self._amplitudes = [part.amplitudes for part in modes]
         self._length = min(TIMES, ENTRIES // max(len(part.tensors) * part.count for part in modes))
         self._foreseen: list[Array] = []
         self._single = lru_cache(RECENT)(self._at)
@@ -44,9 +45,9 @@ class Ahead:
         return self._single(time, rate)
 
     def _at(self, time: float, rate: bool) -> list[Array]:
-        return [part.amplitudes(time, rate) for part in self._modes]
+        return [amplitudes(time, rate) for amplitudes in self._amplitudes]
 
     def _block(self, n: int, first: int, rate: bool) -> list[Array]:
         """Those of some times of a sequence, each (times, K, J)."""
         times = self._foreseen[n][first : first + self._length]
-        return [np.ascontiguousarray(np.moveaxis(part.amplitudes(times, rate), -1, 0)) for part in self._modes]
+        return [np.ascontiguousarray(np.moveaxis(found(times, rate), -1, 0)) for found in self._amplitudes]

@@ -2,13 +2,12 @@
 
 h = (d! |Ω| / number of cells)^{1/d} (``mesh.size``), so a count is all that is needed: d! n^d simplices of the grid,
 4 n² triangles with both diagonals. By Euler's formula a triangulation of a polygon has 2 V − B − 2 triangles, V points
-of which B lie on the boundary, wherever the points are: unstructured meshes are counted before their points are moved
-(``sweeps`` = 0), graded ones are those with other points.
+of which B lie on the boundary, wherever the points are: unstructured meshes are counted before they are made, graded
+ones are those with other points.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import factorial
 
 from manufactured.body import Body
@@ -21,10 +20,10 @@ def cell_count(family: MeshFamily, body: Body, n: int) -> int:
         return factorial(body.dim) * n**body.dim
     if isinstance(family, CrissCross):
         return 4 * n**2
-    if isinstance(family, Graded):
-        family = Unstructured()
-    unmoved = replace(family, sweeps=0) if isinstance(family, Unstructured) else family
-    return int(unmoved(body, n).t.shape[1])
+    if isinstance(family, Unstructured | Graded):
+        boundary, *others = (Unstructured() if isinstance(family, Graded) else family).points(body, n)
+        return int(boundary.shape[1] + 2 * sum(points.shape[1] for points in others) - 2)
+    return int(family(body, n).t.shape[1])
 
 
 def size_of(family: MeshFamily, body: Body, n: int) -> float:

@@ -82,24 +82,40 @@ class StrainSums:
     """Σ w_p ε(x_p, t), (D, sums), from the amplitudes at one time; w may be the rule's times a coefficient, (n,)."""
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
-        tensors, data, rows, columns = [], [], [], []
-        height = width = 0
+        width = sum(len(part.tensors) * part.count for part in modes)
+        tensors, blocks, before = [], [], 0
         for part in modes:
             distinct, group = np.unique(part.tensors, axis=0, return_inverse=True)
-            sums = points.sums[part.points]
-            rows += [height + i * points.count + sums for i in group]
-            columns += [width + k * part.count + part.places for k in range(len(group))]
-            data.append((weights[part.points] * part.shapes).ravel())
+            same = [np.flatnonzero(group == i) for i in range(len(distinct))]
+            blocks += [_block(part, chosen, points, weights, before, width) for chosen in same]
             tensors.append(distinct)
-            height, width = height + len(distinct) * points.count, width + len(group) * part.count
+            before += len(part.tensors) * part.count
         # The B_k of each different tensor side by side, these below each other: one product for all.
-        places = np.concatenate(rows), np.concatenate(columns)
-        self._matrix = sps.csr_array((np.concatenate(data), places), shape=(height, width))
+        self._matrix = sps.vstack(blocks, format="csr")
         self._tensors = np.concatenate(tensors).T
 
     def __call__(self, amplitudes: Amplitudes) -> Tensors:
         sums = self._matrix @ np.concatenate([part.ravel() for part in amplitudes])
         return self._tensors @ sums.reshape(self._tensors.shape[1], -1)
+
+
+def _block(
+    part: Modes, chosen: Array, points: QuadraturePoints, weights: Array, before: int, width: int
+) -> sps.csr_array:
+    """The B_k of some modes of a part side by side, (sums, width), from the column ``before`` of the part on.
+
+    Its rows are written as they are stored: lists of all entries with their rows would take most of the memory of a
+    level.
+    """
+    sums = points.sums[part.points]
+    order = np.argsort(sums, kind="stable")
+    starts = np.cumsum([0, *np.bincount(sums, minlength=points.count)]) * len(chosen)
+    index = sps.get_index_dtype(maxval=max(width, int(starts[-1])))
+    columns = part.places[order, None].astype(index) + (before + part.count * chosen).astype(index)
+    values = (weights[part.points] * part.shapes[chosen])[:, order].T
+    block = sps.csr_array((values.ravel(), columns.ravel(), starts.astype(index)), shape=(points.count, width))
+    block.sum_duplicates()
+    return block
 
 
 class StressSums:

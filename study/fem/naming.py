@@ -73,7 +73,13 @@ def _cases(name: str) -> tuple[Case, ...]:
     """The catalogue and the cases beside it; of rollers, of which every level has its own, those that a name means."""
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0
-    return (*catalogue(), *multiscale(), natural_motion(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
+    return (*_kept(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
+
+
+@lru_cache
+def _kept() -> tuple[Case, ...]:
+    """Those that are the same for every name: each of them is read off its formulas when it is made."""
+    return (*catalogue(), *multiscale(), natural_motion())
 
 
 def name_of(reference: str) -> str:

@@ -32,19 +32,23 @@ class Unstructured:
         return body.dim == 2
 
     def __call__(self, body: Body, n: int) -> Mesh:
-        require_plane(self, body)
-        spacing = 1.15 * np.sqrt(body.measure) / n
-        fixed = np.hstack(
-            [_divide(part, spacing, _stops(part, body)) for part in body.parts]
-            # The start of an interface lies on the boundary.
-            + [_divide(interface, spacing, _stops(interface, body))[:, 1:] for interface in body.interfaces]
-        )
-        free = _lattice(body, spacing, np.random.default_rng([self.seed, n]))
+        boundary, inside, free = self.points(body, n)
+        fixed = np.hstack([boundary, inside])
         points = np.hstack([fixed, free])
         for _ in range(self.sweeps):
             cells = _delaunay(body, points)
             points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
         return simplicial_mesh(points, _delaunay(body, points))
+
+    def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
+        """Those on the boundary, on interfaces inside, and others, which are not in their last places yet, (2, …)."""
+        require_plane(self, body)
+        spacing = 1.15 * np.sqrt(body.measure) / n
+        boundary = [_divide(part, spacing, _stops(part, body)) for part in body.parts]
+        # The start of an interface lies on the boundary.
+        inside = [_divide(interface, spacing, _stops(interface, body))[:, 1:] for interface in body.interfaces]
+        free = _lattice(body, spacing, np.random.default_rng([self.seed, n]))
+        return np.hstack(boundary), np.hstack([np.empty((2, 0)), *inside]), free
 
 
 @dataclass(frozen=True)

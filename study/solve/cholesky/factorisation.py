@@ -43,7 +43,7 @@ class Cholesky:
         self.panels = []
         blocks: list[Block] = []
         begin = held = 0
-        for end, block in zip(starts[1:], _blocks(sps.csr_array(S)[self.order][:, self.order], starts), strict=True):
+        for end, block in zip(starts[1:], _blocks(_lower(S, self.order), starts), strict=True):
             blocks.append(block)
             held += block.diagonal.size + block.below.size
             if held > PANEL or end == len(self.order):
@@ -87,10 +87,15 @@ class Block(NamedTuple):
     below: Array
 
 
-def _blocks(S: sps.csr_array, starts: Integers) -> Iterator[Block]:
-    """The columns of L of a matrix in its order of elimination; ``starts`` are those of the blocks."""
-    lower = sps.csc_array(sps.tril(S))
+def _lower(S: sps.csc_array, order: Integers) -> sps.csc_array:
+    """The lower triangle of S with its unknowns in an order; the whole of S is not kept beside L in that order."""
+    lower = sps.csc_array(sps.tril(sps.csr_array(S)[order][:, order]))
     lower.sort_indices()
+    return lower
+
+
+def _blocks(lower: sps.csc_array, starts: Integers) -> Iterator[Block]:
+    """The columns of L of a matrix, given its lower triangle; ``starts`` are those of the blocks."""
     owner = np.repeat(np.arange(len(starts) - 1), np.diff(starts))
     left: list[list[tuple[Integers, Array]]] = [[] for _ in starts[1:]]
     for i, (start, end) in enumerate(pairwise(starts.tolist())):
