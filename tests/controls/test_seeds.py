@@ -176,9 +176,11 @@ def test_an_interrupted_run_loses_nothing(tmp_path: Path, monkeypatch: pytest.Mo
 
 
 def test_a_seed_can_be_repeated_and_says_the_same(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
-    stopped_after(monkeypatch, EVERY)
+    stopped_after(monkeypatch, 2)
+    monkeypatch.setattr(seeds, "EVERY", 2)
     seeds_of(tmp_path)
     before = Record.read(tmp_path)
+    assert [draw.part for draw in before.draws] == [LIGHT, WHOLE]
     for draw in (before.draws[0], before.draws[-1]):
         assert main(["seeds", "--seed", str(draw.seed), "--jobs", "1", "--out", str(tmp_path)]) == 0
         assert f"{draw.judged} places are the same, 0 are others" in capsys.readouterr().out

@@ -39,8 +39,15 @@ EXCLUDED = {
     ".venv/bin/pip install osqp": "changes the environment, for a peer that is optional",
 }
 """How a command begins that nothing runs ↦ why."""
-MINUTES = {"docs/tutorials/own-case-3d.md", "docs/tutorials/bound.md", "docs/tutorials/yielding.md"}
-"""Pages whose commands take longer than half a minute, for the slow tests."""
+LONG = {
+    "docs/tutorials/own-case.md",
+    "docs/tutorials/own-case-3d.md",
+    "docs/tutorials/bound.md",
+    "docs/tutorials/yielding.md",
+    "docs/how-to/adapt.md",
+}
+"""Pages whose commands take longer than ten seconds, for the slow tests. The case of the first one is what the tests of
+most commands start from (``cli/conftest.py``)."""
 NEEDS = {"docs/tutorials/dolfinx.md": "dolfinx"}
 """Pages that need a program which no wheel has."""
 
@@ -92,7 +99,7 @@ TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for l
 
 @pytest.mark.parametrize(
     "page",
-    [pytest.param(page, marks=pytest.mark.slow if page.name in MINUTES else ()) for page in TYPED],
+    [pytest.param(page, marks=pytest.mark.slow if page.name in LONG else ()) for page in TYPED],
     ids=lambda page: page.name,
 )
 def test_the_commands_of_a_page_end_with_success(page: Page, tmp_path: Path) -> None:

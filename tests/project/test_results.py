@@ -19,10 +19,6 @@ from study.run.judgement import judge
 from study.run.provenance import Complete
 from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
-from study.statements.contact_work.judged_work import WorkOfContact
-from study.statements.growing_errors import GrowingErrors
-from study.statements.landings import Landings
-from study.statements.parting import Parting
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4.measure import measure_case
 from study.statements.shared.base import ListedNumbers
@@ -73,15 +69,9 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
 
 
 LISTS = [statement for statement in STATEMENTS if isinstance(statement, ListedNumbers)]
-LONG = GrowingErrors, Landings, Parting, WorkOfContact
-"""Those that take seconds at the coarsest place, too: they march many trajectories, or long ones."""
 
 
-@pytest.mark.parametrize(
-    "statement",
-    [pytest.param(each, marks=pytest.mark.slow if isinstance(each, LONG) else ()) for each in LISTS],
-    ids=lambda statement: type(statement).__name__,
-)
+@pytest.mark.parametrize("statement", LISTS, ids=lambda statement: type(statement).__name__)
 def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement: ListedNumbers) -> None:
     """At the coarsest place in the plane; what is rounding on one machine is rounding on another."""
     place = min(

@@ -12,7 +12,7 @@ from pathlib import Path
 import psutil
 import pytest
 
-RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "4", "--jobs", "2", "--out"]
+RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
 ONLY_THE_DATA = """
 import sys
 from study.cli import common, main
