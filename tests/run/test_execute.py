@@ -291,7 +291,7 @@ def peak(job: Job) -> float:
 @pytest.mark.parametrize(
     ("job", "least"),
     [
-        (full_contact(64), full_contact(2)),
+        (full_contact(96), full_contact(2)),
         pytest.param(cube_disc("shaken", 9), cube_disc("shaken", 2), marks=pytest.mark.slow),
         pytest.param(cube_disc("one-diagonal", 18), cube_disc("one-diagonal", 2), marks=pytest.mark.slow),
         pytest.param(equivalence(6), equivalence(2), marks=pytest.mark.slow),
