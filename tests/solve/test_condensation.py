@@ -104,6 +104,33 @@ def test_the_factor_solves(matrices: Matrices, monkeypatch: pytest.MonkeyPatch) 
     assert close(factor(b), np.linalg.solve(S.toarray(), b), 1e-11)
 
 
+@pytest.mark.parametrize("small", [0, 40, 10**6])
+def test_fronts_of_any_size_are_eliminated_by_blas_or_by_compiled_code(
+    small: int, matrices: Matrices, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    S, N = matrices
+    last = np.unique(N.nonzero()[1])
+    usual = Cholesky(S, last)
+    monkeypatch.setattr("study.solve.cholesky.factorisation.SMALL", small)
+    other = Cholesky(S, last)
+    for one, two in zip(usual.panels, other.panels, strict=True):
+        assert all(map(np.array_equal, one[:3], two[:3]))
+        assert close(two.entries, one.entries, 1e-12)
+
+
+@pytest.mark.parametrize("small", [0, 10**6])
+@pytest.mark.parametrize("at", [0, 200])
+def test_a_matrix_that_is_not_positive_definite_is_refused(
+    small: int, at: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("study.solve.cholesky.factorisation.SMALL", small)
+    diagonal = np.full(400, 2.0)
+    diagonal[at] = -1.0
+    path = sps.diags_array([np.full(399, -0.5), diagonal, np.full(399, -0.5)], offsets=[-1, 0, 1])
+    with pytest.raises(np.linalg.LinAlgError, match="not positive definite"):
+        Cholesky(sps.csc_array(path))
+
+
 def test_the_passes_are_those_through_the_factor(matrices: Matrices) -> None:
     """L from its columns: forward and backward are its inverse and the inverse of its transpose."""
     S, _ = matrices

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sps
+from numba import njit
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import breadth_first_order
 
 from manufactured.tensors import Array
 
@@ -67,50 +67,111 @@ def _halves(starts: bytes, columns: bytes, kind: str) -> tuple[Integers, Integer
 def _tree(graph: sps.csr_array, x: Array) -> tuple[Integers, Integers]:
     """The node of the tree of halves that each unknown is eliminated with, and its depth, (n,) both.
 
-    The root is 1, the halves of a node i are 2i and 2i + 1; a separator stays with the node that it halves. All parts
-    of one depth are cut at a time, each at its median along its longest axis.
+    The root is 1, the halves of a node i are 2i and 2i + 1; a separator stays with the node that it halves. A part is
+    cut at its median along its longest axis, and unknowns with the same coordinate are in the order of their numbers.
     """
-    node = np.ones(graph.shape[0], dtype=np.int64)
-    depth = np.zeros_like(node)
-    start, end = sps.coo_array(sps.tril(graph, -1)).coords
-    active = np.arange(len(node))
-    while True:
-        _, part, sizes = np.unique(node[active], return_inverse=True, return_counts=True)
-        active = active[sizes[part] > LEAF]
-        if not len(active):
-            return node, depth
-        right = np.zeros(len(node), dtype=bool)
-        right[active] = _right_halves(node[active], x[:, active])
-        divided = np.zeros(len(node), dtype=bool)
-        divided[active] = True
-        inside = divided[start] & (node[start] == node[end])
-        start, end = start[inside], end[inside]
-        cut = right[start] != right[end]
-        divided[np.where(right[start], end, start)[cut]] = False
-        active = active[divided[active]]
-        node[active] = 2 * node[active] + right[active]
-        depth[active] += 1
+    ranks = np.empty(x.shape, dtype=np.int64)
+    for rank, row in zip(ranks, x, strict=True):
+        rank[np.argsort(row, kind="stable")] = np.arange(x.shape[1])
+    found: tuple[Integers, Integers] = _halved(graph.indptr, graph.indices, x, ranks, LEAF)
+    return found
 
 
-def _right_halves(node: Integers, x: Array) -> NDArray[np.bool_]:
-    """Whether the points x, (axes, n), lie beyond the median of their part along its longest axis, (n,)."""
-    _, part, sizes = np.unique(node, return_inverse=True, return_counts=True)
-    starts = np.cumsum(sizes) - sizes
-    grouped = x[:, np.argsort(part, kind="stable")]
-    extents = np.maximum.reduceat(grouped, starts, axis=1) - np.minimum.reduceat(grouped, starts, axis=1)
-    along = np.lexsort((x[extents.argmax(axis=0)[part], np.arange(len(part))], part))
-    right = np.empty(len(part), dtype=bool)
-    right[along] = np.arange(len(part)) - np.repeat(starts, sizes) >= np.repeat(sizes // 2, sizes)
-    return right
+@njit(cache=True)
+def _halved(indptr: Integers, indices: Integers, x: Array, ranks: Integers, leaf: int) -> tuple[Integers, Integers]:
+    """As ``_tree``; ``ranks`` has the places of the unknowns along each axis."""
+    size = len(indptr) - 1
+    node, depth = np.ones(size, np.int64), np.zeros(size, np.int64)
+    active, rights, keys = np.arange(size), np.empty(size, np.int64), np.empty(size, np.int64)
+    # Parts that wait, one of each depth and one more: at 64 the numbers of nodes would end, too.
+    waiting, parts = np.zeros((64, 2), np.int64), 1
+    waiting[0, 1] = size
+    while parts:
+        parts -= 1
+        low, high = waiting[parts, 0], waiting[parts, 1]
+        if high - low <= leaf:
+            continue
+        rank = ranks[_longest(x, active[low:high])]
+        for q in range(low, high):
+            keys[q] = rank[active[q]]
+        middle = _smallest(keys[low:high], (high - low) // 2)
+        left = 2 * node[active[low]]
+        for q in range(low, high):
+            node[active[q]] = left + (rank[active[q]] >= middle)
+        kept = beyond = 0
+        for q in range(low, high):
+            vertex = active[q]
+            if node[vertex] > left:
+                rights[beyond] = vertex
+                beyond += 1
+            elif _meets(node, left + 1, indices[indptr[vertex] : indptr[vertex + 1]]):
+                node[vertex] = left // 2
+                continue
+            else:
+                active[low + kept] = vertex
+                kept += 1
+            depth[vertex] += 1
+        for q in range(beyond):
+            active[low + kept + q] = rights[q]
+        waiting[parts, 0], waiting[parts, 1] = low, low + kept
+        waiting[parts + 1, 0], waiting[parts + 1, 1] = low + kept, low + kept + beyond
+        parts += 2
+    return node, depth
+
+
+@njit(cache=True)
+def _meets(node: Integers, other: int, neighbours: Integers) -> bool:
+    """Whether one of some unknowns belongs to a node."""
+    for vertex in neighbours:  # noqa: SIM110  compiled
+        if node[vertex] == other:
+            return True
+    return False
+
+
+@njit(cache=True)
+def _longest(x: Array, part: Integers) -> int:
+    """The axis along which a part is longest, the first of several."""
+    longest, extent = 0, -1.0
+    for axis in range(len(x)):
+        row = x[axis]
+        low = high = row[part[0]]
+        for vertex in part:
+            low, high = min(low, row[vertex]), max(high, row[vertex])
+        if high - low > extent:
+            longest, extent = axis, high - low
+    return longest
+
+
+@njit(cache=True)
+def _smallest(keys: Integers, k: int) -> int:
+    """The k-th smallest, from 0, of different keys, which are put in another order: Hoare's quickselect."""
+    low, high = 0, len(keys) - 1
+    while low < high:
+        pivot, i, j = keys[(low + high) // 2], low, high
+        while i <= j:
+            while keys[i] < pivot:
+                i += 1
+            while keys[j] > pivot:
+                j -= 1
+            if i <= j:
+                keys[i], keys[j] = keys[j], keys[i]
+                i, j = i + 1, j - 1
+        if k <= j:
+            high = j
+        elif k >= i:
+            low = i
+        else:
+            break
+    return keys[k]
 
 
 def _embedding(graph: sps.csr_array) -> Array:
     """Coordinates of the vertices of a graph, (AXES, n), the longest axis first."""
-    start = int(_distances(graph, 0).argmax())
+    start = int(_distances(graph.indptr, graph.indices, 0).argmax())
     nearest = np.full(graph.shape[0], np.inf)
     distances = np.empty((PIVOTS, graph.shape[0]))
     for row in distances:
-        row[:] = _distances(graph, start)
+        row[:] = _distances(graph.indptr, graph.indices, start)
         nearest = np.minimum(nearest, row)
         start = int(nearest.argmax())
     centred = distances - distances.mean(axis=1, keepdims=True)
@@ -118,16 +179,21 @@ def _embedding(graph: sps.csr_array) -> Array:
     return directions[:, : -AXES - 1 : -1].T @ centred
 
 
-def _distances(graph: sps.csr_array, start: int) -> Array:
+@njit(cache=True)
+def _distances(indptr: Integers, indices: Integers, start: int) -> Integers:
     """Edges on a shortest path from a vertex to every other, (n,); more than on any of these where there is no path."""
-    order, predecessors = breadth_first_order(graph, start)
-    position = np.empty(graph.shape[0], dtype=np.int64)
-    position[order] = np.arange(len(order))
-    # Breadth first, predecessors come in the order of the vertices: a distance is one range of the order.
-    before = position[predecessors[order[1:]]]
-    ends = [1]
-    while ends[-1] < len(order):
-        ends.append(1 + int(np.searchsorted(before, ends[-1])))
-    distances = np.full(graph.shape[0], float(len(ends)))
-    distances[order] = np.repeat(np.arange(len(ends)), np.diff(ends, prepend=0))
+    size = len(indptr) - 1
+    distances, queue = np.full(size, size), np.empty(size, np.int64)
+    distances[start], queue[0] = 0, start
+    done, found = 0, 1
+    while done < found:
+        vertex = queue[done]
+        done += 1
+        for neighbour in indices[indptr[vertex] : indptr[vertex + 1]]:
+            if distances[neighbour] == size:
+                distances[neighbour], queue[found] = distances[vertex] + 1, neighbour
+                found += 1
+    beyond = distances[queue[found - 1]] + 1
+    for vertex in range(size):
+        distances[vertex] = min(distances[vertex], beyond)
     return distances

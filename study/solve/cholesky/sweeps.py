@@ -1,11 +1,7 @@
-"""What is compiled of a sparse Cholesky factorisation: the assembly of its fronts, and both substitutions.
-
-Each substitution reads L once.
-"""
+"""The substitutions with a sparse Cholesky factor, compiled; each reads L once."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -32,35 +28,21 @@ class Panel(NamedTuple):
     rows: Integers
     entries: Array
 
-    @classmethod
-    def of(cls, start: int, blocks: Sequence[tuple[Array, Integers, Array]]) -> Panel:
-        """From the lower triangle (k, k) of each block, its rows below (b,) and its entries there (b, k)."""
-        sizes = [len(diagonal) for diagonal, _, _ in blocks]
-        entries = [
-            np.concatenate([part for j in range(len(diagonal)) for part in (diagonal[j:, j], below[:, j])])
-            for diagonal, _, below in blocks
-        ]
-        return cls(
-            start + np.concatenate([[0], np.cumsum(sizes)]),
-            np.concatenate([[0], np.cumsum([len(rows) for _, rows, _ in blocks])]),
-            np.concatenate([rows for _, rows, _ in blocks]),
-            np.concatenate(entries),
-        )
-
 
 @njit(cache=True)
-def add(front: Array, at: Integers, remainder: Array) -> None:
-    """Add a Schur complement (b, b) to a front at some of its unknowns, increasing, (b,): lower triangles alone."""
-    for j in range(len(at)):
-        for i in range(j, len(at)):
-            front[at[i], at[j]] += remainder[i, j]
+def _most(borders: Integers) -> int:
+    """The largest number of rows below a block. NumPy's functions would take seconds to compile."""
+    found = 0
+    for block in range(len(borders) - 1):
+        found = max(found, borders[block + 1] - borders[block])
+    return found
 
 
 @njit(cache=True, fastmath={"reassoc", "nsz", "contract"})
 def forward(starts: Integers, borders: Integers, rows: Integers, entries: Array, y: Array) -> None:
     """y ← L⁻¹ y for the columns of a panel."""
     p = 0
-    below = np.empty(np.max(np.diff(borders)))
+    below = np.empty(_most(borders))
     for block in range(len(starts) - 1):
         end, first = starts[block + 1], borders[block]
         count = borders[block + 1] - first
@@ -85,7 +67,7 @@ def forward(starts: Integers, borders: Integers, rows: Integers, entries: Array,
 def backward(starts: Integers, borders: Integers, rows: Integers, entries: Array, x: Array) -> None:
     """x ← L⁻ᵀ x for the columns of a panel."""
     p = len(entries)
-    below = np.empty(np.max(np.diff(borders)))
+    below = np.empty(_most(borders))
     for block in range(len(starts) - 2, -1, -1):
         end, first = starts[block + 1], borders[block]
         count = borders[block + 1] - first
