@@ -8,9 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from study.controls.alarms import newer, tally, text
-from study.controls.record import Record, packed, place, unpacked
+from study.controls.record import MANY, NONE, Record, counted, packed, place, spelt_out, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.datafiles import DataError, raised
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict, row
@@ -146,6 +148,13 @@ def test_a_damaged_record_is_refused(tmp_path: Path, spoil) -> None:
     path.write_text(head + spoil(line), encoding="utf-8")
     with pytest.raises(DataError, match="is damaged"):
         Record.read(tmp_path)
+
+
+@given(st.lists(st.sampled_from([NONE, packed(0.5), "12"]), max_size=40).map("".join))
+def test_seeds_that_were_not_judged_are_counted_and_come_back(places: str) -> None:
+    written = counted(places)
+    assert spelt_out(written) == places
+    assert NONE * MANY not in written
 
 
 def test_all_rows_and_a_hundred_and_fifty_seeds_take_less_than_400_kB(tmp_path: Path) -> None:
