@@ -87,7 +87,7 @@ class StrainSums:
         for part in modes:
             distinct, group = np.unique(part.tensors, axis=0, return_inverse=True)
             same = [np.flatnonzero(group == i) for i in range(len(distinct))]
-            blocks += [_block(part, chosen, points, weights, before, width) for chosen in same]
+            blocks += _blocks(part, same, points, weights, before, width)
             tensors.append(distinct)
             before += len(part.tensors) * part.count
         # The B_k of each different tensor side by side, these below each other: one product for all.
@@ -99,23 +99,28 @@ class StrainSums:
         return self._tensors @ sums.reshape(self._tensors.shape[1], -1)
 
 
-def _block(
-    part: Modes, chosen: Array, points: QuadraturePoints, weights: Array, before: int, width: int
-) -> sps.csr_array:
-    """The B_k of some modes of a part side by side, (sums, width), from the column ``before`` of the part on.
+def _blocks(
+    part: Modes, groups: Sequence[Array], points: QuadraturePoints, weights: Array, before: int, width: int
+) -> list[sps.csr_array]:
+    """The B_k of each group of modes of a part side by side, (sums, width), from the column ``before`` of the part on.
 
-    Its rows are written as they are stored: lists of all entries with their rows would take most of the memory of a
+    Their rows are written as they are stored: lists of all entries with their rows would take most of the memory of a
     level.
     """
     sums = points.sums[part.points]
     order = np.argsort(sums, kind="stable")
-    starts = np.cumsum([0, *np.bincount(sums, minlength=points.count)]) * len(chosen)
-    index = sps.get_index_dtype(maxval=max(width, int(starts[-1])))
-    columns = part.places[order, None].astype(index) + (before + part.count * chosen).astype(index)
-    values = (weights[part.points] * part.shapes[chosen])[:, order].T
-    block = sps.csr_array((values.ravel(), columns.ravel(), starts.astype(index)), shape=(points.count, width))
-    block.sum_duplicates()
-    return block
+    starts = np.cumsum([0, *np.bincount(sums, minlength=points.count)])
+    index = sps.get_index_dtype(maxval=max(width, part.shapes.size))
+    places, weighed = part.places[order, None].astype(index), weights[part.points]
+    blocks = []
+    for chosen in groups:
+        columns = places + (before + part.count * chosen).astype(index)
+        values = (weighed * part.shapes[chosen])[:, order].T
+        rows = (len(chosen) * starts).astype(index)
+        block = sps.csr_array((values.ravel(), columns.ravel(), rows), shape=(points.count, width))
+        block.sum_duplicates()
+        blocks.append(block)
+    return blocks
 
 
 class StressSums:
