@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gzip
 import json
 import math
 from collections.abc import Callable, Iterator
@@ -26,7 +25,7 @@ from study.certify.statement import statement
 from study.certify.tensor_field import constants
 from study.certify.witnesses import COARSE, DISPLACEMENT, FINE, AdmissibleRounding, Load, StressEncoder, bits_below
 from study.fem.mesh import MeshFamily, Unstructured
-from study.ledger.files import write_whole
+from study.ledger.files import write_packed
 from study.solve.evolution import Scheme
 
 CONSTANTS_LEVEL = 12
@@ -163,5 +162,4 @@ def differences(rows: list[list[int]]) -> list[list[int]]:
 
 def write(path: Path, certificate: dict[str, Any]) -> Path:
     """Write a certificate; equal ones are equal files."""
-    text = json.dumps(certificate, separators=(",", ":")).encode()
-    return write_whole(path, lambda file: file.write_bytes(gzip.compress(text, 9, mtime=0)))
+    return write_packed(path, json.dumps(certificate, separators=(",", ":")))

@@ -74,7 +74,7 @@ def do_seeds(options: argparse.Namespace) -> int:
         return FAILED
     table = tally(record)
     written = write_seeds(options.out, table)
-    print(f"\n{text(table)}\ndata: {written}, {written.parent}/seeds/*.csv")
+    print(f"\n{text(table)}\ndata: {written}, {written.parent}/seeds/")
     return OK if verdict(table) == HOLDS else FAILED
 
 

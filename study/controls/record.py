@@ -4,23 +4,21 @@
 plan that was measured, the rules in force (a hash), rows judged and alarms; the last two are −1 while it is being
 measured. A seed is entered when it is drawn, before anything is measured, so that none can be left out afterwards.
 
-``data/seeds/places.csv`` has one line for each row of the ledger and rule that it was judged by: two characters for
+``data/seeds/places.csv.gz`` has one line for each row of the ledger and rule that it was judged by: two characters for
 each seed, in the same order. They write the place in the window, −2 … 2, in 1/1024ths, two digits of base 64; ``..``
-says that this seed was not judged by this rule, ``*74*`` that 74 in turn were not. An alarm is a place beyond −1 … 1,
-of a row that holds one within. As a rule of another row, window or level is another line, seeds that were judged before
-a change count for nothing after it.
+says that this seed was not judged by this rule. An alarm is a place beyond −1 … 1, of a row that holds one within. As a
+rule of another row, window or level is another line, seeds that were judged before a change count for nothing after it.
 
 All values are kept, and not their moments, as a tail is not known by moments. Two digits resolve a thousandth of half a
-window, and 700 rows of 150 seeds take 300 kB.
+window. Packed, as most of the text is names and seeds that a row was not judged on, a thousand rows and 150 seeds take
+200 kB.
 """
 
 from __future__ import annotations
 
 import hashlib
-import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from itertools import groupby
 from pathlib import Path
 from string import ascii_letters, digits
 
@@ -28,15 +26,16 @@ import numpy as np
 import pandas as pd
 
 from manufactured.tensors import Array
-from study.ledger.datafiles import DataError, read_table, write_csv
+from study.ledger.datafiles import DataError, read_table, table_text, write_csv
+from study.ledger.files import write_packed
 from study.ledger.margin import worst
 from study.ledger.verdict import HOLDS, Verdict
 from study.ledger.window import SMALL
 from study.statements.prop_5_4.judge import errors
 
 DIGITS = ascii_letters + digits + "+-"
-NONE, MANY = "..", 3
-"""For a seed that was not judged; so many in turn are counted."""
+NONE = ".."
+"""For a seed that was not judged."""
 START = ":"
 """Before the places of a line, so that no program takes them for a number."""
 NO_RULES = "-"
@@ -88,18 +87,6 @@ def unpacked(text: str) -> Array:
     return np.array(values) * STEP - FURTHEST
 
 
-def counted(places: str) -> str:
-    """The places of a line as they are written."""
-    pairs = (places[i : i + 2] for i in range(0, len(places), 2))
-    runs = ((pair, len(list(same))) for pair, same in groupby(pairs))
-    return "".join(f"*{length}*" if pair == NONE and length >= MANY else pair * length for pair, length in runs)
-
-
-def spelt_out(written: str) -> str:
-    """What ``counted`` made shorter."""
-    return re.sub(r"\*(\d+)\*", lambda run: NONE * int(run[1]), written)
-
-
 @dataclass(frozen=True)
 class Draw:
     """A line of ``drawn.csv``; ``judged`` is −1 while it is being measured."""
@@ -113,7 +100,7 @@ class Draw:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of ``places.csv``, without what it is known by: the window, and two characters for each seed."""
+    """A line of ``places.csv.gz``, without what it is known by: the window, and two characters for each seed."""
 
     window_low: float
     window_high: float
@@ -139,14 +126,14 @@ class Record:
         Raises:
             DataError: a file is damaged, or its lines do not fit the seeds.
         """
-        drawn, places = (directory / "data" / "seeds" / name for name in ("drawn.csv", "places.csv"))
+        drawn, places = (directory / "data" / "seeds" / name for name in ("drawn.csv", "places.csv.gz"))
         if not drawn.is_file():
             return cls()
         table = read_table(drawn, DRAWN, MADE)
         draws = tuple(Draw(*row) for row in table[DRAWN].itertuples(index=False, name=None))
         lines = read_table(places, PLACES, MADE)[PLACES] if places.is_file() else pd.DataFrame(columns=PLACES)
         found = {
-            (label, key, case, rule): Line(low, high, spelt_out(places.removeprefix(START)))
+            (label, key, case, rule): Line(low, high, places.removeprefix(START))
             for label, key, case, rule, low, high, places in lines.itertuples(index=False, name=None)
         }
         damaged = [known for known, line in found.items() if not _sound(line.places, len(draws))]
@@ -157,11 +144,9 @@ class Record:
 
     def write(self, directory: Path) -> None:
         """Both files; what is found of a seed stands in the first before the second says that it was judged."""
-        known = [
-            [*row, line.window_low, line.window_high, START + counted(line.places)] for row, line in self.lines.items()
-        ]
+        known = [[*row, line.window_low, line.window_high, START + line.places] for row, line in self.lines.items()]
         folder = directory / "data" / "seeds"
-        write_csv(folder / "places.csv", pd.DataFrame(known, columns=PLACES))
+        write_packed(folder / "places.csv.gz", table_text(pd.DataFrame(known, columns=PLACES)))
         write_csv(folder / "drawn.csv", pd.DataFrame([asdict(draw) for draw in self.draws], columns=DRAWN))
 
     def drawn(self, seed: int, part: str) -> Record:

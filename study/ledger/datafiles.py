@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import gzip
 import json
 import shlex
+import zlib
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, fields
+from io import BytesIO
 from pathlib import Path
 from typing import Any, NamedTuple, Protocol
 
@@ -64,6 +67,10 @@ COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds"}
 """What makes data files that no run makes."""
 
 
+NO_TABLE = (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError)
+NOT_PACKED = (gzip.BadGzipFile, EOFError, zlib.error)
+
+
 class DataError(ValueError):
     """A data file is missing or is not what ``study run`` writes."""
 
@@ -96,6 +103,8 @@ def made_by(directory: Path) -> str:
 def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFrame:
     """The table that a command has written to a path, with at least the given columns; empty text is "".
 
+    A path that ends in ``.gz`` is one that gzip packed.
+
     Raises:
         DataError: there is no such file, it is not a table, it ends within a line, or it lacks a column.
     """
@@ -105,10 +114,12 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
     try:
         # Only what is empty is no number: "nan" is a word, which no command writes.
         kinds = dict.fromkeys(TEXT, str)
-        frame = pd.read_csv(path, dtype=kinds, keep_default_na=False, na_values=[""], low_memory=False)  # type: ignore[arg-type]
-    except (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError) as error:
+        content = path.read_bytes()
+        content = gzip.decompress(content) if path.suffix == ".gz" else content
+        frame = pd.read_csv(BytesIO(content), dtype=kinds, keep_default_na=False, na_values=[""], low_memory=False)  # type: ignore[arg-type]
+    except (*NO_TABLE, *NOT_PACKED) as error:
         raise DataError(f"{path} is not a table ({error}): {again}") from error
-    if not path.read_bytes().endswith(b"\n"):
+    if not content.endswith(b"\n"):
         raise DataError(f"{path} is truncated, its last line has no end: {again}")
     if lacking := [column for column in columns if column not in frame]:
         raise DataError(f"{path} lacks the columns {', '.join(lacking)}: {again}")
