@@ -78,6 +78,19 @@ def test_shares_are_not_negative_and_add_up_to_the_bound(name: str, trajectory) 
         assert one.shares.total == pytest.approx(left, abs=1e-12)
 
 
+def test_what_comes_after_the_largest_bound_has_no_share_in_it() -> None:
+    data = wedge(**PROBLEMS["rolling"])
+    discretisation = Discretisation(data, Unstructured()(data.body, 2))
+    found = enclose(discretisation, compute(discretisation, MIDPOINT, 3), SmoothedInTime())
+    early = replace(found, between=np.where(np.arange(found.between.size) == 0, 2 * found.highest, found.between))
+    louder = [replace(one, shares=10 * one.shares) for one in found.intervals[1:]]
+    other = replace(early, intervals=(found.intervals[0], *louder))
+    one, same = (enclosure.shares(discretisation.moduli) for enclosure in (early, other))
+    assert one.total == pytest.approx(2 * found.highest)
+    assert same.time == pytest.approx(one.time)
+    assert same.cells == pytest.approx(one.cells)
+
+
 def test_a_load_on_few_cells_gives_them_the_shares() -> None:
     place = np.array([1.5, 0.3])
     bump = exp(-20 * ((x1 - place[0]) ** 2 + (x2 - place[1]) ** 2))

@@ -10,21 +10,14 @@ import copy
 import pickle
 import subprocess
 import sys
-from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
 
-import numpy as np
 import pandas as pd
 import pytest
-from sympy import Integer, cos, sin
 
-from manufactured import ContactFace, examine, s, t
-from manufactured.body import Kind, unit_square
-from manufactured.cases.laws import not_proportional
-from manufactured.exact import ExactSolution
-from manufactured.factor import Factor, x1, x2
+from manufactured import examine
 from study.cli.main import main
 from study.controls import defects
 from study.controls.baselines import Equivalence, Sweep, turned
@@ -34,18 +27,13 @@ from study.controls.of_statements import ELASTICITY, MEMBERS
 from study.controls.of_stresses import ALONE
 from study.controls.register import CONTROLS
 from study.controls.run_controls import NO_DEFECT, Outcome, alike, controls_text, outcomes, settings, unchanged, work
-from study.fem.independent import LeadingTerm
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
-from study.fem.space import Space
 from study.ledger.datafiles import read_claims
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import around
-from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.evidence import PARALLELOGRAM
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.measure import Measurement, measure
+from study.statements.prop_5_4.measure import Measurement
 from study.statements.shared.base import Setting
 from study.statements.thm_4_2.gaps import compare, gaps
 from study.statements.thm_4_2.stands_alone import Derived, Independence, Sides, StandsAlone, independence
@@ -162,39 +150,6 @@ def test_a_mistake_in_the_code_is_undone() -> None:
 @pytest.mark.parametrize(("setting", "same"), [(FULL, True), (MOVING, False)], ids=["closed", "open"])
 def test_a_flipped_normal_does_more_than_drop_the_constraint_where_a_gap_is_open(setting, same: bool) -> None:
     assert alike(rows(setting, defects.normal_flipped), rows(setting, defects.contact_dropped)) is same
-
-
-def measured(solution: ExactSolution, n: int = 8) -> Measurement:
-    return measure(Experiment.of(solution, OneDiagonal(), n, MIDPOINT, 8))
-
-
-@pytest.mark.parametrize(
-    "name", ["no-contact", "fixed-front-off-vertex", "advance-recede", "heterogeneous", "cube-disc"]
-)
-def test_the_parallelogram_law_fails_if_u_minus_its_interpolant_is_recorded_as_the_error_alone(name: str) -> None:
-    """Also where the largest error is that of the start, which both have in common."""
-    found = measured(resolve(name).solution)
-    time, _, interpolation, *others = found.history
-    assert found.parallelogram() <= 1e-11
-    assert replace(found, history=np.array([time, interpolation, interpolation, *others])).parallelogram() >= 0.5
-
-
-def test_the_parallelogram_law_bears_a_viscosity_that_no_quadrature_integrates_exactly() -> None:
-    """Four cells are a whole wave of A's factor; polynomials, as in the catalogue, leave rounding."""
-    wave = Factor(2 + sin(6 * x1) * cos(6 * x2), 1.0, 3.0)
-    body, law = unit_square(), not_proportional(2, wave, wave)
-    face = ContactFace.linear(body.of(Kind.CONTACT)[0], law, body.T, Integer(0), t * (2 + s), Integer(1))
-    assert 1e-5 <= measured(ExactSolution(body, law, (face,)), 4).parallelogram() <= PARALLELOGRAM.high
-
-
-@pytest.mark.parametrize("name", ["travelling-patch", "merging-patches"])
-def test_the_leading_term_is_maximised_over_all_times(name: str) -> None:
-    """Predicted: what a parabola loses by half a step of the grid, 1 %; at T alone 15 % and 79 % are lost."""
-    solution = resolve(name).solution
-    term = LeadingTerm(solution, Space(OneDiagonal()(solution.body, 16), solution.body))
-    largest = max(term(time) for time in np.linspace(0, term.T, 257))
-    assert 0.99 * largest <= term.largest() <= largest
-    assert term(term.T) < 0.86 * largest
 
 
 def test_no_defect_of_a_setting_serves_twice() -> None:
