@@ -8,6 +8,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy as sp
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.sparse.linalg import eigsh
 from skfem import BilinearForm, ElementTriP2, ElementVector, FacetBasis, InteriorBasis
 from skfem.helpers import dot
@@ -23,7 +25,7 @@ from manufactured.problems import problems
 from manufactured.symbols import function
 from study.bound.bounded import BoundedSolution, bounded_solution
 from study.bound.discretisation import Discretisation
-from study.bound.enclosing import Enclosure
+from study.bound.enclosing import Enclosure, order_interval
 from study.bound.load_constants import load_constants
 from study.bound.ranges import Boxes
 from study.bound.remainders import Regions
@@ -277,3 +279,24 @@ def test_a_wedge_with_a_rolling_load_is_guaranteed() -> None:
     (wedge,) = (problem.data for problem in problems() if problem.name == "ramp")
     sampled = Discretisation(wedge, Unstructured()(wedge.body, 2)).sampling
     assert sampled.reasons == ()
+
+
+ERRORS = st.floats(1e-6, 1e3)
+"""Of errors and of ends of their intervals."""
+SHARES = st.floats(0, 1)
+
+
+@given(st.tuples(ERRORS, ERRORS).map(sorted), st.tuples(ERRORS, ERRORS).map(sorted), SHARES, SHARES, st.floats(0.1, 3))
+def test_an_order_lies_in_its_interval_wherever_the_errors_lie_in_theirs(
+    coarse: list[float], fine: list[float], one: float, other: float, ratio: float
+) -> None:
+    low, high = order_interval((coarse[0], coarse[1]), (fine[0], fine[1]), ratio)
+    errors = [a ** (1 - share) * b**share for (a, b), share in ((coarse, one), (fine, other))]
+    assert low - 1e-9 <= math.log(errors[0] / errors[1]) / ratio <= high + 1e-9
+    ends = math.log(coarse[0] / fine[1]) / ratio, math.log(coarse[1] / fine[0]) / ratio
+    assert (low, high) == pytest.approx(ends), "no wider than that"
+
+
+def test_errors_that_may_vanish_leave_an_order_open() -> None:
+    assert order_interval((0.0, 2.0), (0.5, 1.0), 1.0) == pytest.approx((-math.inf, math.log(4)))
+    assert order_interval((1.0, 2.0), (0.0, 0.5), 1.0) == pytest.approx((math.log(2), math.inf))

@@ -122,6 +122,7 @@ GATES = (
         ("study.statements",),
         (
             *LEDGER,
+            *DATA,
             "tests/statements/test_statements_static.py",
             "tests/statements/test_statements_evolution.py",
             "tests/statements/test_rollers.py",

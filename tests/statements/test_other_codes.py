@@ -10,10 +10,13 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from study.fem.mesh import Unstructured
+from study.fem.naming import resolve
 from study.ledger.codes import FROZEN, MARCH, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.judgement import beside
 from study.statements.other_codes.judge import MARCHED, OURS, PEERS, OtherCodes, Peer
+from study.statements.other_codes.tasks import Task
 from study.statements.shared.base import LISTED, Setting, grid
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -49,6 +52,22 @@ def one(table: pd.DataFrame, peer: Peer, mode: str = FROZEN) -> int:
 
 
 EVERY = {peer.key: HOLDS for peer in PEERS} | {"own-digits": HOLDS}
+
+
+@pytest.mark.parametrize("name", ["full-contact", "hexagon"])
+def test_resultants_of_a_task_are_what_vertices_carry_of_the_exact_pressure(name: str) -> None:
+    """∫ p Σ_i φ_i over the vertices i of a piece of Γ3 that are not clamped; a front may cross a facet."""
+    task = Task(resolve(name), Unstructured(), 8)
+    time, p = 0.61 * task.solution.body.T, task.space.mesh.p
+    expected = []
+    for face, (part, free) in zip(task.solution.faces, task.space.contact, strict=True):
+        (s,), _ = part.coordinates(p)
+        there = task.space.vertices(part)
+        there = there[np.argsort(s[there])]
+        fine = np.linspace(*s[there[[0, -1]]], 4001)
+        shapes = np.interp(fine, s[there], np.isin(there, free).astype(float))
+        expected.append(np.trapezoid(task.solution.on(face, fine[None]).pressure(time) * shapes, fine))
+    assert task.resultants(time) == pytest.approx(expected, rel=1e-3)
 
 
 def test_errors_of_other_codes_are_ours() -> None:

@@ -285,18 +285,21 @@ class Stated(Linear):
 
 
 class Prestressed:
-    """G(ε) + 1."""
+    """G(ε) plus a stress at rest that the law does not state."""
 
-    def __init__(self, operator) -> None:
-        self.operator, self.derivative = operator, operator.derivative
+    def __init__(self, operator, more: float) -> None:
+        self.operator, self.derivative, self.more = operator, operator.derivative, more
 
     def __call__(self, strain):
-        return self.operator(strain) + 1
+        return self.operator(strain) + self.more
 
 
+@dataclass(frozen=True, eq=False)
 class WithPrestress(Stated):
+    more: float = 1.0
+
     def at(self, x):
-        return Prestressed(super().at(x))
+        return Prestressed(super().at(x), self.more)
 
 
 def measured_with(monkeypatch, module, statement: ListedNumbers, A, G, level: int = 4) -> dict[str, str]:
@@ -334,6 +337,7 @@ def test_a_viscosity_is_held_to_its_constants(monkeypatch, tensor, key, verdict)
         (Stated(MATRIX, shares=(1, 1.1, 1)), "lipschitz", REPORTED),
         (Stated(MATRIX, shares=(1, 1, 1.01)), "monotonicity", FAILS),
         (WithPrestress(MATRIX), "at-zero", FAILS),
+        (WithPrestress(MATRIX, more=-1.0), "at-zero", FAILS),
     ],
 )
 def test_an_elasticity_operator_is_held_to_its_constants(monkeypatch, tensor, key, verdict) -> None:
