@@ -21,12 +21,23 @@ DATA = ["tests/cli/test_check.py::test_the_committed_run_is_what_it_must_be"]
 NUMBERS = f"{RESULTS}::test_numbers_of_statements_measured_again_agree_with_the_committed_ones"
 SAME_ROWS = f"{RESULTS}::test_rows_measured_again_agree_with_the_committed_ones"
 ROWS = [f"{SAME_ROWS}[0-{case}]" for case in ("full-contact", "travelling-patch", "layered-unmet", "junction")]
+BOUNDS = [f"{RESULTS}::test_bounds_measured_again_agree_with_the_committed_ones"]
 STRESSES = [f"{RESULTS}::test_stresses_measured_again_agree_with_the_committed_ones"]
 SHARES = [
     f"tests/bound/test_adaptive.py::test_{name}"
     for name in (
         "shares_are_not_negative_and_add_up_to_the_bound",
         "what_comes_after_the_largest_bound_has_no_share_in_it",
+    )
+]
+MESHES = [
+    f"tests/solve/test_discrete.py::test_{name}"
+    for name in (
+        "a_mesh_covers_the_body_and_its_parts_and_is_regular",
+        "split_cells_integrate_powers_of_the_distance_to_a_line",
+        "rough_places_that_no_rule_serves_are_refused",
+        "every_family_that_serves_a_layered_body_respects_its_interfaces",
+        "shaken_vertices_slide_along_interfaces",
     )
 ]
 JUDGES = [
@@ -116,7 +127,11 @@ GATES = (
             "tests/stresses/test_oscillation.py",
         ),
     ),
-    Gate("enclosures", ("study.statements.enclosure",), ("tests/statements/test_enclosure.py", *LEDGER, *DATA)),
+    Gate(
+        "enclosures",
+        ("study.statements.enclosure",),
+        ("tests/statements/test_enclosure.py", *BOUNDS, *LEDGER, *DATA),
+    ),
     Gate(
         "statements",
         ("study.statements",),
@@ -137,6 +152,7 @@ GATES = (
         + ("study.fem.quadrature", "study.fem.mesh"),
         (
             *ROWS,
+            *MESHES,
             "tests/fem/test_shaken.py",
             "tests/fem/test_moments.py",
             "tests/fem/test_fem_3d.py",

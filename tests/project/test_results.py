@@ -16,9 +16,12 @@ from study.ledger.datafiles import SEEDS, read_claims, read_csv
 from study.ledger.orders import orders
 from study.ledger.verdict import HOLDS, REPORTED
 from study.run.judgement import judge
+from study.run.plan import full
 from study.run.provenance import Complete
 from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
+from study.statements.enclosure.bound_rows import BOUNDED, PARTS
+from study.statements.enclosure.courses import KEY, Bounds
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4.measure import measure_case
 from study.statements.shared.base import ListedNumbers
@@ -31,6 +34,7 @@ RATES = pd.read_csv(RESULTS / "data" / "rates.csv")
 EQUIVALENCE = pd.read_csv(RESULTS / "data" / "equivalence.csv")
 STATEMENT_NUMBERS = pd.read_csv(RESULTS / "data" / "statements.csv")
 CASES = [case.name for case in catalogue()]
+BOUNDS = [statement for statement in STATEMENTS if isinstance(statement, Bounds)]
 MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_share", "predicted_interpolation"]
 
 
@@ -66,6 +70,18 @@ def test_stresses_measured_again_agree_with_the_committed_ones() -> None:
         again = measure_stresses(case, family, row["level"], row["steps"])
         for column in ("unknowns", "h", *ERRORS, "time_share"):
             assert again[column] == pytest.approx(row[column], rel=1e-5), (row["case"], column)
+
+
+@pytest.mark.parametrize("statement", BOUNDS, ids=lambda statement: statement.label)
+def test_bounds_measured_again_agree_with_the_committed_ones(statement: Bounds) -> None:
+    """Two of those that cost least."""
+    settings = sorted(statement.settings(full()), key=statement.cost)[:2]
+    committed = pd.read_csv(RESULTS / "data" / "bounds.csv").set_index(list(KEY))
+    for setting in settings:
+        again = statement.measure(setting)["row"]
+        row = committed.loc[tuple(again[name] for name in KEY)]
+        for column in (*BOUNDED, *PARTS):
+            assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9, nan_ok=True), (setting, column)
 
 
 LISTS = [statement for statement in STATEMENTS if isinstance(statement, ListedNumbers)]
