@@ -171,6 +171,20 @@ def steps_of(case: Case, level: int) -> int:
     return math.ceil(level * case.solution.body.T)
 
 
+@pytest.mark.parametrize("trajectory", [SmoothedInTime(), Refined(1, 2)], ids=["u_h alone", "enclosure"])
+def test_between_knots_the_distance_of_both_trajectories_is_bounded_within_three_times(trajectory: Trajectory) -> None:
+    """The middle coefficient of a parabola p is 2 p(1/2) − (p(0) + p(1))/2, at most three times its largest value."""
+    data = Data.of(CASES["advance-recede"].solution)
+    coarse = Discretisation(data, OneDiagonal()(data.body, 3))
+    computed = compute(coarse, MIDPOINT, 3)
+    found, (fine, pieces) = enclose(coarse, computed, trajectory), retraced(coarse, computed, trajectory)
+    J = prolongation(computed.space, fine)
+    for piece, interval, between in zip(pieces, found.intervals, found.between, strict=True):
+        times = np.linspace(piece.a, piece.b, 21)
+        largest = max(fine.norm(piece.at(time) - J @ computed.at(time)) for time in times)
+        assert largest - ROUNDING * found.highest <= between - interval.inside <= 3 * largest + ROUNDING * found.highest
+
+
 @pytest.mark.parametrize(("case", "family", "scheme"), TURNS[::3], ids=names[::3])
 @pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=lambda trajectory: trajectory.name)
 def test_no_error_lies_outside(case: Case, family: MeshFamily, scheme: Scheme, trajectory: Trajectory) -> None:

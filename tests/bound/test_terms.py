@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -144,6 +145,25 @@ def test_a_term_bounds_an_error_that_no_other_one_sees(name: str) -> None:
     assert others <= NOTHING * found.at_end
     assert found.intervals[-1].at_b >= found.at_end
     assert max(one.inside for one in found.intervals) >= found.largest
+
+
+@pytest.mark.parametrize("size", [0.01, 1.0, 10.0], ids=["within K", "partly beyond", "beyond"])
+def test_between_knots_g_leaves_its_parabola_by_no_more_than_the_curvature_and_within_k_by_nothing(size: float) -> None:
+    law = KelvinVoigt(isotropic(1, 0), Yield(3.0, FrobeniusBall(0.5)), "(3.3)")
+    majorant = Majorant(along_the_foundation(law, lambda time: 0.0)[0])
+    equilibration, rng = majorant.equilibration, np.random.default_rng(7)
+    coefficients = size * rng.standard_normal((3, len(majorant.discretisation.displacements.free)))
+    piece = Parabola(0.0, 1.0, *coefficients)
+    left, right = (SimpleNamespace(elastic=equilibration.elastic(u)) for u in (piece.start, piece.end))
+    control, curvature = majorant._elastic(piece, left, right)
+    nodes, weights = np.polynomial.legendre.leggauss(20)
+    missed = 0.0
+    for x, weight in zip((1 + nodes) / 2, weights / 2, strict=True):
+        parabola = (1 - x) ** 2 * left.elastic + 2 * x * (1 - x) * control + x**2 * right.elastic
+        off = equilibration.elastic(piece.at(x)) - parabola
+        missed += weight * np.sqrt(equilibration.products(off, off).sum())
+    assert missed <= curvature
+    assert (curvature > 0) == (missed > 0) == (size > 0.1)
 
 
 def test_what_samples_miss_is_what_the_ranges_of_derivatives_give() -> None:

@@ -23,11 +23,12 @@ SAME_ROWS = f"{RESULTS}::test_rows_measured_again_agree_with_the_committed_ones"
 ROWS = [f"{SAME_ROWS}[0-{case}]" for case in ("full-contact", "travelling-patch", "layered-unmet", "junction")]
 BOUNDS = [f"{RESULTS}::test_bounds_measured_again_agree_with_the_committed_ones"]
 STRESSES = [f"{RESULTS}::test_stresses_measured_again_agree_with_the_committed_ones"]
-SHARES = [
-    f"tests/bound/test_adaptive.py::test_{name}"
+ENCLOSED = [
+    f"tests/bound/test_{name}"
     for name in (
-        "shares_are_not_negative_and_add_up_to_the_bound",
-        "what_comes_after_the_largest_bound_has_no_share_in_it",
+        "bound.py::test_between_knots_the_distance_of_both_trajectories_is_bounded_within_three_times",
+        "adaptive.py::test_shares_are_not_negative_and_add_up_to_the_bound",
+        "adaptive.py::test_what_comes_after_the_largest_bound_has_no_share_in_it",
     )
 ]
 MESHES = [
@@ -142,6 +143,7 @@ GATES = (
             "tests/statements/test_statements_evolution.py",
             "tests/statements/test_rollers.py",
             "tests/statements/test_parting.py",
+            "tests/statements/test_contact_work.py",
             "tests/statements/test_other_codes.py",
         ),
         numbers=True,
@@ -164,7 +166,7 @@ GATES = (
     Gate(
         "bound",
         ("study.bound.growth", "study.bound.majorant", "study.bound.enclosing", "study.bound.sampling"),
-        ("tests/bound/test_growth.py", "tests/bound/test_terms.py", "tests/bound/test_guaranteed.py", *SHARES),
+        ("tests/bound/test_growth.py", "tests/bound/test_terms.py", "tests/bound/test_guaranteed.py", *ENCLOSED),
     ),
 )
 LEFT_OUT = ("study.statements.pictures", "study.statements.unmeasured", "study.statements.shared.estimates")

@@ -59,6 +59,12 @@ def test_no_pressure_and_no_gap_exceed_the_bound_on_an_edge_and_some_are_not_sma
     assert max(shares) > 0.02
 
 
+@pytest.mark.parametrize("points", [0, 1, FIRST[0].size - 1, FIRST[0].size])
+def test_an_edge_whose_panels_are_all_of_one_kind_does_no_work(points: int) -> None:
+    """A pressure or a velocity vanishes on all of it; a panel is of the kind of most of its points."""
+    assert supremum(np.arange(FIRST[0].size) < points, 0.5) == 0
+
+
 def test_a_bound_of_another_power_of_the_contact_set_is_exceeded(monkeypatch: pytest.MonkeyPatch) -> None:
     # Were β proportional to |N| and |C|, whichever is smaller, small sets would exceed it.
     wrong: Callable[[Array], Array] = lambda part: C_0 * np.minimum(part, 1 - part) ** 2  # noqa: E731
