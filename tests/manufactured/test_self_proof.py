@@ -11,7 +11,7 @@ import pytest
 from manufactured import SelfProofError, examine, named, prove
 from manufactured.exact import ExactSolution, Fields
 from manufactured.exact.solution import FaceFields
-from manufactured.self_proof.contact_zone import signs
+from manufactured.self_proof.contact_zone import _grid, signs
 from manufactured.self_proof.finding import Finding, worst
 
 OFF = 1e-6
@@ -42,6 +42,14 @@ def test_a_field_that_is_off_by_a_millionth_violates_its_condition(monkeypatch, 
     right = getattr(where, name)
     monkeypatch.setattr(where, name, lambda *given, **options: (1 + OFF) * right(*given, **options))
     assert condition in violated(PATCH)
+
+
+@pytest.mark.parametrize(("name", "apart"), [("hexagon", 0.01), ("cube-disc", 0.03)])
+def test_the_conditions_on_gamma_3_are_looked_at_all_along_it(name: str, apart: float) -> None:
+    for face in named(name).solution.faces:
+        points, (low, high) = _grid(face.part), (face.part.outline.min(axis=1), face.part.outline.max(axis=1))
+        for s, a, b in zip(points, low, high, strict=True):
+            assert np.diff(np.sort([a, *s, b])).max() <= apart * (b - a)
 
 
 @pytest.mark.parametrize(("where", "name", "condition"), SMALL_DEFECTS, ids=lambda one: str(one).partition(") ")[0])

@@ -29,6 +29,8 @@ from study.statements.rollers.measured_rollers import (
     SEEDS,
     STANDING,
     STEEP,
+    gap,
+    nodal_error_beside,
     passing,
     sides,
 )
@@ -82,6 +84,16 @@ def test_forces_add_up_to_the_pressure_on_the_whole_face(coarse: Trajectories) -
     total = coarse.forces.sum(axis=1)
     assert total[coarse.steps // 2] == pytest.approx(total[coarse.steps // 2 + 5], rel=1e-3)
     assert 2.5 < total[coarse.steps // 2] < 3
+
+
+def test_errors_beside_a_patch_are_those_of_the_vertices_near_it_in_the_second_half(coarse: Trajectories) -> None:
+    at, second = coarse.on.at, range(coarse.steps // 2, coarse.steps + 1)
+    (_, vertices), (face,) = at.space.contact[0], at.solution.faces
+    s = face.part.coordinates(at.space.mesh.p[:, vertices])[0][0]
+    off = {n: abs(coarse.projected[n] + gap(at, n * coarse.k)) for n in second}
+    everywhere = nodal_error_beside(coarse, np.ptp(s))
+    assert everywhere == pytest.approx(max(off[n].max() for n in second))
+    assert 0 < nodal_error_beside(coarse, 0.05) < everywhere
 
 
 def test_contact_costs_nothing_where_the_pressure_is_a_traction(coarse: Trajectories) -> None:
