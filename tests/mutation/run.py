@@ -4,7 +4,10 @@
 
 Every mutant has a process of its own, forked from one that holds everything that is imported from elsewhere; there the
 module has its mistake, and the tests of its part run until one fails. What is on record in ``mutants.csv`` is not run
-again, so that a run can be stopped, and the next one adds to it: mutants come in an order that the seed gives.
+again, so that a run can be stopped, and the next one adds to it: mutants come in an order that the seed gives. Only
+those that live, and of which the page does not say why, are run once more, and first: a test may have been written for
+them. What noticed a mutant when it was tried first is kept beside what notices it today: others would meet tests that
+were written without them, too.
 """
 
 from __future__ import annotations
@@ -12,6 +15,7 @@ from __future__ import annotations
 import argparse
 import os
 import random
+import re
 import resource
 import signal
 import sys
@@ -43,7 +47,9 @@ SECONDS = 240
 """Processor time after which a mutant counts as noticed: somebody would."""
 LIVES, NOTHING_RUN = "lives", 5
 PLACE = [field.name for field in fields(Mutant)]
-COLUMNS = ["part", *PLACE, "noticed_by"]
+COLUMNS = ["part", *PLACE, "at_first", "noticed_by"]
+LISTED = re.compile(r"^\| `([^`]+)` \| (?:`([^`]+)` )?\| `(.+?)` → `(.+?)` \| .{10,} \|$", re.MULTILINE)
+"""A line of the page: module, function (none for what stands in the module), change and why no test sees it."""
 
 
 class Mistaken(MetaPathFinder):
@@ -145,17 +151,35 @@ def kept(out: Path) -> pd.DataFrame:
     return pd.read_csv(file, dtype=str, keep_default_na=False) if file.is_file() else pd.DataFrame(columns=COLUMNS)
 
 
+def explained(page: Path) -> set[tuple[str, ...]]:
+    """(module, function, before, after) of what may live, as the page says why."""
+    found = LISTED.findall(page.read_text(encoding="utf-8"))
+    return {tuple(text.replace("\\|", "|") for text in place) for place in found}
+
+
 def summary(out: Path) -> str:
-    """A line for every part: how many mutants there are, were tried and live, with an interval at 95 %, in Markdown."""
+    """A line for every part, in Markdown: mutants, how many were tried and live, and what share lived at first.
+
+    Of the first ones it is not known whether they lived at first; they do not count for the share.
+    """
     table, parts = kept(out), pd.read_csv(out / "parts.csv")
-    lines = ["| part | mutants | tried | live | share that lives |", "|---|---|---|---|---|"]
+    lines = ["| part | mutants | tried | live | lived at first |", "|---|---|---|---|---|"]
     for part, count in [*zip(parts["part"], parts["mutants"], strict=True), ("all", parts["mutants"].sum())]:
         mine = table if part == "all" else table[table["part"] == part]
-        live = int((mine["noticed_by"] == LIVES).sum())
-        low, high = binomtest(live, len(mine)).proportion_ci(method="exact") if len(mine) else (0.0, 1.0)
-        share = f"{100 * live / len(mine):.0f} % ({100 * low:.0f} … {100 * high:.0f} %)" if len(mine) else ""
+        live, known = int((mine["noticed_by"] == LIVES).sum()), mine[mine["at_first"] != ""]
+        lived = int((known["at_first"] == LIVES).sum())
+        low, high = binomtest(lived, len(known)).proportion_ci(method="exact") if len(known) else (0.0, 1.0)
+        share = f"{lived} of {len(known)}: {100 * low:.0f} … {100 * high:.0f} %" if len(known) else ""
         lines.append(f"| {part} | {count} | {len(mine)} | {live} | {share} |")
     return "\n".join([*lines, ""])
+
+
+def to_try(mutants: Sequence[Mutant], table: pd.DataFrame, explained: set[tuple[str, ...]]) -> list[Mutant]:
+    """Those on record that live without a reason, then those that are not on record."""
+    lived = {tuple(place): by == LIVES for *place, by in table[[*PLACE, "noticed_by"]].itertuples(index=False)}
+    named = [(mutant, tuple(map(str, astuple(mutant)))) for mutant in mutants]
+    again = [mutant for mutant, place in named if lived.get(place) and place[:-1] not in explained]
+    return again + [mutant for mutant, place in named if place not in lived]
 
 
 def refresh(page: Path, out: Path) -> None:
@@ -178,12 +202,15 @@ def main() -> None:
     chosen = [mutant for found in parts.values() for mutant in found]
     random.Random(options.seed).shuffle(chosen)
     table = kept(options.out)
-    known = set(table[PLACE].itertuples(index=False, name=None))
-    chosen = [mutant for mutant in chosen[: options.count] if tuple(map(str, astuple(mutant))) not in known]
+    chosen = to_try(chosen[: options.count], table, explained(PAGE))
     for mutant, by in outcomes(chosen, options.jobs, monotonic() + 60 * options.minutes):
-        part = gate_of(mutant.module)
+        part, place = gate_of(mutant.module), list(map(str, astuple(mutant)))
         assert part is not None
-        table.loc[len(table)] = [part.name, *map(str, astuple(mutant)), by]
+        same = (table[PLACE] == place).all(axis=1)
+        if same.any():
+            table.loc[same, "noticed_by"] = by
+        else:
+            table.loc[len(table)] = [part.name, *place, by, by]
         with suppress(OSError):
             print(f"{by[:60]:60}  {mutant.module} {mutant.function}: {mutant.before} → {mutant.after}", flush=True)
         table.sort_values(PLACE).to_csv(options.out / "mutants.csv", index=False)

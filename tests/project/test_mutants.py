@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import ast
-import re
 import sys
+from dataclasses import astuple
 from pathlib import Path
 
 import pandas as pd
@@ -14,8 +14,8 @@ ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "tests"))
 
 from mutation.gates import GATES, every_mutant, gate_of, measured_with  # noqa: E402
-from mutation.mutants import mutants, mutated  # noqa: E402
-from mutation.run import COLUMNS, LIVES, OUT, PAGE, kept, summary  # noqa: E402
+from mutation.mutants import Mutant, mutants, mutated  # noqa: E402
+from mutation.run import COLUMNS, LIVES, OUT, PAGE, PLACE, explained, kept, summary, to_try  # noqa: E402
 
 CODE = '''
 def verdict(values, low, high=1.0):
@@ -71,29 +71,26 @@ def test_every_part_has_code_and_tests_that_exist() -> None:
     assert measured_with("study.present.pages") == []
 
 
-def survivors() -> pd.DataFrame:
-    table = kept(OUT)
-    return table[table["noticed_by"] == LIVES]
-
-
 def test_what_is_on_record_is_a_sample_of_what_there_was() -> None:
     table, parts = kept(OUT), pd.read_csv(OUT / "parts.csv").set_index("part")["mutants"]
     assert list(table.columns) == COLUMNS
-    assert not table.duplicated(COLUMNS[:-1]).any()
+    assert not table.duplicated(PLACE).any()
     counts = table["part"].value_counts()
     assert set(counts.index) <= set(parts.index)
     assert (counts <= parts[counts.index]).all()
 
 
 def test_every_mutant_that_lives_has_a_reason_on_the_page() -> None:
-    listed = re.findall(r"^\| `([^`]+)` \| `([^`]*)` \| `(.+?)` → `(.+?)` \| (.+) \|$", PAGE.read_text("utf-8"), re.M)
-    rows = {(module, function, before, after) for module, function, before, after, why in listed if len(why) > 10}
-    wanted = survivors()
-    needed = {
-        (row.module.removeprefix("study."), row.function, row.before.replace("|", "\\|"), row.after.replace("|", "\\|"))
-        for row in wanted.itertuples()
-    }
-    assert rows == needed
+    table = kept(OUT)
+    living = table.loc[table["noticed_by"] == LIVES, PLACE[:-1]]
+    assert explained(PAGE) == set(living.itertuples(index=False, name=None))
+
+
+def test_what_lives_without_a_reason_is_tried_again_before_what_is_new() -> None:
+    old, why, seen, new = (Mutant("study.a", "f", before, "c", 0) for before in "abde")
+    rows = [["part", *map(str, astuple(one)), LIVES, by] for one, by in ((why, LIVES), (old, LIVES), (seen, "test"))]
+    table = pd.DataFrame(rows, columns=COLUMNS)
+    assert to_try([new, seen, why, old], table, {("study.a", "f", "b", "c")}) == [old, new]
 
 
 def test_the_table_of_the_page_is_that_of_the_record() -> None:
