@@ -67,8 +67,8 @@ COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds"}
 """What makes data files that no run makes."""
 
 
-NO_TABLE = (pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError)
-NOT_PACKED = (gzip.BadGzipFile, EOFError, zlib.error)
+NO_TABLE = pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError, gzip.BadGzipFile, EOFError, zlib.error
+"""What reading raises of a file that is no table, or that gzip did not pack."""
 
 
 class DataError(ValueError):
@@ -117,7 +117,7 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
         content = path.read_bytes()
         content = gzip.decompress(content) if path.suffix == ".gz" else content
         frame = pd.read_csv(BytesIO(content), dtype=kinds, keep_default_na=False, na_values=[""], low_memory=False)  # type: ignore[arg-type]
-    except (*NO_TABLE, *NOT_PACKED) as error:
+    except NO_TABLE as error:
         raise DataError(f"{path} is not a table ({error}): {again}") from error
     if not content.endswith(b"\n"):
         raise DataError(f"{path} is truncated, its last line has no end: {again}")

@@ -175,7 +175,7 @@ def _seeds(data: FullRun) -> list[str]:
         f"false alarms by chance: all {found.rows} rows that are claimed on random meshes, on those of {found.seeds} "
         "seeds drawn afresh",
         f"at most {PROMISE:.0%} of seeds turn the ledger red",
-        f"on {found.red} of them a row failed: {found.low:.1%} … {found.high:.1%} of all seeds, at 95 %; "
+        f"on {found.red} of them a row failed: {found.low:.1%} … {found.high:.1%} of all seeds, at 95%; "
         f"{_tails(found.by_tail)}; a row that costs little failed on {found.light_red} of {found.light_seeds}",
         found.verdict,
     ]
