@@ -28,7 +28,7 @@ from study.fem.naming import resolve
 
 RIGHTS = 5
 """Right sides on which bare solves are timed."""
-EXPONENT, BYTES = 1.2, 4000.0
+EXPONENT, BYTES = 1.1, 3000.0
 """Goals: time of a level like dofs^EXPONENT, BYTES per unknown at a million of them."""
 MILLION = 1_000_000
 COLUMNS = [
