@@ -119,8 +119,8 @@ def test_growth_is_judged_in_bytes_per_unknown_at_a_million_only() -> None:
     rows = [(512, 500_000, 1.0, 1e9), (1024, 2_000_000, 4.0, 6e9)]
     table = pd.DataFrame(rows, columns=["n", "dofs", "level_seconds", "peak_bytes"]).assign(dim=2, solver="direct")
     (large,) = growth.findings(table)
-    assert "3000 bytes per unknown at 2000000 (goal: 4000)" in large
-    assert "dofs^1.00 (goal: 1.2)" in large
+    assert "3000 bytes per unknown at 2000000 (goal: 3000)" in large
+    assert "dofs^1.00 (goal: 1.1)" in large
     (small,) = growth.findings(table[:1])
     assert "goal" not in small
 
