@@ -75,14 +75,15 @@ class LeadingTerm:
         centres = corners.mean(axis=1)
         self.fields, self.A, self.T = solution.at(centres), solution.law.A.matrix, space.body.T
         self.weights = space.volumes * solution.law.A.factor(centres) / ((d + 1) * (d + 2))
-        self.edges = {(i, j): corners[:, j] - corners[:, i] for i, j in combinations(range(d + 1), 2)}
+        edges = {(i, j): corners[:, j] - corners[:, i] for i, j in combinations(range(d + 1), 2)}
+        self.squares = {ends: mandel(l[:, None] * l) for ends, l in edges.items()}
         self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))
 
     def __call__(self, time: float) -> float:
         hessian = _hessian(self.fields.strain_gradient(time))
-        V = np.zeros((len(self.slopes), *hessian.shape[1:]))
-        for (i, j), edge in self.edges.items():
-            bend = np.einsum("kac,ac->kc", np.einsum("kabc,bc->kac", hessian, edge), edge) / 2
+        V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))
+        for (i, j), square in self.squares.items():
+            bend = np.einsum("Ikc,Ic->kc", hessian, square) / 2
             V[i] += bend[:, None] * self.slopes[j]
             V[j] += bend[:, None] * self.slopes[i]
         strains = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
@@ -94,6 +95,6 @@ class LeadingTerm:
 
 
 def _hessian(strains: Array) -> Array:
-    """∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, indices (k, i, j), from ∂_k ε: (D, d, ...) → (d, d, d, ...)."""
-    gradient = np.stack([full(strains[:, k]) for k in range(strains.shape[1])], axis=2)
-    return gradient + gradient.swapaxes(1, 2) - np.moveaxis(gradient, 2, 0)
+    """∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, (i, j) as a Mandel vector, from ∂_k ε, both (D, d, ...)."""
+    gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
+    return 2 * mandel(gradient) - strains
