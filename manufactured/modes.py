@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -40,3 +41,8 @@ class Modes:
         return replace(
             self, points=self.points[chosen] - first, shapes=self.shapes[:, chosen], places=self.places[chosen]
         )
+
+
+def at_each(time: Array | complex, of: Callable[[Any], Array]) -> Array:
+    """A field at one time, or at n, the last axis, one after the other."""
+    return np.stack([of(one) for one in time], axis=-1) if isinstance(time, np.ndarray) and time.ndim else of(time)

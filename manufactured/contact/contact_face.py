@@ -14,7 +14,7 @@ from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, re
 from manufactured.law import KelvinVoigt, LawError, Linear
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
-from manufactured.symbols import FormulaError, Jet, Values, refuse_kinks, s, s1, s2
+from manufactured.symbols import FormulaError, Index, Jet, Values, refuse_kinks, s, s1, s2
 from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
 
 VARIABLES = {2: (s,), 3: (s1, s2)}
@@ -170,7 +170,7 @@ class _Traces:
 
 
 class Lifting:
-    """u, u̇, ε, ε̇ and their gradients at fixed points; what time does not change is kept.
+    """u, u̇, ε, ε̇ and their gradients at fixed points, at one time or at n, the last axis; what time leaves is kept.
 
     Structured meshes have far fewer coordinates s than points: formulas are evaluated once for each. Points
     deeper than the profile are left out.
@@ -197,7 +197,7 @@ class Lifting:
             )
         return self._functions[name, derivative]
 
-    def traces(self, time: complex, rate: bool, order: int) -> tuple[Values, Components]:
+    def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
         """(w, (q, r)), or its rate, with derivatives along the face: w up to order+1, (q, r) up to order."""
         w, strain = self.on_face(time, rate, order)
         return self._spread(w), tuple(self._spread(values) for values in strain)
@@ -205,44 +205,46 @@ class Lifting:
     def _spread(self, values: Values) -> Values:
         return values if self.where is None else {index: v[self.where] for index, v in values.items()}
 
-    def displacement(self, time: complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """u (or u̇) in global axes, (d, ...)."""
         deep = self._deep
         w, (q, *shear) = self.traces(time, rate, int(deep))
         zero, first = first_indices(len(self.s))
         local = []
         for i, index in enumerate(first):
-            component = w[index] * self._profile("a", 0)
+            component = w[index] * self._shape("a", 0, time)
             if deep:
-                component = component + q[index] * self._profile("e", 0)
+                component = component + q[index] * self._shape("e", 0, time)
             if shear:
-                component = component + shear[i][zero] * self._profile("c", 0)
+                component = component + shear[i][zero] * self._shape("c", 0, time)
             local.append(component)
-        local.append(w[zero] * self._profile("b", 0) + q[zero] * self._profile("d", 0))
-        return self._everywhere(np.tensordot(self.frame, np.array(local), axes=1))
+        local.append(w[zero] * self._shape("b", 0, time) + q[zero] * self._shape("d", 0, time))
+        return self._everywhere(np.tensordot(self.frame, np.array(local), axes=1), 1)
 
-    def _everywhere(self, values: Array) -> Array:
-        """Values at the points within reach → at all points, zero beyond."""
+    def _everywhere(self, values: Array, inner: int) -> Array:
+        """Values at the points within reach → at all points, zero beyond; points come behind ``inner`` axes."""
         if self.y.shape == self.reach.shape:
             return values
-        found = np.zeros((*values.shape[:-1], *self.reach.shape), dtype=values.dtype)
-        found[..., self.reach] = values
+        shape = (*values.shape[:inner], *self.reach.shape, *values.shape[inner + self.y.ndim :])
+        found = np.zeros(shape, dtype=values.dtype)
+        found[(slice(None),) * inner + (self.reach,)] = values
         return found
 
-    def strain(self, time: complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)) in global axes, Mandel (D, ...)."""
         w, strain = self.traces(time, rate, 1 + self._deep)
-        local = self._local(w, strain, (0,) * len(self.s), 0)
-        return self._everywhere(local if self.rotation is None else np.tensordot(self.rotation, local, axes=1))
+        local = self._local(w, strain, (0,) * len(self.s), 0, time)
+        return self._everywhere(local if self.rotation is None else np.tensordot(self.rotation, local, axes=1), 1)
 
-    def strain_gradient(self, time: complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇) in global axes, (D, d, ...); exists almost everywhere."""
         w, strain = self.traces(time, rate, 2 + self._deep)
         zero, first = first_indices(len(self.s))
-        local = np.array([self._local(w, strain, i, 0) for i in first] + [self._local(w, strain, zero, 1)])
+        places = [(i, 0) for i in first] + [(zero, 1)]
+        local = np.array([self._local(w, strain, along, into, time) for along, into in places])
         if self.rotation is not None:
             local = np.moveaxis(np.tensordot(self.rotation, local, axes=([1], [1])), 0, 1)
-        return self._everywhere(np.moveaxis(np.tensordot(self.frame, local, axes=1), 0, 1))
+        return self._everywhere(np.moveaxis(np.tensordot(self.frame, local, axes=1), 0, 1), 2)
 
     def modes(self) -> Modes:
         """ε(u) as a sum of products, one for each term of the local strain."""
@@ -270,15 +272,19 @@ class Lifting:
         """Whether the profile has an e, and so the strain second derivatives of q."""
         return self.face.profile.e is not ZERO
 
-    def _local(self, w: Values, strain: Components, along: tuple[int, ...], into: int) -> Tensors:
+    def _local(self, w: Values, strain: Components, along: Index, into: int, time: Array | complex) -> Tensors:
         """∂_s^along ∂_y^into of the local strain, for into ∈ {0, 1}, in the axes (s, n)."""
         n, traces = len(self.s), (w, *strain)
         dtype = np.result_type(w[along], strain[0][along], self.y)
-        components = np.zeros((len(pairs(n + 1)), *self.y.shape), dtype=dtype)
+        components = np.zeros((len(pairs(n + 1)), *self.y.shape, *np.shape(time)), dtype=dtype)
         for term in strain_terms(n, self._deep, len(strain) - 1):
             trace = traces[term.source][plus(term.along, along)]
-            components[term.row] += term.factor * trace * self._profile(term.profile, into)
+            components[term.row] += term.factor * trace * self._shape(term.profile, into, time)
         return components
+
+    def _shape(self, name: str, derivative: int, time: Array | complex) -> Array:
+        """``_profile``, to be multiplied with traces at one time or at many."""
+        return self._profile(name, derivative).reshape(*self.y.shape, *(1,) * np.ndim(time))
 
 
 def _distinct(places: Array) -> tuple[Array, Array | None]:

@@ -93,25 +93,28 @@ class ExactSolution:
 
 
 class Fields:
-    """The fields of an exact solution at fixed points x (d, ...), as functions of time."""
+    """The fields of an exact solution at fixed points x (d, ...), as functions of time.
+
+    Displacements and strains also at times (n,), which give arrays with one axis more, the last one.
+    """
 
     def __init__(self, solution: ExactSolution, x: Points) -> None:
         self.law = solution.law.at(x)
         self._parts: list[ContributionAtPoints] = [part.at(x) for part in (*solution.faces, *solution.others)]
 
-    def displacement(self, time: complex) -> Vectors:
+    def displacement(self, time: Array | complex) -> Vectors:
         """u, (d, ...)."""
         return _sum([part.displacement(time) for part in self._parts])
 
-    def velocity(self, time: complex) -> Vectors:
+    def velocity(self, time: Array | complex) -> Vectors:
         """u̇, (d, ...)."""
         return _sum([part.displacement(time, rate=True) for part in self._parts])
 
-    def strain(self, time: complex) -> Tensors:
+    def strain(self, time: Array | complex) -> Tensors:
         """ε(u), (D, ...)."""
         return _sum([part.strain(time) for part in self._parts])
 
-    def strain_rate(self, time: complex) -> Tensors:
+    def strain_rate(self, time: Array | complex) -> Tensors:
         """ε(u̇), (D, ...)."""
         return _sum([part.strain(time, rate=True) for part in self._parts])
 
@@ -119,7 +122,7 @@ class Fields:
         """ε(u) as sums of products, one for each contribution; points are counted through in the order of ``x``."""
         return [part.modes() for part in self._parts]
 
-    def strain_gradient(self, time: complex) -> Array:
+    def strain_gradient(self, time: Array | complex) -> Array:
         """∂_j ε(u), (D, d, ...)."""
         return _sum([part.strain_gradient(time) for part in self._parts])
 

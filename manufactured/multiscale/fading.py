@@ -16,7 +16,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
-from manufactured.modes import Modes
+from manufactured.modes import Modes, at_each
 from manufactured.symbols import Index, Jet, Values, refuse_kinks, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
 
@@ -112,15 +112,15 @@ class Fading:
         self.shape = into.shape
         self.places = np.array([places[0].ravel(), into.ravel()])
 
-    def displacement(self, time: complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """u (or u̇), (2, ...)."""
         return self._everywhere(lambda values: self.frame @ np.array([of[0, 0] for of in values]), time, rate, 0)
 
-    def strain(self, time: complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)), Mandel (3, ...)."""
         return self._everywhere(lambda values: self.turned @ _strain(values, (0, 0)), time, rate, 1)
 
-    def strain_gradient(self, time: complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇), (3, 2, ...)."""
 
         def gradient(values: tuple[Values, Values]) -> Array:
@@ -134,14 +134,18 @@ class Fading:
         count = self.places.shape[1]
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
-            # Which points lie within the depth changes with time.
-            found = [self.strain(float(moment), rate).reshape(3, count) for moment in np.ravel(time)]
-            return np.stack(found, axis=-1).reshape(3, count, *np.shape(time))
+            return self.strain(time, rate).reshape(3, count, *np.shape(time))
 
         return Modes(np.eye(3), np.arange(count), np.ones((3, count)), np.arange(count), count, amplitudes)
 
-    def _everywhere(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
+    def _everywhere(
+        self, of: Callable[[tuple[Values, Values]], Array], time: Array | complex, rate: bool, order: int
+    ) -> Array:
         """A linear function of the derivatives of (u_s, u_n), or of their rates, in (s, y) up to an order."""
+        # Which points lie within the depth changes with time.
+        return at_each(time, lambda moment: self._at_one(of, moment, rate, order))
+
+    def _at_one(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
         depth = self.face.depth_jet(self.places[:1], time)[(0,)]
         inside = np.flatnonzero(np.real(self.places[1]) < np.real(depth))
         along, into = self.face.velocity if rate else self.face.displacement

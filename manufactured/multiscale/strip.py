@@ -33,24 +33,25 @@ class InStrip:
     def __init__(self, field: ContributionAtPoints, inside: Array) -> None:
         self.field, self.inside = field, inside
 
-    def displacement(self, time: complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """u (or u̇), (d, ...)."""
-        return self._everywhere(self.field.displacement(time, rate))
+        return self._everywhere(self.field.displacement(time, rate), 1)
 
-    def strain(self, time: complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)), Mandel (D, ...)."""
-        return self._everywhere(self.field.strain(time, rate))
+        return self._everywhere(self.field.strain(time, rate), 1)
 
-    def strain_gradient(self, time: complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇), (D, d, ...)."""
-        return self._everywhere(self.field.strain_gradient(time, rate))
+        return self._everywhere(self.field.strain_gradient(time, rate), 2)
 
     def modes(self) -> Modes:
         """ε(u) as a sum of products."""
         found = self.field.modes()
         return replace(found, points=np.flatnonzero(self.inside)[found.points])
 
-    def _everywhere(self, values: Array) -> Array:
-        found = np.zeros((*values.shape[:-1], *self.inside.shape), dtype=values.dtype)
-        found[..., self.inside] = values
+    def _everywhere(self, values: Array, inner: int) -> Array:
+        """Values with the points of the strip behind ``inner`` axes → at all points."""
+        found = np.zeros((*values.shape[:inner], *self.inside.shape, *values.shape[inner + 1 :]), dtype=values.dtype)
+        found[(slice(None),) * inner + (self.inside,)] = values
         return found

@@ -63,17 +63,17 @@ class SingularAtPoints:
         offset = x - np.array(field.centre).reshape((-1,) + (1,) * (x.ndim - 1))
         self.local = np.tensordot(field.frame.T, offset, axes=1)
 
-    def displacement(self, time: complex, rate: bool = False) -> Vectors:
+    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """u (or u̇), (2, ...)."""
-        return self.field.at_time(time, rate) * self._displacement
+        return np.multiply.outer(self._displacement, self.field.at_time(time, rate))
 
-    def strain(self, time: complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)), (3, ...)."""
-        return self.field.at_time(time, rate) * self._strain
+        return np.multiply.outer(self._strain, self.field.at_time(time, rate))
 
-    def strain_gradient(self, time: complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇), (3, 2, ...)."""
-        return self.field.at_time(time, rate) * self._strain_gradient
+        return np.multiply.outer(self._strain_gradient, self.field.at_time(time, rate))
 
     def modes(self) -> Modes:
         """ε(u) as θ(t) times one field for each component."""

@@ -10,11 +10,14 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
-from manufactured.modes import Modes
+from manufactured.modes import Modes, at_each
 from manufactured.singular.monomials import Monomial
 from manufactured.singular.singular_field import SingularAtPoints, SingularField
 from manufactured.symbols import Jet, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
+
+Of = Callable[[SingularAtPoints, complex, bool], Array]
+"""A field of a singular field at a time, or its rate."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,29 +86,33 @@ class TravellingAtPoints:
         x = self.x - along.reshape((-1,) + (1,) * (self.x.ndim - 1))
         return self.field.steady.at(x), self.field.slope.at(x)
 
-    def _value(self, time: complex, rate: bool, of: Callable[[SingularAtPoints, bool], Array]) -> Array:
-        own, slope = self._now(time)
-        return of(own, True) - self.field.place_at(time, rate=True) * of(slope, False) if rate else of(own, False)
+    def _value(self, time: Array | complex, rate: bool, of: Of) -> Array:
+        def at_one(moment: complex) -> Array:
+            own, slope = self._now(moment)
+            if not rate:
+                return of(own, moment, False)
+            return of(own, moment, True) - self.field.place_at(moment, rate=True) * of(slope, moment, False)
 
-    def displacement(self, time: complex, rate: bool = False) -> Vectors:
+        return at_each(time, at_one)
+
+    def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """u (or u̇), (2, ...)."""
-        return self._value(time, rate, lambda at, of_rate: at.displacement(time, of_rate))
+        return self._value(time, rate, SingularAtPoints.displacement)
 
-    def strain(self, time: complex, rate: bool = False) -> Tensors:
+    def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)), (3, ...)."""
-        return self._value(time, rate, lambda at, of_rate: at.strain(time, of_rate))
+        return self._value(time, rate, SingularAtPoints.strain)
 
-    def strain_gradient(self, time: complex, rate: bool = False) -> Array:
+    def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇), (3, 2, ...)."""
-        return self._value(time, rate, lambda at, of_rate: at.strain_gradient(time, of_rate))
+        return self._value(time, rate, SingularAtPoints.strain_gradient)
 
     def modes(self) -> Modes:
         """ε(u) itself for the amplitudes: every point is a place of its own."""
         count, rows = int(np.prod(self.x.shape[1:])), size(2)
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
-            values = [self.strain(one, rate).reshape(rows, count) for one in np.ravel(time)]
-            return np.stack(values, axis=-1).reshape(rows, count, *np.shape(time))
+            return self.strain(time, rate).reshape(rows, count, *np.shape(time))
 
         places = np.arange(count)
         return Modes(np.eye(rows), places, np.ones((rows, count)), places, count, amplitudes)

@@ -15,7 +15,6 @@ from study.controls.defects import Altered
 from study.fem.gauge import Gauge
 from study.fem.independent import work_on
 from study.fem.material import means
-from study.fem.moments import Amplitudes
 from study.solve.evolution import SemiDiscrete
 from study.solve.signorini import Signorini
 from study.statements.prop_5_4.experiment import Experiment
@@ -54,8 +53,8 @@ class WorkOnFaces(Gauge):
     """Gives ∫_{Γ3} p v_ν alone for a load."""
 
     def load(self, time: float) -> Array:
-        amplitudes: tuple[Amplitudes, Amplitudes] = self._amplitudes(time, False), self._amplitudes(time, True)
-        return self._contact_work(*amplitudes)
+        strains, rates = (self._amplitudes((time,), rate) for rate in (False, True))
+        return self._contact_work(strains, rates)[:, 0]
 
 
 def contact_load(setup: Experiment) -> Callable[[float], Array]:

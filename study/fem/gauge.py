@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -19,9 +20,10 @@ from skfem import Mesh
 
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
+from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors, dyad
-from study.fem.ahead import Ahead
-from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, energy
+from study.fem.ahead import RECENT, Ahead, block_length
+from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, amplitudes_of, energy
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
@@ -75,7 +77,7 @@ class Gauge:
         # Points in cells and on facets together, so that formulas are evaluated once for both.
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
-        self._amplitudes = Ahead(modes)
+        self._amplitudes = lru_cache(RECENT)(amplitudes_of(modes))
         ends = np.cumsum([0, *(len(found.weights) for found in points)])
         split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
         self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
@@ -84,36 +86,50 @@ class Gauge:
         ]
         self._energy = energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
+        each = cells.count if isinstance(solution.law.G, Linear) else len(cells.weights)
+        length = block_length(max(len(self.A.matrix) * each, *(len(part.tensors) * part.count for part in modes)))
+        self._samples, self._loads = Ahead[Sample](length), Ahead[Array](length)
 
     def _on(self, face: Face, points: int) -> tuple[QuadraturePoints, Array]:
         """The points on the facets of a contact face, summed for each of their vertices."""
         rule = facet_rule(self.space.mesh, self.space.facets(face.part), face.part, face.rough, points)
         return QuadraturePoints.on_facets(rule, face.part, self.space.mesh)
 
-    def foresee(self, steps: int) -> None:
-        """Trajectories of so many steps and of twice as many will ask for their nodes and the midpoints of their steps.
+    def foresee(self, samples: Sequence[Array] = (), loads: Sequence[Array] = ()) -> None:
+        """Samples, and loads, will be asked for at increasing times (n,), or at several such in turns.
 
         Nothing depends on it but how long they take.
         """
-        quarter = self.space.body.T / max(4 * steps, 1)
-        nodes, halves, quarters = (np.arange(first, 4 * steps + 1, by) for first, by in ((0, 4), (2, 4), (1, 2)))
-        for numbers in (nodes, halves, quarters):
-            self._amplitudes.foresee(quarter * numbers)
+        for times in samples:
+            self._samples.foresee(times)
+        for times in loads:
+            self._loads.foresee(times)
 
     def means(self, time: float) -> Tensors:
         """The cell means of ε(u(t)), (D, cells)."""
-        return self._cells.strains(self._amplitudes(time, False)) / self._cells.viscous
+        return self._means(self._amplitudes((time,), False))[..., 0]
+
+    def _means(self, strains: Amplitudes) -> Tensors:
+        """Those at n times, (D, cells, n)."""
+        return self._cells.strains(strains) / self._cells.viscous[:, None]
 
     def sample(self, time: float) -> Sample:
         """Means, oscillation and interpolant of u(t)."""
-        means = self.means(time)
-        # What rounding leaves of a strain that is constant on every cell may be negative.
-        oscillation = max(self._energy(self._amplitudes(time, False)) - self._constant_energy(means), 0.0)
-        return Sample(time, means, oscillation, self.space.interpolate(self._nodes.displacement(time)))
+        return self._samples(time, self._samples_at)
 
-    def _constant_energy(self, strain: Tensors) -> float:
-        """∫ A ε·ε of a strain that is constant on every cell."""
-        return float(np.einsum("Ic,Ic,c->", self.A.matrix @ strain, strain, self._cells.viscous))
+    def _samples_at(self, times: Array) -> list[Sample]:
+        strains = self._amplitudes(tuple(times), False)
+        means = self._means(strains)
+        # What rounding leaves of a strain that is constant on every cell may be negative.
+        oscillations = np.maximum(self._energy(strains) - self._constant_energy(means), 0.0)
+        interpolants = self.space.interpolate(self._nodes.displacement(times))
+        found = zip(times, one_by_one(means), oscillations, one_by_one(interpolants), strict=True)
+        return [Sample(float(time), mean, float(rest), nodal) for time, mean, rest, nodal in found]
+
+    def _constant_energy(self, strain: Tensors) -> Array:
+        """∫ A ε·ε of a strain that is constant on every cell; for (D, cells, n), (n,)."""
+        density = np.einsum("Ic...,Ic...->c...", np.tensordot(self.A.matrix, strain, axes=1), strain)
+        return np.asarray(self._cells.viscous @ density)
 
     def distance(self, sample: Sample, v: Array) -> float:
         """‖u(t) − v‖_V for v ∈ V^h."""
@@ -125,16 +141,27 @@ class Gauge:
         Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this serves solutions
         whose f_0 is not in L² as well.
         """
-        amplitudes = self._amplitudes(time, False), self._amplitudes(time, True)
-        return self.space.functional(self._cells(*amplitudes) / self.space.volumes) + self._contact_work(*amplitudes)
+        return self._loads(time, self._loads_at)
+
+    def _loads_at(self, times: Array) -> list[Array]:
+        strains, rates = (self._amplitudes(tuple(times), rate) for rate in (False, True))
+        stress = self._cells(strains, rates) / self.space.volumes[:, None]
+        return [*one_by_one(self.space.functional(stress) + self._contact_work(strains, rates))]
 
     def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
-        """∫_{Γ3} p v_ν with p = −σ_ν, (n_dofs,)."""
-        nodal = np.zeros_like(self.space.mesh.p)
+        """∫_{Γ3} p v_ν with p = −σ_ν at n times, (n_dofs, n)."""
+        nodal = np.zeros((*self.space.mesh.p.shape, strains.shape[1]))
         for face, vertices, sums in self._faces:
-            moments = -dyad(face.part.normal, face.part.normal) @ sums(strains, rates)
+            moments = -np.tensordot(dyad(face.part.normal, face.part.normal), sums(strains, rates), axes=1)
             nodal[:, vertices] += np.multiply.outer(face.part.normal, moments)
         return self.space.interpolate(nodal)
+
+
+def one_by_one(values: Array) -> Array:
+    """Values at n times, the last axis, so that those at one time lie together, (n, ...); they are asked for again."""
+    found = np.ascontiguousarray(np.moveaxis(values, -1, 0))
+    found.flags.writeable = False
+    return found
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:

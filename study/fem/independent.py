@@ -13,6 +13,7 @@ from skfem import Mesh
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, full, mandel
+from study.fem.ahead import block_length
 from study.fem.gauge import FACET_POINTS, rules
 from study.fem.mesh import barycentric_gradients
 from study.fem.quadrature import CellRule, facet_rule
@@ -80,18 +81,24 @@ class LeadingTerm:
         self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))
 
     def __call__(self, time: float) -> float:
-        hessian = _hessian(self.fields.strain_gradient(time))
-        V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))
-        for (i, j), square in self.squares.items():
-            bend = np.einsum("Ikc,Ic->kc", hessian, square) / 2
-            V[i] += bend[:, None] * self.slopes[j]
-            V[j] += bend[:, None] * self.slopes[i]
-        strains = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
-        return float(np.sqrt(sum(np.einsum("Ic,Ic,c->", self.A @ e, e, self.weights) for e in strains)))
+        return float(self._at(np.array([time]))[0])
 
     def largest(self) -> float:
         """The maximum over [0, T], on times of its own: it does not know when the errors beside it were sampled."""
-        return float(np.max([self(time) for time in np.linspace(0.0, self.T, INSTANTS + 1)]))
+        times, length = np.linspace(0.0, self.T, INSTANTS + 1), block_length(self.slopes.size * len(self.slopes))
+        return float(max(self._at(times[i : i + length]).max() for i in range(0, len(times), length)))
+
+    def _at(self, times: Array) -> Array:
+        """The values at n times, (n,)."""
+        hessian, slopes = _hessian(self.fields.strain_gradient(times)), self.slopes[..., None]
+        V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))
+        for (i, j), square in self.squares.items():
+            bend = np.einsum("Ikcn,Ic->kcn", hessian, square) / 2
+            V[i] += bend[:, None] * slopes[j]
+            V[j] += bend[:, None] * slopes[i]
+        strains = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
+        densities = [np.einsum("Icn,Icn->cn", np.tensordot(self.A, e, axes=1), e) for e in strains]
+        return np.sqrt(self.weights @ sum(densities[1:], densities[0]))
 
 
 def _hessian(strains: Array) -> Array:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -24,10 +25,21 @@ from manufactured.modes import Modes
 from manufactured.tensors import Array, Tensors
 from study.fem.quadrature import CellRule, FacetRule
 
-Amplitudes = Sequence[Array]
-"""T_k(s_j, t) of each contribution to ε at one time, (K, J)."""
+Amplitudes = Array
+"""T_k(s_j, t) of all contributions to ε below each other at n times, (Σ K J, n)."""
 MANY = 4
-"""Matrices for the energy may take this many times the storage of the modes."""
+"""The matrix for the energy may take this many times the storage of the modes."""
+
+
+def amplitudes_of(modes: Sequence[Modes]) -> Callable[[tuple[float, ...], bool], Amplitudes]:
+    """(times, whether of the rate) ↦ the amplitudes of some modes, of which it keeps nothing else."""
+    each = [part.amplitudes for part in modes]
+
+    def amplitudes(times: tuple[float, ...], rate: bool) -> Amplitudes:
+        found = [of(np.array(times), rate) for of in each]
+        return np.concatenate([part.reshape(-1, len(times)) for part in found])
+
+    return amplitudes
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,40 +75,51 @@ class QuadraturePoints:
         return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
 
     def totals(self, values: Array) -> Array:
-        """Sums of values (n,), (sums,)."""
-        return np.bincount(self.sums, values, self.count)
+        """Sums of values (n, ...), (sums, ...)."""
+        return self._incidence @ values
+
+    @cached_property
+    def _incidence(self) -> sps.csr_array:
+        """Which points contribute to which sum, (sums, n)."""
+        n = len(self.sums)
+        return sps.csr_array((np.ones(n), (self.sums, np.arange(n))), shape=(self.count, n))
 
 
 def strain_at_points(modes: Sequence[Modes], amplitudes: Amplitudes, count: int) -> Tensors:
-    """ε at all points, (D, count)."""
-    strain = np.zeros((modes[0].tensors.shape[1], count))
-    for part, values in zip(modes, amplitudes, strict=True):
-        for tensor, shape, value in zip(part.tensors, part.shapes, values, strict=True):
-            spread = shape * value[part.places]
+    """ε at all points, (D, count, n) for n times."""
+    strain = np.zeros((modes[0].tensors.shape[1], count, amplitudes.shape[1]))
+    first = 0
+    for part in modes:
+        for tensor, shape in zip(part.tensors, part.shapes, strict=True):
+            spread = shape[:, None] * amplitudes[first + part.places]
             for row in np.flatnonzero(tensor):
                 strain[row, part.points] += tensor[row] * spread
+            first += part.count
     return strain
 
 
 class StrainSums:
-    """Σ w_p ε(x_p, t), (D, sums), from the amplitudes at one time; w may be the rule's times a coefficient, (n,)."""
+    """Σ w_p ε(x_p, t), (D, sums, n), from the amplitudes at n times; w may be the rule's times a coefficient."""
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
         width = sum(len(part.tensors) * part.count for part in modes)
         tensors, blocks, before = [], [], 0
         for part in modes:
             distinct, group = np.unique(part.tensors, axis=0, return_inverse=True)
-            same = [np.flatnonzero(group == i) for i in range(len(distinct))]
+            # Backwards: in the axes of the face they are the unit vectors in their order.
+            same = [np.flatnonzero(group == i) for i in reversed(range(len(distinct)))]
             blocks += _blocks(part, same, points, weights, before, width)
-            tensors.append(distinct)
+            tensors.append(distinct[::-1])
             before += len(part.tensors) * part.count
         # The B_k of each different tensor side by side, these below each other: one product for all.
         self._matrix = sps.vstack(blocks, format="csr")
         self._tensors = np.concatenate(tensors).T
 
-    def __call__(self, amplitudes: Amplitudes) -> Tensors:
-        sums = self._matrix @ np.concatenate([part.ravel() for part in amplitudes])
-        return self._tensors @ sums.reshape(self._tensors.shape[1], -1)
+    def __call__(self, amplitudes: Amplitudes, C: Array | None = None) -> Tensors:
+        """The sums, or those of C ε for a tensor C, Mandel (D, D)."""
+        sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1, amplitudes.shape[1])
+        tensors = self._tensors if C is None else C @ self._tensors
+        return sums if np.array_equal(tensors, np.eye(len(tensors))) else np.tensordot(tensors, sums, axes=1)
 
 
 def _blocks(
@@ -124,7 +147,7 @@ def _blocks(
 
 
 class StressSums:
-    """Σ w_p σ(x_p, t), (D, sums), for σ = A ε(u̇) + G ε(u), (2.1), from the amplitudes of ε and ε̇ at one time.
+    """Σ w_p σ(x_p, t), (D, sums, n), for σ = A ε(u̇) + G ε(u), (2.1), from the amplitudes of ε and ε̇ at n times.
 
     Attributes:
         viscous: Σ w_p α for A = α C.
@@ -139,22 +162,24 @@ class StressSums:
         self._elastic: Callable[[Amplitudes], Tensors]
         if isinstance(G, Linear):
             sums = self.strains if np.array_equal(viscous, elastic) else StrainSums(modes, points, elastic)
-            self._elastic = lambda strains: G.matrix @ sums(strains)
+            self._elastic = lambda strains: sums(strains, G.matrix)
         else:
-            self._elastic = lambda strains: np.array(
-                [points.totals(row * elastic) for row in G(strain_at_points(modes, strains, len(elastic)))]
-            )
+
+            def elastic_sums(strains: Amplitudes) -> Tensors:
+                stress = G(strain_at_points(modes, strains, len(elastic))) * elastic[:, None]
+                return np.array([points.totals(row) for row in stress])
+
+            self._elastic = elastic_sums
 
     def __call__(self, strains: Amplitudes, rates: Amplitudes) -> Tensors:
-        return self._A.matrix @ self.strains(rates) + self._elastic(strains)
+        return self.strains(rates, self._A.matrix) + self._elastic(strains)
 
 
-def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplitudes], float]:
-    """∫_Ω α C ε·ε dx from the amplitudes at one time.
+def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplitudes], Array]:
+    """∫_Ω α C ε·ε dx from the amplitudes at n times, (n,).
 
-    Where many points share a place along the face, this is a quadratic form in the amplitudes of one contribution, a
-    bilinear one in those of two. Where hardly any do, the matrices of these forms would be many times as large as the
-    modes, and the strain is summed point by point.
+    Where many points share a place along the face, this is a quadratic form of the amplitudes. Where hardly any do, its
+    matrix would be many times as large as the modes, and the strain is summed point by point.
 
     Args:
         modes: the contributions to ε at the points.
@@ -162,43 +187,60 @@ def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplit
         C: symmetric, Mandel (D, D).
     """
 
-    def by_point(amplitudes: Amplitudes) -> float:
+    def by_point(amplitudes: Amplitudes) -> Array:
         strain = strain_at_points(modes, amplitudes, len(weights))
-        return float(np.einsum("In,In,n->", C @ strain, strain, weights))
+        return weights @ np.einsum("Ipn,Ipn->pn", np.tensordot(C, strain, axes=1), strain)
 
     if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
         return by_point
-    squares = [_square(part, weights, C) for part in modes]
-    products = [(i, j, _product(modes[i], modes[j], weights, C)) for i, j in combinations(range(len(modes)), 2)]
-
-    def by_place(amplitudes: Amplitudes) -> float:
-        own = sum(np.einsum("kj,klj,lj->", T, Q, T) for T, Q in zip(amplitudes, squares, strict=True))
-        mixed = sum(amplitudes[i].ravel() @ (B @ amplitudes[j].ravel()) for i, j, B in products)
-        return float(own + 2 * mixed)
-
-    return by_place
+    form = _form(modes, weights, C)
+    return lambda amplitudes: np.einsum("wn,wn->n", amplitudes, form @ amplitudes)
 
 
-def _square(modes: Modes, weights: Array, C: Array) -> Array:
-    """Σ_p w_p C E_k·E_l φ_k φ_l over the points of each place, (K, K, J): points of two places never meet."""
-    found = np.zeros((len(modes.tensors), len(modes.tensors), modes.count))
-    weights = weights[modes.points]
+def _form(modes: Sequence[Modes], weights: Array, C: Array) -> sps.csr_array:
+    """The matrix of the quadratic form of all amplitudes, (Σ K J, Σ K J), what lies below its diagonal added above."""
+    blocks: list[list[sps.csr_array | None]] = [[None] * len(modes) for _ in modes]
+    for i, part in enumerate(modes):
+        blocks[i][i] = _square(part, weights, C)
+    for i, j in combinations(range(len(modes)), 2):
+        blocks[i][j] = 2 * _product(modes[i], modes[j], weights, C)
+    return sps.csr_array(sps.block_array(blocks))
+
+
+def _square(modes: Modes, weights: Array, C: Array) -> sps.csr_array:
+    """Σ_p w_p C E_k·E_l φ_k φ_l over the points of each place, (K J, K J): points of two places never meet."""
+    weights, j, found = weights[modes.points], np.arange(modes.count), _Entries()
     for (k, l), product in np.ndenumerate(modes.tensors @ C @ modes.tensors.T):
         if product and k <= l:
-            found[k, l] = np.bincount(modes.places, product * weights * modes.shapes[k] * modes.shapes[l], modes.count)
-            found[l, k] = found[k, l]
-    return found
+            weighed = (1 if k == l else 2) * product * weights * modes.shapes[k] * modes.shapes[l]
+            found.add(np.bincount(modes.places, weighed, modes.count), j + k * modes.count, j + l * modes.count)
+    return found.matrix(modes, modes)
 
 
 def _product(one: Modes, other: Modes, weights: Array, C: Array) -> sps.csr_array:
-    """The same for two contributions at the points that both reach, (K J, K' J')."""
+    """Σ_p w_p C E_k·E'_l φ_k φ'_l over the points that both reach, by their places, (K J, K' J')."""
     common, mine, others = np.intersect1d(one.points, other.points, assume_unique=True, return_indices=True)
-    weights, j, jj = weights[common], one.places[mine], other.places[others]
-    data, rows, columns = [np.empty(0)], [np.empty(0, dtype=int)], [np.empty(0, dtype=int)]
+    weights, j, jj, found = weights[common], one.places[mine], other.places[others], _Entries()
     for (k, l), product in np.ndenumerate(one.tensors @ C @ other.tensors.T):
         if product:
-            data.append(product * weights * one.shapes[k, mine] * other.shapes[l, others])
-            rows.append(j + k * one.count)
-            columns.append(jj + l * other.count)
-    shape = (len(one.tensors) * one.count, len(other.tensors) * other.count)
-    return sps.csr_array((np.concatenate(data), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+            weighed = product * weights * one.shapes[k, mine] * other.shapes[l, others]
+            found.add(weighed, j + k * one.count, jj + l * other.count)
+    return found.matrix(one, other)
+
+
+class _Entries:
+    """Entries of a matrix of two contributions, as they are found."""
+
+    def __init__(self) -> None:
+        self._values, self._rows, self._columns = [np.empty(0)], [np.empty(0, dtype=int)], [np.empty(0, dtype=int)]
+
+    def add(self, values: Array, rows: Array, columns: Array) -> None:
+        self._values.append(values)
+        self._rows.append(rows)
+        self._columns.append(columns)
+
+    def matrix(self, one: Modes, other: Modes) -> sps.csr_array:
+        """Their matrix, (K J, K' J')."""
+        values, rows, columns = map(np.concatenate, (self._values, self._rows, self._columns))
+        shape = (len(one.tensors) * one.count, len(other.tensors) * other.count)
+        return sps.csr_array((values, (rows, columns)), shape=shape)

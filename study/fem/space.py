@@ -73,12 +73,17 @@ class Displacements(MeshedBody, ABC):
         return full.reshape(-1, self.dim)
 
     def strain(self, v: Array) -> Tensors:
-        """ε(v), (D, cells) or (D, cells, points)."""
-        return np.moveaxis((self.E @ v).reshape(*self.weights.shape, -1), -1, 0)
+        """ε(v), (D, cells) or (D, cells, points); for functions (dofs, n) with an axis more, the last one."""
+        return np.moveaxis((self.E @ v).reshape(*self.weights.shape, -1, *v.shape[1:]), self.weights.ndim, 0)
 
     def functional(self, stress: Tensors) -> Array:
-        """(σ, ε(·))_Q for the means of a stress on the cells, or its values at the points, → (dofs,)."""
-        return self._transposed @ np.moveaxis(self.weights * stress, 0, -1).ravel()
+        """(σ, ε(·))_Q for the means of a stress on the cells, or its values at the points, → (dofs,).
+
+        Stresses (D, cells, n), or (D, cells, points, n), give (dofs, n).
+        """
+        inner = self.weights.ndim
+        weighted = self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress
+        return self._transposed @ np.moveaxis(weighted, 0, inner).reshape(self.E.shape[0], *stress.shape[inner + 1 :])
 
     @cached_property
     def _transposed(self) -> sps.csc_array:
@@ -174,8 +179,8 @@ class Space(Displacements):
         return np.array([np.bincount(vertices.ravel(), component.ravel(), self.count) for component in values])
 
     def interpolate(self, values: Vectors) -> Array:
-        """Π^h: nodal values (d, vertices) → free values (n_dofs,)."""
-        return values.T.ravel()[self.free]
+        """Π^h: nodal values (d, vertices) → free values (n_dofs,); (d, vertices, n) → (n_dofs, n)."""
+        return np.moveaxis(values, 0, 1).reshape(-1, *values.shape[2:])[self.free]
 
     def nodal(self, v: Array) -> Vectors:
         """Free values → nodal values (d, vertices), zero on Γ1."""

@@ -179,7 +179,7 @@ class ContactStep:
         problem, theta = self.problem, self.scheme.theta
         before = [state.u for state in past]
         base = (1 - theta) * before[-1]
-        b = problem.load((n - 1 + theta) * self.k) + problem.M @ (self.scheme.known(before) / self.k)
+        b = problem.load(self.scheme.balanced(n, self.k)) + problem.M @ (self.scheme.known(before) / self.k)
         if base.any():
             b = b - problem.reference @ base
         if problem.remainder is None:

@@ -14,7 +14,9 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import add, sub
-from typing import Protocol, TypeVar
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
 
 from manufactured.tensors import Array
 from study.solve.steps import longest_step, require_unique, step_size
@@ -70,6 +72,14 @@ class Tableau:
     def of_step(self, n: int) -> Tableau:
         """The scheme that takes the step to t_n: this one as soon as it has its past."""
         return self.starting if self.starting and n < len(self.past) else self
+
+    def balanced(self, n: Array | int, k: float) -> Any:
+        """t_{n−1+θ}, where in the step to t_n forces are in balance."""
+        return (n - 1 + self.theta) * k
+
+    def loaded(self, T: float, steps: int) -> Array:
+        """The times at which a march asks for the load, (steps,)."""
+        return np.asarray(self.balanced(np.arange(1, steps + 1), step_size(T, steps)))
 
     def longest(self, growth: float) -> float:
         """``longest_step`` of all steps, the first ones included."""

@@ -16,6 +16,7 @@ from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, simplex_rule
 from study.fem.quadrature.cells import shared
 from study.fem.space import Space
+from study.solve.tableau import MIDPOINT
 
 PLANE = [case for case in catalogue() if case.solution.body.dim == 2]
 
@@ -55,8 +56,9 @@ def test_a_gauge_that_foresees_times_measures_the_same(case: str) -> None:
     family = next(family for family in FAMILIES if family.serves(solution.body))
     space = Space(family(solution.body, 8), solution.body)
     told, other = Gauge(solution, space), Gauge(solution, space)
-    told.foresee(13)
     k = solution.body.T / 13
+    nodes = k * np.arange(14)
+    told.foresee(samples=[nodes, nodes[:-1] + k / 2], loads=[MIDPOINT.loaded(13 * k, 13), MIDPOINT.loaded(13 * k, 26)])
     for time in (0.0, k / 2, k, 12.5 * k, 3.25 * k, 0.75 * k, 0.3 * k, 13 * k):
         one, two = told.load(time), other.load(time)
         assert one == pytest.approx(two, rel=1e-12, abs=1e-13 * abs(two).max())

@@ -12,7 +12,7 @@ the caller's. All but u, and what it is judged by, is scaled by S: the problem i
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -26,7 +26,7 @@ from manufactured.tensors import Array, Tensors, traction
 from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
 from study.fem.material import form
 from study.fem.mesh import MeshFamily
-from study.fem.moments import QuadraturePoints, StrainSums
+from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, amplitudes_of
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.errors import UsageError
@@ -77,16 +77,16 @@ class Task:
         return Gauge(self.solution, self.space)
 
     @cached_property
-    def _rates(self) -> tuple[list[Any], StrainSums]:
+    def _rates(self) -> tuple[Callable[[tuple[float, ...], bool], Amplitudes], StrainSums]:
         solution, mesh = self.solution, self.space.mesh
         points = QuadraturePoints.on_cells(rules(solution, mesh, self.gauge.degree, shared_lines(solution)))
         modes = solution.at(points.x).modes()
-        return modes, StrainSums(modes, points, points.weights * solution.law.A.factor(points.x))
+        return amplitudes_of(modes), StrainSums(modes, points, points.weights * solution.law.A.factor(points.x))
 
     def initial_stress(self, time: float) -> Tensors:
         """Cell means of A ε(u̇), (D, cells)."""
-        modes, sums = self._rates
-        rates = sums([part.amplitudes(time, True) for part in modes])
+        amplitudes, sums = self._rates
+        rates = sums(amplitudes((time,), True))[..., 0]
         return np.asarray(self.solution.law.A.matrix @ rates / self.space.volumes)
 
     @cached_property
