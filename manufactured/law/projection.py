@@ -96,9 +96,8 @@ class Yield:
 
     def __call__(self, strain: Tensors) -> Tensors:
         part = np.tensordot(self.convex.projector, strain, axes=1)
-        norm = self._norm(part)
-        outside = norm.real > self.convex.radius
-        return self.beta * np.where(outside, 1 - self.convex.radius / np.where(outside, norm, 1.0), 0.0) * part
+        radius = self.convex.radius
+        return self.beta * (1 - radius / np.maximum(self._norm(part), radius)) * part
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
         part = np.tensordot(self.convex.projector, strain, axes=1)

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
 from manufactured.modes import Modes, at_each
-from manufactured.symbols import Index, Jet, Values, refuse_kinks, s
+from manufactured.symbols import Index, Jet, Values, function, indices, refuse_kinks, s, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
 
 y = sp.Symbol("y", real=True)
@@ -25,6 +25,29 @@ y = sp.Symbol("y", real=True)
 BLOCK = 1 << 13
 """Points at which formulas are evaluated together: they are so long that what they leave half-done at more of them does
 not stay in the cache, and at fewer calls would cost more than arithmetic."""
+
+
+@lru_cache
+def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
+    """Formulas of ∂^i u_s and then of ∂^i u_n, |i| ≤ order, in y and in ∂_s^j of w, q and D, and of their rates.
+
+    Made once for all faces, whose formulas are long; j up to order + 1 for w and to the order for q and D.
+    """
+    w, q, D = (sp.Function(name)(s, t) for name in "wqD")
+    eta = y / D
+    phi = (1 - eta) ** 2 * (1 + 2 * eta)
+    fields = -y * w.diff(s) * phi, (w + y * q) * phi
+    formulas = [field.diff(t, int(rate), s, i, y, j) for field in fields for i, j in indices(2, order)]
+    values = [
+        trace.diff(t, times, s, i)
+        for times in range(rate + 1)
+        for trace, more in ((w, 1), (q, 0), (D, 0))
+        for i in range(order + more + 1)
+    ]
+    symbols = sp.symbols(f"v0:{len(values)}", real=True)
+    # Higher derivatives first: they contain the lower ones.
+    stated = dict(reversed([*zip(values, symbols, strict=True)]))
+    return function((y, *symbols), [formula.doit().subs(stated) for formula in formulas])
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,18 +98,24 @@ class FadingFace:
         return Jet(self.depth)
 
     @cached_property
-    def displacement(self) -> tuple[Jet, Jet]:
-        """The jets of u_s and u_n, in (s, y), for y < D."""
-        eta = y / self.depth
-        phi = (1 - eta) ** 2 * (1 + 2 * eta)
-        along, into = -y * sp.diff(self.gap, s) * phi, (self.gap + y * self.strain) * phi
-        return Jet(along, (s, y)), Jet(into, (s, y))
+    def traces(self) -> tuple[Jet, Jet, Jet]:
+        """The jets of w, q and D, of which the lifting is made."""
+        return self.gap_jet, Jet(self.strain), self.depth_jet
 
     @cached_property
-    def velocity(self) -> tuple[Jet, Jet]:
+    def trace_rates(self) -> tuple[Jet, Jet, Jet]:
         """Their rates."""
-        along, into = self.displacement
-        return along.rate(), into.rate()
+        w, q, D = self.traces
+        return w.rate(), q.rate(), D.rate()
+
+    def lifted(self, places: Array, time: complex, rate: bool, order: int) -> tuple[Values, Values]:
+        """The derivatives of u_s and u_n, or of their rates, in (s, y) up to an order at (s, y) with y < D, (2, n)."""
+        jets = (*self.traces, *self.trace_rates) if rate else self.traces
+        traces = [jet(places[:1], time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
+        values = _lifting(rate, order)(places[1], *(trace[i,] for trace in traces for i in range(len(trace))))
+        values, keys = [np.broadcast_to(value, places.shape[1:]) for value in values], indices(2, order)
+        along, into = values[: len(keys)], values[len(keys) :]
+        return dict(zip(keys, along, strict=True)), dict(zip(keys, into, strict=True))
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -148,11 +177,9 @@ class Fading:
     def _at_one(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
         depth = self.face.depth_jet(self.places[:1], time)[(0,)]
         inside = np.flatnonzero(np.real(self.places[1]) < np.real(depth))
-        along, into = self.face.velocity if rate else self.face.displacement
 
         def at(chosen: Array) -> Array:
-            points = self.places[:, chosen]
-            return of((along(points, time, order), into(points, time, order)))
+            return of(self.face.lifted(self.places[:, chosen], time, rate, order))
 
         blocks = [inside[start : start + BLOCK] for start in range(0, len(inside), BLOCK)] or [inside]
         values = np.concatenate([at(block) for block in blocks], axis=-1)

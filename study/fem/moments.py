@@ -90,10 +90,12 @@ def strain_at_points(modes: Sequence[Modes], amplitudes: Amplitudes, count: int)
     strain = np.zeros((modes[0].tensors.shape[1], count, amplitudes.shape[1]))
     first = 0
     for part in modes:
+        # Where the strain reaches all points there is nothing to pick.
+        points = slice(None) if len(part.points) == count else part.points
         for tensor, shape in zip(part.tensors, part.shapes, strict=True):
             spread = shape[:, None] * amplitudes[first + part.places]
             for row in np.flatnonzero(tensor):
-                strain[row, part.points] += tensor[row] * spread
+                strain[row, points] += spread if tensor[row] == 1 else tensor[row] * spread
             first += part.count
     return strain
 

@@ -21,7 +21,8 @@ from typing import Protocol
 import numpy as np
 import scipy.sparse as sps
 from numpy.typing import NDArray
-from scipy.linalg import cho_factor, cho_solve, cholesky, solve_triangular
+from scipy.linalg import cholesky, solve_triangular
+from scipy.linalg.lapack import dpotrs
 from scipy.optimize import nnls
 
 from manufactured.tensors import Array
@@ -45,7 +46,7 @@ class Signorini:
         self.Y = solve_triangular(self.factor.trailing, columns, lower=True)
         self.W = self.Y.T @ self.Y
         self.active = np.zeros(N.shape[0], dtype=bool)
-        self.block: tuple[NDArray[np.bool_], tuple[Array, bool]] | None = None
+        self.block: tuple[NDArray[np.bool_], Array] | None = None
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
         """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,)."""
@@ -80,6 +81,7 @@ class Signorini:
         if active.any():
             where = np.flatnonzero(active)
             if self.block is None or (self.block[0] != active).any():
-                self.block = active, cho_factor(self.W[np.ix_(where, where)], lower=True)
-            multipliers[where] = cho_solve(self.block[1], gap[where])
+                self.block = active, cholesky(self.W[np.ix_(where, where)], lower=True)
+            # A step has so few constraints that looking at them again would take longer than solving.
+            multipliers[where], _ = dpotrs(self.block[1], gap[where], lower=True)
         return multipliers

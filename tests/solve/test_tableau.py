@@ -32,9 +32,9 @@ def test_a_scheme_starts_with_steps_whose_past_is_there(scheme: Tableau) -> None
 
 
 def test_no_scheme_marches_without_a_step() -> None:
-    setup = Experiment.of(catalogue()[0].solution, OneDiagonal(), 4, BACKWARD_EULER, 0)
+    setup = Experiment.of(catalogue()[0].solution, OneDiagonal(), 4, BACKWARD_EULER, 1)
     with pytest.raises(StepsError, match="one step or more"):
-        next(setup.scheme.march(setup.problem, setup.steps))
+        next(setup.scheme.march(setup.problem, 0))
 
 
 def test_steps_grow_with_level_and_pace_and_those_of_stresses_are_even() -> None:
