@@ -36,8 +36,8 @@ def amplitudes_of(modes: Sequence[Modes]) -> Callable[[tuple[float, ...], bool],
     each = [part.amplitudes for part in modes]
 
     def amplitudes(times: tuple[float, ...], rate: bool) -> Amplitudes:
-        found = [of(np.array(times), rate) for of in each]
-        return np.concatenate([part.reshape(-1, len(times)) for part in found])
+        found = [of(np.array(times), rate).reshape(-1, len(times)) for of in each]
+        return found[0] if len(found) == 1 else np.concatenate(found)
 
     return amplitudes
 
@@ -116,12 +116,14 @@ class StrainSums:
         # The B_k of each different tensor side by side, these below each other: one product for all.
         self._matrix = sps.vstack(blocks, format="csr")
         self._tensors = np.concatenate(tensors).T
+        self._plain = np.array_equal(self._tensors, np.eye(len(self._tensors)))
 
     def __call__(self, amplitudes: Amplitudes, C: Array | None = None) -> Tensors:
         """The sums, or those of C ε for a tensor C, Mandel (D, D)."""
         sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1, amplitudes.shape[1])
-        tensors = self._tensors if C is None else C @ self._tensors
-        return sums if np.array_equal(tensors, np.eye(len(tensors))) else np.tensordot(tensors, sums, axes=1)
+        if C is None and self._plain:
+            return sums
+        return np.tensordot(self._tensors if C is None else C @ self._tensors, sums, axes=1)
 
 
 def _blocks(
