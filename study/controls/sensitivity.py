@@ -27,8 +27,8 @@ from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.recomputed.judge import TRAJECTORIES, Recomputed
-from study.statements.recomputed.measure import Course, gaps, same_load
-from study.statements.recomputed.plain import PlainProblem
+from study.statements.recomputed.measure import gaps, same_load
+from study.statements.recomputed.plain import Course, PlainProblem
 from study.statements.shared.base import Setting, grid
 
 LEAST, MOST = 1e-12, 1.0
@@ -63,7 +63,7 @@ class Place:
         setup = Experiment.of(case.solution, family_named(setting.family), setting.level, MIDPOINT, steps)
         setup = replace(setup, problem=replace(setup.problem, load=cache(setup.problem.load)))
         plain = PlainProblem(setup.solution, setup.space.mesh)
-        return cls(setting, setup, plain, list(plain.march(2 * steps, plain.load)), same_load(setup, plain))
+        return cls(setting, setup, plain, *plain.courses(2 * steps, plain.load, setup.problem.load))
 
     def failing(self, setup: Experiment) -> list[str]:
         """The keys of rows that fail."""
