@@ -16,7 +16,7 @@ from math import factorial
 import numpy as np
 from numpy.typing import NDArray
 
-from manufactured.tensors import Array, Hyperplane, Points
+from manufactured.tensors import Array, Hyperplane, Points, mapped
 
 NDBool = NDArray[np.bool_]
 
@@ -151,18 +151,18 @@ class Part:
 
         (d, ...) → (d−1, ...), (...).
         """
-        local = np.tensordot(self.frame.T, x - self.start.reshape((-1,) + (1,) * (x.ndim - 1)), axes=1)
+        local = mapped(self.frame.T, x - self.start.reshape((-1,) + (1,) * (x.ndim - 1)))
         return local[:-1], local[-1]
 
     def point(self, s: Array) -> Points:
         """The point of the part with local coordinate s: (d−1, ...) → (d, ...)."""
         origin = self.start.reshape((-1,) + (1,) * (np.ndim(s) - 1))
-        return origin + np.tensordot(self.frame[:, :-1], s, axes=1)
+        return origin + mapped(self.frame[:, :-1], s)
 
     def covers(self, s: Array, tolerance: float) -> NDBool:
         """Whether local coordinates are those of points of the closed part: (d−1, ...) → (...)."""
         normals, offsets = self.sides
-        beyond = np.moveaxis(np.tensordot(normals.T, s, axes=1), 0, -1) - offsets
+        beyond = np.moveaxis(mapped(normals.T, s), 0, -1) - offsets
         return np.asarray((beyond <= tolerance).all(axis=-1))
 
     def contains(self, x: Points, tolerance: float) -> NDBool:

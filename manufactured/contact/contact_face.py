@@ -15,7 +15,7 @@ from manufactured.law import KelvinVoigt, LawError, Linear
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
 from manufactured.symbols import FormulaError, Index, Jet, Values, refuse_kinks, s, s1, s2
-from manufactured.tensors import Array, Points, Tensors, Vectors, pairs, rotation
+from manufactured.tensors import Array, Points, Tensors, Vectors, mapped, pairs, rotation
 
 VARIABLES = {2: (s,), 3: (s1, s2)}
 """The coordinates along a face of a body of dimension d."""
@@ -219,7 +219,7 @@ class Lifting:
                 component = component + shear[i][zero] * self._shape("c", 0, time)
             local.append(component)
         local.append(w[zero] * self._shape("b", 0, time) + q[zero] * self._shape("d", 0, time))
-        return self._everywhere(np.tensordot(self.frame, np.array(local), axes=1), 1)
+        return self._everywhere(mapped(self.frame, np.array(local)), 1)
 
     def _everywhere(self, values: Array, inner: int) -> Array:
         """Values at the points within reach → at all points, zero beyond; points come behind ``inner`` axes."""
@@ -234,7 +234,7 @@ class Lifting:
         """ε(u) (or ε(u̇)) in global axes, Mandel (D, ...)."""
         w, strain = self.traces(time, rate, 1 + self._deep)
         local = self._local(w, strain, (0,) * len(self.s), 0, time)
-        return self._everywhere(local if self.rotation is None else np.tensordot(self.rotation, local, axes=1), 1)
+        return self._everywhere(local if self.rotation is None else mapped(self.rotation, local), 1)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇) in global axes, (D, d, ...); exists almost everywhere."""
@@ -244,7 +244,7 @@ class Lifting:
         local = np.array([self._local(w, strain, along, into, time) for along, into in places])
         if self.rotation is not None:
             local = np.moveaxis(np.tensordot(self.rotation, local, axes=([1], [1])), 0, 1)
-        return self._everywhere(np.moveaxis(np.tensordot(self.frame, local, axes=1), 0, 1), 2)
+        return self._everywhere(np.moveaxis(mapped(self.frame, local), 0, 1), 2)
 
     def modes(self) -> Modes:
         """ε(u) as a sum of products, one for each term of the local strain."""

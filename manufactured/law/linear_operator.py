@@ -10,7 +10,7 @@ import numpy as np
 
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law.operators import AtPoints, LawError
-from manufactured.tensors import Array, Points, Tensors, dyad, identity, size
+from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped, size
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ class Linear:
         """
         if self.factor is not UNIFORM:
             raise LawError("a heterogeneous tensor acts at points: use at(x) or scaled(factors)")
-        return np.tensordot(self.matrix, strain, axes=1)
+        return mapped(self.matrix, strain)
 
     def at(self, x: Points) -> AtPoints:
         if self.factor is UNIFORM:
@@ -154,7 +154,7 @@ class Scaled:
     slopes: Array | None = None
 
     def __call__(self, strain: Tensors) -> Tensors:
-        product = np.tensordot(self.matrix, strain, axes=1)
+        product = mapped(self.matrix, strain)
         return product if isinstance(self.factor, float) else self.factor * product
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
@@ -164,7 +164,7 @@ class Scaled:
         found = self(change)
         if self.slopes is None:
             return found
-        return found + self.slopes * np.tensordot(self.matrix, strain(), axes=1)[:, None]
+        return found + self.slopes * mapped(self.matrix, strain())[:, None]
 
 
 def isotropic(mu: float, lam: float, dim: int = 2, factor: Factor = UNIFORM) -> Linear:

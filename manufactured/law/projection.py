@@ -10,7 +10,7 @@ import numpy as np
 
 from manufactured.factor import UNIFORM, Factor
 from manufactured.law.operators import AtPoints, LawError
-from manufactured.tensors import Array, Points, Tensors, dyad, identity, size
+from manufactured.tensors import Array, Points, Tensors, dyad, identity, mapped, size
 
 
 class ConvexSet(Protocol):
@@ -95,13 +95,13 @@ class Yield:
         return np.sqrt(np.sum(part * part, axis=0))
 
     def __call__(self, strain: Tensors) -> Tensors:
-        part = np.tensordot(self.convex.projector, strain, axes=1)
+        part = mapped(self.convex.projector, strain)
         radius = self.convex.radius
         return self.beta * (1 - radius / np.maximum(self._norm(part), radius)) * part
 
     def derivative(self, strain: Tensors, direction: Tensors) -> Tensors:
-        part = np.tensordot(self.convex.projector, strain, axes=1)
-        change = np.tensordot(self.convex.projector, direction, axes=1)
+        part = mapped(self.convex.projector, strain)
+        change = mapped(self.convex.projector, direction)
         norm = self._norm(part)
         outside = norm > self.convex.radius
         norm = np.where(outside, norm, 1.0)

@@ -15,7 +15,7 @@ from manufactured.modes import Modes
 from manufactured.profile import Piecewise
 from manufactured.singular.monomials import Monomial, Powers
 from manufactured.symbols import Jet, s
-from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
+from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, mapped, rotation
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class SingularAtPoints:
     def __init__(self, field: SingularField, x: Points) -> None:
         self.field = field
         offset = x - np.array(field.centre).reshape((-1,) + (1,) * (x.ndim - 1))
-        self.local = np.tensordot(field.frame.T, offset, axes=1)
+        self.local = mapped(field.frame.T, offset)
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """u (or u̇), (2, ...)."""
@@ -93,12 +93,12 @@ class SingularAtPoints:
 
     @cached_property
     def _displacement(self) -> Array:
-        return np.tensordot(self.field.frame, self._derivative(0, 0), axes=1)
+        return mapped(self.field.frame, self._derivative(0, 0))
 
     @cached_property
     def _strain(self) -> Array:
         gradient = np.stack([self._derivative(1, 0), self._derivative(0, 1)], axis=1)
-        return np.tensordot(rotation(self.field.frame), mandel(gradient), axes=1)
+        return mapped(rotation(self.field.frame), mandel(gradient))
 
     @cached_property
     def _strain_gradient(self) -> Array:

@@ -21,7 +21,7 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.law import Linear
-from manufactured.tensors import Array, Tensors, dyad
+from manufactured.tensors import Array, Tensors, dyad, mapped
 from study.fem.ahead import RECENT, Ahead, block_length
 from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, amplitudes_of, energy
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
@@ -128,7 +128,7 @@ class Gauge:
 
     def _constant_energy(self, strain: Tensors) -> Array:
         """∫ A ε·ε of a strain that is constant on every cell; for (D, cells, n), (n,)."""
-        density = np.einsum("Ic...,Ic...->c...", np.tensordot(self.A.matrix, strain, axes=1), strain)
+        density = np.einsum("Ic...,Ic...->c...", mapped(self.A.matrix, strain), strain)
         return np.asarray(self._cells.viscous @ density)
 
     def distance(self, sample: Sample, v: Array) -> float:
@@ -152,7 +152,7 @@ class Gauge:
         """∫_{Γ3} p v_ν with p = −σ_ν at n times, (n_dofs, n)."""
         nodal = np.zeros((*self.space.mesh.p.shape, strains.shape[1]))
         for face, vertices, sums in self._faces:
-            moments = -np.tensordot(dyad(face.part.normal, face.part.normal), sums(strains, rates), axes=1)
+            moments = -mapped(dyad(face.part.normal, face.part.normal), sums(strains, rates))
             nodal[:, vertices] += np.multiply.outer(face.part.normal, moments)
         return self.space.interpolate(nodal)
 

@@ -12,7 +12,7 @@ from skfem import Mesh
 
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
-from manufactured.tensors import Array, full, mandel
+from manufactured.tensors import Array, full, mandel, mapped
 from study.fem.ahead import block_length
 from study.fem.gauge import FACET_POINTS, rules
 from study.fem.mesh import barycentric_gradients
@@ -97,7 +97,7 @@ class LeadingTerm:
             V[i] += bend[:, None] * slopes[j]
             V[j] += bend[:, None] * slopes[i]
         strains = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
-        densities = [np.einsum("Icn,Icn->cn", np.tensordot(self.A, e, axes=1), e) for e in strains]
+        densities = [np.einsum("Icn,Icn->cn", mapped(self.A, e), e) for e in strains]
         return np.sqrt(self.weights @ sum(densities[1:], densities[0]))
 
 

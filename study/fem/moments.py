@@ -22,7 +22,7 @@ from skfem import Mesh
 from manufactured.body import Part
 from manufactured.law import KelvinVoigt, Linear
 from manufactured.modes import Modes
-from manufactured.tensors import Array, Tensors
+from manufactured.tensors import Array, Tensors, mapped
 from study.fem.quadrature import CellRule, FacetRule
 
 Amplitudes = Array
@@ -123,7 +123,7 @@ class StrainSums:
         sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1, amplitudes.shape[1])
         if C is None and self._plain:
             return sums
-        return np.tensordot(self._tensors if C is None else C @ self._tensors, sums, axes=1)
+        return mapped(self._tensors if C is None else C @ self._tensors, sums)
 
 
 def _blocks(
@@ -193,7 +193,7 @@ def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplit
 
     def by_point(amplitudes: Amplitudes) -> Array:
         strain = strain_at_points(modes, amplitudes, len(weights))
-        return weights @ np.einsum("Ipn,Ipn->pn", np.tensordot(C, strain, axes=1), strain)
+        return weights @ np.einsum("Ipn,Ipn->pn", mapped(C, strain), strain)
 
     if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
         return by_point

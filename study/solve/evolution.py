@@ -19,7 +19,7 @@ import numpy as np
 import scipy.sparse as sps
 
 from manufactured.law import Elasticity, KelvinVoigt, Linear
-from manufactured.tensors import Array
+from manufactured.tensors import Array, mapped
 from study.fem.material import form, means
 from study.fem.space import Displacements, Space
 from study.solve.fixed_point import FixedPointError, fixed_point
@@ -93,7 +93,7 @@ def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[A
 
     def difference(v: Array) -> Array:
         strain = space.strain(v)
-        return space.functional(at_points(strain) - factor * np.tensordot(G.reference, strain, axes=1))
+        return space.functional(at_points(strain) - factor * mapped(G.reference, strain))
 
     return difference
 
