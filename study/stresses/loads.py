@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from itertools import chain
+from typing import NamedTuple
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from manufactured.data import Data, ForceInTime
 from manufactured.exact import ForceModes
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.ahead import Ahead, block_length
-from study.fem.moments import QuadraturePoints, StrainSums, amplitudes_of
+from study.fem.moments import QuadraturePoints, StrainSums, amplitudes_of, strain_at_points
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
 from study.stresses.bernstein import bernstein, triangle_mass
 from study.stresses.composite import alfeld_split, barycentric
@@ -89,9 +89,15 @@ class ProjectedLoads:
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
         self._last: tuple[float, Loads] | None = None
 
-    def foresee(self, times: Array) -> None:
-        """These times, increasing, (n,), will be asked for: nothing depends on it but how long it takes."""
-        self._ahead.foresee(times)
+    def foresee(self, loads: Sequence[Array] = (), snapshots: Sequence[Array] = ()) -> None:
+        """Loads, and snapshots, will be asked for at increasing times (n,), or at several such in turns.
+
+        Nothing depends on it but how long they take.
+        """
+        for times in loads:
+            self._loads_ahead.foresee(times)
+        for times in snapshots:
+            self._splits_ahead.foresee(times)
 
     def __call__(self, time: float) -> Loads:
         if self._last is None or self._last[0] != time:
@@ -125,12 +131,32 @@ class ProjectedLoads:
         return _AtPoints(self._blocks) if modes is None else _Sums(self._blocks, modes)
 
     @cached_property
-    def _ahead(self) -> Ahead[Array]:
+    def _loads_ahead(self) -> Ahead[Array]:
         return Ahead(self._uncut.together)
+
+    @cached_property
+    def _forces(self) -> list[Callable[[Array], Array]]:
+        """Times (n,) ↦ f_0 at the points of each block, (2, thirds, q, n)."""
+        return [_force_at(self.data, block.rule.points) for block in self._blocks]
+
+    @cached_property
+    def _splits_ahead(self) -> Ahead[Split]:
+        points = sum(block.rule.weights.size for block in self._blocks)
+        return Ahead(1 if self.data.force_modes is None else block_length(2 * points))
+
+    def _splits(self, times: Array) -> list[Split]:
+        """f_0 on all thirds by the rules that time does not change."""
+        lower, more = (degree * (degree + 1) // 2 for degree in (self.space.degree, self.space.degree + 1))
+        n, thirds = len(times), 3 * self.space.cells
+        found = Split(np.empty((n, thirds, lower, 2)), np.empty((n, thirds)), np.empty((n, thirds, more, 2)))
+        for block, force in zip(self._blocks, self._forces, strict=True):
+            for whole, part in zip(found, block.split(force(times)), strict=True):
+                whole[:, block.cells] = part
+        return [Split(*each) for each in zip(*found, strict=True)]
 
     def _loads(self, time: float) -> Loads:
         space = self.space
-        force = self._ahead(time, self._uncut).copy()
+        force = self._loads_ahead(time, self._uncut).copy()
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
         for block in self._cut_at(time):
             force[block.cells] = block.projected(block.force(time))
@@ -141,22 +167,30 @@ class ProjectedLoads:
     def at(self, time: float) -> Snapshot:
         """P f_0, P f_2 and the norms of what P leaves out."""
         space, mass = self.space, triangle_mass(self.space.degree)
-        lower = space.degree * (space.degree + 1) // 2
-        force, squares = np.empty((3 * space.cells, lower, 2)), np.empty(3 * space.cells)
-        moments = np.empty((3 * space.cells, len(mass), 2))
-        for block in chain(self._blocks, self._cut_at(time)):
-            force[block.cells], squares[block.cells], moments[block.cells] = block(time)
+        found = Split(*(part.copy() for part in self._splits_ahead(time, self._splits)))
+        for block in self._cut_at(time):
+            for whole, part in zip(found, block.split(block.force(time)[..., None]), strict=True):
+                whole[block.cells] = part[0]
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
         on_edges = np.zeros(len(surface))
-        for part in self._parts:
-            surface[part.edges], on_edges[part.edges] = part(time)
-        total = squares.reshape(-1, 3).sum(axis=1)
-        of_cells = moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
+        for loaded in self._parts:
+            surface[loaded.edges], on_edges[loaded.edges] = loaded(time)
+        total = found.squares.reshape(-1, 3).sum(axis=1)
+        of_cells = found.moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
         low_order = np.einsum("cad,ab,cbd->c", of_cells, np.linalg.inv(mass), of_cells) / space.volumes
         return Snapshot(
-            Loads(force.reshape(space.cells, 3, lower, 2), surface),
+            Loads(found.force.reshape(space.cells, 3, -1, 2), surface),
             LeftOut(np.sqrt(np.maximum(low_order, 0.0)), np.sqrt(np.maximum(total - low_order, 0.0)), on_edges),
         )
+
+
+class Split(NamedTuple):
+    """f_0 on some thirds: P f_0, (..., n, lower, 2), and for g = f_0 − P f_0 and the Bernstein polynomials B_α of the
+    cells of degree k: ‖g‖² on the thirds, (..., n), and ∫ g B_α, (..., n, more, 2)."""
+
+    force: Array
+    squares: Array
+    moments: Array
 
 
 class _Block:
@@ -167,9 +201,10 @@ class _Block:
     """
 
     def __init__(self, data: Data, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
-        self.data, self.rule, self.shapes, self._make_whole = data, rule, shapes, whole
-        gram = np.einsum("anq,bnq,nq->nab", shapes, shapes, rule.weights, optimize=True)
-        self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), shapes, rule.weights, optimize=True)
+        self.data, self.rule, self._make_whole = data, rule, whole
+        self._shapes = np.ascontiguousarray(np.moveaxis(shapes, 0, 2))
+        weighted = self._shapes.swapaxes(1, 2) * rule.weights[:, None]
+        self.projection = np.linalg.inv(weighted @ self._shapes) @ weighted
 
     @property
     def cells(self) -> Array:
@@ -182,25 +217,42 @@ class _Block:
         return self.data.body_force(self.rule.points)
 
     @cached_property
-    def whole(self) -> Array:
-        """As above."""
-        return self._make_whole()
+    def _whole(self) -> Array:
+        """``whole`` as matrices, (n, more, q)."""
+        return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
 
     def projected(self, force: Vectors) -> Array:
         """P f_0, (n, lower, 2), from f_0 at the points, (2, n, q)."""
         return self.projection @ force.transpose(1, 2, 0)
 
-    def __call__(self, time: float) -> tuple[Array, Array, Array]:
-        """P f_0, and for g = f_0 − P f_0: ‖g‖² on the thirds, (n,), ∫ g B_α, (n, more, 2)."""
-        force = self.force(time)
-        coefficients = self.projected(force)
-        rest = force - np.einsum("nad,anq->dnq", coefficients, self.shapes, optimize=True)
-        weighted = rest * self.rule.weights
-        return (
-            coefficients,
-            np.einsum("dnq,dnq->n", rest, weighted),
-            np.einsum("dnq,anq->nad", weighted, self.whole, optimize=True),
+    def split(self, force: Vectors) -> Split:
+        """f_0 at some times from its values at the points, (2, n, q, times) → (times, n, ...)."""
+        n, q, times = force.shape[1:]
+        values = force.transpose(1, 2, 3, 0).reshape(n, q, -1)
+        coefficients = self.projection @ values
+        rest = values - self._shapes @ coefficients
+        weighted = rest * self.rule.weights[..., None]
+        squares = np.einsum("nqx,nqx->nx", rest, weighted).reshape(n, times, 2).sum(axis=2)
+        force, moments = (
+            np.moveaxis(part.reshape(n, -1, times, 2), 2, 0) for part in (coefficients, self._whole @ weighted)
         )
+        return Split(force, squares.T, moments)
+
+
+def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
+    """Times (n,) ↦ f_0 at points (2, ...), (2, ..., n)."""
+    if data.force_modes is None:
+        force = data.body_force(x)
+        return lambda times: np.stack([force(time) for time in times], axis=-1)
+    modes, count = data.force_modes(x.reshape(len(x), -1)), x[0].size
+    viscous, elastic = amplitudes_of(modes.viscous), amplitudes_of(modes.elastic)
+
+    def at(times: Array) -> Array:
+        found = strain_at_points(modes.viscous, viscous(tuple(times), True), count)
+        found += strain_at_points(modes.elastic, elastic(tuple(times), False), count)
+        return found.reshape(*x.shape, len(times))
+
+    return at
 
 
 class _AtPoints:
@@ -215,7 +267,7 @@ class _AtPoints:
         return [self._at(time) for time in times]
 
     def _at(self, time: float) -> Array:
-        found = np.empty((sum(len(block.cells) for block in self._blocks), len(self._blocks[0].shapes), 2))
+        found = np.empty((sum(len(block.cells) for block in self._blocks), self._blocks[0].projection.shape[1], 2))
         for block in self._blocks:
             found[block.cells] = block.projected(block.force(time))
         return found
@@ -232,7 +284,9 @@ class _Sums:
     def __init__(self, blocks: Sequence[_Block], modes: Callable[[Points], ForceModes]) -> None:
         points = QuadraturePoints.on_cells([block.rule for block in blocks])
         found = modes(points.x)
-        weights = np.concatenate([block.projection.swapaxes(1, 2).reshape(-1, len(block.shapes)) for block in blocks])
+        weights = np.concatenate(
+            [block.projection.swapaxes(1, 2).reshape(-1, block.projection.shape[1]) for block in blocks]
+        )
         self._parts = [
             (rate, amplitudes_of(part), [StrainSums(part, points, each) for each in weights.T])
             for rate, part in ((True, found.viscous), (False, found.elastic))

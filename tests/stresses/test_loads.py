@@ -91,8 +91,11 @@ def test_loads_found_for_many_times_are_those_found_point_by_point(name: str, de
     told, other = ProjectedLoads(data, space), ProjectedLoads(replace(data, force_modes=None), space)
     times = solution.body.T * np.linspace(0, 1, 8)[1:]
     told(0.0)
-    told.foresee(times)
+    told.foresee([times], [times])
     for time in (*times, times[2], 0.123):
         found, expected = told(time), other(time)
         assert abs(found.force - expected.force).max() <= 1e-12 * abs(expected.force).max()
         assert np.array_equal(found.surface, expected.surface)
+        left, right = told.at(time).left_out, other.at(time).left_out
+        for name in ("low_order", "high_order", "on_edges"):
+            assert getattr(left, name) == pytest.approx(getattr(right, name), rel=1e-9, abs=1e-12)
