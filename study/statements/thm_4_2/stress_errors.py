@@ -27,7 +27,6 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
-from study.solve.steps import step_size
 from study.solve.tableau import BDF2, Tableau
 from study.statements.shared.base import Setting
 from study.stresses.bernstein import bernstein
@@ -198,7 +197,7 @@ class Primal:
         assert isinstance(law.G, Linear)
         self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
         gauge = Gauge(solution, self.displacements)
-        gauge.foresee(loads=[step_size(solution.body.T, steps) * np.arange(1, steps + 1)])
+        gauge.foresee(loads=[BDF2.loaded(solution.body.T, steps)])
         problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
         self.states = islice(velocities(problem, BDF2, steps), 1, None)
 
