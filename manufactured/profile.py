@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial.polynomial import polyadd, polyder, polymul, polyval
@@ -23,6 +24,12 @@ class ProfileError(ValueError):
     """A profile does not carry Cauchy data into the body."""
 
 
+@lru_cache
+def _derived(pieces: tuple[tuple[float, ...], ...], derivative: int) -> list[tuple[float, ...]]:
+    """The coefficients of a derivative of some polynomials."""
+    return [tuple(map(float, polyder(piece, derivative))) for piece in pieces]
+
+
 @dataclass(frozen=True)
 class Piecewise:
     """A continuous piecewise polynomial of y, zero beyond its last piece.
@@ -39,9 +46,10 @@ class Piecewise:
         """The derivative of the given order at y, (...)."""
         total = np.zeros(np.shape(y), dtype=np.result_type(y, float))
         start = -np.inf
-        for end, piece in zip(self.ends, self.pieces, strict=True):
-            inside = (np.real(y) >= start) & (np.real(y) < end)
-            total = np.where(inside, polyval(y, polyder(piece, derivative)), total)
+        for end, piece in zip(self.ends, _derived(self.pieces, derivative), strict=True):
+            if any(piece):
+                inside = (np.real(y) >= start) & (np.real(y) < end)
+                total = np.where(inside, polyval(y, piece), total)
             start = end
         return total
 

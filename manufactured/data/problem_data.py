@@ -12,9 +12,9 @@ import sympy as sp
 from manufactured.body import Body, Kind, Part
 from manufactured.data.compiled_formulas import compiled, own_formula
 from manufactured.data.expressions import Expressions
-from manufactured.exact import ExactSolution
+from manufactured.exact import ExactSolution, ForceModes
 from manufactured.factor import x1, x2, x3
-from manufactured.law import KelvinVoigt
+from manufactured.law import KelvinVoigt, Linear
 from manufactured.symbols import FormulaError, t
 from manufactured.tensors import Hyperplane, Points, Tensors, Vectors, mandel
 
@@ -45,6 +45,7 @@ class Data:
         formulas_of: what the callables were made from, by which equal data are known as equal: an exact solution,
             ``Expressions``, or None for functions of Python.
         fronts: t ↦ lines across which f_0 jumps or has kinks at this time alone.
+        force_modes: points ↦ f_0 as a sum of products, None where it is not known as one.
     """
 
     body: Body
@@ -57,6 +58,7 @@ class Data:
     points: tuple[tuple[float, ...], ...] = ()
     formulas_of: object = None
     fronts: Callable[[float], tuple[Hyperplane, ...]] = no_fronts
+    force_modes: Callable[[Points], ForceModes] | None = None
 
     @classmethod
     def of(cls, solution: ExactSolution) -> Data:
@@ -83,6 +85,7 @@ class Data:
             solution.singular,
             solution,
             solution.fronts,
+            (lambda x: solution.at(x).force_modes()) if isinstance(solution.law.G, Linear) else None,
         )
 
     @classmethod

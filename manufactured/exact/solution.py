@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
+from manufactured.exact.forces import ForceModes, force_modes
 from manufactured.law import KelvinVoigt
 from manufactured.modes import Modes
 from manufactured.symbols import Values
@@ -99,7 +100,7 @@ class Fields:
     """
 
     def __init__(self, solution: ExactSolution, x: Points) -> None:
-        self.law = solution.law.at(x)
+        self.law, self._count = solution.law.at(x), x[0].size
         self._parts: list[ContributionAtPoints] = [part.at(x) for part in (*solution.faces, *solution.others)]
 
     def displacement(self, time: Array | complex) -> Vectors:
@@ -136,6 +137,13 @@ class Fields:
         slope = self.law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
         slope = slope + self.law.G.gradient(lambda: self.strain(time), self.strain_gradient(time))
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
+
+    def force_modes(self) -> ForceModes:
+        """f_0 as sums of products, for a law whose G is linear; points are counted through in the order of ``x``."""
+        viscous, elastic = (
+            [force_modes(tensor, part, self._count) for part in self._parts] for tensor in (self.law.A, self.law.G)
+        )
+        return ForceModes(viscous, elastic)
 
     def surface_load(self, part: Part, time: complex) -> Vectors:
         """f_2 = σν, (2.4), for points on ``part``, (d, ...)."""

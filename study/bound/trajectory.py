@@ -27,6 +27,7 @@ from study.fem.mesh import with_midpoints
 from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete, remainder
 from study.solve.signorini import Signorini
+from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 
 
@@ -98,9 +99,10 @@ class SmoothedInTime:
         return coarse
 
     def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
-        J = prolongation(computed.space, fine)
-        for j, node in enumerate(computed.nodes):
-            yield computed.T * j / computed.steps, J @ node
+        J, times = prolongation(computed.space, fine), computed.T * np.arange(computed.steps + 1) / computed.steps
+        foresee(fine, times)
+        for time, node in zip(times.tolist(), computed.nodes, strict=True):
+            yield time, J @ node
 
 
 @dataclass(frozen=True)
@@ -118,11 +120,12 @@ class Refined:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse
 
     def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
-        data, V = fine.data, fine.displacements
+        data, V, steps = fine.data, fine.displacements, self.shorter * computed.steps
+        foresee(fine, step_size(computed.T, steps) * np.arange(steps + 1))
         stress = data.law.A.at(V.points)(data.initial(V.points))
         # The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0.
         start, _ = Signorini(fine.M, V.N)(V.functional(stress))
-        for state in MIDPOINT.march(quadratic_problem(fine, start), self.shorter * computed.steps):
+        for state in MIDPOINT.march(quadratic_problem(fine, start), steps):
             yield state.time, state.u
 
 
@@ -161,6 +164,16 @@ class Parabola:
         """ũ̇ at a or b."""
         difference = self.end - self.control if end else self.control - self.start
         return 2 * difference / (self.b - self.a)
+
+
+def foresee(discretisation: Discretisation, nodes: Array) -> None:
+    """The data will be asked for at the knots of the spline with nodes at these times (n,), and within its pieces.
+
+    Nothing depends on it but how long that takes.
+    """
+    knots = np.concatenate([nodes[:1], (nodes[:-1] + nodes[1:]) / 2, nodes[-1:]])
+    a, b = knots[:-1], knots[1:]
+    discretisation.loads.foresee([a + (b - a) / 4], [knots, (a + b) / 2])
 
 
 def spline(nodes: Iterable[tuple[float, Array]]) -> Iterator[Parabola]:

@@ -18,6 +18,7 @@ from functools import cached_property
 import numpy as np
 
 from manufactured.data import Data
+from manufactured.factor import UNIFORM
 from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors
 from study.solve.signorini import Signorini
@@ -49,8 +50,14 @@ class DualState:
 
 
 def tensor_at(C: Linear, x: Array) -> Array:
-    """C(x) in Mandel form: points (2, ...) → (..., 3, 3)."""
-    return np.multiply.outer(C.factor(x), C.matrix)
+    """C(x) in Mandel form: points (2, ...) → (..., 3, 3), or (3, 3) where the material is homogeneous."""
+    return C.matrix if C.factor is UNIFORM else np.multiply.outer(C.factor(x), C.matrix)
+
+
+def act(C: Array, strain: Tensors) -> Tensors:
+    """C ε at points, Mandel: (..., 3, 3), or (3, 3) for all, and (3, ...) → (3, ...)."""
+    found: Tensors = np.einsum("...IJ,J...->I...", C, strain)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,15 +102,16 @@ class StressEvolution:
         scheme.require_unique(k, law.growth)
         viscous = tensor_at(law.A, points) / k
         compliance = np.linalg.inv(scheme.newest * viscous + tensor_at(law.G, points))
+        memory = compliance @ viscous
         equilibrium = Equilibrium(self.space, compliance, self.solver)
+        self.loads.foresee([k * np.arange(1, round(self.T / k) + 1)])
 
         def step(n: int, past: Sequence[DualState]) -> DualState:
             known = scheme.known([state.strain for state in past])
-            rate = np.einsum("cqIJ,Jcq->Icq", viscous, known, optimize=True)
-            released = np.einsum("cqIJ,Jcq->Icq", compliance, rate, optimize=True)
+            released = act(memory, known)
             loads = self.loads(n * k)
             stress = equilibrium(loads, released)
-            strain = released + np.einsum("cqIJ,Jcq->Icq", compliance, stress.values, optimize=True)
+            strain = released + act(compliance, stress.values)
             return DualState(n * k, stress, strain, loads)
 
         return step

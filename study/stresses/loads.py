@@ -9,15 +9,19 @@ was 2.4 times as large at n = 64, and the error of the pressure 19 times.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import partial
+from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
 from manufactured.body import Kind, Part
-from manufactured.data import Data
-from manufactured.tensors import Array, Vectors
+from manufactured.data import Data, ForceInTime
+from manufactured.exact import ForceModes
+from manufactured.tensors import Array, Points, Vectors
+from study.fem.ahead import Ahead, block_length
+from study.fem.moments import QuadraturePoints, StrainSums, amplitudes_of, strain_at_points
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
 from study.stresses.bernstein import bernstein, triangle_mass
 from study.stresses.composite import alfeld_split, barycentric
@@ -79,13 +83,21 @@ class ProjectedLoads:
     def __init__(self, data: Data, space: StressSpace, raised: int = 0) -> None:
         self.space, self.data = space, data
         self._thirds, self._corners = alfeld_split(space.mesh)
-        self._cells = np.repeat(space.mesh.p[:, space.mesh.t], 3, axis=2)
         self._degree = max(DEGREE, 2 * space.degree) + raised
-        lines = [Line(*line) for line in data.lines]
-        self._blocks = [self._block(rule) for rule in cell_rules(self._thirds, self._degree, lines, data.points)]
-        self._cut = np.concatenate([*rough_cells(self._thirds, lines, data.points), np.empty(0, dtype=int)])
+        self._lines = [Line(*line) for line in data.lines]
+        self._cut = np.concatenate([*rough_cells(self._thirds, self._lines, data.points), np.empty(0, dtype=int)])
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
         self._last: tuple[float, Loads] | None = None
+
+    def foresee(self, loads: Sequence[Array] = (), snapshots: Sequence[Array] = ()) -> None:
+        """Loads, and snapshots, will be asked for at increasing times (n,), or at several such in turns.
+
+        Nothing depends on it but how long they take.
+        """
+        for times in loads:
+            self._loads_ahead.foresee(times)
+        for times in snapshots:
+            self._splits_ahead.foresee(times)
 
     def __call__(self, time: float) -> Loads:
         if self._last is None or self._last[0] != time:
@@ -93,22 +105,60 @@ class ProjectedLoads:
         return self._last[1]
 
     def _block(self, rule: CellRule) -> _Block:
-        local, full = (barycentric(c[:, :, rule.cells], rule.points) for c in (self._corners, self._cells))
-        return _Block(self.data, rule, bernstein(self.space.degree - 1, local), bernstein(self.space.degree, full))
+        local, full = (partial(barycentric, c[:, :, rule.cells], rule.points) for c in (self._corners, self._cells))
+        degree = self.space.degree
+        return _Block(self.data, rule, bernstein(degree - 1, local()), lambda: bernstein(degree, full()))
 
-    def _blocks_at(self, time: float) -> Iterator[_Block]:
-        """All thirds, and those at the fronts of a time once more, which count."""
-        yield from self._blocks
-        for rule in sliced_rules(
-            self._thirds, [Line(*line) for line in self.data.fronts(time)], self._cut, self._degree
-        ):
-            yield self._block(rule)
+    @cached_property
+    def _cells(self) -> Points:
+        """The vertices of the cell of each third, (2, 3, thirds)."""
+        return np.repeat(self.space.mesh.p[:, self.space.mesh.t], 3, axis=2)
+
+    @cached_property
+    def _blocks(self) -> list[_Block]:
+        """All thirds."""
+        return [self._block(rule) for rule in cell_rules(self._thirds, self._degree, self._lines, self.data.points)]
+
+    def _cut_at(self, time: float) -> Iterator[_Block]:
+        """The thirds at the fronts of a time once more, which count."""
+        fronts = [Line(*line) for line in self.data.fronts(time)]
+        return map(self._block, sliced_rules(self._thirds, fronts, self._cut, self._degree))
+
+    @cached_property
+    def _uncut(self) -> _AtPoints | _Sums:
+        """P f_0 on all thirds by the rules that time does not change."""
+        modes = self.data.force_modes
+        return _AtPoints(self._blocks) if modes is None else _Sums(self._blocks, modes)
+
+    @cached_property
+    def _loads_ahead(self) -> Ahead[Array]:
+        return Ahead(self._uncut.together)
+
+    @cached_property
+    def _forces(self) -> list[Callable[[Array], Array]]:
+        """Times (n,) ↦ f_0 at the points of each block, (2, thirds, q, n)."""
+        return [_force_at(self.data, block.rule.points) for block in self._blocks]
+
+    @cached_property
+    def _splits_ahead(self) -> Ahead[Split]:
+        points = sum(block.rule.weights.size for block in self._blocks)
+        return Ahead(1 if self.data.force_modes is None else block_length(2 * points))
+
+    def _splits(self, times: Array) -> list[Split]:
+        """f_0 on all thirds by the rules that time does not change."""
+        lower, more = (degree * (degree + 1) // 2 for degree in (self.space.degree, self.space.degree + 1))
+        n, thirds = len(times), 3 * self.space.cells
+        found = Split(np.empty((n, thirds, lower, 2)), np.empty((n, thirds)), np.empty((n, thirds, more, 2)))
+        for block, force in zip(self._blocks, self._forces, strict=True):
+            for whole, part in zip(found, block.split(force(times)), strict=True):
+                whole[:, block.cells] = part
+        return [Split(*each) for each in zip(*found, strict=True)]
 
     def _loads(self, time: float) -> Loads:
         space = self.space
-        force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
+        force = self._loads_ahead(time, self._uncut).copy()
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
-        for block in self._blocks_at(time):
+        for block in self._cut_at(time):
             force[block.cells] = block.projected(block.force(time))
         for part in self._parts:
             surface[part.edges] = part.projected(part.load(time))
@@ -117,53 +167,139 @@ class ProjectedLoads:
     def at(self, time: float) -> Snapshot:
         """P f_0, P f_2 and the norms of what P leaves out."""
         space, mass = self.space, triangle_mass(self.space.degree)
-        lower = space.degree * (space.degree + 1) // 2
-        force, squares = np.empty((3 * space.cells, lower, 2)), np.empty(3 * space.cells)
-        moments = np.empty((3 * space.cells, len(mass), 2))
-        for block in self._blocks_at(time):
-            force[block.cells], squares[block.cells], moments[block.cells] = block(time)
+        found = Split(*(part.copy() for part in self._splits_ahead(time, self._splits)))
+        for block in self._cut_at(time):
+            for whole, part in zip(found, block.split(block.force(time)[..., None]), strict=True):
+                whole[block.cells] = part[0]
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
         on_edges = np.zeros(len(surface))
-        for part in self._parts:
-            surface[part.edges], on_edges[part.edges] = part(time)
-        total = squares.reshape(-1, 3).sum(axis=1)
-        of_cells = moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
+        for loaded in self._parts:
+            surface[loaded.edges], on_edges[loaded.edges] = loaded(time)
+        total = found.squares.reshape(-1, 3).sum(axis=1)
+        of_cells = found.moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
         low_order = np.einsum("cad,ab,cbd->c", of_cells, np.linalg.inv(mass), of_cells) / space.volumes
         return Snapshot(
-            Loads(force.reshape(space.cells, 3, lower, 2), surface),
+            Loads(found.force.reshape(space.cells, 3, -1, 2), surface),
             LeftOut(np.sqrt(np.maximum(low_order, 0.0)), np.sqrt(np.maximum(total - low_order, 0.0)), on_edges),
         )
+
+
+class Split(NamedTuple):
+    """f_0 on some thirds: P f_0, (..., n, lower, 2), and for g = f_0 − P f_0 and the Bernstein polynomials B_α of the
+    cells of degree k: ‖g‖² on the thirds, (..., n), and ∫ g B_α, (..., n, more, 2)."""
+
+    force: Array
+    squares: Array
+    moments: Array
 
 
 class _Block:
     """Some thirds with one quadrature rule and f_0 at its points.
 
     ``shapes`` are the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q), and ``whole``
-    those of degree k of their cells, (more, n, q).
+    gives those of degree k of their cells, (more, n, q).
     """
 
-    def __init__(self, data: Data, rule: CellRule, shapes: Array, whole: Array) -> None:
-        self.cells, self.weights = rule.cells, rule.weights
-        self.shapes, self.whole = shapes, whole
-        self.force = data.body_force(rule.points)
-        gram = np.einsum("anq,bnq,nq->nab", shapes, shapes, rule.weights, optimize=True)
-        self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), shapes, rule.weights, optimize=True)
+    def __init__(self, data: Data, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
+        self.data, self.rule, self._make_whole = data, rule, whole
+        self._shapes = np.ascontiguousarray(np.moveaxis(shapes, 0, 2))
+        weighted = self._shapes.swapaxes(1, 2) * rule.weights[:, None]
+        self.projection = np.linalg.inv(weighted @ self._shapes) @ weighted
+
+    @property
+    def cells(self) -> Array:
+        """The thirds, (n,)."""
+        return self.rule.cells
+
+    @cached_property
+    def force(self) -> ForceInTime:
+        """t ↦ f_0 at the points, (2, n, q)."""
+        return self.data.body_force(self.rule.points)
+
+    @cached_property
+    def _whole(self) -> Array:
+        """``whole`` as matrices, (n, more, q)."""
+        return np.ascontiguousarray(np.moveaxis(self._make_whole(), 0, 1))
 
     def projected(self, force: Vectors) -> Array:
         """P f_0, (n, lower, 2), from f_0 at the points, (2, n, q)."""
-        return np.einsum("naq,dnq->nad", self.projection, force, optimize=True)
+        return self.projection @ force.transpose(1, 2, 0)
 
-    def __call__(self, time: float) -> tuple[Array, Array, Array]:
-        """P f_0, and for g = f_0 − P f_0: ‖g‖² on the thirds, (n,), ∫ g B_α, (n, more, 2)."""
-        force = self.force(time)
-        coefficients = self.projected(force)
-        rest = force - np.einsum("nad,anq->dnq", coefficients, self.shapes, optimize=True)
-        weighted = rest * self.weights
-        return (
-            coefficients,
-            np.einsum("dnq,dnq->n", rest, weighted),
-            np.einsum("dnq,anq->nad", weighted, self.whole, optimize=True),
+    def split(self, force: Vectors) -> Split:
+        """f_0 at some times from its values at the points, (2, n, q, times) → (times, n, ...)."""
+        n, q, times = force.shape[1:]
+        values = force.transpose(1, 2, 3, 0).reshape(n, q, -1)
+        coefficients = self.projection @ values
+        rest = values - self._shapes @ coefficients
+        weighted = rest * self.rule.weights[..., None]
+        squares = np.einsum("nqx,nqx->nx", rest, weighted).reshape(n, times, 2).sum(axis=2)
+        force, moments = (
+            np.moveaxis(part.reshape(n, -1, times, 2), 2, 0) for part in (coefficients, self._whole @ weighted)
         )
+        return Split(force, squares.T, moments)
+
+
+def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
+    """Times (n,) ↦ f_0 at points (2, ...), (2, ..., n)."""
+    if data.force_modes is None:
+        force = data.body_force(x)
+        return lambda times: np.stack([force(time) for time in times], axis=-1)
+    modes, count = data.force_modes(x.reshape(len(x), -1)), x[0].size
+    viscous, elastic = amplitudes_of(modes.viscous), amplitudes_of(modes.elastic)
+
+    def at(times: Array) -> Array:
+        found = strain_at_points(modes.viscous, viscous(tuple(times), True), count)
+        found += strain_at_points(modes.elastic, elastic(tuple(times), False), count)
+        return found.reshape(*x.shape, len(times))
+
+    return at
+
+
+class _AtPoints:
+    """Times (n,) ↦ P f_0 on the thirds of some blocks that cover all of them, n of (thirds, lower, 2), one by one."""
+
+    together = 1
+
+    def __init__(self, blocks: Sequence[_Block]) -> None:
+        self._blocks = blocks
+
+    def __call__(self, times: Array) -> list[Array]:
+        return [self._at(time) for time in times]
+
+    def _at(self, time: float) -> Array:
+        found = np.empty((sum(len(block.cells) for block in self._blocks), self._blocks[0].projection.shape[1], 2))
+        for block in self._blocks:
+            found[block.cells] = block.projected(block.force(time))
+        return found
+
+
+class _Sums:
+    """The same for many times together: one matrix that acts on what f_0 is made of along the faces, for each of the
+    ``lower`` polynomials.
+
+    Attributes:
+        together: how many times are best found together.
+    """
+
+    def __init__(self, blocks: Sequence[_Block], modes: Callable[[Points], ForceModes]) -> None:
+        points = QuadraturePoints.on_cells([block.rule for block in blocks])
+        found = modes(points.x)
+        weights = np.concatenate(
+            [block.projection.swapaxes(1, 2).reshape(-1, block.projection.shape[1]) for block in blocks]
+        )
+        self._parts = [
+            (rate, amplitudes_of(part), [StrainSums(part, points, each) for each in weights.T])
+            for rate, part in ((True, found.viscous), (False, found.elastic))
+        ]
+        places = sum(len(part.tensors) * part.count for part in found.viscous)
+        self.together = block_length(max(places, 2 * weights.shape[1] * points.count))
+
+    def __call__(self, times: Array) -> list[Array]:
+        total = np.zeros(())
+        for rate, amplitudes, sums in self._parts:
+            fields = amplitudes(tuple(times), rate)
+            total = total + np.array([each(fields) for each in sums])
+        return [*np.ascontiguousarray(np.transpose(total, (3, 2, 0, 1)))]
 
 
 class _Edges:

@@ -135,7 +135,7 @@ class StressSpace(MeshedBody):
 
         All cells have the same stresses but for the Piola transformation, so that this is one product of two matrices.
         """
-        pulled = np.einsum("cIJ,Icq,cq->cqJ", self._piola, strain, self.weights, optimize=True)
+        pulled = np.moveaxis(strain * self.weights, 0, 2) @ self._piola
         return pulled.reshape(self.cells, -1) @ self.reference.reshape(-1, self.reference.shape[-1])
 
     def combined(self, coefficients: Array) -> Tensors:
@@ -150,19 +150,25 @@ class StressSpace(MeshedBody):
     @cached_property
     def tractions(self) -> Array:
         """The tractions of ``basis`` on the three sides, (cells, 3, n, 2, p)."""
-        reference = np.tensordot(self.element.tractions, self.element.divergence_free, axes=3)
-        return self._to_edges(np.broadcast_to(reference, (self.cells, *reference.shape)))
+        reference = np.moveaxis(np.tensordot(self.element.tractions, self.element.divergence_free, axes=3), -1, 0)
+        found = self._to_edges(np.broadcast_to(reference[:, None], (len(reference), self.cells, *reference.shape[1:])))
+        return np.ascontiguousarray(np.moveaxis(found, 0, -1))
 
-    def _to_edges(self, reference: Array) -> Array:
-        """|ê| σ̂ν̂ on the sides of the reference triangle ↦ σν on the edges, (cells, 3, n, 2, ...)."""
-        pushed = np.einsum("cij,csnj...->csni...", self.map, reference, optimize=True)
+    @cached_property
+    def _onto_edges(self) -> tuple[Array, Array]:
+        """|ê| σ̂ν̂ ↦ σν in the axes of the edges, transposed, (cells, 3, 2, 2); which edges run against the sides."""
         a, b = (self.mesh.t[[side[end] for side in SIDES]].T for end in (0, 1))
         turned = (self.mesh.facets[0, self.edges] == b) & (self.mesh.facets[1, self.edges] == a)
-        pushed[turned] = pushed[turned][:, ::-1]
         # The sides of a reflected cell have inward normals.
         length = self.lengths[self.edges] * np.sign(self.determinant)[:, None]
-        pushed = pushed / length.reshape(*length.shape, *[1] * (pushed.ndim - 2))
-        return np.einsum("csij,csnj...->csni...", self.frames[self.edges], pushed, optimize=True)
+        return (self.frames[self.edges] @ self.map[:, None] / length[..., None, None]).swapaxes(2, 3), turned
+
+    def _to_edges(self, reference: Array) -> Array:
+        """|ê| σ̂ν̂ on the sides of the reference triangle ↦ σν on the edges, (..., cells, 3, n, 2) both."""
+        onto, turned = self._onto_edges
+        pushed: Array = reference @ onto
+        pushed[..., turned, :, :] = pushed[..., turned, ::-1, :]
+        return pushed
 
     def coefficients(self, values: Tensors) -> Array:
         """Values at the points of polynomials of degree k → Bernstein coefficients, (3, thirds, polynomials)."""
@@ -180,13 +186,13 @@ class StressSpace(MeshedBody):
         (cells, 3 thirds, lower, 2) → values (3, cells, Q) and tractions (cells, 3, n, 2), not continuous across edges.
         """
         values, tractions = self._lifting
-        back = -self.determinant[:, None, None, None] * np.einsum("cij,ctaj->ctai", self._inverse, coefficients)
+        back = (coefficients.reshape(self.cells, -1, 2) @ self._pulled).reshape(coefficients.shape)
         return self._pushed(np.tensordot(back, values, axes=3)), self._to_edges(np.tensordot(back, tractions, axes=3))
 
     @cached_property
-    def _inverse(self) -> Array:
-        """F⁻¹, (cells, 2, 2)."""
-        return np.linalg.inv(self.map)
+    def _pulled(self) -> Array:
+        """P f_0 ↦ the divergence of a stress of the reference triangle: −det F F⁻¹, transposed, (cells, 2, 2)."""
+        return -self.determinant[:, None, None] * np.linalg.inv(self.map).swapaxes(1, 2)
 
     @cached_property
     def _lifting(self) -> tuple[Array, Array]:

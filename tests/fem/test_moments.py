@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from operator import attrgetter
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from manufactured.catalogue import catalogue
+from manufactured.law import LawError, Linear
 from manufactured.multiscale import multiscale, rollers
 from manufactured.natural_motion import natural_motion
 from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
@@ -18,6 +21,7 @@ from study.fem.quadrature.cells import shared
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 
+NAME = attrgetter("name")
 PLANE = [case for case in catalogue() if case.solution.body.dim == 2]
 
 
@@ -33,6 +37,26 @@ def test_the_modes_of_a_solution_sum_to_its_strain(case, rate: bool) -> None:
         amplitudes = part.amplitudes(time, rate)[:, part.places]
         found[:, part.points] += np.einsum("kD,kn,kn->Dn", part.tensors, part.shapes, amplitudes)
     assert abs(found - expected).max() <= 1e-13 * abs(expected).max()
+
+
+@pytest.mark.parametrize("case", [case for case in catalogue() if isinstance(case.solution.law.G, Linear)], ids=NAME)
+def test_the_modes_of_a_force_sum_to_f_0(case) -> None:
+    solution = case.solution
+    x = solution.body.sample(np.random.default_rng(3), 300)
+    fields, time = solution.at(x), 0.37 * solution.body.T
+    expected, modes = fields.body_force(time), fields.force_modes()
+    found, size = np.zeros_like(expected), abs(fields.stress(time)).max()
+    for parts, rate in ((modes.viscous, True), (modes.elastic, False)):
+        for part in parts:
+            amplitudes = part.amplitudes(np.array([0.1, time]), rate)[:, part.places, 1]
+            found[:, part.points] += np.einsum("kd,kn,kn->dn", part.tensors, part.shapes, amplitudes)
+    assert abs(found - expected).max() <= 1e-12 * max(abs(expected).max(), size)
+
+
+def test_a_law_that_yields_has_no_modes_of_a_force() -> None:
+    solution = resolve("yield-on-a-part").solution
+    with pytest.raises(LawError, match="linear A and G only; take body_force"):
+        solution.at(np.array([[0.5], [0.5]])).force_modes()
 
 
 @pytest.mark.parametrize(

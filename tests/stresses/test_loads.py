@@ -12,7 +12,7 @@ from skfem import MeshTri
 from manufactured.data import Data, no_fronts
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, traction
-from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, cell_volumes
+from study.fem.mesh import FAMILIES, MeshFamily, OneDiagonal, Shaken, cell_volumes
 from study.fem.naming import resolve
 from study.fem.quadrature import Line
 from study.fem.quadrature.rough_cells import cut_rule, sliced_rule
@@ -79,3 +79,23 @@ def test_the_mean_of_f0_is_the_flux_of_the_stress_on_cells_that_moving_fronts_cr
     # A rule of high degree, so that what is smooth is exact but for its last digits.
     assert error(data) < 1e-4
     assert error(replace(data, fronts=no_fronts)) > 100 * error(data)
+
+
+@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("name", ["advance-recede", "corner", "heterogeneous", "layered", "re-entrant"])
+def test_loads_found_for_many_times_are_those_found_point_by_point(name: str, degree: int) -> None:
+    """Foreseen times in their order and out of it, and others."""
+    solution = resolve(name).solution
+    family = next(family for family in FAMILIES if family.serves(solution.body))
+    space, data = StressSpace(family(solution.body, 4), solution.body, degree), Data.of(solution)
+    told, other = ProjectedLoads(data, space), ProjectedLoads(replace(data, force_modes=None), space)
+    times = solution.body.T * np.linspace(0, 1, 8)[1:]
+    told(0.0)
+    told.foresee([times], [times])
+    for time in (*times, times[2], 0.123):
+        found, expected = told(time), other(time)
+        assert abs(found.force - expected.force).max() <= 1e-12 * abs(expected.force).max()
+        assert np.array_equal(found.surface, expected.surface)
+        left, right = told.at(time).left_out, other.at(time).left_out
+        for name in ("low_order", "high_order", "on_edges"):
+            assert getattr(left, name) == pytest.approx(getattr(right, name), rel=1e-9, abs=1e-12)

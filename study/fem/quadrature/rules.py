@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -43,10 +44,14 @@ class FacetRule:
     weights: Array
 
 
+@lru_cache
 def gauss(count: int) -> tuple[Array, Array]:
     """Gauss–Legendre nodes and weights on (0, 1)."""
     x, w = np.polynomial.legendre.leggauss(count)
-    return (x + 1) / 2, w / 2
+    found = (x + 1) / 2, w / 2
+    for part in found:
+        part.setflags(write=False)
+    return found
 
 
 def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:

@@ -31,7 +31,7 @@ from study.solve.tableau import BDF2, Tableau
 from study.statements.shared.base import Setting
 from study.stresses.bernstein import bernstein
 from study.stresses.composite import alfeld_split, barycentric
-from study.stresses.dual import DualState, StressEvolution, tensor_at
+from study.stresses.dual import DualState, StressEvolution, act, tensor_at
 from study.stresses.stress_space import StressSpace
 
 EDGE_POINTS = 4
@@ -197,15 +197,18 @@ class Primal:
         assert isinstance(law.G, Linear)
         self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
         gauge = Gauge(solution, self.displacements)
+        gauge.foresee(loads=[BDF2.loaded(solution.body.T, steps)])
         problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
         self.states = islice(velocities(problem, BDF2, steps), 1, None)
 
     def __next__(self) -> tuple[Vectors, Tensors]:
-        """The next displacement at the vertices, and Aε(δu^h) + Gε(u^h) at the points of the stresses."""
+        """The next displacement at the vertices, and Aε(δu^h) + Gε(u^h) at the points of the stresses.
+
+        (2, vertices) and (3, cells, Q), or (3, cells, 1) where the material is homogeneous.
+        """
         state, velocity = next(self.states)
-        rate, strain = self.displacements.strain(velocity), self.displacements.strain(state.u)
-        stress = np.einsum("cqIJ,Jc->Icq", self.viscous, rate) + np.einsum("cqIJ,Jc->Icq", self.elastic, strain)
-        return self.displacements.nodal(state.u), stress
+        rate, strain = (self.displacements.strain(u)[..., None] for u in (velocity, state.u))
+        return self.displacements.nodal(state.u), act(self.viscous, rate) + act(self.elastic, strain)
 
 
 def measure(experiment: StressExperiment) -> dict[str, float]:
