@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,9 +12,9 @@ from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
 from manufactured.exact.forces import ForceModes, force_modes
-from manufactured.law import KelvinVoigt
+from manufactured.law import KelvinVoigt, PointLaw
 from manufactured.modes import Modes
-from manufactured.symbols import Values
+from manufactured.symbols import Jet, Values
 from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, basis, traction
 
 
@@ -96,12 +97,24 @@ class ExactSolution:
 class Fields:
     """The fields of an exact solution at fixed points x (d, ...), as functions of time.
 
-    Displacements and strains also at times (n,), which give arrays with one axis more, the last one.
+    Times (n,) give arrays with one axis more, the last one.
     """
 
     def __init__(self, solution: ExactSolution, x: Points) -> None:
-        self.law, self._count = solution.law.at(x), x[0].size
+        self.solution, self.x = solution, x
         self._parts: list[ContributionAtPoints] = [part.at(x) for part in (*solution.faces, *solution.others)]
+
+    @cached_property
+    def law(self) -> PointLaw:
+        """The law at the points."""
+        return self.solution.law.at(self.x)
+
+    @cached_property
+    def _law_at_times(self) -> PointLaw:
+        return self.solution.law.at(self.x[..., None])
+
+    def _law(self, time: Array | complex) -> PointLaw:
+        return self._law_at_times if np.ndim(time) else self.law
 
     def displacement(self, time: Array | complex) -> Vectors:
         """u, (d, ...)."""
@@ -127,45 +140,52 @@ class Fields:
         """∂_j ε(u), (D, d, ...)."""
         return _sum([part.strain_gradient(time) for part in self._parts])
 
-    def stress(self, time: complex) -> Tensors:
+    def stress(self, time: Array | complex) -> Tensors:
         """σ = A ε(u̇) + G ε(u), (2.1), (D, ...)."""
-        return self.law.stress(self.strain_rate(time), self.strain(time))
+        return self._law(time).stress(self.strain_rate(time), self.strain(time))
 
-    def body_force(self, time: complex) -> Vectors:
+    def body_force(self, time: Array | complex) -> Vectors:
         """f_0 = −Div σ, (2.2): −∂_j σ_ij with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
-        rate_gradient = _sum([part.strain_gradient(time, rate=True) for part in self._parts])
-        slope = self.law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
-        slope = slope + self.law.G.gradient(lambda: self.strain(time), self.strain_gradient(time))
+        law, rate_gradient = self._law(time), _sum([part.strain_gradient(time, rate=True) for part in self._parts])
+        slope = law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
+        slope = slope + law.G.gradient(lambda: self.strain(time), self.strain_gradient(time))
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
 
     def force_modes(self) -> ForceModes:
         """f_0 as sums of products, for a law whose G is linear; points are counted through in the order of ``x``."""
         viscous, elastic = (
-            [force_modes(tensor, part, self._count) for part in self._parts] for tensor in (self.law.A, self.law.G)
+            [force_modes(tensor, part, self.x[0].size) for part in self._parts] for tensor in (self.law.A, self.law.G)
         )
         return ForceModes(viscous, elastic)
 
-    def surface_load(self, part: Part, time: complex) -> Vectors:
+    def surface_load(self, part: Part, time: Array | complex) -> Vectors:
         """f_2 = σν, (2.4), for points on ``part``, (d, ...)."""
         return traction(self.stress(time), part.normal)
 
 
 class FaceFields:
-    """w, p and the contact zone at fixed points s (d−1, ...) of one face."""
+    """w, p and the contact zone at fixed points s (d−1, ...) of one face.
+
+    Times (n,) give arrays with one axis more, the last one.
+    """
 
     def __init__(self, solution: ExactSolution, face: Face, s: Array) -> None:
         self.solution, self.face, self.s = solution, face, s
         self._fields = solution.at(face.part.point(s))
 
-    def pressure(self, time: float) -> Array:
+    def _value(self, jet: Jet, time: Array | float) -> Array:
+        """A formula at the points."""
+        return jet(self.s.reshape(*self.s.shape, *(1,) * np.ndim(time)), time)[(0,) * len(self.s)]
+
+    def pressure(self, time: Array | float) -> Array:
         """p = −σ_ν from the stress of all fields together, (...)."""
         normal = self.face.part.normal
         return -np.tensordot(normal, traction(self._fields.stress(time), normal), axes=1)
 
-    def stated_pressure(self, time: float) -> Array:
+    def stated_pressure(self, time: Array | float) -> Array:
         """p as it was prescribed, where it was; else as the law gives it, (...)."""
         jet = self.face.pressure_jet
-        return self.pressure(time) if jet is None else jet(self.s, time)[(0,) * len(self.s)]
+        return self.pressure(time) if jet is None else self._value(jet, time)
 
     def stress_scale(self) -> float:
         """The size of stresses that the largest strains and gaps on the face would cause, for tolerances."""
@@ -189,13 +209,13 @@ class FaceFields:
             found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
         return found
 
-    def gap(self, time: float) -> Array:
+    def gap(self, time: Array | float) -> Array:
         """w = −u_ν, (...)."""
-        return self.face.gap_jet(self.s, time)[(0,) * len(self.s)]
+        return self._value(self.face.gap_jet, time)
 
-    def level(self, time: float) -> Array:
+    def level(self, time: Array | float) -> Array:
         """ψ, (...): the contact zone is {ψ ≥ 0}."""
-        return self.face.level_jet(self.s, time)[(0,) * len(self.s)]
+        return self._value(self.face.level_jet, time)
 
 
 def _coordinates(values: ArrayLike, count: int, what: str) -> Array:

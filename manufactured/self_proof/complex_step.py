@@ -7,6 +7,7 @@ Source: J. N. Lyness, C. B. Moler, Numerical differentiation of analytic functio
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
@@ -26,6 +27,6 @@ def shifted_fields(solution: ExactSolution, x: Points) -> list[Fields]:
     return found
 
 
-def gradient(shifted: list[Fields], field: Callable[[Fields, complex], Array], time: float) -> Array:
-    """∂_j field by the complex step, (components, d, ...)."""
+def gradient(shifted: list[Fields], field: Callable[[Fields, Any], Array], time: Array | float) -> Array:
+    """∂_j field by the complex step at a time or at times (n,), (components, d, ...)."""
     return np.stack([field(fields, time).imag / STEP for fields in shifted], axis=1)

@@ -6,7 +6,7 @@ import numpy as np
 
 from manufactured.body import Part
 from manufactured.exact import ExactSolution
-from manufactured.self_proof.finding import ROUND_OFF, Finding, worst
+from manufactured.self_proof.finding import ROUND_OFF, Finding, at_times, worst
 from manufactured.tensors import Array
 
 JUMP = 0.05
@@ -24,9 +24,9 @@ def signs(solution: ExactSolution) -> list[Finding]:
     for i, face in enumerate(solution.faces, start=1):
         s = _grid(face.part)
         fields = solution.on(face, s)
-        gap = np.array([fields.gap(t) for t in instants])
-        pressure = np.array([fields.pressure(t) for t in instants])
-        level = np.array([fields.level(t) for t in instants])
+        gap, pressure, level = (
+            at_times(of, instants, s.shape[1]) for of in (fields.gap, fields.pressure, fields.level)
+        )
         contact = level >= 0
         # A body at rest touches with w = p = 0 and needs no zone.
         resting = (abs(gap).max(axis=1) == 0) & (abs(pressure).max(axis=1) <= ROUND_OFF * fields.stress_scale())

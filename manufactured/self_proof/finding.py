@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +11,8 @@ from manufactured.tensors import Array, Points
 
 ROUND_OFF = 1e-9
 """Largest defect relative to the size of the terms that counts as round-off."""
+TOGETHER = 1 << 13
+"""Points times instants at which fields are found together."""
 
 
 @dataclass(frozen=True)
@@ -65,6 +68,16 @@ def worst(
     largest = float(defect[when, where])
     relative = largest / size if largest > 0 else 0.0
     return Finding(condition, relative, tolerance, tuple(map(float, x[:, where])), float(instants[when]))
+
+
+def at_times(of: Callable[[Array], Array], instants: Array, points: int) -> Array:
+    """A field at some points and times, the first axis, of which as many are found together as serves a cache.
+
+    ``of`` takes times (n,) and has them on its last axis.
+    """
+    together = max(1, TOGETHER // points)
+    blocks = (instants[first : first + together] for first in range(0, len(instants), together))
+    return np.concatenate([np.moveaxis(of(block), -1, 0) for block in blocks])
 
 
 def norms(values: list[Array] | Array) -> Array:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import sympy as sp
 
 from manufactured.exact import ExactSolution, Fields
 from manufactured.self_proof.complex_step import STEP, gradient, shifted_fields
-from manufactured.self_proof.finding import Finding, norms, worst
+from manufactured.self_proof.finding import Finding, at_times, norms, worst
 from manufactured.symbols import pos
 from manufactured.symbols import t as clock
 from manufactured.tensors import Array, Points, basis, mandel
@@ -18,21 +20,25 @@ INTEGRATION = 1e-5
 
 def kinematics(solution: ExactSolution, x: Points, instants: Array) -> list[Finding]:
     """Strains, velocities and stresses are those of u by the complex step."""
-    fields, shifted = solution.at(x), shifted_fields(solution, x)
-    strain = [fields.strain(t) for t in instants]
-    rate = [fields.strain_rate(t) for t in instants]
-    velocity = [fields.velocity(t) for t in instants]
-    by_step = [mandel(gradient(shifted, Fields.displacement, t)) for t in instants]
-    rate_by_step = [mandel(gradient(shifted, Fields.velocity, t)) for t in instants]
-    velocity_by_step = [fields.displacement(t + 1j * STEP).imag / STEP for t in instants]
-    stress = [fields.stress(t) for t in instants]
-    at_points = solution.law.at(x)
-    law = [at_points.stress(r, e) for r, e in zip(rate_by_step, by_step, strict=True)]
+    fields, shifted, at_points = solution.at(x), shifted_fields(solution, x), solution.law.at(x[..., None])
+
+    def found(of: Callable[[Array], Array]) -> Array:
+        return at_times(of, instants, x.shape[1])
+
+    def law(t: Array) -> Array:
+        """σ from the derivatives of u by the complex step."""
+        rate, strain = (mandel(gradient(shifted, of, t)) for of in (Fields.velocity, Fields.displacement))
+        return at_points.stress(rate, strain)
+
+    strain, rate, velocity, stress = map(found, (fields.strain, fields.strain_rate, fields.velocity, fields.stress))
+    by_step = found(lambda t: mandel(gradient(shifted, Fields.displacement, t)))
+    rate_by_step = found(lambda t: mandel(gradient(shifted, Fields.velocity, t)))
+    velocity_by_step = found(lambda t: fields.displacement(t + 1j * STEP).imag / STEP)
     return [
-        worst("(2.10) ε(u) = sym ∇u", x, instants, norms(np.subtract(strain, by_step)), norms(strain)),
-        worst("(2.10) ε(u̇) = sym ∇u̇", x, instants, norms(np.subtract(rate, rate_by_step)), norms(rate)),
-        worst("(2.6) u̇ = ∂u/∂t", x, instants, norms(np.subtract(velocity, velocity_by_step)), norms(velocity)),
-        worst("(2.1) σ = Aε(u̇) + Gε(u)", x, instants, norms(np.subtract(stress, law)), norms(stress)),
+        worst("(2.10) ε(u) = sym ∇u", x, instants, norms(strain - by_step), norms(strain)),
+        worst("(2.10) ε(u̇) = sym ∇u̇", x, instants, norms(rate - rate_by_step), norms(rate)),
+        worst("(2.6) u̇ = ∂u/∂t", x, instants, norms(velocity - velocity_by_step), norms(velocity)),
+        worst("(2.1) σ = Aε(u̇) + Gε(u)", x, instants, norms(stress - found(law)), norms(stress)),
     ]
 
 
@@ -41,15 +47,15 @@ def history(solution: ExactSolution, x: Points) -> Finding:
     fields, T = solution.at(x), solution.body.T
     nodes, weights = np.polynomial.legendre.leggauss(4)
     ends = np.linspace(0, T, 9)
-    u = [fields.displacement(t) for t in ends]
+    u = at_times(fields.displacement, ends, x.shape[1])
     switches, defects = _switches(solution), []
     for start, stop, before, after in zip(ends[:-1], ends[1:], u[:-1], u[1:], strict=True):
         inner = [time for time in switches if start < time < stop]
         panels = np.unique([*np.linspace(start, stop, 9), *inner])
         half = np.diff(panels)[:, None] / 2
         instants = (panels[:-1, None] + half * (1 + nodes)).ravel()
-        integral = sum(w * fields.velocity(t) for w, t in zip((half * weights).ravel(), instants, strict=True))
-        defects.append(after - before - integral)
+        velocity = at_times(fields.velocity, instants, x.shape[1])
+        defects.append(after - before - np.tensordot((half * weights).ravel(), velocity, axes=1))
     return worst("(2.6) u(t) = u_0 + ∫u̇ dt", x, ends[1:], norms(defects), norms(u), INTEGRATION)
 
 
@@ -63,8 +69,8 @@ def _switches(solution: ExactSolution) -> list[float]:
 def equilibrium(solution: ExactSolution, x: Points, instants: Array) -> Finding:
     """Div σ + f_0 = 0."""
     fields, shifted = solution.at(x), shifted_fields(solution, x)
-    force = [fields.body_force(t) for t in instants]
-    slopes = [gradient(shifted, Fields.stress, t) for t in instants]
+    force = at_times(fields.body_force, instants, x.shape[1])
+    slopes = at_times(lambda t: gradient(shifted, Fields.stress, t), instants, x.shape[1])
     divergence = [np.tensordot(basis(solution.law.dim), g, axes=([0, 2], [0, 1])) for g in slopes]
     scale = np.linalg.norm(slopes, axis=(1, 2))
     return worst("(2.2) Div σ + f_0 = 0", x, instants, norms(np.add(divergence, force)), scale)

@@ -119,9 +119,9 @@ def _faces(
             "s": short(s[0] if plane else s),
             "x": short(part.point(s)),
             "gap": keep(-normal[:, columns]),
-            "gap_exact": keep(np.array([exact.gap(t) for t in times])),
+            "gap_exact": keep(exact.gap(times).T),
             "pressure": keep(pressure[:, columns]),
-            "pressure_exact": keep(np.array([exact.pressure(t) for t in times])),
+            "pressure_exact": keep(exact.pressure(times).T),
         }
         only = _in_plane(solution, face, s, times) if plane else _levels_of(solution, face, s, nodes, skin, times)
         yield found | only
@@ -135,7 +135,7 @@ def _in_plane(solution: ExactSolution, face: Face, s: Array, times: Array) -> di
     fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
     level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
     zone = _zone(lambda t: _intervals(fine, level(t)), np.linspace(0, solution.body.T, 101).tolist())
-    gap, pressure = (Packed.of(np.array([of(t) for t in times]), FINE).record() for of in (exact.gap, exact.pressure))
+    gap, pressure = (Packed.of(of(times).T, FINE).record() for of in (exact.gap, exact.pressure))
     return {
         "zone_exact": {"times": list(zone), "intervals": list(zone.values())},
         "line": {"s": short(line), "gap": gap, "pressure": pressure},
@@ -156,8 +156,7 @@ def _zone(intervals: Callable[[float], list[list[float]]], instants: list[float]
 def _levels_of(solution: ExactSolution, face: Face, s: Array, nodes: Array, skin: Skin, times: Array) -> dict[str, Any]:
     """ψ on a face in space, at its nodes and between them, and which vertices of the skin the nodes are."""
     exact = solution.on(face, Facets.between(nodes, skin.triangles).refined(s))
-    levels = np.array([exact.level(t) for t in times])
-    return {"level_exact": Packed.of(levels, FINE).record(), "nodes": nodes.tolist()}
+    return {"level_exact": Packed.of(exact.level(times).T, FINE).record(), "nodes": nodes.tolist()}
 
 
 def _intervals(s: Array, level: Array) -> list[list[float]]:
