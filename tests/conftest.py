@@ -3,6 +3,7 @@
 import os
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import settings
@@ -17,6 +18,17 @@ os.environ["SIGNORINI_CACHE"] = str(Path(__file__).parents[1] / "build" / "formu
 
 # What is printed is laid out for the terminal that the tests are watched in.
 os.environ["COLUMNS"] = "110"
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config: pytest.Config, log: Any) -> Any:
+    """A process gets whole files, so that what they share is made once, and takes tests from others when it has none.
+
+    Without pytest-xdist nobody asks.
+    """
+    from xdist.scheduler import WorkStealingScheduling
+
+    return WorkStealingScheduling(config, log)
 
 
 @pytest.fixture(autouse=True, scope="session")

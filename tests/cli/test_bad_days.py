@@ -66,8 +66,9 @@ def test_words_and_nan_in_a_data_file_are_named_by_file_and_line(
 
 
 def test_levels_are_added_to_a_directory_by_naming_them(
-    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+    made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments: [])
     out = tmp_path / "results"
     shutil.copytree(made / "results", out)
     case = f"{made}/pocket.py:pocket"
@@ -192,6 +193,8 @@ def test_what_is_printed_fits_80_columns_and_ends_with_a_summary(
     made: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     shutil.copytree(made / "results", tmp_path / "results", ignore=shutil.ignore_patterns("figures"))
+    figures = sorted(path.relative_to(made) for path in (made / "results" / "figures").iterdir())
+    monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments: figures)
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.chdir(tmp_path)
     printed = ""

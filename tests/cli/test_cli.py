@@ -287,6 +287,7 @@ def test_a_second_run_computes_only_what_is_missing_and_gives_the_same_data(fini
     jobs[1].write_text(jobs[1].read_text()[:100])
     untouched = {path: path.stat().st_mtime_ns for path in (data / "jobs").iterdir() if path not in jobs[:2]}
     source = finished.parent / "pocket.py"
+    monkeypatch.setattr("study.cli.common.draw_figures", lambda *arguments: [])
     assert main(["run", "--case", f"{source}:pocket", "--levels", "8", "16", "32", "--out", str(finished)]) == 0
     assert {path: path.read_bytes() for path in data.rglob("*") if path.is_file()} == before
     assert {path: path.stat().st_mtime_ns for path in untouched} == untouched
