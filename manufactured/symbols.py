@@ -110,7 +110,7 @@ def _compiled(
 
     own = {type(part) for expression in expressions for part in expression.atoms(sp.Function)}
     if all(kind is pos or kind.__module__.startswith("sympy.") for kind in own):
-        known = (*map(sp.srepr, arguments), *map(sp.srepr, expressions), orders)
+        known = (*map(_written, arguments), *map(_written, expressions), orders)
         text = kept(repr((_versions(), known)), code)
     else:
         text = code()
@@ -119,6 +119,8 @@ def _compiled(
     return names[NAME]  # type: ignore[no-any-return]
 
 
+_written = lru_cache(maxsize=4096)(sp.srepr)
+"""Each formula is asked for many orders of derivatives."""
 NAME = "formulas"
 """Of the functions in the code that is kept."""
 
