@@ -35,7 +35,7 @@ from study.solve.stress_problem import StressProblem
 from study.solve.stress_programme import AIM, StressState
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.thm_4_2.gaps import PER_CELL, gaps, problems
+from study.statements.thm_4_2.gaps import gaps, problems
 
 CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 ALONE = around(1, 0.001, "all of it")
@@ -122,5 +122,5 @@ class StandsAlone(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         sides = Sides.of(resolve(setting.case).solution, family_named(setting.family), setting.level)
-        shown = independence(sides, PER_CELL * setting.level)
+        shown = independence(sides, 2 * setting.level)
         return with_h(sides.stresses(sides.displacements).space.h, shown._asdict())
