@@ -163,7 +163,7 @@ class Majorant:
 
         The remainder of a cubic, θ(θ − ½)(θ − 1), is ``BENT`` times as large at most, and its mean absolute value less.
         """
-        quarter = self.discretisation.loads(piece.a + (piece.b - piece.a) / 4)
+        quarter = self.discretisation.snapshot(piece.a + (piece.b - piece.a) / 4).loads
         parabola = 9 / 16 * loads[0] + 6 / 16 * loads[1] + 1 / 16 * loads[2]
         return self.equilibration.unbalanced(quarter + (-1.0) * parabola)
 

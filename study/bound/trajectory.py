@@ -173,7 +173,7 @@ def foresee(discretisation: Discretisation, nodes: Array) -> None:
     """
     knots = np.concatenate([nodes[:1], (nodes[:-1] + nodes[1:]) / 2, nodes[-1:]])
     a, b = knots[:-1], knots[1:]
-    discretisation.loads.foresee([a + (b - a) / 4], [knots, (a + b) / 2])
+    discretisation.loads.foresee(snapshots=[knots, (a + b) / 2, a + (b - a) / 4])
 
 
 def spline(nodes: Iterable[tuple[float, Array]]) -> Iterator[Parabola]:

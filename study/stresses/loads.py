@@ -141,8 +141,9 @@ class ProjectedLoads:
 
     @cached_property
     def _splits_ahead(self) -> Ahead[Split]:
-        points = sum(block.rule.weights.size for block in self._blocks)
-        return Ahead(1 if self.data.force_modes is None else block_length(2 * points))
+        # What is at hand of some blocks of times, and what finds them, takes as much as four forces at the points.
+        entries = 4 * 2 * sum(block.rule.weights.size for block in self._blocks)
+        return Ahead(1 if self.data.force_modes is None else block_length(entries))
 
     def _splits(self, times: Array) -> list[Split]:
         """f_0 on all thirds by the rules that time does not change."""
