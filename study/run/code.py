@@ -59,10 +59,17 @@ def counts(module: str) -> bool:
     return module.partition(".")[0] in PACKAGES or module.startswith("case_")
 
 
-@cache
 def digest(module: str) -> str:
     """The hash of the syntax tree of a module without docstrings."""
-    return hashlib.sha256(ast.dump(without_docstrings(tree(module))).encode()).hexdigest()
+    return _read(module)[1]
+
+
+@cache
+def _read(module: str) -> tuple[tuple[str, ...], str]:
+    """The modules that a module imports, and its hash, from one reading of it."""
+    code = tree(module)
+    imported = tuple(dict.fromkeys(_imports(code)))
+    return imported, hashlib.sha256(ast.dump(without_docstrings(code)).encode()).hexdigest()
 
 
 def without_docstrings(code: ast.Module) -> ast.Module:
@@ -92,14 +99,13 @@ def source(module: str) -> Path:
     return path / "__init__.py" if path.is_dir() else path.with_suffix(".py")
 
 
-@cache
 def imports(module: str) -> tuple[str, ...]:
     """The modules of the project that a module imports, anywhere in it."""
-    return tuple(dict.fromkeys(_imports(module)))
+    return _read(module)[0]
 
 
-def _imports(module: str) -> Iterator[str]:
-    for node in ast.walk(tree(module)):
+def _imports(code: ast.Module) -> Iterator[str]:
+    for node in ast.walk(code):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name.partition(".")[0] in PACKAGES)
         elif isinstance(node, ast.ImportFrom) and node.module and node.module.partition(".")[0] in PACKAGES:
