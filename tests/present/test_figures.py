@@ -93,6 +93,12 @@ def drawn(drawing: Drawing) -> Figure:
     return figure
 
 
+@pytest.fixture(scope="module")
+def figures(measured: Path) -> list[tuple[Drawing, Figure]]:
+    """Every figure of all data, drawn once; tests only read them."""
+    return [(drawing, drawn(drawing)) for drawing in drawings(measured)]
+
+
 def test_the_style_is_free_of_latex_in_serif_letters_and_colours_that_every_eye_tells_apart() -> None:
     style = mpl.rc_params_from_file(STYLE, use_default_template=False)
     assert not style.get("text.usetex", False)
@@ -101,11 +107,9 @@ def test_the_style_is_free_of_latex_in_serif_letters_and_colours_that_every_eye_
     assert min(value for name, value in style.items() if name.endswith("size") and "font" in name) >= SMALLEST
 
 
-def test_every_figure_fits_a_page_with_letters_large_enough_inside_it(measured: Path) -> None:
-    found = drawings(measured)
-    assert {"effectivity", "growth", "energy-two-faces"} <= {drawing.name for drawing in found}
-    for drawing in found:
-        figure = drawn(drawing)
+def test_every_figure_fits_a_page_with_letters_large_enough_inside_it(figures: list[tuple[Drawing, Figure]]) -> None:
+    assert {"effectivity", "growth", "energy-two-faces"} <= {drawing.name for drawing, _ in figures}
+    for drawing, figure in figures:
         assert COLUMN <= figure.get_figwidth() <= PAGE, drawing.name
         for text in figure.findobj(Text):
             if not (text.get_visible() and text.get_text().strip()):
@@ -113,9 +117,8 @@ def test_every_figure_fits_a_page_with_letters_large_enough_inside_it(measured: 
             assert text.get_fontsize() >= SMALLEST, (drawing.name, text.get_text())
 
 
-def test_no_label_of_an_axis_is_cut_off(measured: Path) -> None:
-    for drawing in drawings(measured):
-        figure = drawn(drawing)
+def test_no_label_of_an_axis_is_cut_off(figures: list[tuple[Drawing, Figure]]) -> None:
+    for drawing, figure in figures:
         for axes in figure.axes:
             for text in (axes.xaxis.label, axes.yaxis.label, axes.title):
                 if text.get_text() and axes.get_visible():

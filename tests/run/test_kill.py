@@ -12,6 +12,8 @@ from pathlib import Path
 import psutil
 import pytest
 
+from study.cli.main import main
+
 RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
 ONLY_THE_DATA = """
 import sys
@@ -36,18 +38,21 @@ def started(out: Path) -> subprocess.Popen[bytes]:
     return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
 
 
-def finished(out: Path) -> dict[str, bytes]:
-    """Let the command end, and read the data that it wrote."""
-    # Levels as coarse as these do not carry every verdict; what matters is that it came to verdicts.
-    assert started(out).wait() in (0, 1)
+def written(out: Path) -> dict[str, bytes]:
+    """The data of a command that came to verdicts: levels as coarse as these do not carry every one of them."""
     assert (out / "data" / "claims.csv").exists()
     return {str(path.relative_to(out)): path.read_bytes() for path in out.glob("data/**/*") if path.is_file()}
 
 
 @pytest.fixture(scope="module")
 def undisturbed(tmp_path_factory: pytest.TempPathFactory) -> dict[str, bytes]:
-    """What an undisturbed run writes."""
-    return finished(tmp_path_factory.mktemp("undisturbed"))
+    """What an undisturbed run writes, here in this process."""
+    out: Path = tmp_path_factory.mktemp("undisturbed")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("study.cli.common.draw_figures", lambda *arguments, **options: [])
+        patch.setattr("study.run.plan.Plan.check", lambda *arguments: None)
+        assert main([*RUN, str(out)]) in (0, 1)
+    return written(out)
 
 
 def gone(process: psutil.Process) -> bool:
@@ -102,5 +107,6 @@ def test_kills_at_random_moments_change_no_byte_of_what_the_command_writes_in_th
         kept = now
         effective += hit and 0 < len(kept) < total
     assert effective >= EFFECTIVE
-    assert finished(tmp_path) == undisturbed
+    assert started(tmp_path).wait() in (0, 1)
+    assert written(tmp_path) == undisturbed
     assert kept.items() <= results(tmp_path).items(), "what was finished is not done again"
