@@ -10,7 +10,7 @@ PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs
 	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper lock clean
 
-study: $(READY)  ## quick study into results/quick, a minute and a half
+study: $(READY)  ## quick study into results/quick, a minute
 	$(BIN)/study run --quick --out results/quick
 
 full: $(READY)  ## all levels into results/, and the slow tests

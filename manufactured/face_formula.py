@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cache, cached_property
+from pathlib import Path
 
 import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
 from manufactured.exponents import SMOOTH, is_natural, must_be_positive, order_at
-from manufactured.symbols import function, pos, s, s1, s2, t
+from manufactured.symbols import function, made_once, pos, s, s1, s2, t
 from manufactured.tensors import Array
 
 FACE = frozenset({s, s1, s2})
@@ -85,8 +87,23 @@ class FaceFormula:
                     f"{', '.join(f.__name__ for f in SMOOTH)}"
                 )
 
+    def exponents(self) -> tuple[float, float]:
+        """The lowest exponents of the fronts that stay and of those that move, infinite without any; kept.
+
+        Raises:
+            RoughError: of ``refuse_unread``.
+        """
+
+        def read() -> str:
+            self.refuse_unread()
+            return json.dumps(self.fronts())
+
+        place = self.part.outline.tolist(), self.part.measure, self.begin, self.end
+        stays, moves = json.loads(made_once((*self.variables, self.formula), (_code(), place), read))
+        return stays, moves
+
     def fronts(self) -> tuple[float, float]:
-        """The lowest exponents of the fronts that stay and of those that move; infinite without any."""
+        """``exponents`` as they are read off."""
         found = {False: math.inf, True: math.inf}
         for front in {power.args[0] for power in self.plain.atoms(pos) if power.args[0].free_symbols & FACE}:
             # t (s − c) vanishes where s − c does: that front stays.
@@ -119,6 +136,13 @@ class FaceFormula:
         return least
 
 
+@cache
+def _code() -> tuple[str, ...]:
+    """What exponents depend on besides formulas and places."""
+    here = Path(__file__)
+    return tuple(file.read_text(encoding="utf-8") for file in (here, here.with_name("exponents.py")))
+
+
 def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> tuple[float, float, bool]:
     """(α, m, moving) of the formulas of a solution: the lowest exponents over its fronts, infinite without any.
 
@@ -128,10 +152,7 @@ def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> t
     """
     sides = []
     for side in (gaps, pressures):
-        pieces = list(side)
-        for piece in pieces:
-            piece.refuse_unread()
-        found = [piece.fronts() for piece in pieces]
+        found = [piece.exponents() for piece in side]
         sides.append([min((exponents[k] for exponents in found), default=math.inf) for k in (False, True)])
     (alpha, moving_alpha), (m, moving_m) = sides
     moving = min(moving_alpha, moving_m) < math.inf

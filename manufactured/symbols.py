@@ -98,25 +98,27 @@ def derivatives(
 def _compiled(
     arguments: tuple[sp.Symbol, ...], expressions: tuple[sp.Expr, ...], orders: tuple[Index, ...]
 ) -> Callable[..., list[Array]]:
-    """A NumPy function returning every ∂^i of every expression; its code is kept (``kept``).
-
-    Functions that are not SymPy's or ``pos`` have derivatives that their names do not tell: nothing of them is kept.
-    """
+    """A NumPy function returning every ∂^i of every expression."""
 
     def code() -> str:
         formulas = [differentiate(expression, arguments, order) for expression in expressions for order in orders]
         call = sp.lambdify(arguments, formulas, modules=[{"pos": _truncated_power}, "numpy"], cse=True)
         return inspect.getsource(call).replace(call.__name__, NAME, 1)
 
-    own = {type(part) for expression in expressions for part in expression.atoms(sp.Function)}
-    if all(kind is pos or kind.__module__.startswith("sympy.") for kind in own):
-        known = (*map(_written, arguments), *map(_written, expressions), orders)
-        text = kept(repr((_versions(), known)), code)
-    else:
-        text = code()
     names: dict[str, Any] = {**vars(np), "pos": _truncated_power}
-    exec(compile(text, "<formulas>", "exec"), names)
+    exec(compile(made_once((*arguments, *expressions), orders, code), "<formulas>", "exec"), names)
     return names[NAME]  # type: ignore[no-any-return]
+
+
+def made_once(formulas: Sequence[sp.Expr], others: object, make: Callable[[], str]) -> str:
+    """Text that is made from formulas and others, which have a ``repr``, kept from one process to the next (``kept``).
+
+    Of functions that are not SymPy's or ``pos`` the names do not tell what they are: nothing of them is kept.
+    """
+    functions = {type(part) for formula in formulas for part in formula.atoms(sp.Function)}
+    if not all(kind is pos or kind.__module__.startswith("sympy.") for kind in functions):
+        return make()
+    return kept(repr((_versions(), [*map(_written, formulas)], others)), make)
 
 
 _written = lru_cache(maxsize=4096)(sp.srepr)

@@ -2,12 +2,15 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import sympy as sp
 
+from manufactured.body import Kind, unit_square
+from manufactured.face_formula import FaceFormula, RoughError
 from manufactured.kept import CACHE, directory, kept
 from manufactured.symbols import Jet, derivatives, pos, s, t
 
@@ -76,3 +79,25 @@ def test_functions_of_others_with_one_name_are_not_taken_for_each_other(cache: P
 
     assert [derivatives(bump(power)(s), (s,), [(1,)])(2.0)[0] for power in (2, 3)] == [4.0, 12.0]
     assert not cache.exists()
+
+
+def test_exponents_that_were_read_off_are_kept_for_their_formula_and_its_times_alone(
+    cache: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (floor,) = unit_square().of(Kind.CONTACT)
+    gap = pos(s - t / 2, 4) + pos(s - sp.Rational(3, 4), 3)
+    whole = FaceFormula(gap, floor, (s,), 0.0, 1.0)
+    read = whole.fronts()
+    assert read == (3, 4)
+    assert whole.exponents() == read
+    monkeypatch.setattr(FaceFormula, "fronts", lambda formula: (9.0, 9.0))
+    assert whole.exponents() == read
+    others = replace(whole, end=0.5), replace(whole, formula=gap + pos(s - t, 5)), replace(whole, begin=0.5)
+    assert [other.exponents() for other in others] == [(9.0, 9.0)] * 3
+
+
+def test_a_formula_that_cannot_be_read_is_refused_every_time(cache: Path) -> None:
+    (floor,) = unit_square().of(Kind.CONTACT)
+    for _ in range(2):
+        with pytest.raises(RoughError, match="not known to be smooth"):
+            FaceFormula(sp.sqrt(s), floor, (s,), 0.0, 1.0).exponents()
