@@ -10,6 +10,7 @@ from sympy import Integer, Rational
 
 from manufactured import (
     Body,
+    Case,
     CaseError,
     ContactFace,
     ExactSolution,
@@ -35,6 +36,8 @@ from manufactured import (
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.face_strain import Coupled
 from manufactured.factor import layers
+from manufactured.multiscale import multiscale, rollers
+from manufactured.natural_motion import natural_motion
 from manufactured.tensors import traction
 from study.fem.gauge import Gauge
 from study.fem.mesh import FAMILIES, Shaken
@@ -45,6 +48,35 @@ CASES = {case.name: case for case in catalogue()}
 
 def points(seed: int = 0, count: int = 50) -> np.ndarray:
     return np.random.default_rng(seed).uniform(0.05, 0.95, (2, count))
+
+
+FIELDS = "displacement", "velocity", "strain", "strain_rate"
+WITH_FORCES = *FIELDS, "strain_gradient", "stress", "body_force"
+
+
+def agree_in_time(case: Case, x: np.ndarray, names: tuple[str, ...]) -> None:
+    """Fields at many times, which come last, are those at each."""
+    fields, times = case.solution.at(x), case.solution.body.T * np.array([0.0, 0.31, 0.64, 1.0])
+    for name in names:
+        of = getattr(fields, name)
+        each, together = np.array([of(float(time)) for time in times]), np.moveaxis(of(times), -1, 0)
+        assert together == pytest.approx(each, rel=1e-12, abs=1e-12 * abs(each).max()), name
+
+
+@pytest.mark.parametrize("case", [*catalogue(), natural_motion()], ids=lambda case: case.name)
+def test_fields_at_many_times_are_those_at_each(case: Case) -> None:
+    agree_in_time(case, case.solution.body.sample(np.random.default_rng(3), 50), WITH_FORCES)
+
+
+@pytest.mark.parametrize("case", [multiscale()[0], rollers(8)[0]], ids=lambda case: case.name)
+def test_so_are_those_that_fade_at_depths_of_their_own(case: Case) -> None:
+    agree_in_time(case, case.solution.body.sample(np.random.default_rng(3), 200), FIELDS)
+
+
+@pytest.mark.parametrize("case", ["hexagon", "cube-disc", "layered"])
+def test_so_are_those_at_points_that_share_places_along_a_face(case: str) -> None:
+    grid = np.round(8 * CASES[case].solution.body.sample(np.random.default_rng(3), 200)) / 8
+    agree_in_time(CASES[case], grid + 1e-3, WITH_FORCES)
 
 
 @pytest.mark.parametrize("name", ["junction", "natural-front"])

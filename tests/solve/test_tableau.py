@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -42,3 +44,16 @@ def test_steps_grow_with_level_and_pace_and_those_of_stresses_are_even() -> None
     assert [stress_steps(1.0, n) for n in (8, 16)] == [32, 64]
     assert [stress_steps(0.5, 16, pace) for pace in (1.0, 4.0, 100.0)] == [8, 16, 32]
     assert all(stress_steps(T, n, 5.0) % 2 == 0 for T in (0.3, 1.0) for n in range(2, 40))
+
+
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_a_march_asks_for_loads_at_the_times_that_its_scheme_says(scheme: Tableau) -> None:
+    setup = Experiment.of(catalogue()[0].solution, OneDiagonal(), 4, scheme, 7)
+    asked = []
+
+    def load(time: float) -> np.ndarray:
+        asked.append(time)
+        return np.asarray(setup.problem.load(time))
+
+    assert len([*scheme.march(replace(setup.problem, load=load), 7)]) == 8
+    assert asked == scheme.loaded(setup.problem.T, 7).tolist()
