@@ -7,7 +7,8 @@ in 3D) and ``t`` (time); every derivative is taken symbolically and evaluated by
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+import math
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, lru_cache
 from itertools import product
@@ -182,6 +183,25 @@ def written_with_pos(expression: sp.Expr) -> str:
     return ""
 
 
+BLOCK = 1 << 13
+"""Values that are found together: formulas are so long that what they leave half-done of more does not stay in the
+cache, and of fewer calls would cost more than arithmetic."""
+
+
+def in_blocks(points: Array, time: Array | complex, shape: tuple[int, ...]) -> Iterator[tuple[slice, Array | complex]]:
+    """Rows of points (d, rows, ...), and the times that belong to them, of about BLOCK of the values (rows, ...) each.
+
+    Nothing where points do not differ from row to row.
+    """
+    if not shape or points.shape[1:2] != shape[:1]:
+        return
+    every = np.ndim(time) == len(shape) and np.shape(time)[0] == shape[0]
+    step = max(1, BLOCK * shape[0] // math.prod(shape)) if math.prod(shape) else 1
+    for first in range(0, shape[0], step):
+        rows = slice(first, first + step)
+        yield rows, time[rows] if every and isinstance(time, np.ndarray) else time
+
+
 @dataclass(frozen=True)
 class Jet:
     """A formula of (s, t) with its derivatives along the face, evaluated by NumPy.
@@ -210,6 +230,18 @@ class Jet:
             )
 
     def __call__(self, points: Array, time: Array | complex, order: int = 0) -> Values:
+        shape = np.broadcast_shapes(points.shape[1:], np.shape(time))
+        blocks = [*in_blocks(points, time, shape)]
+        if len(blocks) < 2:
+            return self._at(points, time, order)
+        found = {key: np.empty(shape, np.result_type(points, time)) for key in indices(len(self.variables), order)}
+        for rows, moments in blocks:
+            for key, values in self._at(points[:, rows], moments, order).items():
+                found[key][rows] = values
+        return found
+
+    def _at(self, points: Array, time: Array | complex, order: int) -> Values:
+        """The values at so many points and times that what is left half-done at them stays in the cache."""
         keys = indices(len(self.variables), order)
         if order not in self._compiled:
             orders = [(*key, self.in_time) for key in keys]

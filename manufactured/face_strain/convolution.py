@@ -75,13 +75,17 @@ class _Taylor:
 
     def upto(self, upper: Array, chosen: Array) -> Values:
         """As ``Started``."""
-        weights = self.convolution.weights(upper - self.lower[chosen])
-        return {
-            index: np.einsum("jn,jn->n", np.take(value, chosen, axis=1), weights)
-            for index, value in self.coefficients.items()
-        }
+        found = {i: np.empty(upper.shape, np.result_type(upper, value)) for i, value in self.coefficients.items()}
+        for first in range(0, len(upper), TOGETHER):
+            here = slice(first, first + TOGETHER)
+            weights = self.convolution.weights(upper[here] - self.lower[chosen[here]])
+            for index, value in self.coefficients.items():
+                found[index][here] = np.einsum("jn,jn->n", np.take(value, chosen[here], axis=1), weights)
+        return found
 
 
+TOGETHER = 1 << 12
+"""Integrals that are found together, so that what each needs of all φ_k stays in the cache."""
 SMALL = 12.0
 """|z| up to which φ_k is found from φ_K by recurrence downwards; an error grows to |z|^K/K! ε there."""
 TERMS = 48
