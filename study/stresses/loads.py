@@ -140,20 +140,20 @@ class ProjectedLoads:
         return [_force_at(self.data, block.rule.points) for block in self._blocks]
 
     @cached_property
-    def _splits_ahead(self) -> Ahead[Split]:
+    def _splits_ahead(self) -> Ahead[_Split]:
         # What is at hand of some blocks of times, and what finds them, takes as much as four forces at the points.
         entries = 4 * 2 * sum(block.rule.weights.size for block in self._blocks)
         return Ahead(1 if self.data.force_modes is None else block_length(entries))
 
-    def _splits(self, times: Array) -> list[Split]:
+    def _splits(self, times: Array) -> list[_Split]:
         """f_0 on all thirds by the rules that time does not change."""
         lower, more = (degree * (degree + 1) // 2 for degree in (self.space.degree, self.space.degree + 1))
         n, thirds = len(times), 3 * self.space.cells
-        found = Split(np.empty((n, thirds, lower, 2)), np.empty((n, thirds)), np.empty((n, thirds, more, 2)))
+        found = _Split(np.empty((n, thirds, lower, 2)), np.empty((n, thirds)), np.empty((n, thirds, more, 2)))
         for block, force in zip(self._blocks, self._forces, strict=True):
             for whole, part in zip(found, block.split(force(times)), strict=True):
                 whole[:, block.cells] = part
-        return [Split(*each) for each in zip(*found, strict=True)]
+        return [_Split(*each) for each in zip(*found, strict=True)]
 
     def _loads(self, time: float) -> Loads:
         space = self.space
@@ -168,7 +168,7 @@ class ProjectedLoads:
     def at(self, time: float) -> Snapshot:
         """P f_0, P f_2 and the norms of what P leaves out."""
         space, mass = self.space, triangle_mass(self.space.degree)
-        found = Split(*(part.copy() for part in self._splits_ahead(time, self._splits)))
+        found = _Split(*(part.copy() for part in self._splits_ahead(time, self._splits)))
         for block in self._cut_at(time):
             for whole, part in zip(found, block.split(block.force(time)[..., None]), strict=True):
                 whole[block.cells] = part[0]
@@ -185,7 +185,7 @@ class ProjectedLoads:
         )
 
 
-class Split(NamedTuple):
+class _Split(NamedTuple):
     """f_0 on some thirds: P f_0, (..., n, lower, 2), and for g = f_0 − P f_0 and the Bernstein polynomials B_α of the
     cells of degree k: ‖g‖² on the thirds, (..., n), and ∫ g B_α, (..., n, more, 2)."""
 
@@ -226,7 +226,7 @@ class _Block:
         """P f_0, (n, lower, 2), from f_0 at the points, (2, n, q)."""
         return self.projection @ force.transpose(1, 2, 0)
 
-    def split(self, force: Vectors) -> Split:
+    def split(self, force: Vectors) -> _Split:
         """f_0 at some times from its values at the points, (2, n, q, times) → (times, n, ...)."""
         n, q, times = force.shape[1:]
         values = force.transpose(1, 2, 3, 0).reshape(n, q, -1)
@@ -237,7 +237,7 @@ class _Block:
         force, moments = (
             np.moveaxis(part.reshape(n, -1, times, 2), 2, 0) for part in (coefficients, self._whole @ weighted)
         )
-        return Split(force, squares.T, moments)
+        return _Split(force, squares.T, moments)
 
 
 def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
