@@ -17,14 +17,11 @@ import sympy as sp
 
 from manufactured.body import Part
 from manufactured.modes import Modes, at_each
-from manufactured.symbols import Index, Jet, Values, function, indices, refuse_kinks, s, t
+from manufactured.symbols import BLOCK, Index, Jet, Values, function, indices, refuse_kinks, s, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
 
 y = sp.Symbol("y", real=True)
 """The distance from the face."""
-BLOCK = 1 << 13
-"""Points at which formulas are evaluated together: they are so long that what they leave half-done at more of them does
-not stay in the cache, and at fewer calls would cost more than arithmetic."""
 
 
 @lru_cache
