@@ -161,7 +161,7 @@ class StressSums:
     def __init__(self, law: KelvinVoigt, modes: Sequence[Modes], points: QuadraturePoints) -> None:
         self._A, G = law.A, law.G
         viscous, elastic = (points.weights * tensor.factor(points.x) for tensor in (law.A, G))
-        self.viscous = points.totals(viscous)
+        self.viscous = np.bincount(points.sums, viscous, points.count)
         self.strains = StrainSums(modes, points, viscous)
         self._elastic: Callable[[Amplitudes], Tensors]
         if isinstance(G, Linear):
