@@ -207,7 +207,7 @@ class Lifting:
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """u (or u̇) in global axes, (d, ...)."""
-        deep = self._deep
+        deep = self.deep
         w, (q, *shear) = self.traces(time, rate, int(deep))
         zero, first = first_indices(len(self.s))
         local = []
@@ -232,13 +232,13 @@ class Lifting:
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
         """ε(u) (or ε(u̇)) in global axes, Mandel (D, ...)."""
-        w, strain = self.traces(time, rate, 1 + self._deep)
+        w, strain = self.traces(time, rate, 1 + self.deep)
         local = self._local(w, strain, (0,) * len(self.s), 0, time)
         return self._everywhere(local if self.rotation is None else mapped(self.rotation, local), 1)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
         """∂_j ε(u) (or of u̇) in global axes, (D, d, ...); exists almost everywhere."""
-        w, strain = self.traces(time, rate, 2 + self._deep)
+        w, strain = self.traces(time, rate, 2 + self.deep)
         zero, first = first_indices(len(self.s))
         places = [(i, 0) for i in first] + [(zero, 1)]
         local = np.array([self._local(w, strain, along, into, time) for along, into in places])
@@ -249,8 +249,8 @@ class Lifting:
     def modes(self) -> Modes:
         """ε(u) as a sum of products, one for each term of the local strain."""
         # The amplitudes keep what they need, not the points.
-        on_face, order, count = self.on_face, 1 + self._deep, self.s[0].size
-        terms = strain_terms(len(self.s), self._deep, len(on_face(0.0, False, 0)[1]) - 1)
+        on_face, order, count = self.on_face, 1 + self.deep, self.s[0].size
+        terms = strain_terms(len(self.s), self.deep, len(on_face(0.0, False, 0)[1]) - 1)
         axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
@@ -268,7 +268,7 @@ class Lifting:
         )
 
     @property
-    def _deep(self) -> bool:
+    def deep(self) -> bool:
         """Whether the profile has an e, and so the strain second derivatives of q."""
         return self.face.profile.e is not ZERO
 
@@ -277,7 +277,7 @@ class Lifting:
         n, traces = len(self.s), (w, *strain)
         dtype = np.result_type(w[along], strain[0][along], self.y)
         components = np.zeros((len(pairs(n + 1)), *self.y.shape, *np.shape(time)), dtype=dtype)
-        for term in strain_terms(n, self._deep, len(strain) - 1):
+        for term in strain_terms(n, self.deep, len(strain) - 1):
             trace = traces[term.source][plus(term.along, along)]
             components[term.row] += term.factor * trace * self._shape(term.profile, into, time)
         return components

@@ -15,7 +15,6 @@ from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus
 from manufactured.exact.contribution import ContributionAtPoints
 from manufactured.law import AtPoints, LawError, Scaled
 from manufactured.modes import Modes, at_each
-from manufactured.profile import ZERO
 from manufactured.symbols import Index
 from manufactured.tensors import Array, basis, rotation
 
@@ -93,7 +92,7 @@ def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
     chosen = [(trace, i) for trace, values in fields.items() for i in range(dim) if values[i].any()]
     # The amplitudes keep what they need, not the points.
     on_face, count = lifting.on_face, lifting.s[0].size
-    order = 2 + (lifting.face.profile.e is not ZERO)
+    order = 2 + lifting.deep
 
     def amplitudes(time: Array | float, rate: bool) -> Array:
         w, strain = on_face(time, rate, order)
@@ -116,7 +115,7 @@ def _fields_of(of: Scaled, lifting: Lifting) -> dict[Trace, Array]:
     axes, (_, first) = rotation(frame), first_indices(len(lifting.s))
     shear = len(lifting.on_face(0.0, False, 0)[1]) - 1
     fields = _Fields(of, lifting.reach)
-    for term in strain_terms(len(lifting.s), profile.e is not ZERO, shear):
+    for term in strain_terms(len(lifting.s), lifting.deep, shear):
         stress = np.einsum("Iij,I->ij", basis(len(frame)), of.matrix @ axes[:, term.row])
         value, slope = (
             term.factor * sum(getattr(profile, f)(y, k + into) for f, k in COMBINATIONS[term.profile])

@@ -35,9 +35,9 @@ class Ahead(Generic[V]):
         self._foreseen: list[Array] = []
         self._recent: dict[tuple[float, ...], Sequence[V]] = {}
 
-    def foresee(self, times: Array) -> None:
-        """These times, increasing, (n,), will be asked for in their order, or none of them."""
-        self._foreseen.append(times)
+    def foresee(self, *sequences: Array) -> None:
+        """Of each sequence all times, increasing, (n,), will be asked for in their order, or none of them."""
+        self._foreseen += sequences
 
     def __call__(self, time: float, find: Callable[[Array], Sequence[V]]) -> V:
         """What ``find``, from times (n,) to n values, has for a time."""

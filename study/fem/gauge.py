@@ -100,10 +100,8 @@ class Gauge:
 
         Nothing depends on it but how long they take.
         """
-        for times in samples:
-            self._samples.foresee(times)
-        for times in loads:
-            self._loads.foresee(times)
+        self._samples.foresee(*samples)
+        self._loads.foresee(*loads)
 
     def means(self, time: float) -> Tensors:
         """The cell means of ε(u(t)), (D, cells)."""

@@ -94,10 +94,11 @@ class ProjectedLoads:
 
         Nothing depends on it but how long they take.
         """
-        for times in loads:
-            self._loads_ahead.foresee(times)
-        for times in snapshots:
-            self._splits_ahead.foresee(times)
+        # Without any, what finds them is not made.
+        if loads:
+            self._loads_ahead.foresee(*loads)
+        if snapshots:
+            self._splits_ahead.foresee(*snapshots)
 
     def __call__(self, time: float) -> Loads:
         if self._last is None or self._last[0] != time:
