@@ -16,6 +16,7 @@ from skfem import Mesh
 from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.data import Data
+from manufactured.factor import UNIFORM
 from manufactured.tensors import Array, Tensors
 from study.bound.moduli import BoundError, Moduli, moduli
 from study.bound.sampling import Sampling
@@ -74,7 +75,10 @@ class Discretisation:
     def equilibrium(self) -> Equilibrium:
         """Minimises over Σ^h what a step adds to the bound, in the norm of ``Moduli.compliance``."""
         compliance = self.moduli.compliance(self.data.body.T)
-        return Equilibrium(self.stresses, self.inverse_viscosity[..., None, None] * compliance)
+        uniform = self.data.law.A.factor is UNIFORM
+        return Equilibrium(
+            self.stresses, compliance if uniform else np.multiply.outer(self.inverse_viscosity, compliance)
+        )
 
     @cached_property
     def loads(self) -> ProjectedLoads:
@@ -103,13 +107,21 @@ class Discretisation:
     def functional(self, loads: Loads) -> Array:
         """(P f_0, v)_H + (P f_2, v)_{L²(Γ2)}, (dofs,)."""
         space, V = self.stresses, self.displacements
-        force = np.moveaxis(space.weights * space.evaluate(loads.force), 0, 2)
-        found = self._values @ force.ravel()
-        full = np.zeros((V.count, 2))
+        force = space.volumes[:, None, None] * (self._moments @ loads.force.reshape(space.cells, -1, 2))
+        places, moments = [V.numbers.T.ravel()], [force.reshape(-1, 2)]
         for _, edges in space.on(Kind.LOADED):
-            moments = np.einsum("ij,njd,n->ind", GRAM, loads.surface[edges], space.lengths[edges])
-            np.add.at(full, V.on_edges(edges), moments)
-        return found + full.ravel()[V.free]
+            along = np.einsum("ij,njd,n->ind", GRAM, loads.surface[edges], space.lengths[edges])
+            places.append(V.on_edges(edges).ravel())
+            moments.append(along.reshape(-1, 2))
+        where, values = np.concatenate(places), np.concatenate(moments)
+        return np.array([np.bincount(where, each, V.count) for each in values.T]).T.ravel()[V.free]
+
+    @cached_property
+    def _moments(self) -> Array:
+        """∫ B_β b_α/|T| for displacements B_β of a cell and what P f_0 is made of, b_α, (6, 3 thirds · lower)."""
+        space = self.stresses
+        shares, thirds = space.weights[0] / space.volumes[0], np.kron(np.eye(3), space.force_shapes)
+        return self.displacements.shapes(space.barycentric) * shares @ thirds.T
 
     @cached_property
     def M(self) -> sps.csc_array:
@@ -122,17 +134,14 @@ class Discretisation:
 
     @cached_property
     def _strains(self) -> sps.csr_array:
-        """v ↦ ε(v) at the points of the stresses."""
-        return self.displacements.strains(self.stresses.barycentric)
+        """v ↦ ε(v) at the vertices of the cells, between which it is linear."""
+        return self.displacements.strains(np.eye(3))
 
     def strain(self, v: Array) -> Tensors:
-        """ε(v) at the points of the stresses, (3, cells, Q)."""
-        return np.moveaxis((self._strains @ v).reshape(self.stresses.cells, -1, 3), 2, 0)
-
-    @cached_property
-    def _values(self) -> sps.csr_array:
-        """v ↦ v at the points of the stresses, transposed."""
-        return sps.csr_array(self.displacements.shapes(self.stresses.barycentric).T)
+        """ε(v) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        corners = (self._strains @ v.T).reshape(3, self.stresses.cells, 3, *reversed(v.shape[:-1]))
+        found: Tensors = np.ascontiguousarray(np.moveaxis(corners, (1, 2), (-2, -1))) @ self.stresses.barycentric
+        return found
 
     @cached_property
     def cells_at_contact(self) -> Array:

@@ -49,10 +49,12 @@ class Signorini:
         self.block: tuple[NDArray[np.bool_], Array] | None = None
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,)."""
+        """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,); for several b, (k, n) and (k, m)."""
         y = self.factor.forward(b)
-        multipliers = self.complementarity(self.Y.T @ y[self.end])
-        y[self.end] -= self.Y @ multipliers
+        gaps = y[..., self.end] @ self.Y
+        single = b.ndim == 1
+        multipliers = self.complementarity(gaps) if single else np.array([self.complementarity(gap) for gap in gaps])
+        y[..., self.end] -= multipliers @ self.Y.T
         return self.factor.backward(y), multipliers
 
     def complementarity(self, gap: Array) -> Array:

@@ -23,7 +23,7 @@ from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors
 from study.solve.signorini import Signorini
 from study.solve.tableau import Tableau
-from study.stresses.hybrid import EquilibratedStress, Equilibrium
+from study.stresses.hybrid import EquilibratedStress, Equilibrium, act
 from study.stresses.loads import Loads, ProjectedLoads
 from study.stresses.stress_space import StressSpace
 
@@ -52,12 +52,6 @@ class DualState:
 def tensor_at(C: Linear, x: Array) -> Array:
     """C(x) in Mandel form: points (2, ...) → (..., 3, 3), or (3, 3) where the material is homogeneous."""
     return C.matrix if C.factor is UNIFORM else np.multiply.outer(C.factor(x), C.matrix)
-
-
-def act(C: Array, strain: Tensors) -> Tensors:
-    """C ε at points, Mandel: (..., 3, 3), or (3, 3) for all, and (3, ...) → (3, ...)."""
-    found: Tensors = np.einsum("...IJ,J...->I...", C, strain)
-    return found
 
 
 @dataclass(frozen=True, eq=False)

@@ -27,7 +27,7 @@ import numpy as np
 import scipy.sparse as sps
 
 from manufactured.body import Kind
-from manufactured.tensors import Array, Tensors
+from manufactured.tensors import Array, Tensors, mapped
 from study.solve.signorini import Signorini
 from study.stresses.loads import Loads
 from study.stresses.stress_space import StressSpace
@@ -35,12 +35,12 @@ from study.stresses.stress_space import StressSpace
 
 @dataclass(frozen=True, eq=False)
 class EquilibratedStress:
-    """An element of Σ^h.
+    """An element of Σ^h, or several.
 
     Attributes:
-        values: at the points of the space, (3, cells, Q).
-        tractions: σν of the cells on their edges in Bernstein form, in the axes of the edges, (cells, 3, n, 2).
-        moments: the multipliers m = ∫_e u B_i, (edges, n, 2).
+        values: at the points of the space, (3, ..., cells, Q).
+        tractions: σν of the cells on their edges in Bernstein form, in the axes of the edges, (..., cells, 3, n, 2).
+        moments: the multipliers m = ∫_e u B_i, (..., edges, n, 2).
     """
 
     values: Tensors
@@ -49,7 +49,9 @@ class EquilibratedStress:
 
 
 class Equilibrium:
-    """min ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q over Σ^h, for many ε* and loads.
+    """min ½ (C⁻¹τ, τ)_Q + (ε*, τ)_Q over Σ^h, for many ε* and loads, one by one or several at once.
+
+    Several have one axis ``...``; what depends on the mesh is then read once for all of them.
 
     Args:
         space: the stresses.
@@ -59,20 +61,21 @@ class Equilibrium:
 
     def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
         self.space, self.compliance = space, compliance
-        cells, p = space.cells, space.basis.shape[-1]
-        basis = space.basis.reshape(cells, -1, p)
-        weighted = (space.weights[..., None, None] * (compliance @ space.basis)).reshape(basis.shape)
-        self.stiffness = np.linalg.inv(basis.swapaxes(1, 2) @ weighted)
+        stiffness = np.linalg.inv(space.gram(compliance))
         # (cells, 3 sides · n · 2, p)
-        self.R = space.tractions.reshape(cells, -1, p)
-        self.RT = self.R.swapaxes(1, 2)
+        R = space.tractions.reshape(space.cells, -1, stiffness.shape[-1])
+        # c and the tractions R c of the stresses with Div τ = 0: for the right side of c, and for moments m, with Rᵀm.
+        self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
+        self._of_moments = R @ self._of_strains
+        self._tractions = slice(stiffness.shape[-1], None)
         self._number()
-        local = self.R @ self.stiffness @ self.RT
+        local = self._of_moments[..., self._tractions]
         rows = np.broadcast_to(self.numbers[:, :, None], local.shape)
         places = rows.ravel(), rows.swapaxes(1, 2).ravel()
         full = sps.coo_array((local.ravel(), places), shape=(self.total, self.total)).tocsc()
         S = sps.csc_array(full[self.free][:, self.free])
         self.S = sps.csc_array((S + S.T) / 2)
+        self._at_contact = sps.csr_array(self.S)[self._normal]
         self.solve = solver(self.S, self.N)
 
     def _number(self) -> None:
@@ -87,59 +90,77 @@ class Equilibrium:
         self.free = np.flatnonzero(free.ravel())
         self.contact = np.concatenate([mine for _, mine in space.on(Kind.CONTACT)])
         normal = (2 * n * self.contact[:, None] + 2 * np.arange(n)).ravel()
-        columns = np.searchsorted(self.free, normal)
-        places = np.arange(len(columns)), columns
-        self.N = sps.csr_array((np.ones(len(columns)), places), shape=(len(columns), len(self.free)))
+        # Places of the normal moments on Γ3 among the unknown ones.
+        self._normal = np.searchsorted(self.free, normal)
+        places = np.arange(len(normal)), self._normal
+        self.N = sps.csr_array((np.ones(len(normal)), places), shape=(len(normal), len(self.free)))
 
     def __call__(self, loads: Loads, strain: Tensors, normal: Array | None = None) -> EquilibratedStress:
         """The minimiser.
 
         Args:
             loads: P f_0 and P f_2.
-            strain: ε* at the points, (3, cells, Q).
+            strain: ε* at the points, (3, ..., cells, Q).
             normal: the moments ∫_e v B_i ≤ 0 on the edges ``contact`` of a function v whose ∫_{Γ3} τ_ν v is added to
-                the functional, (edges of Γ3, n).
+                the functional, (..., edges of Γ3, n).
         """
         lift, known, g = self._condense(loads, strain)
-        shift = np.zeros(self.total)
+        shift = np.zeros_like(g)
         if normal is not None:
-            shift[self.free] = self.N.T @ normal.ravel()
-        v, _ = self.solve(g + self.S @ shift[self.free])
-        m = np.zeros(self.total)
-        m[self.free] = v
-        return self._recover(lift, known, m, m - shift)
+            given = normal.reshape(*g.shape[:-1], -1)
+            shift[..., self._normal] = given
+            g = g + given @ self._at_contact
+        v, _ = self.solve(g)
+        return self._recover(lift, known, self._everywhere(v), self._everywhere(v - shift))
 
     def balance(self, loads: Loads) -> EquilibratedStress:
         """The stress of least (C⁻¹τ, τ)_Q that balances loads without contact, τν = 0 on Γ3."""
-        lift, known, g = self._condense(loads, np.zeros((3, *self.space.weights.shape)))
-        m = np.zeros(self.total)
-        m[self.free] = self.solve.factor(g)
+        several = loads.force.shape[:-4]
+        lift, known, g = self._condense(loads, np.zeros((3, *several, *self.space.weights.shape)))
+        m = self._everywhere(self.solve.factor(g))
         return self._recover(lift, known, m, m)
 
+    def _everywhere(self, v: Array) -> Array:
+        """Unknown moments ↦ those of all edges, zero on Γ1, (..., total)."""
+        m = np.zeros((*v.shape[:-1], self.total))
+        m[..., self.free] = v
+        return m
+
     def _condense(self, loads: Loads, strain: Tensors) -> tuple[EquilibratedStress, Array, Array]:
-        """Static condensation: the lifting τ_0 of P f_0, (C⁻¹τ_0 + ε*, ·)_Q on the basis, (cells, p), and g."""
+        """Static condensation: the lifting τ_0 of P f_0, what (C⁻¹τ_0 + ε*, ·)_Q makes of c and R c, and g."""
         space = self.space
         values, tractions = space.lift(loads.force)
-        known = space.tested(np.einsum("...IJ,J...->I...", self.compliance, values) + strain)
-        of_lift = tractions.reshape(space.cells, -1) - _times(_times(known, self.stiffness), self.RT)
-        g = loads.surface.ravel() - np.bincount(self.numbers.ravel(), of_lift.ravel(), self.total)
-        return EquilibratedStress(values, tractions, np.empty(0)), known, g[self.free]
+        known = _times(space.tested(act(self.compliance, values) + strain), self._of_strains)
+        of_lift = tractions.reshape(*known.shape[:-1], -1) - known[..., self._tractions]
+        numbers, several = self.numbers.ravel(), of_lift.shape[:-2]
+        sums = [np.bincount(numbers, each, self.total) for each in of_lift.reshape(-1, numbers.size)]
+        g = loads.surface.reshape(*several, -1) - np.reshape(sums, (*several, -1))
+        return EquilibratedStress(values, tractions, np.empty(0)), known, g[..., self.free]
 
     def _recover(self, lift: EquilibratedStress, known: Array, m: Array, shifted: Array) -> EquilibratedStress:
         """The stress with the multipliers m, from what ``_condense`` found; ``shifted`` is m less the given moments."""
         space = self.space
-        c = _times(_times(shifted[self.numbers], self.R) - known, self.stiffness)
+        found = _times(shifted[..., self.numbers], self._of_moments) - known
         return EquilibratedStress(
-            lift.values + space.combined(c),
-            lift.tractions + _times(c, self.RT).reshape(lift.tractions.shape),
-            m.reshape(-1, space.degree + 1, 2),
+            lift.values + space.combined(found[..., : self._tractions.start]),
+            lift.tractions + found[..., self._tractions].reshape(lift.tractions.shape),
+            m.reshape(*m.shape[:-1], -1, space.degree + 1, 2),
         )
 
     def pressure(self, stress: EquilibratedStress) -> Array:
-        """Bernstein coefficients of −τ_ν ≥ 0 on the edges ``contact``, (edges of Γ3, n)."""
+        """Bernstein coefficients of −τ_ν ≥ 0 on the edges ``contact``, (..., edges of Γ3, n)."""
         return -self.space.boundary_tractions(self.contact, stress.tractions)[..., 0]
 
 
+def act(C: Array, strain: Tensors) -> Tensors:
+    """C ε at points, Mandel: (..., 3, 3), or (3, 3) for all, and (3, ...) → (3, ...)."""
+    if C.ndim == 2:
+        return mapped(C, strain)
+    found: Tensors = np.einsum("...IJ,J...->I...", C, strain)
+    return found
+
+
 def _times(vectors: Array, matrices: Array) -> Array:
-    """A row vector for every cell times a matrix for every cell: (cells, p), (cells, p, r) → (cells, r)."""
-    return (vectors[:, None, :] @ matrices)[:, 0]
+    """Row vectors for every cell times a matrix for every cell: (..., cells, p), (cells, p, r) → (..., cells, r)."""
+    rows = np.moveaxis(vectors.reshape(-1, *vectors.shape[-2:]), 0, 1)
+    return np.moveaxis(rows @ matrices, 1, 0).reshape(*vectors.shape[:-1], -1)

@@ -121,35 +121,41 @@ class StressSpace(MeshedBody):
         return np.multiply.outer(self.volumes / 3, np.tile(self._rule[1], 3))
 
     @cached_property
-    def reference(self) -> Array:
-        """The stresses with Div σ̂ = 0 at the points of the reference triangle, (Q, 3, p)."""
-        return np.einsum("qta,taJp->qJp", self._values, self.element.divergence_free)
+    def _reference(self) -> Array:
+        """The stresses with Div σ̂ = 0 at the points of the reference triangle, (3 · Q, p)."""
+        found = np.einsum("qta,taJp->Jqp", self._values, self.element.divergence_free)
+        return found.reshape(-1, found.shape[-1])
 
-    @cached_property
-    def basis(self) -> Array:
-        """The stresses with Div σ = 0 at the points, (cells, Q, 3, p)."""
-        return np.einsum("cIJ,qJp->cqIp", self._piola, self.reference, optimize=True)
-
-    def tested(self, strain: Tensors) -> Array:
-        """∫_T σ·ε for the stresses of ``basis`` and the values of ε, (3, cells, Q) → (cells, p).
+    def gram(self, compliance: Array) -> Array:
+        """∫_T C⁻¹σ·τ for the stresses with Div σ = 0 of every cell, (cells, p, p).
 
         All cells have the same stresses but for the Piola transformation, so that this is one product of two matrices.
+
+        Args:
+            compliance: C⁻¹ in Mandel form, (3, 3), or at the points, (cells, Q, 3, 3).
         """
-        pulled = np.moveaxis(strain * self.weights, 0, 2) @ self._piola
-        return pulled.reshape(self.cells, -1) @ self.reference.reshape(-1, self.reference.shape[-1])
+        piola, reference = self._piola[:, None], self._reference.reshape(3, self.weights.shape[1], -1)
+        pulled = self.weights[..., None, None] * (piola.swapaxes(2, 3) @ compliance @ piola)
+        products = np.einsum("Iqa,Jqb->qIJab", reference, reference)
+        p = reference.shape[-1]
+        return (pulled.reshape(self.cells, -1) @ products.reshape(-1, p * p)).reshape(-1, p, p)
+
+    def tested(self, strain: Tensors) -> Array:
+        """∫_T σ·ε for the stresses with Div σ = 0 and the values of ε, (3, ..., cells, Q) → (..., cells, p)."""
+        pulled = self._piola.swapaxes(1, 2) @ np.moveaxis(strain * self.weights, 0, -2)
+        return pulled.reshape(*pulled.shape[:-2], -1) @ self._reference
 
     def combined(self, coefficients: Array) -> Tensors:
-        """The values of combinations of ``basis``, (cells, p) → (3, cells, Q)."""
-        flat = coefficients @ self.reference.reshape(-1, self.reference.shape[-1]).T
-        return self._pushed(flat.reshape(self.cells, -1, 3))
+        """The values of combinations of the stresses with Div σ = 0, (..., cells, p) → (3, ..., cells, Q)."""
+        return self._pushed(coefficients @ self._reference.T)
 
     def _pushed(self, reference: Array) -> Tensors:
-        """Values on the reference triangle ↦ those on the cells, (cells, Q, 3) → (3, cells, Q)."""
-        return np.moveaxis(reference @ self._piola.swapaxes(1, 2), 2, 0)
+        """Values on the reference triangle ↦ those on the cells, (..., cells, 3 · Q) → (3, ..., cells, Q)."""
+        return np.moveaxis(self._piola @ reference.reshape(*reference.shape[:-1], 3, -1), -2, 0)
 
     @cached_property
     def tractions(self) -> Array:
-        """The tractions of ``basis`` on the three sides, (cells, 3, n, 2, p)."""
+        """The tractions of the stresses with Div σ = 0 on the three sides, (cells, 3, n, 2, p)."""
         reference = np.moveaxis(np.tensordot(self.element.tractions, self.element.divergence_free, axes=3), -1, 0)
         found = self._to_edges(np.broadcast_to(reference[:, None], (len(reference), self.cells, *reference.shape[1:])))
         return np.ascontiguousarray(np.moveaxis(found, 0, -1))
@@ -177,17 +183,24 @@ class StressSpace(MeshedBody):
 
     def evaluate(self, coefficients: Array) -> Vectors:
         """P f_0 at the points: Bernstein coefficients (cells, 3 thirds, lower, 2) → (2, cells, Q)."""
-        at = bernstein(self.degree - 1, self._rule[0])
-        return np.einsum("ctad,aq->dctq", coefficients, at).reshape(2, self.cells, -1)
+        return np.einsum("ctad,aq->dctq", coefficients, self.force_shapes).reshape(2, self.cells, -1)
+
+    @cached_property
+    def force_shapes(self) -> Array:
+        """The Bernstein polynomials of P f_0 on a third at its points, (lower, q)."""
+        return bernstein(self.degree - 1, self._rule[0])
 
     def lift(self, coefficients: Array) -> tuple[Tensors, Array]:
         """A stress with Div σ + P f_0 = 0 in every cell, from the Bernstein coefficients of P f_0.
 
-        (cells, 3 thirds, lower, 2) → values (3, cells, Q) and tractions (cells, 3, n, 2), not continuous across edges.
+        (..., cells, 3 thirds, lower, 2) → values (3, ..., cells, Q) and tractions (..., cells, 3, n, 2), not continuous
+        across edges.
         """
         values, tractions = self._lifting
-        back = (coefficients.reshape(self.cells, -1, 2) @ self._pulled).reshape(coefficients.shape)
-        return self._pushed(np.tensordot(back, values, axes=3)), self._to_edges(np.tensordot(back, tractions, axes=3))
+        several = coefficients.shape[:-3]
+        back = (coefficients.reshape(*several, -1, 2) @ self._pulled).reshape(*several, -1)
+        of_sides = (back @ tractions).reshape(*several, 3, -1, 2)
+        return self._pushed(back @ values), self._to_edges(of_sides)
 
     @cached_property
     def _pulled(self) -> Array:
@@ -198,9 +211,10 @@ class StressSpace(MeshedBody):
     def _lifting(self) -> tuple[Array, Array]:
         """``element.lift`` at the points and on the sides of the reference triangle.
 
-        (3 thirds, lower, 2; Q, 3) and (3 thirds, lower, 2; 3 sides, n, 2).
+        (3 thirds · lower · 2, 3 · Q) and (3 thirds · lower · 2, 3 sides · n · 2).
         """
         lift, tractions = self.element.lift, self.element.tractions
-        return np.einsum("qta,taJubi->ubiqJ", self._values, lift), np.tensordot(
-            lift, tractions, axes=((0, 1, 2), (3, 4, 5))
-        )
+        rows = int(np.prod(lift.shape[3:]))
+        values = np.einsum("qta,taJubi->ubiJq", self._values, lift)
+        on_sides = np.tensordot(lift, tractions, axes=((0, 1, 2), (3, 4, 5)))
+        return values.reshape(rows, -1), on_sides.reshape(rows, -1)

@@ -58,11 +58,11 @@ def in_cells(space: Quadratic, rng: np.random.Generator, q: int = 5) -> tuple[Ar
 
 def values(space: Quadratic, v: Array, barycentric: Array) -> Array:
     """v at the points, (2, cells, q)."""
-    return np.moveaxis((space.shapes(barycentric) @ v).reshape(space.cells, -1, 2), 2, 0)
+    return np.einsum("aq,acd->dcq", space.shapes(barycentric), space.coefficients(v)[space.numbers])
 
 
 def strains(space: Quadratic, v: Array, barycentric: Array) -> Tensors:
-    return np.moveaxis((space.strains(barycentric) @ v).reshape(space.cells, -1, 3), 2, 0)
+    return (space.strains(barycentric) @ v).reshape(3, space.cells, -1)
 
 
 def on_contact(space: Quadratic, v: Array, x: Array) -> Array:

@@ -159,13 +159,15 @@ def on_cell(F: Array, C: Array, q: int, times: int) -> float:
     refined = Refined.of(F, C, times)
     space = refined.space
     barycentric, weights = simplex_rule(2, 2 + max(2, q))
-    at = space.shapes(barycentric)
+    shapes = np.zeros((space.cells, len(weights), space.count))
+    shapes[np.arange(space.cells)[:, None], :, space.numbers.T] = space.shapes(barycentric)
+    at = np.kron(shapes.reshape(-1, space.count), np.eye(2))
     w = np.repeat(np.multiply.outer(space.volumes, weights).ravel(), 2)
-    mass = (at.T @ (sps.diags_array(w) @ at)).toarray()
+    mass = (at.T * w) @ at
     x = np.linalg.solve(F, np.einsum("dvc,vq->dcq", space.mesh.p[:, space.mesh.t], barycentric).reshape(2, -1))
     monomials = [x[0] ** i * x[1] ** j for i in range(q + 1) for j in range(q + 1 - i)]
     orthogonal = np.array([np.kron(p, unit) for p in monomials for unit in np.eye(2)])
-    loads = null_space((orthogonal * w) @ at.toarray())
+    loads = null_space((orthogonal * w) @ at)
     return refined.largest(mass @ loads, loads.T @ mass @ loads)
 
 

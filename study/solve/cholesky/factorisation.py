@@ -56,23 +56,23 @@ class Cholesky:
         self.trailing.T[triangle] = entries[entries.size - triangle[0].size :]
 
     def __call__(self, b: Array) -> Array:
-        """S⁻¹ b, (n,)."""
+        """S⁻¹ b, (n,), or of several b, (m, n)."""
         return self.backward(self.forward(b))
 
     def forward(self, b: Array) -> Array:
-        """y = L⁻¹ P b."""
-        y = b[self.order]
+        """y = L⁻¹ P b, (n,) or (m, n)."""
+        y = np.take(b, self.order, axis=-1)
         for panel in self.panels:
-            sweeps.forward(*panel, y)
+            sweeps.forward(*panel, y.reshape(-1, len(self.order)))
         return y
 
     def backward(self, y: Array) -> Array:
-        """Pᵀ L⁻ᵀ y."""
+        """Pᵀ L⁻ᵀ y, (n,) or (m, n)."""
         x = y.copy()
         for panel in reversed(self.panels):
-            sweeps.backward(*panel, x)
+            sweeps.backward(*panel, x.reshape(-1, len(self.order)))
         u = np.empty_like(x)
-        u[self.order] = x
+        u[..., self.order] = x
         return u
 
 

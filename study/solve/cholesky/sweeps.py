@@ -1,4 +1,4 @@
-"""The substitutions with a sparse Cholesky factor, compiled; each reads L once."""
+"""The substitutions with a sparse Cholesky factor, compiled; each reads L once, for all right sides (m, n)."""
 
 from __future__ import annotations
 
@@ -39,47 +39,51 @@ def _most(borders: Integers) -> int:
 
 
 @njit(cache=True, fastmath={"reassoc", "nsz", "contract"})
-def forward(starts: Integers, borders: Integers, rows: Integers, entries: Array, y: Array) -> None:
-    """y ← L⁻¹ y for the columns of a panel."""
+def forward(starts: Integers, borders: Integers, rows: Integers, entries: Array, ys: Array) -> None:
+    """y ← L⁻¹ y for the columns of a panel and every y, (m, n)."""
     p = 0
     below = np.empty(_most(borders))
     for block in range(len(starts) - 1):
-        end, first = starts[block + 1], borders[block]
+        end, first, place = starts[block + 1], borders[block], p
         count = borders[block + 1] - first
-        below[:count] = 0.0
-        for j in range(starts[block], end):
-            # Slices, because an index that might be negative would keep loops from being vectorised.
-            column, rest = entries[p : p + end - j], y[j:end]
-            value = rest[0] / column[0]
-            rest[0] = value
-            for i in range(1, end - j):
-                rest[i] -= column[i] * value
-            p += end - j
-            column = entries[p : p + count]
+        for k in range(len(ys)):
+            y, p = ys[k], place
+            below[:count] = 0.0
+            for j in range(starts[block], end):
+                # Slices, because an index that might be negative would keep loops from being vectorised.
+                column, rest = entries[p : p + end - j], y[j:end]
+                value = rest[0] / column[0]
+                rest[0] = value
+                for i in range(1, end - j):
+                    rest[i] -= column[i] * value
+                p += end - j
+                column = entries[p : p + count]
+                for i in range(count):
+                    below[i] += column[i] * value
+                p += count
             for i in range(count):
-                below[i] += column[i] * value
-            p += count
-        for i in range(count):
-            y[rows[first + i]] -= below[i]
+                y[rows[first + i]] -= below[i]
 
 
 @njit(cache=True, fastmath={"reassoc", "nsz", "contract"})
-def backward(starts: Integers, borders: Integers, rows: Integers, entries: Array, x: Array) -> None:
-    """x ← L⁻ᵀ x for the columns of a panel."""
+def backward(starts: Integers, borders: Integers, rows: Integers, entries: Array, xs: Array) -> None:
+    """x ← L⁻ᵀ x for the columns of a panel and every x, (m, n)."""
     p = len(entries)
     below = np.empty(_most(borders))
     for block in range(len(starts) - 2, -1, -1):
-        end, first = starts[block + 1], borders[block]
+        end, first, place = starts[block + 1], borders[block], p
         count = borders[block + 1] - first
-        for i in range(count):
-            below[i] = x[rows[first + i]]
-        for j in range(end - 1, starts[block] - 1, -1):
-            p -= count
-            column, total = entries[p : p + count], 0.0
+        for k in range(len(xs)):
+            x, p = xs[k], place
             for i in range(count):
-                total += column[i] * below[i]
-            p -= end - j
-            column, rest = entries[p : p + end - j], x[j:end]
-            for i in range(1, end - j):
-                total += column[i] * rest[i]
-            rest[0] = (rest[0] - total) / column[0]
+                below[i] = x[rows[first + i]]
+            for j in range(end - 1, starts[block] - 1, -1):
+                p -= count
+                column, total = entries[p : p + count], 0.0
+                for i in range(count):
+                    total += column[i] * below[i]
+                p -= end - j
+                column, rest = entries[p : p + end - j], x[j:end]
+                for i in range(1, end - j):
+                    total += column[i] * rest[i]
+                rest[0] = (rest[0] - total) / column[0]

@@ -31,7 +31,8 @@ from study.solve.tableau import BDF2, Tableau
 from study.statements.shared.base import Setting
 from study.stresses.bernstein import bernstein
 from study.stresses.composite import alfeld_split, barycentric
-from study.stresses.dual import DualState, StressEvolution, act, tensor_at
+from study.stresses.dual import DualState, StressEvolution, tensor_at
+from study.stresses.hybrid import act
 from study.stresses.stress_space import StressSpace
 
 EDGE_POINTS = 4
