@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sps
@@ -27,7 +28,7 @@ from study.stresses.loads import Loads, ProjectedLoads, Snapshot
 from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
-KEPT = 8
+KEPT = 40
 """Times whose data are kept."""
 DEGREE = 3
 """Degree of stresses: P f_0 then has degree 2, rigid motions of the cells among them."""
@@ -128,9 +129,9 @@ class Discretisation:
         """The matrix of (·,·)_V."""
         return self.displacements.form(self.data.law.A.matrix, self.data.law.A.factor(self.displacements.points))
 
-    def norm(self, v: Array) -> float:
-        """‖v‖_V."""
-        return float(np.sqrt(max(v @ (self.M @ v), 0.0)))
+    def norm(self, v: Array) -> Any:
+        """‖v‖_V, (..., dofs) → (...)."""
+        return np.sqrt(np.maximum(np.einsum("...i,...i->...", v, (self.M @ v.T).T), 0.0))
 
     @cached_property
     def _strains(self) -> sps.csr_array:
@@ -150,13 +151,19 @@ class Discretisation:
         return np.asarray(self.stresses.mesh.f2t[0, np.concatenate(edges)])
 
     def normal_moments(self, v: Array) -> Array:
-        """∫_e v_ν B_i on the edges of Γ3, (edges of Γ3, n)."""
-        coefficients = self.displacements.coefficients(v)
-        found = []
-        for part, edges in self.stresses.on(Kind.CONTACT):
-            normal = coefficients[self.displacements.on_edges(edges)] @ part.normal
-            found.append((GRAM.T @ normal).T * self.stresses.lengths[edges][:, None])
-        return np.concatenate(found)
+        """∫_e v_ν B_i on the edges of Γ3, (..., dofs) → (..., edges of Γ3, n)."""
+        found: Array = (self._normal_moments @ v.T).T
+        return found.reshape(*v.shape[:-1], -1, DEGREE + 1)
+
+    @cached_property
+    def _normal_moments(self) -> sps.csr_array:
+        """v ↦ the same, edge by edge."""
+        on = self.stresses.on(Kind.CONTACT)
+        traces = self.displacements.normal_components(
+            [(part, self.displacements.on_edges(edges).T.ravel()) for part, edges in on]
+        )
+        lengths = self.stresses.lengths[np.concatenate([edges for _, edges in on])]
+        return sps.csr_array(sps.kron(sps.diags_array(lengths), GRAM.T) @ traces)
 
 
 def refuse_solids(data: Data) -> None:

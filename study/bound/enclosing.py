@@ -174,10 +174,10 @@ def _largest_distance(
     middle = (piece.a + piece.b) / 2
     ends = [piece.start, piece.at(middle), piece.end]
     controls = [(piece.start + piece.control) / 2, (piece.control + piece.end) / 2]
-    values = [J @ computed.at(time) for time in (piece.a, middle, piece.b)]
+    values = list((J @ np.array([computed.at(time) for time in (piece.a, middle, piece.b)]).T).T)
     differences = [v - w for v, w in zip(ends, values, strict=True)]
     differences += [c - (v + w) / 2 for c, (v, w) in zip(controls, pairwise(values), strict=True)]
-    return max(discretisation.norm(d) for d in differences)
+    return float(discretisation.norm(np.array(differences)).max())
 
 
 def _initial_error(discretisation: Discretisation, start: Array) -> Array:

@@ -2,24 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from manufactured.tensors import Array, Tensors
+from manufactured.tensors import Array, Tensors, mapped
 from study.bound.discretisation import Discretisation
-from study.stresses.loads import Loads, Snapshot
+from study.stresses.loads import Loads, Snapshot, together
 
 
 @dataclass(frozen=True, eq=False)
 class LawResidual:
     """ρ at the points of the stresses, (3, cells, Q), and the Bernstein coefficients of σ̃_ν on Γ3, (edges of Γ3, n).
 
-    Both are those of one time, or coefficients of a parabola in time.
+    Both are those of one time, or coefficients of a parabola in time; several have an axis before that of cells and
+    edges.
     """
 
     values: Tensors
     normal: Array
+
+    @property
+    def each(self) -> list[LawResidual]:
+        """Several one by one."""
+        return [LawResidual(self.values[:, i], normal) for i, normal in enumerate(self.normal)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,38 +47,51 @@ class Equilibration:
         data, stresses = discretisation.data, discretisation.stresses
         self._A, self._G = (law.at(stresses.points) for law in (data.law.A, data.law.G))
         self._compliance = discretisation.moduli.compliance(data.body.T)
-        directions = discretisation.moduli.directions
-        self._parts = np.einsum("Ii,Ji->iIJ", directions, directions)
-        self._weights = stresses.weights * discretisation.inverse_viscosity
+        self._directions = discretisation.moduli.directions.T
+        self._roots = np.sqrt(stresses.weights * discretisation.inverse_viscosity)
 
     def elastic(self, u: Array) -> Tensors:
-        """Gε(u) at the points of the stresses, (dofs,) → (3, cells, Q)."""
+        """Gε(u) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
         return self._G(self.discretisation.strain(u))
 
-    def products(self, stress: Tensors, other: Tensors) -> Array:
-        """∫_T (v_i·σ)(v_i·τ) on the cells for the directions of ``study.bound.moduli``, (directions, cells).
+    def products(self, stresses: Tensors) -> Array:
+        """∫_T (v_i·σ_a)(v_i·σ_b) on the cells for the directions of ``study.bound.moduli`` and any two of some stresses.
 
-        Their sum is ∫_T A⁻¹σ·τ.
+        (3, n, ..., cells, Q) → (n, n, directions, ..., cells); the sum over directions is ∫_T A⁻¹σ_a·σ_b.
         """
-        return np.einsum("iIJ,Jcq,Icq,cq->ic", self._parts, stress, other, self._weights, optimize=True)
+        parts = np.moveaxis(self._roots * mapped(self._directions, stresses), 1, 0)
+        n = len(parts)
+        found = np.empty((n, n, *parts.shape[1:-1]))
+        for a in range(n):
+            for b in range(a, n):
+                found[a, b] = found[b, a] = np.einsum("...q,...q->...", parts[a], parts[b])
+        return found
 
     def residual(self, loads: Loads, target: Tensors, u: Array) -> LawResidual:
         """ρ for the σ̃ with the least ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν among those that balance the loads.
 
         The norm is that of ``Moduli.compliance``; the target Aε(ũ̇) + Gε(ũ) is (3, cells, Q), u = ũ ∈ K is (dofs,).
+        Several have an axis before that of cells, and before that of dofs.
         """
         discretisation = self.discretisation
-        strain = -discretisation.inverse_viscosity * np.tensordot(self._compliance, target, axes=1)
+        strain = -discretisation.inverse_viscosity * mapped(self._compliance, target)
         stress = discretisation.equilibrium(loads, strain, discretisation.normal_moments(u))
         return LawResidual(stress.values - target, -discretisation.equilibrium.pressure(stress))
 
-    def knot(self, time: float, u: Array, rate: Array) -> Knot:
-        """The knot with ũ = u and ũ̇ = rate."""
-        snapshot = self.discretisation.snapshot(time)
-        viscous, elastic = self._A(self.discretisation.strain(rate)), self.elastic(u)
-        return Knot(snapshot, viscous, elastic, self.residual(snapshot.loads, viscous + elastic, u))
+    def knots(self, times: Sequence[float], u: Array, rates: Array) -> list[Knot]:
+        """The knots with ũ = u and ũ̇ = rate, (times, dofs) both."""
+        snapshots = [self.discretisation.snapshot(time) for time in times]
+        viscous, elastic = self._A(self.discretisation.strain(rates)), self.elastic(u)
+        residuals = self.residual(together([at.loads for at in snapshots]), viscous + elastic, u).each
+        return [
+            Knot(snapshot, viscous[:, i], elastic[:, i], residual)
+            for i, (snapshot, residual) in enumerate(zip(snapshots, residuals, strict=True))
+        ]
 
-    def unbalanced(self, loads: Loads) -> float:
-        """A bound of ‖loads‖ in the dual of V: the least ‖τ‖_{A⁻¹} of stresses that balance them, τν = 0 on Γ3."""
-        stress = self.discretisation.equilibrium.balance(loads).values
-        return float(np.sqrt(self.products(stress, stress).sum()))
+    def unbalanced(self, loads: Loads) -> Array:
+        """Bounds of ‖loads‖ in the dual of V: the least ‖τ‖_{A⁻¹} of stresses that balance them, τν = 0 on Γ3.
+
+        For several loads, (n,).
+        """
+        stresses = self.discretisation.equilibrium.balance(loads).values
+        return np.asarray(np.sqrt(self.products(stresses[:, None])[0, 0].sum(axis=(0, -1))))

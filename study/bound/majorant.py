@@ -25,9 +25,9 @@ what these samples miss is bounded by ranges of the formulas and added, or the b
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from itertools import product
+from itertools import islice, pairwise
 
 import numpy as np
 
@@ -38,15 +38,16 @@ from study.bound.equilibration import Equilibration, Knot, LawResidual
 from study.bound.growth import Added, Sizes, grown, largest_square, mean_square
 from study.bound.moduli import BoundError
 from study.bound.sampling import Missed
-from study.bound.shares import Pair, Shares, part_that_changes, proportional
+from study.bound.shares import Shares, part_that_changes, proportional
 from study.bound.trajectory import Parabola
-from study.stresses.loads import Loads
+from study.stresses.loads import Loads, Snapshot, together
 
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """∫_0^1 B_i B_j for the Bernstein polynomials of degree 2."""
 CURVED, BENT = 1.5, 1.027
 """How much larger θ(1 − θ) is than its mean, and |θ(θ − ½)(θ − 1)| than at θ = ¼, for 0 ≤ θ ≤ 1."""
-PAIRS = tuple(product(range(3), repeat=2))
+LEAST, MOST, VALUES = 4, 16, 1 << 20
+"""Pieces that are taken together, and the values of the stresses of all of them but where there are few."""
 ROUNDING = 1e-6
 """Jump of ũ̇ at a knot, relative to ũ̇, that counts as none."""
 
@@ -82,45 +83,90 @@ class Interval:
     shares: Shares
 
 
+@dataclass(frozen=True, eq=False)
+class _Known:
+    """What is known of a piece before the bound at its start.
+
+    Attributes:
+        middle: the data in its middle.
+        residuals: the coefficients of ρ as a parabola in time.
+        products: of any two of them, (3, 3, directions, cells).
+        curvature: the mean of ‖Gε(ũ) − its parabola‖_{A⁻¹}.
+        bending: the norm in the dual of V of P f minus its parabola.
+    """
+
+    piece: Parabola
+    left: Knot
+    middle: Snapshot
+    right: Knot
+    residuals: tuple[LawResidual, ...]
+    products: Array
+    curvature: float
+    bending: float
+
+
 class Majorant:
-    """The bound along a trajectory on one mesh."""
+    """The bound along a trajectory on one mesh; pieces are taken together, as far as caches have room for them."""
 
     def __init__(self, discretisation: Discretisation) -> None:
         self.discretisation, self.equilibration = discretisation, Equilibration(discretisation)
+        values = 3 * discretisation.stresses.weights.size
+        self._together = max(LEAST, min(MOST, VALUES // values))
 
     def __call__(self, pieces: Iterable[Parabola], start: float) -> Iterator[tuple[Parabola, Interval]]:
         """The bound on every piece of ũ, from a bound of ‖u_0 − ũ(0)‖_V; BoundError if ũ̇ jumps at a knot."""
-        y, left, before = start, None, None
-        for piece in pieces:
-            rate = piece.rate(end=False)
+        y, left, joined = start, None, _joined(pieces)
+        while block := list(islice(joined, self._together)):
             if left is None:
-                left = self.equilibration.knot(piece.a, piece.start, rate)
-            elif abs(rate - before).max() > ROUNDING * abs(rate).max():
-                raise BoundError(
-                    f"ũ̇ jumps at t = {piece.a:.6g}: the nodes of a trajectory have to be equally spaced in time"
-                )
-            before = piece.rate(end=True)
-            right = self.equilibration.knot(piece.b, piece.end, before)
-            interval = self._interval(piece, left, right, y)
-            yield piece, interval
-            y, left = interval.at_b, right
+                (left,) = self._knots([block[0].a], [block[0].start], [block[0].rate(end=False)])
+            known = self._known(block, left)
+            for one in known:
+                interval = self._interval(one, y)
+                yield one.piece, interval
+                y = interval.at_b
+            left = known[-1].right
 
-    def _interval(self, piece: Parabola, left: Knot, right: Knot, y: float) -> Interval:
-        discretisation, equilibration, k = self.discretisation, self.equilibration, piece.b - piece.a
-        middle = discretisation.snapshot((piece.a + piece.b) / 2)
+    def _knots(self, times: list[float], u: list[Array], rates: list[Array]) -> list[Knot]:
+        return self.equilibration.knots(times, np.array(u), np.array(rates))
+
+    def _known(self, pieces: list[Parabola], left: Knot) -> list[_Known]:
+        """What is known of pieces, one after the other, from what is known of the first knot."""
+        ends = [(piece.b, piece.end, piece.rate(end=True)) for piece in pieces]
+        knots = [left, *self._knots(*map(list, zip(*ends, strict=True)))]
+        middles = [self.discretisation.snapshot((piece.a + piece.b) / 2) for piece in pieces]
         # The parabola through three times has the middle Bernstein coefficient 2 f(m) − (f(a) + f(b))/2.
-        loads = 2.0 * middle.loads + (-0.5) * (left.snapshot.loads + right.snapshot.loads)
-        elastic, curvature = self._elastic(piece, left, right)
-        control = equilibration.residual(loads, (left.viscous + right.viscous) / 2 + elastic, piece.control)
-        every = (left.residual, control, right.residual)
-        residual = {(i, j): equilibration.products(every[i].values, every[j].values) for i, j in PAIRS}
-        squares = sum(QUADRATIC[pair] * found for pair, found in residual.items())
-        missed = discretisation.sampling.missed(discretisation.oscillation, piece.a, piece.b)
-        left_out = [
-            discretisation.oscillation(at.left_out) + missed.cells for at in (left.snapshot, middle, right.snapshot)
+        loads = [
+            2.0 * middle.loads + (-0.5) * (a.snapshot.loads + b.snapshot.loads)
+            for middle, (a, b) in zip(middles, pairwise(knots), strict=True)
         ]
-        bending, unseen = self._bending(piece, left.snapshot.loads, loads, right.snapshot.loads), missed.everywhere
-        contact, largest_contact = self._contact(piece, every)
+        elastic = [self._elastic(piece, a, b) for piece, (a, b) in zip(pieces, pairwise(knots), strict=True)]
+        targets = [
+            (a.viscous + b.viscous) / 2 + control for (control, _), (a, b) in zip(elastic, pairwise(knots), strict=True)
+        ]
+        controls = self.equilibration.residual(
+            together(loads), np.stack(targets, axis=1), np.array([piece.control for piece in pieces])
+        )
+        bending = self.equilibration.unbalanced(together(list(map(self._bent, pieces, knots, loads, knots[1:]))))
+        return [
+            _Known(piece, a, middle, b, every, self._products(every), curvature, float(bent))
+            for piece, middle, (a, b), control, (_, curvature), bent in zip(
+                pieces, middles, pairwise(knots), controls.each, elastic, bending, strict=True
+            )
+            for every in [(a.residual, control, b.residual)]
+        ]
+
+    def _products(self, every: tuple[LawResidual, ...]) -> Array:
+        return self.equilibration.products(np.stack([one.values for one in every], axis=1))
+
+    def _interval(self, known: _Known, y: float) -> Interval:
+        discretisation, piece, residual, curvature = self.discretisation, known.piece, known.products, known.curvature
+        k, bending = piece.b - piece.a, known.bending
+        squares = np.tensordot(QUADRATIC, residual, axes=2)
+        missed = discretisation.sampling.missed(discretisation.oscillation, piece.a, piece.b)
+        snapshots = known.left.snapshot, known.middle, known.right.snapshot
+        left_out = [discretisation.oscillation(at.left_out) + missed.cells for at in snapshots]
+        unseen = missed.everywhere
+        contact, largest_contact = self._contact(piece, known.residuals)
         mean = Sizes(squares, mean_square(*left_out), float(contact.sum()), curvature + bending + unseen)
         largest = Sizes(
             np.max([residual[i, i] for i in range(3)], axis=0),
@@ -137,20 +183,18 @@ class Majorant:
 
     def _contact(self, piece: Parabola, residuals: tuple[LawResidual, ...]) -> tuple[Array, float]:
         """The mean of c on the edges of Γ3, (edges of Γ3,), and a bound of c at all times."""
-        moments = [self.discretisation.normal_moments(v) for v in (piece.start, piece.control, piece.end)]
+        moments = self.discretisation.normal_moments(np.array([piece.start, piece.control, piece.end]))
         # Complementary up to rounding, they may come out as −0.
-        products = {(i, j): np.maximum((residuals[i].normal * moments[j]).sum(axis=1), 0.0) for i, j in PAIRS}
-        mean = sum(QUADRATIC[pair] * found for pair, found in products.items())
-        return mean, max(float(found.sum()) for found in products.values())
+        normal = np.array([one.normal for one in residuals])
+        products = np.maximum(np.einsum("ien,jen->ije", normal, moments), 0.0)
+        return np.tensordot(QUADRATIC, products, axes=2), float(products.sum(axis=2).max())
 
-    def _shares(
-        self, k: float, y: float, products: Mapping[Pair, Array], mean: Sizes, contact: Array, missed: Missed
-    ) -> Shares:
+    def _shares(self, k: float, y: float, products: Array, mean: Sizes, contact: Array, missed: Missed) -> Shares:
         """What adds to y where, before it is damped (``study.bound.shares``)."""
         discretisation = self.discretisation
         weights = discretisation.moduli.weights(discretisation.data.body.T)
         squares = weights @ mean.residual
-        changing = part_that_changes({pair: weights @ found for pair, found in products.items()}, squares)
+        changing = part_that_changes(weights @ products, squares)
         joined = (np.sqrt(squares) + np.sqrt(mean.oscillation)) ** 2
         own = k * proportional(joined)
         cells = own * (1 - changing) + k * missed.in_cells
@@ -158,14 +202,14 @@ class Majorant:
         np.add.at(cells, discretisation.cells_at_contact, added * contact / max(mean.contact, np.finfo(float).tiny))
         return Shares(cells, float(own @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
 
-    def _bending(self, piece: Parabola, *loads: Loads) -> float:
-        """The norm in the dual of V of P f minus its parabola a quarter into the piece.
+    def _bent(self, piece: Parabola, left: Knot, control: Loads, right: Knot) -> Loads:
+        """P f minus its parabola a quarter into the piece.
 
         The remainder of a cubic, θ(θ − ½)(θ − 1), is ``BENT`` times as large at most, and its mean absolute value less.
         """
         quarter = self.discretisation.snapshot(piece.a + (piece.b - piece.a) / 4).loads
-        parabola = 9 / 16 * loads[0] + 6 / 16 * loads[1] + 1 / 16 * loads[2]
-        return self.equilibration.unbalanced(quarter + (-1.0) * parabola)
+        parabola = 9 / 16 * left.snapshot.loads + 6 / 16 * control + 1 / 16 * right.snapshot.loads
+        return quarter + (-1.0) * parabola
 
     def _elastic(self, piece: Parabola, left: Knot, right: Knot) -> tuple[Tensors, float]:
         """The middle coefficient of Gε(ũ) as a parabola in time, and the mean of ‖Gε(ũ) − parabola‖_{A⁻¹}."""
@@ -180,3 +224,20 @@ class Majorant:
             change[np.all([abs(g).max(axis=0) == 0 for g in held], axis=0)] = 0.0
         weights, A = discretisation.stresses.weights, discretisation.data.law.A
         return (left.elastic + right.elastic) / 2, float(np.sqrt(np.vdot(weights, change**2) / A.ellipticity))
+
+
+def _joined(pieces: Iterable[Parabola]) -> Iterator[Parabola]:
+    """The pieces, as long as ũ̇ does not jump where they meet.
+
+    Raises:
+        BoundError: it does.
+    """
+    before: Array | None = None
+    for piece in pieces:
+        rate = piece.rate(end=False)
+        if before is not None and abs(rate - before).max() > ROUNDING * abs(rate).max():
+            raise BoundError(
+                f"ũ̇ jumps at t = {piece.a:.6g}: the nodes of a trajectory have to be equally spaced in time"
+            )
+        before = piece.rate(end=True)
+        yield piece

@@ -12,7 +12,6 @@ is called whose is a heuristic and no part of it.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,23 +43,20 @@ class Shares:
         return total / self.total * self
 
 
-Pair = tuple[int, int]
-
-
 def proportional(squares: Array) -> Array:
     """Parts of the root of a sum of squares, in their proportions."""
     return np.asarray(squares / max(np.sqrt(squares.sum()), np.finfo(float).tiny))
 
 
-def part_that_changes(products: Mapping[Pair, Array], squares: Array) -> Array:
+def part_that_changes(products: Array, squares: Array) -> Array:
     """The part of the mean squares of parabolas in time that is not that of their means, between 0 and 1.
 
     Args:
-        products: of the coefficients i, j in Bernstein form.
-        squares: the mean squares that follow from them.
+        products: of any two of their coefficients in Bernstein form, (3, 3, n).
+        squares: the mean squares that follow from them, (n,).
     """
     # Every Bernstein polynomial of degree 2 has the mean 1/3.
-    means = np.sum([product / 9 for product in products.values()], axis=0)
+    means = products.sum(axis=(0, 1)) / 9
     return np.clip(1 - np.divide(means, squares, out=np.ones_like(squares), where=squares > 0), 0.0, 1.0)
 
 

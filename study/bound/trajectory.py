@@ -99,7 +99,8 @@ class SmoothedInTime:
         return coarse
 
     def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
-        J, times = prolongation(computed.space, fine), computed.T * np.arange(computed.steps + 1) / computed.steps
+        J = prolongation(computed.space, fine)
+        times = step_size(computed.T, computed.steps) * np.arange(computed.steps + 1)
         foresee(fine, times)
         for time, node in zip(times.tolist(), computed.nodes, strict=True):
             yield time, J @ node

@@ -75,7 +75,8 @@ class Tableau:
 
     def balanced(self, n: Array | int, k: float) -> Any:
         """t_{n−1+θ}, where in the step to t_n forces are in balance."""
-        return (n - 1 + self.theta) * k
+        # Halfway this is what a spline through the nodes has as its knots, to the last bit.
+        return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)
 
     def loaded(self, T: float, steps: int) -> Array:
         """The times at which a march asks for the load, (steps,)."""

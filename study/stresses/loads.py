@@ -39,7 +39,10 @@ PARALLEL = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """P f_0, (cells, 3 thirds, lower, 2), and P f_2, zero off Γ2, (edges, n, 2), of one time in Bernstein form."""
+    """P f_0, (cells, 3 thirds, lower, 2), and P f_2, zero off Γ2, (edges, n, 2), of one time in Bernstein form.
+
+    Several have one more axis, the first one.
+    """
 
     force: Array
     surface: Array
@@ -49,6 +52,11 @@ class Loads:
 
     def __rmul__(self, factor: float) -> Loads:
         return Loads(factor * self.force, factor * self.surface)
+
+
+def together(loads: Sequence[Loads]) -> Loads:
+    """Several of some single ones."""
+    return Loads(np.array([each.force for each in loads]), np.array([each.surface for each in loads]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +106,7 @@ class ProjectedLoads:
         if loads:
             self._loads_ahead.foresee(*loads)
         if snapshots:
-            self._splits_ahead.foresee(*snapshots)
+            self._snapshots_ahead.foresee(*snapshots)
 
     def __call__(self, time: float) -> Loads:
         if self._last is None or self._last[0] != time:
@@ -141,20 +149,24 @@ class ProjectedLoads:
         return [_force_at(self.data, block.rule.points) for block in self._blocks]
 
     @cached_property
-    def _splits_ahead(self) -> Ahead[_Split]:
+    def _snapshots_ahead(self) -> Ahead[Snapshot]:
         # What is at hand of some blocks of times, and what finds them, takes as much as four forces at the points.
         entries = 4 * 2 * sum(block.rule.weights.size for block in self._blocks)
         return Ahead(1 if self.data.force_modes is None else block_length(entries))
 
-    def _splits(self, times: Array) -> list[_Split]:
-        """f_0 on all thirds by the rules that time does not change."""
+    def _split(self, times: Array) -> _Split:
+        """f_0 on all thirds at some times (n,)."""
         lower, more = (degree * (degree + 1) // 2 for degree in (self.space.degree, self.space.degree + 1))
         n, thirds = len(times), 3 * self.space.cells
         found = _Split(np.empty((n, thirds, lower, 2)), np.empty((n, thirds)), np.empty((n, thirds, more, 2)))
         for block, force in zip(self._blocks, self._forces, strict=True):
             for whole, part in zip(found, block.split(force(times)), strict=True):
                 whole[:, block.cells] = part
-        return [_Split(*each) for each in zip(*found, strict=True)]
+        for i, time in enumerate(times.tolist()):
+            for block in self._cut_at(time):
+                for whole, part in zip(found, block.split(block.force(time)[..., None]), strict=True):
+                    whole[i, block.cells] = part[0]
+        return found
 
     def _loads(self, time: float) -> Loads:
         space = self.space
@@ -163,27 +175,26 @@ class ProjectedLoads:
         for block in self._cut_at(time):
             force[block.cells] = block.projected(block.force(time))
         for part in self._parts:
-            surface[part.edges] = part.projected(part.load(time))
+            surface[part.edges] = part.projected(part.load(np.array([time])))[0]
         return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def at(self, time: float) -> Snapshot:
         """P f_0, P f_2 and the norms of what P leaves out."""
-        space, mass = self.space, triangle_mass(self.space.degree)
-        found = _Split(*(part.copy() for part in self._splits_ahead(time, self._splits)))
-        for block in self._cut_at(time):
-            for whole, part in zip(found, block.split(block.force(time)[..., None]), strict=True):
-                whole[block.cells] = part[0]
-        surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
-        on_edges = np.zeros(len(surface))
+        return self._snapshots_ahead(time, self._snapshots)
+
+    def _snapshots(self, times: Array) -> list[Snapshot]:
+        space, n, inverse = self.space, len(times), np.linalg.inv(triangle_mass(self.space.degree))
+        found = self._split(times)
+        surface = np.zeros((n, space.mesh.facets.shape[1], space.degree + 1, 2))
+        on_edges = np.zeros(surface.shape[:2])
         for loaded in self._parts:
-            surface[loaded.edges], on_edges[loaded.edges] = loaded(time)
-        total = found.squares.reshape(-1, 3).sum(axis=1)
-        of_cells = found.moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
-        low_order = np.einsum("cad,ab,cbd->c", of_cells, np.linalg.inv(mass), of_cells) / space.volumes
-        return Snapshot(
-            Loads(found.force.reshape(space.cells, 3, -1, 2), surface),
-            LeftOut(np.sqrt(np.maximum(low_order, 0.0)), np.sqrt(np.maximum(total - low_order, 0.0)), on_edges),
-        )
+            surface[:, loaded.edges], on_edges[:, loaded.edges] = loaded(times)
+        total = found.squares.reshape(n, -1, 3).sum(axis=2)
+        of_cells = found.moments.reshape(n, space.cells, 3, -1, 2).sum(axis=2)
+        low_order = (of_cells * (inverse @ of_cells)).sum(axis=(2, 3)) / space.volumes
+        low, high = (np.sqrt(np.maximum(square, 0.0)) for square in (low_order, total - low_order))
+        force = found.force.reshape(n, space.cells, 3, -1, 2)
+        return [Snapshot(Loads(*load), LeftOut(*rest)) for *load, rest in zip(force, surface, zip(low, high, on_edges))]
 
 
 class _Split(NamedTuple):
@@ -244,8 +255,7 @@ class _Block:
 def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
     """Times (n,) ↦ f_0 at points (2, ...), (2, ..., n)."""
     if data.force_modes is None:
-        force = data.body_force(x)
-        return lambda times: np.stack([force(time) for time in times], axis=-1)
+        return _one_by_one(data.body_force(x))
     modes, count = data.force_modes(x.reshape(len(x), -1)), x[0].size
     viscous, elastic = amplitudes_of(modes.viscous), amplitudes_of(modes.elastic)
 
@@ -255,6 +265,11 @@ def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
         return found.reshape(*x.shape, len(times))
 
     return at
+
+
+def _one_by_one(load: ForceInTime) -> Callable[[Array], Array]:
+    """Times (n,) ↦ what a load is at each, (2, ..., n)."""
+    return lambda times: np.stack([load(time) for time in times.tolist()], axis=-1)
 
 
 class _AtPoints:
@@ -313,20 +328,22 @@ class _Edges:
         rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
         self.edges, self.weights = edges, rule.weights
         self.shapes = bernstein(space.degree, rule.shapes)
-        self.load = data.surface_load(part, part.point(rule.s))
+        load = data.surface_load(part, part.point(rule.s))
+        # What has modes takes several times.
+        self.load: Callable[[Array], Array] = _one_by_one(load) if data.force_modes is None else load  # type: ignore
         gram = np.einsum("anq,bnq,nq->nab", self.shapes, self.shapes, rule.weights)
         self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), self.shapes, rule.weights)
 
     def projected(self, load: Vectors) -> Array:
-        """P f_2, (n, k + 1, 2), from f_2 at the points, (2, n, q)."""
-        return np.einsum("naq,dnq->nad", self.projection, load)
+        """P f_2, (times, n, k + 1, 2), from f_2 at the points, (2, n, q, times)."""
+        return np.einsum("naq,dnqt->tnad", self.projection, load)
 
-    def __call__(self, time: float) -> tuple[Array, Array]:
-        """P f_2, and ‖f_2 − P f_2‖_e, (n,)."""
-        values = self.load(time)
+    def __call__(self, times: Array) -> tuple[Array, Array]:
+        """P f_2, and ‖f_2 − P f_2‖_e, (times, n)."""
+        values = self.load(times)
         coefficients = self.projected(values)
-        rest = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)
-        return coefficients, np.sqrt(np.einsum("dnq,dnq,nq->n", rest, rest, self.weights))
+        rest = values - np.einsum("tnad,anq->dnqt", coefficients, self.shapes)
+        return coefficients, np.sqrt(np.einsum("dnqt,dnqt,nq->tn", rest, rest, self.weights))
 
 
 def _divided(rule: FacetRule) -> FacetRule:

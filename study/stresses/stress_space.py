@@ -77,10 +77,10 @@ class StressSpace(MeshedBody):
         return found
 
     def boundary_tractions(self, edges: Array, tractions: Array) -> Array:
-        """Tractions on edges of the boundary, with the outward normal: (cells, 3, n, 2) → (edges, n, 2)."""
-        found = np.empty((len(self.lengths), *tractions.shape[2:]))
-        found[self.edges] = tractions
-        return found[edges]
+        """Tractions on edges of the boundary, with the outward normal: (..., cells, 3, n, 2) → (..., edges, n, 2)."""
+        found = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
+        found[..., self.edges, :, :] = tractions
+        return found[..., edges, :, :]
 
     @property
     def element(self) -> CompositeElement:
