@@ -67,6 +67,12 @@ class QuadraturePoints:
         )
 
     @classmethod
+    def by_themselves(cls, x: Array) -> QuadraturePoints:
+        """Each point is a sum of its own, with the weight 1."""
+        n = x.shape[1]
+        return cls(x, np.arange(n), np.ones(n), n)
+
+    @classmethod
     def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[QuadraturePoints, Array]:
         """One sum for each vertex of the facets, weighted with its shape function; and these vertices."""
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
@@ -74,21 +80,6 @@ class QuadraturePoints:
         copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
         sums = np.repeat(sums.reshape(weights.shape[:2])[..., None], weights.shape[2], axis=2)
         return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
-
-
-def strain_at_points(modes: Sequence[Modes], amplitudes: Amplitudes, count: int) -> Tensors:
-    """ε at all points, (D, count, n) for n times."""
-    strain = np.zeros((modes[0].tensors.shape[1], count, amplitudes.shape[1]))
-    first = 0
-    for part in modes:
-        # Where the strain reaches all points there is nothing to pick.
-        points = slice(None) if len(part.points) == count else part.points
-        for tensor, shape in zip(part.tensors, part.shapes, strict=True):
-            spread = shape[:, None] * amplitudes[first + part.places]
-            for row in np.flatnonzero(tensor):
-                strain[row, points] += spread if tensor[row] == 1 else tensor[row] * spread
-            first += part.count
-    return strain
 
 
 class StrainSums:
@@ -177,11 +168,10 @@ class _Piece:
 
     @classmethod
     def of(cls, modes: Sequence[Modes], sums: Array, weights: Array) -> _Piece:
-        each, ones = np.arange(len(sums)), np.ones(len(sums))
-        by_themselves = QuadraturePoints(np.empty((0, len(sums))), each, ones, len(sums))
+        points = QuadraturePoints.by_themselves(np.empty((0, len(sums))))
         met, which = np.unique(sums, return_inverse=True)
-        incidence = sps.csr_array((weights, (which, each)), shape=(len(met), len(sums)))
-        return cls(StrainSums(modes, by_themselves, ones), met, incidence)
+        incidence = sps.csr_array((weights, (which, points.sums)), shape=(len(met), len(sums)))
+        return cls(StrainSums(modes, points, points.weights), met, incidence)
 
     def of_points(self, values: Array) -> Array:
         """Sums of values (m, p, n), (m, sums, n)."""

@@ -21,7 +21,7 @@ from manufactured.data import Data, ForceInTime
 from manufactured.exact import ForceModes
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.ahead import Ahead, block_length
-from study.fem.moments import QuadraturePoints, StrainSums, amplitudes_of, strain_at_points
+from study.fem.moments import QuadraturePoints, StrainSums, amplitudes_of
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
 from study.stresses.bernstein import bernstein, triangle_mass
 from study.stresses.composite import alfeld_split, barycentric
@@ -33,6 +33,8 @@ EDGE_POINTS, EDGE_PARTS = 6, 4
 """Gauss points for f_2 on each part of an edge, and the parts, which make kinks of f_2 small ones."""
 GRADED_POINTS = 28
 """Where edges are cut and their rules graded with the power 8: exact to degree 6, for products of two of degree 3."""
+TOGETHER = 512
+"""Thirds in a block, so that f_0 at the points of their rules stays in a cache for many times."""
 PARALLEL = 1e-9
 """Sine of an angle below which a line is parallel to a part."""
 
@@ -125,8 +127,9 @@ class ProjectedLoads:
 
     @cached_property
     def _blocks(self) -> list[_Block]:
-        """All thirds."""
-        return [self._block(rule) for rule in cell_rules(self._thirds, self._degree, self._lines, self.data.points)]
+        """All thirds, not too many in one block."""
+        rules = cell_rules(self._thirds, self._degree, self._lines, self.data.points)
+        return [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
 
     def _cut_at(self, time: float) -> Iterator[_Block]:
         """The thirds at the fronts of a time once more, which count."""
@@ -150,9 +153,8 @@ class ProjectedLoads:
 
     @cached_property
     def _snapshots_ahead(self) -> Ahead[Snapshot]:
-        # What is at hand of some blocks of times, and what finds them, takes as much as four forces at the points.
-        entries = 4 * 2 * sum(block.rule.weights.size for block in self._blocks)
-        return Ahead(1 if self.data.force_modes is None else block_length(entries))
+        degree = self.space.degree
+        return Ahead(1 if self.data.force_modes is None else block_length(self.space.cells * degree * (degree + 1) // 2))
 
     def _split(self, times: Array) -> _Split:
         """f_0 on all thirds at some times (n,)."""
@@ -256,13 +258,16 @@ def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
     """Times (n,) ↦ f_0 at points (2, ...), (2, ..., n)."""
     if data.force_modes is None:
         return _one_by_one(data.body_force(x))
-    modes, count = data.force_modes(x.reshape(len(x), -1)), x[0].size
-    viscous, elastic = amplitudes_of(modes.viscous), amplitudes_of(modes.elastic)
+    points = QuadraturePoints.by_themselves(x.reshape(len(x), -1))
+    modes = data.force_modes(points.x)
+    parts = [
+        (rate, amplitudes_of(part), StrainSums(part, points, points.weights))
+        for rate, part in ((True, modes.viscous), (False, modes.elastic))
+    ]
 
     def at(times: Array) -> Array:
-        found = strain_at_points(modes.viscous, viscous(tuple(times), True), count)
-        found += strain_at_points(modes.elastic, elastic(tuple(times), False), count)
-        return found.reshape(*x.shape, len(times))
+        found = sum(sums(amplitudes(tuple(times), rate)) for rate, amplitudes, sums in parts)
+        return np.reshape(found, (*x.shape, len(times)))
 
     return at
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -28,6 +29,11 @@ class CellRule:
     cells: Array
     points: Points
     weights: Array
+
+    def parts(self, most: int) -> Iterator[CellRule]:
+        """The same rule on no more than ``most`` cells each."""
+        for here in (slice(first, first + most) for first in range(0, len(self.cells), most)):
+            yield CellRule(self.cells[here], self.points[:, here], self.weights[here])
 
 
 @dataclass(frozen=True, eq=False)
