@@ -28,8 +28,8 @@ from study.stresses.loads import Loads, ProjectedLoads, Snapshot
 from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
-KEPT = 40
-"""Times whose data are kept."""
+FEWEST, KEPT = 40, 1 << 23
+"""Times whose data are kept, at least, and where they take few numbers, how many of these."""
 DEGREE = 3
 """Degree of stresses: P f_0 then has degree 2, rigid motions of the cells among them."""
 GRAM = interval_mass(2, DEGREE)
@@ -87,8 +87,9 @@ class Discretisation:
 
     @cached_property
     def snapshot(self) -> Callable[[float], Snapshot]:
-        """t ↦ the data; those of the last few times are kept, because loads and bounds ask for the same."""
-        return lru_cache(maxsize=KEPT)(self.loads.at)
+        """t ↦ the data; those of the last times are kept, because loads and bounds ask for the same."""
+        # A snapshot takes as many numbers as there are points.
+        return lru_cache(maxsize=max(FEWEST, KEPT // self.stresses.weights.size))(self.loads.at)
 
     @cached_property
     def oscillation(self) -> Oscillation:
@@ -121,8 +122,8 @@ class Discretisation:
     def _moments(self) -> Array:
         """∫ B_β b_α/|T| for displacements B_β of a cell and what P f_0 is made of, b_α, (6, 3 thirds · lower)."""
         space = self.stresses
-        shares, thirds = space.weights[0] / space.volumes[0], np.kron(np.eye(3), space.force_shapes)
-        return self.displacements.shapes(space.barycentric) * shares @ thirds.T
+        thirds = np.kron(np.eye(3), space.force_shapes)
+        return self.displacements.shapes(space.barycentric) * space.shares @ thirds.T
 
     @cached_property
     def M(self) -> sps.csc_array:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations_with_replacement
 
 import numpy as np
 
@@ -14,19 +15,22 @@ from study.stresses.loads import Loads, Snapshot, together
 
 @dataclass(frozen=True, eq=False)
 class LawResidual:
-    """ρ at the points of the stresses, (3, cells, Q), and the Bernstein coefficients of σ̃_ν on Γ3, (edges of Γ3, n).
+    """ρ of one time, or a coefficient of a parabola in time; several have an axis before that of cells and edges.
 
-    Both are those of one time, or coefficients of a parabola in time; several have an axis before that of cells and
-    edges.
+    Attributes:
+        values: at the points of the stresses, (3, cells, Q).
+        parts: the same as ``Equilibration.parts``, (directions, cells, Q).
+        normal: Bernstein coefficients of σ̃_ν on Γ3, (edges of Γ3, n).
     """
 
     values: Tensors
+    parts: Array
     normal: Array
 
     @property
     def each(self) -> list[LawResidual]:
         """Several one by one."""
-        return [LawResidual(self.values[:, i], normal) for i, normal in enumerate(self.normal)]
+        return [LawResidual(self.values[:, i], self.parts[:, i], normal) for i, normal in enumerate(self.normal)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +50,6 @@ class Equilibration:
         self.discretisation = discretisation
         data, stresses = discretisation.data, discretisation.stresses
         self._A, self._G = (law.at(stresses.points) for law in (data.law.A, data.law.G))
-        self._compliance = discretisation.moduli.compliance(data.body.T)
         self._directions = discretisation.moduli.directions.T
         self._roots = np.sqrt(stresses.weights * discretisation.inverse_viscosity)
 
@@ -54,17 +57,21 @@ class Equilibration:
         """Gε(u) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
         return self._G(self.discretisation.strain(u))
 
-    def products(self, stresses: Tensors) -> Array:
-        """∫_T (v_i·σ_a)(v_i·σ_b) on the cells for the directions of ``study.bound.moduli`` and any two of some stresses.
+    def parts(self, stress: Tensors) -> Array:
+        """v_i·σ for the directions of ``study.bound.moduli``, times the roots of weights, (directions, ..., cells, Q).
 
-        (3, n, ..., cells, Q) → (n, n, directions, ..., cells); the sum over directions is ∫_T A⁻¹σ_a·σ_b.
+        Sums of products of two of them over points are ∫_T (v_i·σ)(v_i·τ)/α, and those over directions, too, A⁻¹σ·τ.
         """
-        parts = np.moveaxis(self._roots * mapped(self._directions, stresses), 1, 0)
+        found = mapped(self._directions, stress)
+        found *= self._roots
+        return found
+
+    def products(self, parts: Sequence[Array]) -> Array:
+        """These integrals of any two of n stresses, from their ``parts``, (n, n, directions, ..., cells)."""
         n = len(parts)
-        found = np.empty((n, n, *parts.shape[1:-1]))
-        for a in range(n):
-            for b in range(a, n):
-                found[a, b] = found[b, a] = np.einsum("...q,...q->...", parts[a], parts[b])
+        found = np.empty((n, n, *parts[0].shape[:-1]))
+        for a, b in combinations_with_replacement(range(n), 2):
+            found[a, b] = found[b, a] = np.einsum("...q,...q->...", parts[a], parts[b])
         return found
 
     def residual(self, loads: Loads, target: Tensors, u: Array) -> LawResidual:
@@ -74,9 +81,8 @@ class Equilibration:
         Several have an axis before that of cells, and before that of dofs.
         """
         discretisation = self.discretisation
-        strain = -discretisation.inverse_viscosity * mapped(self._compliance, target)
-        stress = discretisation.equilibrium(loads, strain, discretisation.normal_moments(u))
-        return LawResidual(stress.values - target, -discretisation.equilibrium.pressure(stress))
+        found = discretisation.equilibrium.nearest(loads, target, discretisation.normal_moments(u))
+        return LawResidual(found.values, self.parts(found.values), -discretisation.equilibrium.pressure(found))
 
     def knots(self, times: Sequence[float], u: Array, rates: Array) -> list[Knot]:
         """The knots with ũ = u and ũ̇ = rate, (times, dofs) both."""
@@ -94,4 +100,4 @@ class Equilibration:
         For several loads, (n,).
         """
         stresses = self.discretisation.equilibrium.balance(loads).values
-        return np.asarray(np.sqrt(self.products(stresses[:, None])[0, 0].sum(axis=(0, -1))))
+        return np.asarray(np.sqrt(self.products([self.parts(stresses)])[0, 0].sum(axis=(0, -1))))

@@ -148,15 +148,14 @@ class Majorant:
         )
         bending = self.equilibration.unbalanced(together(list(map(self._bent, pieces, knots, loads, knots[1:]))))
         return [
-            _Known(piece, a, middle, b, every, self._products(every), curvature, float(bent))
+            _Known(
+                piece, a, middle, b, every, self.equilibration.products([one.parts for one in every]), curvature, bent
+            )
             for piece, middle, (a, b), control, (_, curvature), bent in zip(
-                pieces, middles, pairwise(knots), controls.each, elastic, bending, strict=True
+                pieces, middles, pairwise(knots), controls.each, elastic, bending.tolist(), strict=True
             )
             for every in [(a.residual, control, b.residual)]
         ]
-
-    def _products(self, every: tuple[LawResidual, ...]) -> Array:
-        return self.equilibration.products(np.stack([one.values for one in every], axis=1))
 
     def _interval(self, known: _Known, y: float) -> Interval:
         discretisation, piece, residual, curvature = self.discretisation, known.piece, known.products, known.curvature

@@ -55,6 +55,8 @@ class DiscreteSolution:
 def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:
     """Problem 5.1 from the data alone, with the load (P f, ·)_V and u_0^h = Π^h u_0."""
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
+    # The times of the loads are nodes of u_h or lie halfway, where the bound asks for data again.
+    foresee(discretisation, step_size(data.body.T, steps) * np.arange(steps + 1))
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
     problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
     return DiscreteSolution(space, np.array([state.u for state in scheme.march(problem, steps)]), data.body.T)

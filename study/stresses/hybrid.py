@@ -104,48 +104,65 @@ class Equilibrium:
             normal: the moments ∫_e v B_i ≤ 0 on the edges ``contact`` of a function v whose ∫_{Γ3} τ_ν v is added to
                 the functional, (..., edges of Γ3, n).
         """
-        lift, known, g = self._condense(loads, strain)
+        values, tractions = self.space.lift(loads.force)
+        known = self._released(values) + self.space.tested(strain)
+        return self._corrected(loads, values, tractions, known, normal)
+
+    def nearest(self, loads: Loads, target: Tensors, normal: Array) -> EquilibratedStress:
+        """The minimiser for ε* = −C⁻¹ target, (3, ..., cells, Q), with its values less the target."""
+        values, tractions = self.space.lift(loads.force)
+        values -= target
+        return self._corrected(loads, values, tractions, self._released(values), normal)
+
+    def balance(self, loads: Loads) -> EquilibratedStress:
+        """The stress of least (C⁻¹τ, τ)_Q that balances loads without contact, τν = 0 on Γ3."""
+        values, tractions = self.space.lift(loads.force)
+        known, g = self._condensed(loads, tractions, self._released(values))
+        v = self.solve.factor(g)
+        return self._joined(values, tractions, known, v, v)
+
+    def _corrected(
+        self, loads: Loads, values: Tensors, tractions: Array, known: Array, normal: Array | None
+    ) -> EquilibratedStress:
+        """Values and tractions that balance P f_0 in the cells, and what is missing to balance loads everywhere."""
+        known, g = self._condensed(loads, tractions, known)
         shift = np.zeros_like(g)
         if normal is not None:
             given = normal.reshape(*g.shape[:-1], -1)
             shift[..., self._normal] = given
             g = g + given @ self._at_contact
         v, _ = self.solve(g)
-        return self._recover(lift, known, self._everywhere(v), self._everywhere(v - shift))
+        return self._joined(values, tractions, known, v, v - shift)
 
-    def balance(self, loads: Loads) -> EquilibratedStress:
-        """The stress of least (C⁻¹τ, τ)_Q that balances loads without contact, τν = 0 on Γ3."""
-        several = loads.force.shape[:-4]
-        lift, known, g = self._condense(loads, np.zeros((3, *several, *self.space.weights.shape)))
-        m = self._everywhere(self.solve.factor(g))
-        return self._recover(lift, known, m, m)
+    def _released(self, values: Tensors) -> Array:
+        """(C⁻¹τ, ·)_Q on the stresses with Div σ = 0, (3, ..., cells, Q) → (..., cells, p)."""
+        if self.compliance.ndim == 2:
+            return self.space.tested(values, self.compliance)
+        return self.space.tested(act(self.compliance, values))
+
+    def _condensed(self, loads: Loads, tractions: Array, known: Array) -> tuple[Array, Array]:
+        """Static condensation: what a functional on the basis, (..., cells, p), makes of c and R c, and g."""
+        joined = _times(known, self._of_strains)
+        of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
+        numbers, several = self.numbers.ravel(), of_cells.shape[:-2]
+        sums = [np.bincount(numbers, each, self.total) for each in of_cells.reshape(-1, numbers.size)]
+        g = loads.surface.reshape(*several, -1) - np.reshape(sums, (*several, -1))
+        return joined, g[..., self.free]
+
+    def _joined(self, values: Tensors, tractions: Array, known: Array, v: Array, shifted: Array) -> EquilibratedStress:
+        """The stress with the multipliers v; ``shifted`` is v less the given moments."""
+        found = _times(self._everywhere(shifted)[..., self.numbers], self._of_moments) - known
+        return EquilibratedStress(
+            values + self.space.combined(found[..., : self._tractions.start]),
+            tractions + found[..., self._tractions].reshape(tractions.shape),
+            self._everywhere(v).reshape(*v.shape[:-1], -1, self.space.degree + 1, 2),
+        )
 
     def _everywhere(self, v: Array) -> Array:
         """Unknown moments ↦ those of all edges, zero on Γ1, (..., total)."""
         m = np.zeros((*v.shape[:-1], self.total))
         m[..., self.free] = v
         return m
-
-    def _condense(self, loads: Loads, strain: Tensors) -> tuple[EquilibratedStress, Array, Array]:
-        """Static condensation: the lifting τ_0 of P f_0, what (C⁻¹τ_0 + ε*, ·)_Q makes of c and R c, and g."""
-        space = self.space
-        values, tractions = space.lift(loads.force)
-        known = _times(space.tested(act(self.compliance, values) + strain), self._of_strains)
-        of_lift = tractions.reshape(*known.shape[:-1], -1) - known[..., self._tractions]
-        numbers, several = self.numbers.ravel(), of_lift.shape[:-2]
-        sums = [np.bincount(numbers, each, self.total) for each in of_lift.reshape(-1, numbers.size)]
-        g = loads.surface.reshape(*several, -1) - np.reshape(sums, (*several, -1))
-        return EquilibratedStress(values, tractions, np.empty(0)), known, g[..., self.free]
-
-    def _recover(self, lift: EquilibratedStress, known: Array, m: Array, shifted: Array) -> EquilibratedStress:
-        """The stress with the multipliers m, from what ``_condense`` found; ``shifted`` is m less the given moments."""
-        space = self.space
-        found = _times(shifted[..., self.numbers], self._of_moments) - known
-        return EquilibratedStress(
-            lift.values + space.combined(found[..., : self._tractions.start]),
-            lift.tractions + found[..., self._tractions].reshape(lift.tractions.shape),
-            m.reshape(*m.shape[:-1], -1, space.degree + 1, 2),
-        )
 
     def pressure(self, stress: EquilibratedStress) -> Array:
         """Bernstein coefficients of −τ_ν ≥ 0 on the edges ``contact``, (..., edges of Γ3, n)."""

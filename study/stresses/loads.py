@@ -12,13 +12,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from manufactured.body import Kind, Part
 from manufactured.data import Data, ForceInTime
-from manufactured.exact import ForceModes
+from manufactured.exact import ExactSolution, ForceModes
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.ahead import Ahead, block_length
 from study.fem.moments import QuadraturePoints, StrainSums, amplitudes_of
@@ -154,7 +154,9 @@ class ProjectedLoads:
     @cached_property
     def _snapshots_ahead(self) -> Ahead[Snapshot]:
         degree = self.space.degree
-        return Ahead(1 if self.data.force_modes is None else block_length(self.space.cells * degree * (degree + 1) // 2))
+        # P f_0 of one time is small beside what finds it, which has blocks of its own.
+        length = block_length(self.space.cells * degree * (degree + 1) // 2)
+        return Ahead(length if _several(self.data) else 1)
 
     def _split(self, times: Array) -> _Split:
         """f_0 on all thirds at some times (n,)."""
@@ -196,7 +198,7 @@ class ProjectedLoads:
         low_order = (of_cells * (inverse @ of_cells)).sum(axis=(2, 3)) / space.volumes
         low, high = (np.sqrt(np.maximum(square, 0.0)) for square in (low_order, total - low_order))
         force = found.force.reshape(n, space.cells, 3, -1, 2)
-        return [Snapshot(Loads(*load), LeftOut(*rest)) for *load, rest in zip(force, surface, zip(low, high, on_edges))]
+        return [Snapshot(Loads(force[i], surface[i]), LeftOut(low[i], high[i], on_edges[i])) for i in range(n)]
 
 
 class _Split(NamedTuple):
@@ -257,7 +259,7 @@ class _Block:
 def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
     """Times (n,) ↦ f_0 at points (2, ...), (2, ..., n)."""
     if data.force_modes is None:
-        return _one_by_one(data.body_force(x))
+        return _at_times(data, data.body_force(x))
     points = QuadraturePoints.by_themselves(x.reshape(len(x), -1))
     modes = data.force_modes(points.x)
     parts = [
@@ -272,9 +274,14 @@ def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
     return at
 
 
-def _one_by_one(load: ForceInTime) -> Callable[[Array], Array]:
+def _several(data: Data) -> bool:
+    """Whether the loads take several times at once, as those of an exact solution do."""
+    return isinstance(data.formulas_of, ExactSolution)
+
+
+def _at_times(data: Data, load: Callable[[Any], Array]) -> Callable[[Array], Array]:
     """Times (n,) ↦ what a load is at each, (2, ..., n)."""
-    return lambda times: np.stack([load(time) for time in times.tolist()], axis=-1)
+    return load if _several(data) else lambda times: np.stack([load(time) for time in times.tolist()], axis=-1)
 
 
 class _AtPoints:
@@ -333,9 +340,7 @@ class _Edges:
         rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
         self.edges, self.weights = edges, rule.weights
         self.shapes = bernstein(space.degree, rule.shapes)
-        load = data.surface_load(part, part.point(rule.s))
-        # What has modes takes several times.
-        self.load: Callable[[Array], Array] = _one_by_one(load) if data.force_modes is None else load  # type: ignore
+        self.load = _at_times(data, data.surface_load(part, part.point(rule.s)))
         gram = np.einsum("anq,bnq,nq->nab", self.shapes, self.shapes, rule.weights)
         self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), self.shapes, rule.weights)
 

@@ -140,10 +140,21 @@ class StressSpace(MeshedBody):
         p = reference.shape[-1]
         return (pulled.reshape(self.cells, -1) @ products.reshape(-1, p * p)).reshape(-1, p, p)
 
-    def tested(self, strain: Tensors) -> Array:
-        """∫_T σ·ε for the stresses with Div σ = 0 and the values of ε, (3, ..., cells, Q) → (..., cells, p)."""
-        pulled = self._piola.swapaxes(1, 2) @ np.moveaxis(strain * self.weights, 0, -2)
-        return pulled.reshape(*pulled.shape[:-2], -1) @ self._reference
+    @cached_property
+    def shares(self) -> Array:
+        """Quadrature weights relative to the volumes of cells, (Q,)."""
+        return self.weights[0] / self.volumes[0]
+
+    def tested(self, values: Tensors, C: Array | None = None) -> Array:
+        """∫_T σ·ε, or ∫_T σ·Cε for C (3, 3), for the stresses with Div σ = 0: (3, ..., cells, Q) → (..., cells, p)."""
+        back = self.volumes[:, None, None] * self._piola.swapaxes(1, 2)
+        pulled = (back if C is None else back @ C) @ np.moveaxis(values, 0, -2)
+        return pulled.reshape(*pulled.shape[:-2], -1) @ self._weighted
+
+    @cached_property
+    def _weighted(self) -> Array:
+        """``_reference`` times the shares of the points."""
+        return np.tile(self.shares, 3)[:, None] * self._reference
 
     def combined(self, coefficients: Array) -> Tensors:
         """The values of combinations of the stresses with Div σ = 0, (..., cells, p) → (3, ..., cells, Q)."""

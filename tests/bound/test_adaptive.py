@@ -116,10 +116,9 @@ def test_marked_cells_are_the_fewest_that_have_a_part(shares: list[float], part:
 
 def test_what_changes_within_a_piece_is_that_of_time() -> None:
     def share(coefficients: list[float]) -> float:
-        products = {(i, j): np.array([a * b]) for i, a in enumerate(coefficients) for j, b in enumerate(coefficients)}
+        products = np.multiply.outer(coefficients, coefficients)
         quadratic = np.array([[6, 3, 1], [3, 4, 3], [1, 3, 6]]) / 30
-        squares = sum(quadratic[pair] * product for pair, product in products.items())
-        return float(part_that_changes(products, squares)[0])
+        return float(part_that_changes(products[..., None], np.array([np.vdot(quadratic, products)]))[0])
 
     assert share([2.0, 2.0, 2.0]) == pytest.approx(0)
     assert share([-1.0, 0.0, 1.0]) == pytest.approx(1)

@@ -6,7 +6,7 @@ That is a theorem, so one error outside refutes the implementation; and a wrong 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
@@ -353,8 +353,8 @@ def test_stresses_that_do_not_balance_f_2_are_caught(name: str, trajectory: Traj
 
 
 class WithoutResidual(Equilibration):
-    def products(self, stress: Tensors, other: Tensors) -> Array:
-        return 0 * super().products(stress, other)
+    def products(self, parts: Sequence[Array]) -> Array:
+        return 0 * super().products(parts)
 
 
 @pytest.mark.parametrize("name", ["full-contact", "advance-recede", "travelling-patch", "anisotropic"])
@@ -384,8 +384,9 @@ class Glued:
         self.solve = splu(sps.block_array([[S, N.T], [N, None]], format="csc"))
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        found = self.solve.solve(np.concatenate([b, np.zeros(self.rows)]))
-        return found[: len(b)], found[len(b) :]
+        n = b.shape[-1]
+        found = self.solve.solve(np.concatenate([b.T, np.zeros((self.rows, *b.shape[:-1]))])).T
+        return found[..., :n], found[..., n:]
 
 
 @dataclass(frozen=True)
@@ -625,7 +626,7 @@ def test_stresses_at_knots_balance_the_projected_loads_and_press(name: str) -> N
     discretisation = Discretisation(Data.of(case.solution), Unstructured()(case.solution.body, 3))
     space = discretisation.stresses
     u, rate = (0.1 * np.random.default_rng(i).normal(size=discretisation.displacements.dofs) for i in (0, 1))
-    knot = Equilibration(discretisation).knot(0.37, u, rate)
+    (knot,) = Equilibration(discretisation).knots([0.37], u[None], rate[None])
     stress = knot.residual.values + knot.viscous + knot.elastic
     fitted, size = Fitted(discretisation, stress), abs(stress).max()
     force = space.evaluate(knot.snapshot.loads.force).reshape(2, space.cells, 3, -1)
