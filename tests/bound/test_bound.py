@@ -670,6 +670,21 @@ def test_stresses_at_knots_balance_the_projected_loads_and_press(name: str) -> N
     assert knot.residual.normal.min() < -1e-3 * size
 
 
+@pytest.mark.parametrize("name", ["advance-recede", "heterogeneous", "yield-and-release"])
+def test_pieces_that_are_taken_together_have_the_bounds_that_they_have_one_by_one(name: str, monkeypatch) -> None:
+    case = CASES[name]
+    found = []
+    for most in (1, 3, 16):
+        monkeypatch.setattr("study.bound.majorant.LEAST", 1)
+        monkeypatch.setattr("study.bound.majorant.MOST", most)
+        discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 4))
+        found.append(enclose(discretisation, compute(discretisation, MIDPOINT, 8), SmoothedInTime()))
+    one_by_one, *others = found
+    for other in others:
+        assert other.bound == pytest.approx(one_by_one.bound, rel=1e-9)
+        assert other.between == pytest.approx(one_by_one.between, rel=1e-9)
+
+
 # ---- what y is made of
 
 

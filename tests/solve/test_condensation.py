@@ -142,6 +142,17 @@ def test_the_passes_are_those_through_the_factor(matrices: Matrices) -> None:
     assert close(factor.backward(b)[factor.order], np.linalg.solve(L.T, b), 1e-11)
 
 
+def test_several_right_sides_are_solved_as_each_of_them(matrices: Matrices) -> None:
+    S, N = matrices
+    together, one_by_one = Signorini(S, N), Signorini(S, N)
+    several = np.random.default_rng(3).standard_normal((3, S.shape[0]))
+    u, multipliers = together(several)
+    alone = [one_by_one(b) for b in several]
+    assert close(u, np.array([v for v, _ in alone]), 1e-12)
+    assert close(multipliers, np.array([forces for _, forces in alone]), 1e-12)
+    assert np.array_equal(together.factor(several), np.array([together.factor(b) for b in several]))
+
+
 def test_the_trailing_block_is_the_cholesky_factor_of_the_schur_complement(matrices: Matrices) -> None:
     S, N = matrices
     constrained = np.unique(N.nonzero()[1])

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 
 import clarabel
 import numpy as np
@@ -34,8 +35,8 @@ from study.statements.thm_4_2.stress_errors import Exact
 from study.stresses.bernstein import bernstein, indices
 from study.stresses.composite import SIDES, alfeld_split, composite, thirds
 from study.stresses.dual import EquilibriumError, StressEvolution, tensor_at
-from study.stresses.hybrid import EquilibratedStress, Equilibrium
-from study.stresses.loads import Loads, ProjectedLoads
+from study.stresses.hybrid import EquilibratedStress, Equilibrium, act
+from study.stresses.loads import Loads, ProjectedLoads, together
 from study.stresses.stress_space import StressSpace
 
 BODIES = ("advance-recede", "rotated", "layered", "corner", "hexagon", "re-entrant", "junction")
@@ -339,6 +340,34 @@ def test_a_stress_without_contact_balances_its_loads_and_leaves_the_foundation_a
     assert abs(equilibrium.pressure(free)).max() <= 1e-9 * abs(free.values).max()
     doubled = equilibrium.balance(2.0 * loads)
     assert doubled.values == pytest.approx(2 * free.values, abs=1e-9 * abs(free.values).max())
+
+
+@pytest.mark.parametrize("name", ["corner", "heterogeneous"])
+def test_several_stresses_are_found_as_each_of_them(name: str) -> None:
+    """With contact, with a functional on Γ3 and nearest to a stress, and without contact; C⁻¹ may vary in space."""
+    solution = resolve(name).solution
+    space = StressSpace(Shaken()(solution.body, 4), solution.body, 2)
+    of_time, C = ProjectedLoads(Data.of(solution), space), tensor_at(solution.law.A, space.points)
+    equilibrium, rng = Equilibrium(space, np.linalg.inv(C)), np.random.default_rng(5)
+    loads = [of_time(time) for time in (0.2, 0.3, 0.4)]
+    strains = rng.normal(size=(3, 3, *space.weights.shape))
+    normal = -rng.random((3, len(equilibrium.contact), space.degree + 1))
+    target = act(C, -strains)
+    nearest = equilibrium.nearest(together(loads), target, normal)
+    cases: list[tuple[EquilibratedStress, Callable[[int], EquilibratedStress]]] = [
+        (equilibrium(together(loads), strains, normal), lambda i: equilibrium(loads[i], strains[:, i], normal[i])),
+        (replace(nearest, values=nearest.values + target), lambda i: equilibrium(loads[i], strains[:, i], normal[i])),
+        (equilibrium.balance(together(loads)), lambda i: equilibrium.balance(loads[i])),
+    ]
+    for found, alone in cases:
+        pressures = equilibrium.pressure(found)
+        for i in range(3):
+            one = alone(i)
+            scale = 1e-10 * abs(one.values).max()
+            assert found.values[:, i] == pytest.approx(one.values, abs=scale)
+            assert found.tractions[i] == pytest.approx(one.tractions, abs=scale)
+            assert found.moments[i] == pytest.approx(one.moments, abs=1e-10 * abs(one.moments).max())
+            assert pressures[i] == pytest.approx(equilibrium.pressure(one), abs=scale)
 
 
 def test_problem_3_2_in_time_knows_no_displacement() -> None:

@@ -91,6 +91,14 @@ def test_constants_turn_with_the_triangle_and_its_tensor(F, C, angle, q) -> None
     assert cell(R @ F, isotropic_one, q) == pytest.approx(cell(F, isotropic_one, q), rel=1e-6)
 
 
+@given(shapes, tensors, st.sampled_from([1, 2, 3]))
+def test_constants_of_cells_do_not_depend_on_the_order_of_their_vertices(F, C, q) -> None:
+    """(v_1 − v_0, v_2 − v_0) becomes (v_2 − v_1, v_0 − v_1), or has its columns exchanged."""
+    turned = np.column_stack([F[:, 1] - F[:, 0], -F[:, 0]])
+    assert cell(turned, C, q) == pytest.approx(cell(F, C, q), rel=1e-8)
+    assert cell(F[:, ::-1], C, q) == pytest.approx(cell(F, C, q), rel=1e-8)
+
+
 def test_many_cells_at_once_get_the_constants_of_each() -> None:
     """Equal shapes are computed once and large numbers in blocks: neither may mix up cells."""
     rng = np.random.default_rng(0)
