@@ -27,6 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import islice, pairwise
 
 import numpy as np
@@ -47,7 +48,8 @@ QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 CURVED, BENT = 1.5, 1.027
 """How much larger θ(1 − θ) is than its mean, and |θ(θ − ½)(θ − 1)| than at θ = ¼, for 0 ≤ θ ≤ 1."""
 LEAST, MOST, VALUES = 4, 16, 1 << 20
-"""Pieces that are taken together, and the values of the stresses of all of them but where there are few."""
+"""The least and the largest number of pieces that are taken together, and how many values of a stress at all points of
+as many of them there are in between."""
 ROUNDING = 1e-6
 """Jump of ũ̇ at a knot, relative to ũ̇, that counts as none."""
 
@@ -84,21 +86,32 @@ class Interval:
 
 
 @dataclass(frozen=True, eq=False)
+class _Span:
+    """A piece of ũ with its knots and the data in its middle."""
+
+    piece: Parabola
+    left: Knot
+    middle: Snapshot
+    right: Knot
+
+    @cached_property
+    def loads(self) -> Loads:
+        """The middle Bernstein coefficient of the parabola through P f at both ends and in the middle."""
+        return 2.0 * self.middle.loads + (-0.5) * (self.left.snapshot.loads + self.right.snapshot.loads)
+
+
+@dataclass(frozen=True, eq=False)
 class _Known:
     """What is known of a piece before the bound at its start.
 
     Attributes:
-        middle: the data in its middle.
         residuals: the coefficients of ρ as a parabola in time.
         products: of any two of them, (3, 3, directions, cells).
         curvature: the mean of ‖Gε(ũ) − its parabola‖_{A⁻¹}.
         bending: the norm in the dual of V of P f minus its parabola.
     """
 
-    piece: Parabola
-    left: Knot
-    middle: Snapshot
-    right: Knot
+    span: _Span
     residuals: tuple[LawResidual, ...]
     products: Array
     curvature: float
@@ -118,51 +131,46 @@ class Majorant:
         y, left, joined = start, None, _joined(pieces)
         while block := list(islice(joined, self._together)):
             if left is None:
-                (left,) = self._knots([block[0].a], [block[0].start], [block[0].rate(end=False)])
+                first = block[0]
+                (left,) = self.equilibration.knots([first.a], first.start[None], first.rate(end=False)[None])
             known = self._known(block, left)
             for one in known:
                 interval = self._interval(one, y)
-                yield one.piece, interval
+                yield one.span.piece, interval
                 y = interval.at_b
-            left = known[-1].right
-
-    def _knots(self, times: list[float], u: list[Array], rates: list[Array]) -> list[Knot]:
-        return self.equilibration.knots(times, np.array(u), np.array(rates))
+            left = known[-1].span.right
 
     def _known(self, pieces: list[Parabola], left: Knot) -> list[_Known]:
         """What is known of pieces, one after the other, from what is known of the first knot."""
-        ends = [(piece.b, piece.end, piece.rate(end=True)) for piece in pieces]
-        knots = [left, *self._knots(*map(list, zip(*ends, strict=True)))]
-        middles = [self.discretisation.snapshot((piece.a + piece.b) / 2) for piece in pieces]
-        # The parabola through three times has the middle Bernstein coefficient 2 f(m) − (f(a) + f(b))/2.
-        loads = [
-            2.0 * middle.loads + (-0.5) * (a.snapshot.loads + b.snapshot.loads)
-            for middle, (a, b) in zip(middles, pairwise(knots), strict=True)
+        equilibration, snapshot = self.equilibration, self.discretisation.snapshot
+        ends, rates = (np.array(each) for each in zip(*((p.end, p.rate(end=True)) for p in pieces), strict=True))
+        knots = [left, *equilibration.knots([piece.b for piece in pieces], ends, rates)]
+        spans = [
+            _Span(piece, a, snapshot((piece.a + piece.b) / 2), b)
+            for piece, (a, b) in zip(pieces, pairwise(knots), strict=True)
         ]
-        elastic = [self._elastic(piece, a, b) for piece, (a, b) in zip(pieces, pairwise(knots), strict=True)]
+        elastic = [self._elastic(span.piece, span.left, span.right) for span in spans]
         targets = [
-            (a.viscous + b.viscous) / 2 + control for (control, _), (a, b) in zip(elastic, pairwise(knots), strict=True)
+            (span.left.viscous + span.right.viscous) / 2 + control
+            for span, (control, _) in zip(spans, elastic, strict=True)
         ]
-        controls = self.equilibration.residual(
-            together(loads), np.stack(targets, axis=1), np.array([piece.control for piece in pieces])
-        )
-        bending = self.equilibration.unbalanced(together(list(map(self._bent, pieces, knots, loads, knots[1:]))))
-        return [
-            _Known(
-                piece, a, middle, b, every, self.equilibration.products([one.parts for one in every]), curvature, bent
-            )
-            for piece, middle, (a, b), control, (_, curvature), bent in zip(
-                pieces, middles, pairwise(knots), controls.each, elastic, bending.tolist(), strict=True
-            )
-            for every in [(a.residual, control, b.residual)]
-        ]
+        loads, control = together([span.loads for span in spans]), np.array([piece.control for piece in pieces])
+        controls = equilibration.residual(loads, np.stack(targets, axis=1), control).each
+        bending = equilibration.unbalanced(together([self._bent(span) for span in spans])).tolist()
+        found = []
+        for span, middle, (_, curvature), bent in zip(spans, controls, elastic, bending, strict=True):
+            every = span.left.residual, middle, span.right.residual
+            products = equilibration.products([one.parts for one in every])
+            found.append(_Known(span, every, products, curvature, bent))
+        return found
 
     def _interval(self, known: _Known, y: float) -> Interval:
-        discretisation, piece, residual, curvature = self.discretisation, known.piece, known.products, known.curvature
-        k, bending = piece.b - piece.a, known.bending
+        discretisation, span, residual = self.discretisation, known.span, known.products
+        piece, curvature, bending = span.piece, known.curvature, known.bending
+        k = piece.b - piece.a
         squares = np.tensordot(QUADRATIC, residual, axes=2)
         missed = discretisation.sampling.missed(discretisation.oscillation, piece.a, piece.b)
-        snapshots = known.left.snapshot, known.middle, known.right.snapshot
+        snapshots = span.left.snapshot, span.middle, span.right.snapshot
         left_out = [discretisation.oscillation(at.left_out) + missed.cells for at in snapshots]
         unseen = missed.everywhere
         contact, largest_contact = self._contact(piece, known.residuals)
@@ -201,14 +209,14 @@ class Majorant:
         np.add.at(cells, discretisation.cells_at_contact, added * contact / max(mean.contact, np.finfo(float).tiny))
         return Shares(cells, float(own @ changing) + k * (mean.rest - float(missed.in_cells.sum())))
 
-    def _bent(self, piece: Parabola, left: Knot, control: Loads, right: Knot) -> Loads:
+    def _bent(self, span: _Span) -> Loads:
         """P f minus its parabola a quarter into the piece.
 
         The remainder of a cubic, θ(θ − ½)(θ − 1), is ``BENT`` times as large at most, and its mean absolute value less.
         """
+        piece, a, b = span.piece, span.left.snapshot.loads, span.right.snapshot.loads
         quarter = self.discretisation.snapshot(piece.a + (piece.b - piece.a) / 4).loads
-        parabola = 9 / 16 * left.snapshot.loads + 6 / 16 * control + 1 / 16 * right.snapshot.loads
-        return quarter + (-1.0) * parabola
+        return quarter + (-1.0) * (9 / 16 * a + 6 / 16 * span.loads + 1 / 16 * b)
 
     def _elastic(self, piece: Parabola, left: Knot, right: Knot) -> tuple[Tensors, float]:
         """The middle coefficient of Gε(ũ) as a parabola in time, and the mean of ‖Gε(ũ) − parabola‖_{A⁻¹}."""
