@@ -15,6 +15,7 @@ from manufactured.multiscale import multiscale, rollers
 from manufactured.natural_motion import natural_motion
 from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
 from study.fem.mesh import FAMILIES, Unstructured
+from study.fem.moments import POINTS, PointwiseSums, amplitudes_of
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, simplex_rule
 from study.fem.quadrature.cells import shared
@@ -185,3 +186,16 @@ def test_sharing_coordinates_changes_the_mean_strains_by_less_than_the_rule_itse
     plain, moved = (np.linalg.norm(found[name] - found["fine"]) for name in ("plain", "shared"))
     size = np.linalg.norm(found["fine"])
     assert moved <= max(3 * plain, 1e-4 * size)
+
+
+@pytest.mark.parametrize("case", ["yield-on-a-part", "double-well", "cube-disc"])
+def test_sums_of_a_law_over_points_add_up_what_it_gives_at_each(case: str) -> None:
+    """For a function of strains that is not linear, more points than are treated together, and three times."""
+    solution, rng = resolve(case).solution, np.random.default_rng(4)
+    count, times = 2 * POINTS + 37, solution.body.T * np.array([0.2, 0.5, 0.9])
+    fields = solution.at(solution.body.sample(rng, count))
+    sums, weights, modes = np.sort(rng.integers(0, 50, count)), rng.random(count), fields.modes()
+    expected = np.zeros((len(solution.law.A.matrix), 50, 3))
+    np.add.at(expected, (slice(None), sums), weights[:, None] * abs(fields.strain(times)))
+    found = PointwiseSums(modes, sums, weights, 50)(amplitudes_of(modes)(tuple(times), False), abs)
+    assert abs(found - expected).max() <= 1e-13 * abs(expected).max()
