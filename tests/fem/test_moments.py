@@ -6,6 +6,7 @@ from operator import attrgetter
 
 import numpy as np
 import pytest
+from entrywise import near
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -71,7 +72,7 @@ def test_amplitudes_at_many_times_are_those_at_each(case, rate: bool) -> None:
         each = np.array([part.amplitudes(float(time), rate) for time in times])
         together = part.amplitudes(times, rate)
         assert together.shape == (len(part.tensors), part.count, len(times))
-        assert np.moveaxis(together, -1, 0) == pytest.approx(each, rel=1e-13, abs=1e-14 * abs(each).max(initial=0.0))
+        assert near(np.moveaxis(together, -1, 0), each, rel=1e-13, abs=1e-14 * abs(each).max(initial=0.0))
 
 
 @pytest.mark.parametrize("case", ["travelling-patch", "yield-on-a-part", "corner", "re-entrant", "cube-disc"])
@@ -86,9 +87,9 @@ def test_a_gauge_that_foresees_times_measures_the_same(case: str) -> None:
     told.foresee(samples=[nodes, nodes[:-1] + k / 2], loads=[MIDPOINT.loaded(13 * k, 13), MIDPOINT.loaded(13 * k, 26)])
     for time in (0.0, k / 2, k, 12.5 * k, 3.25 * k, 0.75 * k, 0.3 * k, 13 * k):
         one, two = told.load(time), other.load(time)
-        assert one == pytest.approx(two, rel=1e-12, abs=1e-13 * abs(two).max())
+        assert near(one, two, rel=1e-12, abs=1e-13 * abs(two).max())
         one, two = told.sample(time).means, other.sample(time).means
-        assert one == pytest.approx(two, rel=1e-12, abs=1e-13 * abs(two).max())
+        assert near(one, two, rel=1e-12, abs=1e-13 * abs(two).max())
 
 
 @pytest.mark.parametrize(
