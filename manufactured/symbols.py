@@ -76,11 +76,12 @@ def _power(x: Array, exponent: float) -> Array:
 
 def _truncated_power(x: Array, exponent: float) -> Array:
     x = np.asarray(x)
+    if exponent > 0:
+        # Of complex numbers the sign of the real part counts alone, and a maximum would look at the other one, too.
+        return _power(np.where(x.real > 0, x, 0.0) if np.iscomplexobj(x) else np.maximum(x, 0.0), exponent)
     positive = x.real > 0
     if exponent == 0:
         return positive.astype(float)
-    if exponent > 0:
-        return _power(np.where(positive, x, 0.0), exponent)
     return np.where(positive, np.where(positive, x, 1.0) ** exponent, 0.0)
 
 
@@ -103,12 +104,84 @@ def _compiled(
 
     def code() -> str:
         formulas = [differentiate(expression, arguments, order) for expression in expressions for order in orders]
-        call = sp.lambdify(arguments, formulas, modules=[{"pos": _truncated_power}, "numpy"], cse=True)
+        call = sp.lambdify(arguments, formulas, modules=[{"pos": _truncated_power}, "numpy"], cse=_shared)
         return inspect.getsource(call).replace(call.__name__, NAME, 1)
 
     names: dict[str, Any] = {**vars(np), "pos": _truncated_power}
     exec(compile(made_once((*arguments, *expressions), orders, code), "<formulas>", "exec"), names)
     return names[NAME]  # type: ignore[no-any-return]
+
+
+Steps = list[tuple[sp.Symbol, sp.Expr]]
+"""What is computed before a formula, step by step."""
+
+
+def _shared(formulas: Sequence[sp.Expr]) -> tuple[Steps, list[sp.Expr]]:
+    """Common subexpressions of formulas and what is left of these, with powers by products and square roots.
+
+    NumPy's general power takes as long as ten products, and derivatives have many powers of one base.
+    """
+    steps, rest = sp.cse([_in_first_powers(formula) for formula in formulas], list=False)
+    powers = _Powers()
+    for symbol, expression in steps:
+        powers.add(symbol, expression)
+    return powers.steps, [powers.without(expression) for expression in rest]
+
+
+def _in_first_powers(formula: sp.Expr) -> sp.Expr:
+    """The same with pos(x, n) as pos(x, 1)^n, so that all n have one step in common."""
+
+    def whole(part: sp.Basic) -> bool:
+        return isinstance(part, pos) and part.args[1].is_Integer and part.args[1] > 1
+
+    return formula.replace(whole, lambda part: pos(part.args[0], 1) ** part.args[1])
+
+
+class _Powers:
+    """Steps whose powers are made of earlier steps.
+
+    x^{n+f} for a natural n and 0 < f < 1 is x^f x^n, x^n is the square of x^{n/2} or x times it, and x^{−a} is 1/x^a.
+    """
+
+    def __init__(self) -> None:
+        self.steps: Steps = []
+        self._known: dict[sp.Expr, sp.Symbol] = {}
+        self._names = sp.numbered_symbols("p", real=True)
+
+    def add(self, symbol: sp.Symbol, expression: sp.Expr) -> None:
+        """One step more."""
+        found = self.without(expression)
+        self.steps.append((symbol, found))
+
+    def without(self, expression: sp.Expr) -> sp.Expr:
+        """An expression whose powers but for squares, roots and reciprocals are steps."""
+        if not expression.args:
+            return expression
+        parts = [self.without(part) for part in expression.args]
+        if isinstance(expression, sp.Pow) and expression.exp.is_Rational and not expression.base.is_number:
+            base, exponent = parts[0], sp.Rational(expression.exp)
+            power = self._power(base if base.is_Symbol else self._step(base), abs(exponent))
+            return power if exponent > 0 else 1 / power
+        return expression.func(*parts)
+
+    def _power(self, base: sp.Symbol, exponent: sp.Rational) -> sp.Expr:
+        """x^a for a > 0."""
+        whole, part = divmod(exponent, 1)
+        if part:
+            root = self._step(base**part)
+            return root * self._power(base, whole) if whole else root
+        half, odd = divmod(int(whole), 2)
+        if half == 0:
+            return base
+        square = self._step(self._power(base, sp.Integer(half)) ** 2)
+        return square * base if odd else square
+
+    def _step(self, expression: sp.Expr) -> sp.Symbol:
+        """The symbol of an expression, of one step more where it is new."""
+        if expression not in self._known:
+            symbol = self._known[expression] = next(self._names)
+            self.steps.append((symbol, expression))
+        return self._known[expression]
 
 
 def made_once(formulas: Sequence[sp.Expr], others: object, make: Callable[[], str]) -> str:

@@ -166,7 +166,7 @@ class _Traces:
     def __call__(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
         gap = self.face.gap_rate_jet if rate else self.face.gap_jet
         places = self.s.reshape(*self.s.shape, *(1,) * np.ndim(time))
-        return gap(places, time, order + 1), self.strain(time, order)[rate]
+        return gap(places, time, order + 1), self.strain(time, rate, order)
 
 
 class Lifting:
