@@ -8,6 +8,8 @@ import sympy as sp
 
 from manufactured.symbols import BLOCK, Jet, pos, s, t
 
+FRONT = sp.Rational(1, 2) + t * (1 - t) / 3 - s**2
+
 
 @pytest.mark.parametrize("shape", [(3 * BLOCK + 7,), (BLOCK, 3), (5, BLOCK)], ids=["points", "few times", "many times"])
 @pytest.mark.parametrize("times", ["one", "each", "own"])
@@ -38,3 +40,22 @@ def test_powers_that_are_made_of_products_and_roots_are_those_of_numpy(exponent:
         expected = 3**k * rates[k] * (places[0, beyond] - 0.25) ** float(a - k)
         np.testing.assert_allclose(truncated[k,][beyond], expected, rtol=1e-14)
         assert not truncated[k,][~beyond].any()
+
+
+@pytest.mark.parametrize(
+    "formula",
+    [
+        (1 + t) * pos(FRONT, 4) / (2 - FRONT) ** 2 + t * pos(-FRONT, 3),
+        pos(FRONT - sp.Rational(1, 8), 5) * sp.exp(-FRONT) + pos(1 - pos(FRONT, 2), 3) * s,
+        pos(sp.sin(3 * s) - t, 4) * (sp.sin(3 * s) - t),
+        pos(2 * s - t, 3) / (1 + (2 * s - t) ** 2) ** sp.Rational(9, 8),
+    ],
+    ids=["and its negative", "inside a front", "of one term", "linear"],
+)
+def test_derivatives_of_functions_of_a_front_are_those_of_the_formula_in_place_and_time(formula: sp.Expr) -> None:
+    places, time = np.linspace(0, 1, 41), 0.37
+    found = Jet(formula).rate()(places[None], time, 2)
+    plain = {"pos": lambda x, a: np.where(x > 0, abs(x) ** float(a), 0.0)}
+    for k in range(3):
+        exact = sp.lambdify((s, t), formula.diff(t, s, k), [plain, "numpy"])(places, time)
+        np.testing.assert_allclose(found[k,], exact, rtol=1e-11, atol=1e-11 * abs(exact).max())
