@@ -71,7 +71,7 @@ def their_solution(t: Array) -> Array:
 
 
 def rolling(space: Space) -> Callable[[float], Array]:
-    """t ↦ F(t) of the traction (1 − 5 sin 2π(2s − 4t))ν on the first piece of Γ3, s from one of its ends to the other."""
+    """t ↦ F(t) of the traction (1 − 5 sin 2π(2s − 4t))ν on the first piece of Γ3, 0 ≤ s ≤ 1 along it."""
     part, vertices = space.contact[0]
     along = space.mesh.p[:, vertices] - part.corners[:, :1]
     s = np.linalg.norm(along, axis=0) / part.measure
