@@ -242,6 +242,13 @@ def made_once(formulas: Sequence[sp.Expr], others: object, make: Callable[[], st
     return kept(repr((_versions(), [*map(_written, formulas)], others)), make)
 
 
+def coefficients_in_t(polynomial: sp.Expr) -> list[sp.Expr]:
+    """The coefficients of a polynomial of t, highest power first."""
+    text = made_once([polynomial], "coefficients in t", lambda: sp.srepr(sp.Poly(polynomial, t).all_coeffs()))
+    functions = {type(part).__name__: type(part) for part in polynomial.atoms(sp.Function)}
+    return list(eval(text, {**vars(sp), **functions}))
+
+
 _written = lru_cache(maxsize=4096)(sp.srepr)
 """Each formula is asked for many orders of derivatives."""
 NAME = "formulas"
