@@ -45,4 +45,8 @@ class Modes:
 
 def at_each(time: Array | complex, of: Callable[[Any], Array]) -> Array:
     """A field at one time, or at n, the last axis, one after the other."""
-    return np.stack([of(one) for one in time], axis=-1) if isinstance(time, np.ndarray) and time.ndim else of(time)
+    if not (isinstance(time, np.ndarray) and time.ndim):
+        return of(time)
+    found = [of(one) for one in time]
+    # One time is what fine meshes ask for, where a copy is felt.
+    return found[0][..., None] if len(found) == 1 else np.stack(found, axis=-1)

@@ -168,7 +168,7 @@ class _Traces:
     def __call__(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
         gap = self.face.gap_rate_jet if rate else self.face.gap_jet
         places = self.s.reshape(*self.s.shape, *(1,) * np.ndim(time))
-        return gap(places, time, order + 1), self.strain(time, order)[rate]
+        return gap(places, time, order + 1), self.strain(time, rate, order)
 
 
 class Lifting:
@@ -187,7 +187,7 @@ class Lifting:
         self.reach = np.real(self.y) < face.profile.depth
         if not self.reach.all():
             places, self.y = places[:, self.reach], self.y[self.reach]
-        self.s, self.where = _distinct(places)
+        self.s, self.where = distinct(places)
         self.on_face = _Traces(face, self.s)
         self._functions: dict[tuple[str, int], Array] = {}
 
@@ -289,7 +289,7 @@ class Lifting:
         return self._profile(name, derivative).reshape(*self.y.shape, *(1,) * np.ndim(time))
 
 
-def _distinct(places: Array) -> tuple[Array, Array | None]:
+def distinct(places: Array) -> tuple[Array, Array | None]:
     """Different coordinates and where each point finds its own; (places, None) if few repeat.
 
     Coordinates that differ by rounding count as one.

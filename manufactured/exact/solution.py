@@ -204,7 +204,7 @@ class FaceFields:
         w = self.face.gap_jet(self.s, time, 2)
         found = {"w": pair(w)}
         if isinstance(self.face, ContactFace):
-            strain = self.face.strain.at(self.s)(time, 1)[0]
+            strain = self.face.strain.at(self.s)(time, False, 1)
             found |= {f"∂_{i + 1} w": pair(w, i) for i in range(len(self.s))}
             found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
         return found

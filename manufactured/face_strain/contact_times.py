@@ -59,7 +59,7 @@ class PressureTerm:
         cls, fronts: tuple[sp.Expr, ...], branch: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float
     ) -> PressureTerm:
         exact = branch.is_polynomial(t)
-        integral = Convolution(sp.Poly(branch, t), variables, decay) if exact else Quadrature(branch, variables, decay)
+        integral = (Convolution if exact else Quadrature)(branch, variables, decay)
         return cls(tuple(front(formula, variables) for formula in fronts), integral)
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 import sympy as sp
 
-from manufactured.symbols import Index, Jet, Values, t
+from manufactured.symbols import Index, Jet, Values, coefficients_in_t, t
 from manufactured.tensors import Array
 
 
@@ -41,14 +42,13 @@ class Convolution:
     Source of the functions φ_k: M. Hochbruck, A. Ostermann, Exponential integrators, Acta Numer. 19 (2010) 209–286.
     """
 
-    def __init__(self, smooth: sp.Poly, variables: tuple[sp.Symbol, ...], decay: float) -> None:
+    def __init__(self, smooth: sp.Expr, variables: tuple[sp.Symbol, ...], decay: float) -> None:
         self.decay = decay
         self.derivatives = []
-        while True:
-            self.derivatives.append(Jet(_nested(smooth), variables))
-            if smooth.degree() <= 0:
-                break
-            smooth = smooth.diff(t)
+        coefficients = coefficients_in_t(smooth)
+        while coefficients:
+            self.derivatives.append(Jet(_nested(coefficients), variables))
+            coefficients = [n * c for n, c in zip(range(len(coefficients) - 1, 0, -1), coefficients, strict=False)]
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
         """∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and j, found once."""
@@ -123,9 +123,9 @@ def _terms(size: float, count: int) -> int:
     return next((n for n in range(1, TERMS) if size**n * first < math.factorial(n + count)), TERMS)
 
 
-def _nested(polynomial: sp.Poly) -> sp.Expr:
+def _nested(coefficients: Sequence[sp.Expr]) -> sp.Expr:
     """Horner's form in t."""
     nested = sp.Integer(0)
-    for coefficient in polynomial.all_coeffs():
+    for coefficient in coefficients:
         nested = nested * t + coefficient
     return nested

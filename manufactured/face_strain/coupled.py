@@ -9,7 +9,6 @@ import sympy as sp
 
 from manufactured.face_strain.hereditary import Memory
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints
-from manufactured.symbols import Values
 from manufactured.tensors import Array
 
 
@@ -57,14 +56,11 @@ class Coupled:
     def at(self, points: Array) -> StrainAtPoints:
         modes = [mode.at(points) for mode in self.modes]
 
-        def combine(values: list[Values]) -> Components:
+        def strain(time: Array | complex, rate: bool, order: int) -> Components:
+            found = [mode(time, rate, order) for mode in modes]
             return tuple(
-                {index: sum(x * v[index] for x, v in zip(row, values, strict=True)) for index in values[0]}
+                {index: sum(x * v[index] for x, (v,) in zip(row, found, strict=True)) for index in found[0][0]}
                 for row in self.vectors
             )
-
-        def strain(time: Array | complex, order: int) -> tuple[Components, Components]:
-            found = [mode(time, order) for mode in modes]
-            return combine([s for (s,), _ in found]), combine([r for _, (r,) in found])
 
         return strain

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 import sympy as sp
 
-from manufactured.symbols import FormulaError, function, t
+from manufactured.symbols import FormulaError, coefficients_in_t, function, t
 from manufactured.tensors import Array
 
 
@@ -35,7 +35,7 @@ def between(passes: Array, T: float) -> tuple[Array, Array]:
 def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
     """The front of a formula, with roots in closed form where it is a polynomial of t."""
     if formula.is_polynomial(t):
-        return PolynomialFront(function(variables, sp.Poly(formula, t).all_coeffs()))
+        return PolynomialFront(function(variables, coefficients_in_t(formula)))
     symbols = (*variables, t)
     return SmoothFront(formula, function(symbols, [formula]), function(symbols, [sp.diff(formula, t)]))
 

@@ -15,7 +15,7 @@ from manufactured.symbols import Jet, Values, s, t
 from manufactured.tensors import Array
 
 RECENT = 3
-"""Times at which q and q̇ are at hand."""
+"""Times at which q is at hand."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,29 +100,32 @@ class MemoryAtPoints:
         self.flat = points.reshape(points.shape[0], -1)
         self.contacts = [_ContactIntervals(term, self.flat, memory) for term in memory.terms]
         self._start: dict[int, Values] = {}
-        # A stress asks for strain and strain rate at the same time, which are found together, and trajectories side by
-        # side for the same times.
-        self._found = lru_cache(RECENT)(self._evaluate)
+        # A stress asks for strain and strain rate at the same time, and trajectories side by side for the same times.
+        self._found = lru_cache(RECENT)(self._strain)
 
-    def __call__(self, time: Array | complex, order: int) -> tuple[Components, Components]:
-        return self._found(tuple(time) if isinstance(time, np.ndarray) else time, order)
+    def __call__(self, time: Array | complex, rate: bool, order: int) -> Components:
+        strain = self._found(tuple(time) if isinstance(time, np.ndarray) else time, order)
+        if not rate:
+            return (strain,)
+        places = self.points.reshape(*self.points.shape, *(1,) * np.ndim(time))
+        source = self.memory.source_jet(places, time, order)
+        return ({index: -source[index] - self.memory.decay * value for index, value in strain.items()},)
 
-    def _evaluate(self, when: tuple[float, ...] | complex, order: int) -> tuple[Components, Components]:
+    def _strain(self, when: tuple[float, ...] | complex, order: int) -> Values:
+        """q."""
         time = np.array(when) if isinstance(when, tuple) else when
         memory, shape = self.memory, (*self.points.shape[1:], *np.shape(time))
         if order not in self._start:
             self._start[order] = memory.start(self.flat, 0.0, order)
-        source = memory.source_jet(self.points.reshape(*self.points.shape, *(1,) * np.ndim(time)), time, order)
         fading = np.exp(-memory.decay * time)
+        kind = np.result_type(self.flat, time)
         totals = {
-            index: np.multiply.outer(start, fading).astype(np.result_type(self.flat, time))
+            index: np.multiply.outer(start, fading).astype(kind, copy=False)
             for index, start in self._start[order].items()
         }
         for contact in self.contacts:
             contact.subtract(totals, time, order)
-        strain = {index: total.reshape(shape) for index, total in totals.items()}
-        rate = {index: -source[index] - memory.decay * value for index, value in strain.items()}
-        return (strain,), (rate,)
+        return {index: total.reshape(shape) for index, total in totals.items()}
 
 
 class _ContactIntervals:

@@ -37,26 +37,22 @@ class Prescribed:
     def at(self, points: Array) -> StrainAtPoints:
         ends = [end for end, _, _ in self._jets]
 
-        def strain(time: Array | complex, order: int) -> tuple[Components, Components]:
+        def strain(time: Array | complex, rate: bool, order: int) -> Components:
             times = np.atleast_1d(time)
             phase = np.minimum(np.searchsorted(ends, times.real), len(ends) - 1)
             if (phase != phase[0]).any():
                 # Every phase has formulas of its own.
-                return _joined([(phase == n, strain(times[phase == n], order)) for n in np.unique(phase)])
-            _, jet, rate = self._jets[phase[0]]
+                return _joined([(phase == n, strain(times[phase == n], rate, order)) for n in np.unique(phase)])
             places = points.reshape(*points.shape, *(1,) * np.ndim(time))
-            return (jet(places, time, order),), (rate(places, time, order),)
+            return (self._jets[phase[0]][1 + rate](places, time, order),)
 
         return strain
 
 
-def _joined(pieces: list[tuple[Array, tuple[Components, Components]]]) -> tuple[Components, Components]:
-    """(q,) and (q̇,) at all times from those at some of them, with the mask of these."""
-    whole: list[Components] = []
-    for i in (0, 1):
-        found: Values = {}
-        for among, parts in pieces:
-            for index, value in parts[i][0].items():
-                found.setdefault(index, np.empty((*value.shape[:-1], len(among)), value.dtype))[..., among] = value
-        whole.append((found,))
-    return whole[0], whole[1]
+def _joined(pieces: list[tuple[Array, Components]]) -> Components:
+    """(q,) or (q̇,) at all times from those at some of them, with the mask of these."""
+    found: Values = {}
+    for among, (values,) in pieces:
+        for index, value in values.items():
+            found.setdefault(index, np.empty((*value.shape[:-1], len(among)), value.dtype))[..., among] = value
+    return (found,)

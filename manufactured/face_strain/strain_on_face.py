@@ -14,12 +14,12 @@ Components = tuple[Values, ...]
 
 
 class StrainAtPoints(Protocol):
-    """(q, r) and its rate at fixed points of the face, with derivatives along the face up to an order.
+    """(q, r), or its rate, at fixed points of the face, with derivatives along the face up to an order.
 
     Times (T,) give arrays with one axis more, the last one.
     """
 
-    def __call__(self, time: Array | complex, order: int) -> tuple[Components, Components]: ...
+    def __call__(self, time: Array | complex, rate: bool, order: int) -> Components: ...
 
 
 class FaceStrain(Protocol):

@@ -8,7 +8,7 @@ u_s = 0, ε_ss = ε_sn = 0 and ε_nn = q, as for a constant depth (``manufacture
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 
@@ -16,6 +16,7 @@ import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
+from manufactured.contact.contact_face import distinct
 from manufactured.modes import Modes, at_each
 from manufactured.symbols import BLOCK, Index, Jet, Values, function, indices, refuse_kinks, s, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
@@ -32,7 +33,7 @@ def _lifting(rate: bool, order: int) -> Callable[..., list[Array]]:
     """
     w, q, D = (sp.Function(name)(s, t) for name in "wqD")
     eta = y / D
-    phi = (1 - eta) ** 2 * (1 + 2 * eta)
+    phi = 1 - (3 - 2 * eta) * eta**2
     fields = -y * w.diff(s) * phi, (w + y * q) * phi
     formulas = [field.diff(t, int(rate), s, i, y, j) for field in fields for i, j in indices(2, order)]
     values = [
@@ -105,14 +106,18 @@ class FadingFace:
         w, q, D = self.traces
         return w.rate(), q.rate(), D.rate()
 
-    def lifted(self, places: Array, time: complex, rate: bool, order: int) -> tuple[Values, Values]:
-        """The derivatives of u_s and u_n, or of their rates, in (s, y) up to an order at (s, y) with y < D, (2, n)."""
+    def traced(self, s: Array, time: complex, rate: bool, order: int) -> list[Array]:
+        """What ``lifted`` needs of w, q and D, and of their rates, at coordinates along the face, (1, n)."""
         jets = (*self.traces, *self.trace_rates) if rate else self.traces
-        traces = [jet(places[:1], time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
-        values = _lifting(rate, order)(places[1], *(trace[i,] for trace in traces for i in range(len(trace))))
-        values, keys = [np.broadcast_to(value, places.shape[1:]) for value in values], indices(2, order)
-        along, into = values[: len(keys)], values[len(keys) :]
-        return dict(zip(keys, along, strict=True)), dict(zip(keys, into, strict=True))
+        traces = [jet(s, time, order + more) for jet, more in zip(jets, (1, 0, 0) * 2, strict=False)]
+        return [trace[i,] for trace in traces for i in range(len(trace))]
+
+    def lifted(self, traced: Sequence[Array], into: Array, rate: bool, order: int) -> tuple[Values, Values]:
+        """The derivatives of u_s and u_n, or of their rates, in (s, y) up to an order, at y < D, (n,)."""
+        values = _lifting(rate, order)(into, *traced)
+        values, keys = [np.broadcast_to(value, into.shape) for value in values], indices(2, order)
+        tangential, normal = values[: len(keys)], values[len(keys) :]
+        return dict(zip(keys, tangential, strict=True)), dict(zip(keys, normal, strict=True))
 
     @property
     def variables(self) -> tuple[sp.Symbol, ...]:
@@ -135,8 +140,8 @@ class Fading:
         self.face, self.frame = face, face.part.frame
         self.turned = rotation(self.frame)
         places, into = face.part.coordinates(x)
-        self.shape = into.shape
-        self.places = np.array([places[0].ravel(), into.ravel()])
+        self.shape, self.y = into.shape, into.ravel()
+        self.s, self.where = distinct(places.reshape(1, -1))
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
         """u (or u̇), (2, ...)."""
@@ -157,7 +162,7 @@ class Fading:
 
     def modes(self) -> Modes:
         """ε(u) as one field for each component and point: it is no sum of products of fewer."""
-        count = self.places.shape[1]
+        count = len(self.y)
 
         def amplitudes(time: Array | float, rate: bool) -> Array:
             return self.strain(time, rate).reshape(3, count, *np.shape(time))
@@ -172,17 +177,23 @@ class Fading:
         return at_each(time, lambda moment: self._at_one(of, moment, rate, order))
 
     def _at_one(self, of: Callable[[tuple[Values, Values]], Array], time: complex, rate: bool, order: int) -> Array:
-        depth = self.face.depth_jet(self.places[:1], time)[(0,)]
-        inside = np.flatnonzero(np.real(self.places[1]) < np.real(depth))
-
-        def at(chosen: Array) -> Array:
-            return of(self.face.lifted(self.places[:, chosen], time, rate, order))
-
+        depth = np.real(self.face.depth_jet(self.s, time)[(0,)])
+        inside = np.flatnonzero(np.real(self.y) < (depth if self.where is None else depth[self.where]))
+        traced = self._traced(time, rate, order)
         blocks = [inside[start : start + BLOCK] for start in range(0, len(inside), BLOCK)] or [inside]
-        values = np.concatenate([at(block) for block in blocks], axis=-1)
-        found = np.zeros((*values.shape[:-1], self.places.shape[1]), dtype=values.dtype)
-        found[..., inside] = values
-        return found.reshape(*values.shape[:-1], *self.shape)
+        values = [of(self.face.lifted(traced(block), self.y[block], rate, order)) for block in blocks]
+        found = np.zeros((*values[0].shape[:-1], len(self.y)), dtype=values[0].dtype)
+        for block, here in zip(blocks, values, strict=True):
+            found[..., block] = here
+        return found.reshape(*found.shape[:-1], *self.shape)
+
+    def _traced(self, time: complex, rate: bool, order: int) -> Callable[[Array], Sequence[Array]]:
+        """Numbers of points ↦ ``FadingFace.traced`` there, found once for each s where many points share it."""
+        where = self.where
+        if where is None:
+            return lambda chosen: self.face.traced(self.s[:, chosen], time, rate, order)
+        found = self.face.traced(self.s, time, rate, order)
+        return lambda chosen: [values[where[chosen]] for values in found]
 
 
 def _strain(values: tuple[Values, Values], more: Index) -> Tensors:

@@ -25,7 +25,7 @@ fronts, and landings hardly change velocities: 2 over all halvings.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -70,15 +70,17 @@ def their_solution(t: Array) -> Array:
     return np.stack([RISE * np.maximum(t - LANDING, 0), np.maximum(LANDING - t, 0)], axis=1)
 
 
-def rolling(space: Space, t: float) -> Array:
-    """F(t) of the traction (1 − 5 sin 2π(2s − 4t))ν on the first piece of Γ3, s from one of its ends to the other."""
+def rolling(space: Space) -> Callable[[float], Array]:
+    """t ↦ F(t) of the traction (1 − 5 sin 2π(2s − 4t))ν on the first piece of Γ3, 0 ≤ s ≤ 1 along it."""
     part, vertices = space.contact[0]
     along = space.mesh.p[:, vertices] - part.corners[:, :1]
     s = np.linalg.norm(along, axis=0) / part.measure
-    traction = 1 - 5 * np.sin(2 * np.pi * (2 * s - 4 * t))
-    rows = np.zeros(space.N.shape[0])
-    rows[: len(vertices)] = np.gradient(s) * part.measure * traction
-    return np.asarray(space.N.T @ rows)
+    normal = sps.csr_array(space.N[: len(vertices)].T) * (np.gradient(s) * part.measure)
+
+    def load(t: float) -> Array:
+        return np.asarray(normal @ (1 - 5 * np.sin(2 * np.pi * (2 * s - 4 * t))))
+
+    return load
 
 
 def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -> Observation:
@@ -115,7 +117,9 @@ class Landings(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        rolled = replace(setup.problem, load=lambda t: rolling(setup.space, t), u0=np.zeros(setup.space.dofs))
+        T = setup.problem.T
+        setup.gauge.foresee(loads=[scheme.loaded(T, count) for scheme in (BDF2, MIDPOINT) for count in COUNTS])
+        rolled = replace(setup.problem, load=rolling(setup.space), u0=np.zeros(setup.space.dofs))
         found = {**two_errors(), **in_space(setup.problem, "own"), **in_space(rolled, "rolling")}
         return with_h(setup.space.h, found)
 

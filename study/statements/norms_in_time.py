@@ -79,8 +79,10 @@ class LoadInTime(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
-        load, riesz = Gauge(solution, space).load, Cholesky(unloaded(space, solution.law).M)
-        loads = np.array([load(float(t)) for t in np.linspace(0, solution.body.T, INTERVALS + 1)])
+        gauge, riesz = Gauge(solution, space), Cholesky(unloaded(space, solution.law).M)
+        times = np.linspace(0, solution.body.T, INTERVALS + 1)
+        gauge.foresee(loads=[times])
+        loads = np.array([gauge.load(float(t)) for t in times])
         fine, half, coarse = (increments(loads[::step], riesz) for step in (1, 2, COARSER))
         size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
         found = {"variation": fine.sum() / half.sum(), "increments": fine.max() / coarse.max()}

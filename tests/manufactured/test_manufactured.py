@@ -135,7 +135,7 @@ def test_the_memory_solves_its_differential_equation(place, time, a, g) -> None:
     """Against Gauss–Legendre on each side of the times at which the front passes; fast and slow decay."""
     c = sp.Rational(1, 4) + 2 * t * (1 - t)
     memory = Memory(20 * pos(c - s, 2) * (1 + t), a, g, 1.0)
-    (strain,), _ = memory.at(np.array([[place]]))(time, 0)
+    (strain,) = memory.at(np.array([[place]]))(time, False, 0)
     nodes, weights = np.polynomial.legendre.leggauss(40)
     passing = [r.real for r in np.roots([-2, 2, 0.25 - place]) if abs(r.imag) < 1e-12 and 0 < r.real < time]
     ends = np.array([0.0, *sorted(passing), time])

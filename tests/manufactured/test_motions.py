@@ -82,7 +82,8 @@ def test_the_strain_behind_a_front_that_swings_solves_its_differential_equation(
     """Against adaptive quadrature between the times at which the front passes, known in closed form."""
     a, g = 2.0, 5.0
     memory = Memory(40 * pos(RETURN - s, 2) * sp.cos(t), a, g, 1.0)
-    (strain,), (rate,) = memory.at(np.array([[place]]))(time, 0)
+    at_place = memory.at(np.array([[place]]))
+    (strain,), (rate,) = (at_place(time, of_rate, 0) for of_rate in (False, True))
     entry = np.arcsin(np.sqrt((place - 0.3) / 0.35)) / np.pi
     begin, end = min(entry, time), min(1 - entry, time)
 
@@ -155,7 +156,7 @@ def test_a_pressure_whose_memory_is_not_known_is_refused_where_it_is_written(pre
 )
 def test_motions_that_are_too_fast_to_be_followed_are_refused(pressure: sp.Expr, message: str) -> None:
     with pytest.raises(FormulaError, match=message):
-        Memory(pressure, 1.0, 1.0, 1.0).at(PLACES)(1.0, 0)
+        Memory(pressure, 1.0, 1.0, 1.0).at(PLACES)(1.0, False, 0)
 
 
 def test_a_wrong_memory_of_a_swinging_front_is_refused_by_the_self_proof() -> None:

@@ -101,3 +101,14 @@ def test_a_roller_fades_above_a_depth_that_grows_with_the_distance_from_it() -> 
         u = abs(solution.at(places).displacement(0.35)).max(axis=0)
         assert u[0] > 0
         assert u[1] == 0
+
+
+def test_points_of_a_roller_that_share_a_place_along_the_face_have_the_fields_that_each_has_alone() -> None:
+    solution = rollers(8)[0].solution
+    grid = np.array(np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 0.6, 13), indexing="ij"))
+    together = solution.at(grid)
+    for i, x in enumerate(np.moveaxis(grid, 1, 0)):
+        alone = solution.at(x)
+        for name in ("displacement", "strain", "strain_rate", "strain_gradient"):
+            here, own = getattr(together, name)(0.41), getattr(alone, name)(0.41)
+            np.testing.assert_allclose(here[..., i, :], own, rtol=1e-13, atol=1e-13 * abs(here).max())

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from entrywise import near
 from sympy import Integer, Rational
 
 from manufactured import (
@@ -60,7 +61,7 @@ def agree_in_time(case: Case, x: np.ndarray, names: tuple[str, ...]) -> None:
     for name in names:
         of = getattr(fields, name)
         each, together = np.array([of(float(time)) for time in times]), np.moveaxis(of(times), -1, 0)
-        assert together == pytest.approx(each, rel=1e-12, abs=1e-12 * abs(each).max()), name
+        assert near(together, each, rel=1e-12, abs=1e-12 * abs(each).max()), name
 
 
 @pytest.mark.parametrize("case", [*catalogue(), natural_motion()], ids=lambda case: case.name)
@@ -102,7 +103,7 @@ def test_the_sides_of_the_re_entrant_corner_are_free_of_traction_near_it() -> No
 def test_a_law_that_couples_nn_with_sn_needs_a_shear_on_the_face() -> None:
     (face,) = CASES["anisotropic"].solution.faces
     assert isinstance(face.strain, Coupled)
-    (q, r), _ = face.strain.at(np.linspace(0.1, 0.6, 7)[None])(0.8, 0)
+    q, r = face.strain.at(np.linspace(0.1, 0.6, 7)[None])(0.8, False, 0)
     assert abs(r[0,]).max() > 0.05 * abs(q[0,]).max()
     body = unit_square()
     plain = ContactFace.linear(
