@@ -151,31 +151,71 @@ def _positive(of: Callable[..., list[Array]], points: Array, time: Array) -> Arr
 def real_roots(coefficients: Array, T: float) -> Array:
     """Roots in (0, T) of polynomials, coefficients (degree+1, N) highest first, as (degree, N).
 
-    Places without a root hold T. Degrees up to 2 in closed form, higher ones by the eigenvalues of
-    the companion matrix.
+    Places without a root hold T. Up to degree 2 in closed form; above, a polynomial is monotone between the roots of
+    its derivative, and has a root there where it changes its sign.
     """
+    if len(coefficients) <= 3:
+        return _of_degree_two(coefficients, T)
+    degree = len(coefficients) - 1
+    slope = coefficients[:-1] * np.arange(degree, 0, -1)[:, None]
+    begin, end = between(real_roots(slope, T), T)
+    signs = np.polyval(coefficients, begin) > 0
+    interval, point = np.nonzero((np.polyval(coefficients, end) > 0) != signs)
+    roots = np.full((degree, coefficients.shape[1]), T)
+    roots[interval, point] = _bracketed(
+        coefficients[:, point], begin[interval, point], end[interval, point], signs[interval, point]
+    )
+    return roots
+
+
+def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> Array:
+    """The root of each polynomial (degree+1, n) in an interval on which it is monotone; whether it is positive before.
+
+    Newton's method, or halving where that leaves the interval, for those that still move.
+    """
+    slopes = coefficients[:-1] * np.arange(len(coefficients) - 1, 0, -1)[:, None]
+    roots, moving, still = (low + high) / 2, np.arange(low.size), 4 * np.spacing(high)
+    for _ in range(HALVINGS):
+        root = roots[moving]
+        value, slope = _horner(coefficients[:, moving], root), _horner(slopes[:, moving], root)
+        same = (value > 0) == before[moving]
+        low[moving[same]], high[moving[~same]] = root[same], root[~same]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            following = root - value / slope
+        inside = (following >= low[moving]) & (following <= high[moving])
+        roots[moving] = np.where(inside, following, (low[moving] + high[moving]) / 2)
+        moving = moving[abs(roots[moving] - root) > still[moving]]
+        if not moving.size:
+            break
+    return roots
+
+
+def _horner(coefficients: Array, x: Array) -> Array:
+    value = coefficients[0]
+    for coefficient in coefficients[1:]:
+        value = value * x + coefficient
+    return value
+
+
+def _of_degree_two(coefficients: Array, T: float) -> Array:
+    """``real_roots`` up to degree 2."""
     degree, count = coefficients.shape[0] - 1, coefficients.shape[1]
     if degree == 0:
         return np.empty((0, count))
     roots = np.full((degree, count), T)
     vanishing = abs(coefficients[0]) <= 1e-14 * abs(coefficients).max(axis=0)
     if vanishing.any():
-        roots[1:, vanishing] = real_roots(coefficients[1:, vanishing], T)
+        roots[1:, vanishing] = _of_degree_two(coefficients[1:, vanishing], T)
     rest = np.flatnonzero(~vanishing)
     monic = coefficients[1:, rest] / coefficients[0, rest]
     if degree == 1:
         found = -monic.astype(complex)
-    elif degree == 2:
+    else:
         discriminant = np.sqrt((monic[0] ** 2 - 4 * monic[1]).astype(complex))
         # The larger root first, the other from the product: no cancellation.
         larger = -(monic[0] + np.where(monic[0] >= 0, 1, -1) * discriminant) / 2
         other = np.divide(monic[1], larger, out=np.zeros_like(larger), where=larger != 0)
         found = np.array([larger, other])
-    else:
-        companion = np.zeros((len(rest), degree, degree))
-        companion[:, 0, :] = -monic.T
-        companion[:, range(1, degree), range(degree - 1)] = 1
-        found = np.linalg.eigvals(companion).T
     real = abs(found.imag) <= 1e-7 * (1 + abs(found.real))
     roots[:, rest] = np.where(real & (found.real > 0) & (found.real < T), found.real, T)
     return roots

@@ -130,6 +130,18 @@ def test_the_times_of_contact_are_found_for_any_polynomial_motion(roots, scale) 
     assert np.allclose(found, roots, atol=1e-9)
 
 
+@given(st.lists(st.sampled_from([0.125, 0.25, 0.5, 0.75]), min_size=3, max_size=5), st.sampled_from([-1.0, 3.0]))
+def test_a_motion_keeps_its_sign_between_its_times_also_where_it_only_touches(roots, scale) -> None:
+    """Of double and triple roots rounding decides whether there is one, not on which side of it the sign is which."""
+    motion = scale * np.poly(roots)
+    times = np.array([0.0, *np.sort(real_roots(motion[:, None], 1.0)[:, 0]), 1.0])
+    for place in np.linspace(0.01, 0.99, 50):
+        if min(abs(place - root) for root in roots) > 1e-3:
+            piece = np.searchsorted(times, place)
+            middle = (times[piece - 1] + times[piece]) / 2
+            assert (np.polyval(motion, middle) > 0) == (np.polyval(motion, place) > 0)
+
+
 @given(st.floats(0.05, 0.95), st.floats(0.05, 0.95), st.floats(0.1, 50), st.floats(0.1, 50))
 def test_the_memory_solves_its_differential_equation(place, time, a, g) -> None:
     """Against Gauss–Legendre on each side of the times at which the front passes; fast and slow decay."""
