@@ -9,7 +9,7 @@ import sympy as sp
 
 from manufactured.exponents import SMOOTH
 from manufactured.face_strain.convolution import Convolution, Integral
-from manufactured.face_strain.fronts import Front, between, front
+from manufactured.face_strain.fronts import Front, between, front, within
 from manufactured.face_strain.quadrature import Quadrature
 from manufactured.symbols import FormulaError, pos, t
 from manufactured.tensors import Array
@@ -66,8 +66,8 @@ class PressureTerm:
         """Times at which contact begins and ends at each point: two arrays (J, N), equal where unused."""
         passes = [np.empty((0, points.shape[1])), *(moving.passes(points, T) for moving in self.moving)]
         begin, end = between(np.vstack(passes), T)
-        middle = (begin + end) / 2
-        inside = np.ones(middle.shape, dtype=bool)
+        times = within(begin, end)
+        inside = np.ones(times.shape, dtype=bool)
         for moving in self.moving:
-            inside &= moving.beyond(points, middle)
+            inside &= moving.beyond(points, times)
         return np.where(inside, begin, T), np.where(inside, end, T)

@@ -32,6 +32,15 @@ def between(passes: Array, T: float) -> tuple[Array, Array]:
     return nodes[:-1], nodes[1:]
 
 
+WITHIN = 0.38
+"""Of a piece of time, the share before the place at which its sign is looked at."""
+
+
+def within(begin: Array, end: Array) -> Array:
+    """A time in each piece: not its middle, at which a symmetric motion may touch zero without passing it."""
+    return begin + WITHIN * (end - begin)
+
+
 def front(formula: sp.Expr, variables: tuple[sp.Symbol, ...]) -> Front:
     """The front of a formula, with roots in closed form where it is a polynomial of t."""
     if formula.is_polynomial(t):
@@ -114,7 +123,7 @@ class SmoothFront:
     def _beyond_for(self, passes: Array, points: Array, T: float) -> Array:
         """For how long ψ > 0 at each point, (N,)."""
         begin, end = between(passes, T)
-        found: Array = np.sum((end - begin) * self.beyond(points, (begin + end) / 2), axis=0)
+        found: Array = np.sum((end - begin) * self.beyond(points, within(begin, end)), axis=0)
         return found
 
     def beyond(self, points: Array, time: Array) -> Array:
