@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -31,7 +32,7 @@ class FrobeniusBall:
     radius: float
     dim: int = 2
 
-    @property
+    @cached_property
     def projector(self) -> Array:
         return np.eye(size(self.dim))
 
@@ -43,7 +44,7 @@ class DeviatoricBall:
     radius: float
     dim: int = 2
 
-    @property
+    @cached_property
     def projector(self) -> Array:
         unit = identity(self.dim)
         return np.eye(size(self.dim)) - np.multiply.outer(unit, unit) / self.dim

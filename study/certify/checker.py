@@ -501,16 +501,21 @@ class Element:
     inside and the given ones outside, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all thirds.
     """
 
-    def __init__(self, data: Any) -> None:
-        self.over, columns = data["over"], data["columns"]
-        integers(self.over, *columns)
+    def __init__(self, over: int, columns: Sequence[Sequence[int]]) -> None:
+        self.over = over
         require(self.over > 0 and [len(column) for column in columns] == [90] * 45, "no reference element")
         q = [self._divergence(number, column) for number, column in enumerate(columns)]
         self.rows = [[column[i] for column in columns] for i in range(90)]
         self.unbalanced = [[column[i] for column in q] for i in range(6)]
         self.gram, self.unit = self._products()
 
-    def _divergence(self, number: int, column: list[int]) -> list[int]:
+    @classmethod
+    def of(cls, data: Any) -> Element:
+        """The element of a certificate, checked once for all that have the same."""
+        integers(data["over"], *data["columns"])
+        return checked(data["over"], tuple(map(tuple, data["columns"])))
+
+    def _divergence(self, number: int, column: Sequence[int]) -> list[int]:
         """Check one input; Div σ̂ + f̂ by its coefficients in ``LINEAR``, in both components."""
         side, place, d = number // 8, number // 2 % 4, number % 2
         stress = [[column[30 * c + 10 * i :][:10] for c in range(3)] for i in range(3)]
@@ -544,6 +549,12 @@ class Element:
     def dual(self, field: list[int]) -> list[int]:
         """The products of a field, given by 30 coefficients, with all monomials of the thirds."""
         return [dot(row, field[n - n % 10 : n - n % 10 + 10]) for n, row in enumerate(self.gram)]
+
+
+@cache
+def checked(over: int, columns: tuple[tuple[int, ...], ...]) -> Element:
+    """The element of some integers."""
+    return Element(over, columns)
 
 
 def combination(polynomials: Iterable[Poly], factors: Iterable[Any]) -> Poly:
@@ -859,7 +870,7 @@ class Certificate:
         self.laws, self.over = common([*problem.A, *problem.G])
         self.nodes = summed(data["displacement"]["nodes"])
         self._check_membership()
-        self.growth, self.element = Growth(problem, Q(data["m"])), Element(data["element"])
+        self.growth, self.element = Growth(problem, Q(data["m"])), Element.of(data["element"])
         self.stresses = Stresses(mesh, data["stress"], self.element)
         self.numbers = list(zip(summed(data["stress"]["tractions"]), summed(data["stress"]["inner"]), strict=True))
         require(len(self.numbers) == 2 * len(self.nodes) + 1, "there is not one stress for every coefficient in time")

@@ -99,7 +99,7 @@ def _with_sign(a: int, product: int) -> int:
 @cache
 def element() -> checker.Element:
     """That of the checker."""
-    return checker.Element(columns())
+    return checker.Element.of(columns())
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import io
 import os
 import sys
@@ -10,6 +9,7 @@ from collections.abc import Sequence
 
 from study.cli.arguments import parser
 from study.cli.exits import CLOSED, INTERRUPTED, USAGE
+from study.ledger.garbage import imported
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -22,7 +22,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     module, name = options.command
     try:
         # Not before it is known what is asked for: what solves takes seconds to import.
-        code = int(getattr(importlib.import_module(f"study.cli.{module}"), name)(options))
+        code = int(getattr(imported(f"study.cli.{module}"), name)(options))
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:
@@ -38,7 +38,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"study: {LACKING.format(error.name)}", file=sys.stderr)
         return USAGE
     except Exception as error:
-        code, message = importlib.import_module("study.cli.refusals").answer(error)
+        code, message = imported("study.cli.refusals").answer(error)
         print(f"study: {message}", file=sys.stderr)
         if isinstance(error, OSError):
             _close_output()

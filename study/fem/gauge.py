@@ -81,9 +81,9 @@ class Gauge:
         ends = np.cumsum([0, *(len(found.weights) for found in points)])
         split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
         self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
-        self._faces = [
-            (face, vertices, sums) for face, (_, vertices), sums in zip(solution.faces, faces, on_faces, strict=True)
-        ]
+        on = [(face.part, vertices) for face, (_, vertices) in zip(solution.faces, faces, strict=True)]
+        self._faces = [(part.normal, sums) for (part, _), sums in zip(on, on_faces, strict=True)]
+        self._normal = space.normal_components(on)
         self._energy = energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
         each = cells.count if isinstance(solution.law.G, Linear) else len(cells.weights)
@@ -143,16 +143,14 @@ class Gauge:
 
     def _loads_at(self, times: Array) -> list[Array]:
         strains, rates = (self._amplitudes(tuple(times), rate) for rate in (False, True))
-        stress = self._cells(strains, rates) / self.space.volumes[:, None]
-        return [*one_by_one(self.space.functional(stress) + self._contact_work(strains, rates))]
+        work = self.space.tested(self._cells(strains, rates))
+        work += self._contact_work(strains, rates)
+        return [*one_by_one(work)]
 
     def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
         """∫_{Γ3} p v_ν with p = −σ_ν at n times, (n_dofs, n)."""
-        nodal = np.zeros((*self.space.mesh.p.shape, strains.shape[1]))
-        for face, vertices, sums in self._faces:
-            moments = -mapped(dyad(face.part.normal, face.part.normal), sums(strains, rates))
-            nodal[:, vertices] += np.multiply.outer(face.part.normal, moments)
-        return self.space.interpolate(nodal)
+        pressure = [-mapped(dyad(normal, normal), sums(strains, rates)) for normal, sums in self._faces]
+        return self._normal.T @ np.concatenate(pressure)
 
 
 def one_by_one(values: Array) -> Array:

@@ -12,7 +12,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -29,6 +28,8 @@ Amplitudes = Array
 """T_k(s_j, t) of all contributions to ε below each other at n times, (Σ K J, n)."""
 MANY = 4
 """The matrix for the energy may take this many times the storage of the modes."""
+POINTS = 1 << 11
+"""Points that are treated together, so that what a law leaves half-done at them stays in a cache."""
 
 
 def amplitudes_of(modes: Sequence[Modes]) -> Callable[[tuple[float, ...], bool], Amplitudes]:
@@ -73,16 +74,6 @@ class QuadraturePoints:
         copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
         sums = np.repeat(sums.reshape(weights.shape[:2])[..., None], weights.shape[2], axis=2)
         return cls(copies, sums.ravel(), weights.ravel(), len(vertices)), vertices
-
-    def totals(self, values: Array) -> Array:
-        """Sums of values (n, ...), (sums, ...)."""
-        return self._incidence @ values
-
-    @cached_property
-    def _incidence(self) -> sps.csr_array:
-        """Which points contribute to which sum, (sums, n)."""
-        n = len(self.sums)
-        return sps.csr_array((np.ones(n), (self.sums, np.arange(n))), shape=(self.count, n))
 
 
 def strain_at_points(modes: Sequence[Modes], amplitudes: Amplitudes, count: int) -> Tensors:
@@ -150,6 +141,53 @@ def _blocks(
     return blocks
 
 
+class PointwiseSums:
+    """Σ w_p S(ε(x_p, t)), (m, sums, n), for a function S from strains (D, ...) to (m, ...), from the amplitudes.
+
+    Args:
+        modes: the contributions to ε at the points.
+        sums: to which of ``count`` sums a point contributes, (p,).
+        weights: w_p, (p,).
+    """
+
+    def __init__(self, modes: Sequence[Modes], sums: Array, weights: Array, count: int) -> None:
+        self._count = count
+        starts = range(0, len(sums), POINTS)
+        self._pieces = [
+            _Piece.of([part.among(i, i + POINTS) for part in modes], sums[i : i + POINTS], weights[i : i + POINTS])
+            for i in starts
+        ]
+
+    def __call__(self, amplitudes: Amplitudes, S: Callable[[Tensors], Array]) -> Array:
+        found = [(piece.sums, piece.of_points(S(piece.strains(amplitudes)))) for piece in self._pieces]
+        total = np.zeros((len(found[0][1]), self._count, amplitudes.shape[1]))
+        for sums, values in found:
+            # Of one piece no two are the same.
+            total[:, sums] += values
+        return total
+
+
+@dataclass(frozen=True, eq=False)
+class _Piece:
+    """Some points: strains at them, and which sums they contribute to with which weights, (sums, p)."""
+
+    strains: StrainSums
+    sums: Array
+    weights: sps.csr_array
+
+    @classmethod
+    def of(cls, modes: Sequence[Modes], sums: Array, weights: Array) -> _Piece:
+        each, ones = np.arange(len(sums)), np.ones(len(sums))
+        by_themselves = QuadraturePoints(np.empty((0, len(sums))), each, ones, len(sums))
+        met, which = np.unique(sums, return_inverse=True)
+        incidence = sps.csr_array((weights, (which, each)), shape=(len(met), len(sums)))
+        return cls(StrainSums(modes, by_themselves, ones), met, incidence)
+
+    def of_points(self, values: Array) -> Array:
+        """Sums of values (m, p, n), (m, sums, n)."""
+        return np.stack([self.weights @ row for row in values])
+
+
 class StressSums:
     """Σ w_p σ(x_p, t), (D, sums, n), for σ = A ε(u̇) + G ε(u), (2.1), from the amplitudes of ε and ε̇ at n times.
 
@@ -165,15 +203,11 @@ class StressSums:
         self.strains = StrainSums(modes, points, viscous)
         self._elastic: Callable[[Amplitudes], Tensors]
         if isinstance(G, Linear):
-            sums = self.strains if np.array_equal(viscous, elastic) else StrainSums(modes, points, elastic)
-            self._elastic = lambda strains: sums(strains, G.matrix)
+            linear = self.strains if np.array_equal(viscous, elastic) else StrainSums(modes, points, elastic)
+            self._elastic = lambda strains: linear(strains, G.matrix)
         else:
-
-            def elastic_sums(strains: Amplitudes) -> Tensors:
-                stress = G(strain_at_points(modes, strains, len(elastic))) * elastic[:, None]
-                return np.array([points.totals(row) for row in stress])
-
-            self._elastic = elastic_sums
+            pointwise = PointwiseSums(modes, points.sums, elastic, points.count)
+            self._elastic = lambda strains: pointwise(strains, G)
 
     def __call__(self, strains: Amplitudes, rates: Amplitudes) -> Tensors:
         return self.strains(rates, self._A.matrix) + self._elastic(strains)
@@ -183,22 +217,23 @@ def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplit
     """∫_Ω α C ε·ε dx from the amplitudes at n times, (n,).
 
     Where many points share a place along the face, this is a quadratic form of the amplitudes. Where hardly any do, its
-    matrix would be many times as large as the modes, and the strain is summed point by point.
+    matrix would be many times as large as the modes, and the density is summed point by point.
 
     Args:
         modes: the contributions to ε at the points.
         weights: quadrature weights times α, (n,).
         C: symmetric, Mandel (D, D).
     """
-
-    def by_point(amplitudes: Amplitudes) -> Array:
-        strain = strain_at_points(modes, amplitudes, len(weights))
-        return weights @ np.einsum("Ipn,Ipn->pn", mapped(C, strain), strain)
-
     if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
-        return by_point
+        total = PointwiseSums(modes, np.zeros(len(weights), dtype=int), weights, 1)
+        return lambda amplitudes: total(amplitudes, lambda strain: _density(C, strain))[0, 0]
     form = _form(modes, weights, C)
     return lambda amplitudes: np.einsum("wn,wn->n", amplitudes, form @ amplitudes)
+
+
+def _density(C: Array, strain: Tensors) -> Array:
+    """C ε·ε, (1, ...)."""
+    return np.einsum("I...,I...->...", mapped(C, strain), strain)[None]
 
 
 def _form(modes: Sequence[Modes], weights: Array, C: Array) -> sps.csr_array:

@@ -56,16 +56,21 @@ class Quadratic(Displacements):
 
     @cached_property
     def E(self) -> sps.csr_array:
-        return self.strains(self.rule[0])
+        return self._matrix(self._strain_values(self.rule[0]), self.numbers.T[:, None])
 
     def shapes(self, barycentric: Array) -> sps.csr_array:
         """v ↦ its values at the same points (3, q) of every cell, (2·cells·q, dofs)."""
         values = np.array([*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)])
         rows = np.einsum("iq,dj->qdij", values, np.eye(2)).reshape(-1, 6, 2)
-        return self._matrix(np.broadcast_to(rows, (self.cells, *rows.shape)))
+        return self._matrix(np.broadcast_to(rows, (self.cells, *rows.shape)), self.numbers.T[:, None])
 
     def strains(self, barycentric: Array) -> sps.csr_array:
-        """v ↦ ε(v) in Mandel form at the same points (3, q) of every cell, (3·cells·q, dofs)."""
+        """v ↦ ε(v) in Mandel form at the same points (3, q) of every cell, cell by cell, (cells·q·3, dofs)."""
+        values = np.moveaxis(self._strain_values(barycentric), 0, 2)
+        return self._matrix(values.reshape(self.cells, -1, 6, 2), self.numbers.T[:, None])
+
+    def _strain_values(self, barycentric: Array) -> Array:
+        """Strains of the basis functions of every cell at points (3, q), (3, cells, q, 6, 2)."""
         slopes, outer = barycentric_gradients(self.mesh), np.multiply.outer
         gradients = np.stack(
             [
@@ -74,8 +79,7 @@ class Quadratic(Displacements):
             ],
             axis=2,
         )
-        rows = np.einsum("Ijk,qcik->cqIij", basis(2), gradients, optimize=True)
-        return self._matrix(rows.reshape(self.cells, -1, 6, 2))
+        return np.einsum("Ijk,qcik->Icqij", basis(2), gradients, optimize=True)
 
     def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
         """ε(v) at points of some cells, (2, n, q) → (3, n, q)."""

@@ -10,6 +10,7 @@ matrix E of Mandel strains carries the whole discretisation: with the weights w 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -43,7 +44,7 @@ class Displacements(MeshedBody, ABC):
     @property
     @abstractmethod
     def E(self) -> sps.csr_array:
-        """Strains of the basis functions, (cells · points · D, dofs)."""
+        """Strains of the basis functions, component by component, (D · cells · points, dofs)."""
 
     @property
     def dim(self) -> int:
@@ -74,7 +75,7 @@ class Displacements(MeshedBody, ABC):
 
     def strain(self, v: Array) -> Tensors:
         """ε(v), (D, cells) or (D, cells, points); for functions (dofs, n) with an axis more, the last one."""
-        return np.moveaxis((self.E @ v).reshape(*self.weights.shape, -1, *v.shape[1:]), self.weights.ndim, 0)
+        return (self.E @ v).reshape(-1, *self.weights.shape, *v.shape[1:])
 
     def functional(self, stress: Tensors) -> Array:
         """(σ, ε(·))_Q for the means of a stress on the cells, or its values at the points, → (dofs,).
@@ -82,18 +83,21 @@ class Displacements(MeshedBody, ABC):
         Stresses (D, cells, n), or (D, cells, points, n), give (dofs, n).
         """
         inner = self.weights.ndim
-        weighted = self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress
-        return self._transposed @ np.moveaxis(weighted, 0, inner).reshape(self.E.shape[0], *stress.shape[inner + 1 :])
+        return self.tested(self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress)
+
+    def tested(self, integrals: Tensors) -> Array:
+        """The same from the integrals of a stress over the cells, or its values times w."""
+        return self._transposed @ integrals.reshape(self.E.shape[0], *integrals.shape[self.weights.ndim + 1 :])
 
     @cached_property
-    def _transposed(self) -> sps.csc_array:
-        """Eᵀ, made once: every load asks for it."""
-        return self.E.T
+    def _transposed(self) -> sps.csr_array:
+        """Eᵀ by its rows, made once: every load asks for it."""
+        return sps.csr_array(self.E.T)
 
     def form(self, C: Array, factor: Array | float = 1.0) -> sps.csc_array:
         """The matrix of (α C ε(u), ε(v))_Q for a tensor C, Mandel (D, D), and α as in ``weights``."""
-        weighted = sps.kron(sps.diags_array((self.weights * factor).ravel()), C, format="csr")
-        matrix = sps.csc_array(self.E.T @ (weighted @ self.E))
+        weighted = sps.kron(C, sps.diags_array((self.weights * factor).ravel()), format="csr")
+        matrix = sps.csc_array(self._transposed @ (weighted @ self.E))
         return sps.csc_array((matrix + matrix.T) / 2)
 
     @cached_property
@@ -115,21 +119,27 @@ class Displacements(MeshedBody, ABC):
 
         One row per piece and function: a function on two pieces has both constraints.
         """
-        normals = np.concatenate([np.tile(part.normal, (len(numbers), 1)) for part, numbers in self.contact])
-        numbers = np.concatenate([numbers for _, numbers in self.contact])
+        return self.normal_components(self.contact)
+
+    def normal_components(self, on: Sequence[tuple[Part, Array]]) -> sps.csr_array:
+        """v ↦ ν·c for the coefficients of functions (n,) on some parts, one part after the other, (Σ n, dofs)."""
+        normals = np.concatenate([np.tile(part.normal, (len(numbers), 1)) for part, numbers in on])
+        numbers = np.concatenate([numbers for _, numbers in on])
         return sps.csr_array(self._rows(normals[:, None], numbers[:, None])[:, self.free])
 
-    def _matrix(self, values: Array) -> sps.csr_array:
-        """The matrix on the free coefficients with the same number of rows in every cell, (cells, rows, k, d)."""
-        full = self._rows(values, self.numbers.T[:, None])
+    def _matrix(self, values: Array, numbers: Array) -> sps.csr_array:
+        """The matrix on the free coefficients with the rows of ``_rows``."""
+        full = self._rows(values, numbers)
         full.eliminate_zeros()
         return sps.csr_array(full[:, self.free])
 
     def _rows(self, values: Array, numbers: Array) -> sps.csr_array:
         """The matrix on all coefficients, with rows of the values (..., k, d) at those of k functions (..., k)."""
-        columns = np.broadcast_to(self.dim * numbers[..., None] + np.arange(self.dim), values.shape)
+        # Products read indices as often as values: 32 bits where they suffice.
+        index = sps.get_index_dtype(maxval=max(values.size, self.dim * self.count))
+        columns = np.broadcast_to(self.dim * numbers[..., None] + np.arange(self.dim), values.shape).astype(index)
         width = values.shape[-2] * values.shape[-1]
-        starts = np.arange(0, values.size + 1, width)
+        starts = np.arange(0, values.size + 1, width, dtype=index)
         return sps.csr_array((values.ravel(), columns.ravel(), starts), shape=(len(starts) - 1, self.dim * self.count))
 
 
@@ -170,9 +180,9 @@ class Space(Displacements):
 
     @cached_property
     def E(self) -> sps.csr_array:
-        """Mandel strains of the nodal basis, (D·cells, n_dofs), cell-major: ε(φ e_j)_I = E_I : sym(e_j ⊗ ∇φ)."""
+        """Mandel strains of the nodal basis, (D·cells, n_dofs): ε(φ e_j)_I = E_I : sym(e_j ⊗ ∇φ)."""
         gradients = barycentric_gradients(self.mesh)
-        return self._matrix(np.einsum("Ijk,cik->cIij", basis(self.dim), gradients, optimize=True))
+        return self._matrix(np.einsum("Ijk,cik->Icij", basis(self.dim), gradients, optimize=True), self.numbers.T)
 
     def scatter(self, vertices: Array, values: Vectors) -> Vectors:
         """Sum local vectors into nodal ones: indices (k, n) and values (d, k, n) → (d, vertices)."""

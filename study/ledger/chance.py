@@ -21,6 +21,7 @@ of its rows, however they depend on each other.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 import scipy  # ``scipy.stats`` takes half a second to import: not before it is used
@@ -42,6 +43,7 @@ SAME = 2e-3
 """A spread of places that is none: twice what the record resolves."""
 
 
+@cache
 def interval(alarms: int, judged: int) -> tuple[float, float]:
     """The interval of Clopper and Pearson for a rate, at 95 %; (0, 1) if nothing was judged."""
     if judged == 0:

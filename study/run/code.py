@@ -9,6 +9,8 @@ from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
+from manufactured.kept import kept
+
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("manufactured", "study")
 BY_VALUE = ("manufactured.catalogue", "manufactured.cases", "manufactured.problems", "study.fem.naming")
@@ -66,10 +68,24 @@ def digest(module: str) -> str:
 
 @cache
 def _read(module: str) -> tuple[tuple[str, ...], str]:
-    """The modules that a module imports, and its hash, from one reading of it."""
-    code = tree(module)
-    imported = tuple(dict.fromkeys(_imports(code)))
-    return imported, hashlib.sha256(ast.dump(without_docstrings(code)).encode()).hexdigest()
+    """The modules that a module imports, and its hash."""
+    text = source(module).read_text(encoding="utf-8")
+    # Trees take half a second to be read and written again: what they say is kept from one process to the next.
+    digest, *imported = kept(repr((sys.version, _how(), text)), lambda: _described(text)).split("\n")
+    return tuple(dict.fromkeys(map(_module, imported))), digest
+
+
+@cache
+def _how() -> str:
+    """What the hash depends on besides the text of a module."""
+    return Path(__file__).read_text(encoding="utf-8")
+
+
+def _described(text: str) -> str:
+    """The hash of the code of a module, and what it imports of the project, in lines."""
+    code = ast.parse(text)
+    imported = list(_imports(code))
+    return "\n".join([hashlib.sha256(ast.dump(without_docstrings(code)).encode()).hexdigest(), *imported])
 
 
 def without_docstrings(code: ast.Module) -> ast.Module:
@@ -86,11 +102,6 @@ def _stands_alone(line: ast.AST) -> bool:
     return isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant) and isinstance(line.value.value, str)
 
 
-def tree(module: str) -> ast.Module:
-    """The syntax tree of a module."""
-    return ast.parse(source(module).read_text(encoding="utf-8"))
-
-
 def source(module: str) -> Path:
     """The file of a module."""
     if module.startswith("case_"):
@@ -105,10 +116,14 @@ def imports(module: str) -> tuple[str, ...]:
 
 
 def _imports(code: ast.Module) -> Iterator[str]:
+    """Modules, and names in modules, which may be modules themselves."""
     for node in ast.walk(code):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name.partition(".")[0] in PACKAGES)
         elif isinstance(node, ast.ImportFrom) and node.module and node.module.partition(".")[0] in PACKAGES:
-            for alias in node.names:
-                inner = f"{node.module}.{alias.name}"
-                yield inner if source(inner).is_file() else node.module
+            yield from (f"{node.module}.{alias.name}" for alias in node.names)
+
+
+def _module(imported: str) -> str:
+    """The module that is imported, or of which a name is."""
+    return imported if source(imported).is_file() else imported.rpartition(".")[0]

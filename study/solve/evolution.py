@@ -13,6 +13,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import reduce
+from operator import add
 from typing import Protocol
 
 import numpy as np
@@ -160,6 +162,10 @@ class State:
 class ContactStep:
     """The steps of one scheme with one k.
 
+    Attributes:
+        S: what is factorised.
+        known: w_j M/k, the first less (1 − θ) G_ref: what u_{n−1}, u_{n−2}, … add to the right side.
+
     Raises:
         StepsError: steps so long need not have one solution, as G is not monotone.
     """
@@ -169,6 +175,9 @@ class ContactStep:
         self.problem, self.scheme, self.k = problem, scheme, k
         self.S = sps.csc_array(scheme.newest / k * problem.M + scheme.theta * problem.reference)
         self.solve, self.forces = problem.solver(self.S, problem.N), problem.N.T
+        self.known = [sps.csc_array(weight / k * problem.M) for weight in scheme.past]
+        if scheme.theta < 1:
+            self.known[0] = sps.csc_array(self.known[0] - (1 - scheme.theta) * problem.reference)
 
     def __call__(self, n: int, past: Sequence[State]) -> State:
         """The state at t_n.
@@ -176,21 +185,19 @@ class ContactStep:
         Raises:
             EvolutionError: the iteration of a nonlinear law did not settle, or values are not finite.
         """
-        problem, theta = self.problem, self.scheme.theta
         before = [state.u for state in past]
-        base = (1 - theta) * before[-1]
-        b = problem.load(self.scheme.balanced(n, self.k)) + problem.M @ (self.scheme.known(before) / self.k)
-        if base.any():
-            b = b - problem.reference @ base
-        if problem.remainder is None:
+        load = self.problem.load(self.scheme.balanced(n, self.k))
+        b = reduce(add, (matrix @ u for matrix, u in zip(self.known, reversed(before), strict=False)), load)
+        if self.problem.remainder is None:
             return self._state(n * self.k, *self.solve(b), b, 1)
-        return self._nonlinear(n * self.k, b, base, _extrapolated(before))
+        return self._nonlinear(n * self.k, b, before, self.problem.remainder)
 
-    def _nonlinear(self, time: float, constant: Array, base: Array, guess: Array) -> State:
-        """The fixed point of v ↦ u with S u + Nᵀλ = constant − remainder(θv + base)."""
+    def _nonlinear(
+        self, time: float, constant: Array, before: Sequence[Array], remainder: Callable[[Array], Array]
+    ) -> State:
+        """The fixed point of v ↦ u with S u + Nᵀλ = constant − remainder(θv + (1 − θ) u_{n−1})."""
         problem, theta = self.problem, self.scheme.theta
-        remainder = problem.remainder
-        assert remainder is not None
+        base = (1 - theta) * before[-1]
         multipliers = np.zeros(problem.N.shape[0])
 
         def image(v: Array) -> Array:
@@ -199,7 +206,7 @@ class ContactStep:
             return u
 
         try:
-            u, taken = fixed_point(image, guess, lambda w: problem.M @ w, FIXED_POINT, ITERATIONS)
+            u, taken = fixed_point(image, _extrapolated(before), lambda w: problem.M @ w, FIXED_POINT, ITERATIONS)
         except FixedPointError as error:
             raise EvolutionError(
                 f"step to t = {time:.6g}: {error}; it contracts like k L_G/m_A, so take more steps"

@@ -6,6 +6,9 @@ v (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM
 Two inputs and their images bound the contraction number ρ of g from below. With ρ, the fixed point is no further from u
 than ρ/(1 − ρ) ‖u − v‖; the largest quotient seen stands for ρ, and for ρ > 1/2 the residual itself is compared with the
 tolerance. Both are estimates: whoever needs a bound has to measure the error that is left.
+
+Vectors w travel with their duals M w, (2, n): sums and multiples of pairs are pairs, so that an image takes one product
+with M.
 """
 
 from __future__ import annotations
@@ -47,26 +50,35 @@ def fixed_point(
         FixedPointError: it did not settle, or came to values that are not finite.
     """
 
-    def norm(w: Array) -> float:
-        return float(np.sqrt(w @ dual(w)))
+    def with_dual(w: Array) -> Array:
+        return np.stack([w, dual(w)])
 
     u = image(v)
-    residual, contraction = u - v, 0.0
-    if _finite(norm(residual), 1) == 0:
+    residual, contraction = with_dual(u - v), 0.0
+    if _finite(_norm(residual), 1) == 0:
         return u, 1
-    memory: deque[tuple[Array, Array, Array]] = deque(maxlen=MEMORY)
+    whole = with_dual(u)
+    memory: deque[tuple[Array, Array]] = deque(maxlen=MEMORY)
     for taken in range(2, most + 1):
-        old_v, old_u, old_residual = v, u, residual
-        v = _accelerated(u, residual, memory)
+        step = _accelerated(residual, memory)
+        v = v + step[0]
         u = image(v)
-        residual = u - v
-        left = _finite(norm(residual), taken)
-        contraction = max(contraction, norm(u - old_u) / max(norm(v - old_v), TINY))
-        if left == 0 or (taken >= SEEN and left <= tolerance * _per_residual(contraction) * norm(u)):
+        change, residual = residual, with_dual(u - v)
+        change = residual - change
+        # From u = v + f(v): how far images are from one another.
+        moved = step + change
+        whole += moved
+        left = _finite(_norm(residual), taken)
+        contraction = max(contraction, _norm(moved) / max(_norm(step), TINY))
+        if left == 0 or (taken >= SEEN and left <= tolerance * _per_residual(contraction) * _norm(whole)):
             return u, taken
-        change = residual - old_residual
-        memory.append((change, dual(change), u - old_u))
+        memory.append((change, moved))
     raise FixedPointError(f"the iteration did not settle in {most} steps")
+
+
+def _norm(w: Array) -> float:
+    """‖w‖ of a vector with its dual, (2, n)."""
+    return float(np.sqrt(max(w[0] @ w[1], 0.0)))
 
 
 def _finite(size: float, taken: int) -> float:
@@ -83,13 +95,14 @@ def _per_residual(contraction: float) -> float:
     return max(1.0, (1 - contraction) / max(contraction, TINY))
 
 
-def _accelerated(u: Array, residual: Array, memory: Sequence[tuple[Array, Array, Array]]) -> Array:
-    """u − Σ γ_i Δu_i with ‖residual − Σ γ_i Δf_i‖ least; the memory holds Δf_i, M Δf_i and Δu_i."""
+def _accelerated(residual: Array, memory: Sequence[tuple[Array, Array]]) -> Array:
+    """The step residual − Σ γ_i Δu_i with ‖residual − Σ γ_i Δf_i‖ least; the memory holds Δf_i and Δu_i."""
     if not memory:
-        return u
-    changes, duals, of_images = (np.array(parts) for parts in zip(*memory, strict=True))
-    gram = changes @ duals.T
+        return residual
+    changes, of_images = (np.array(parts) for parts in zip(*memory, strict=True))
+    gram = changes[:, 0] @ changes[:, 1].T
     # Each step of a contraction is much smaller than the one before: the system is scaled.
     sizes = np.sqrt(np.maximum(gram.diagonal(), TINY))
-    gamma = np.linalg.lstsq(gram / np.outer(sizes, sizes), duals @ residual / sizes, rcond=CUTOFF)[0] / sizes
-    return np.asarray(u - gamma @ of_images)
+    slopes = changes[:, 1] @ residual[0] / sizes
+    gamma = np.linalg.lstsq(gram / np.outer(sizes, sizes), slopes, rcond=CUTOFF)[0] / sizes
+    return np.asarray(residual - np.tensordot(gamma, of_images, axes=1))

@@ -68,7 +68,8 @@ class Programme:
         def cell_by_cell(blocks: Array) -> sps.csr_array:
             return sps.csr_array(sps.bsr_array((blocks, np.arange(cells), np.arange(cells + 1))))
 
-        B = sps.csr_array(sps.diags_array(np.repeat(self.root, D)) @ space.E)
+        by_cells = np.arange(D * cells).reshape(D, cells).T.ravel()
+        B = sps.csr_array(sps.diags_array(np.repeat(self.root, D)) @ space.E[by_cells])
         equilibrium = every_cell(potential.stress).T @ B
         in_cones = every_cell(np.eye(p)[p - potential.cone :])
         hessian = sps.block_diag([cell_by_cell(potential.quadratic / self.compliance), sps.csr_array((m, m))])

@@ -23,7 +23,7 @@ from study.ledger.measures import largest as largest_of
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
-from study.statements.shared.places import FIRST, different, place, shape, space_of
+from study.statements.shared.places import FIRST, different, material, place, shape, space_of
 
 VALUE = "smallest eigenvalue"
 FALLING = at_most(1 + ROUNDING, "on every level")
@@ -74,7 +74,7 @@ class Norms(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        cases = different(shape, lambda case: repr(case.solution.law.A))
+        cases = different(shape, lambda case: material(case)[0])
         return place(cases, FIRST, (8, 16, 32), (2, 4, 8)) if full else place(cases, FIRST, (4, 8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:

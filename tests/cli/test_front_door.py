@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import json
 import shlex
 import subprocess
@@ -28,6 +29,7 @@ from study.cli.run import PLACES, chosen, on_finer_meshes
 from study.fem.mesh import FAMILIES
 from study.ledger.compare import Tolerance
 from study.ledger.errors import UsageError
+from study.ledger.garbage import imported
 from study.solve.tableau import SCHEMES
 
 CASES = """
@@ -289,3 +291,14 @@ One default is another: a ``run`` without ``--full`` and ``--out`` went to ``res
 def test_commands_of_the_first_round_mean_what_they_meant(command: str) -> None:
     options = vars(parser().parse_args(command.split()))
     assert {name: options[name] for name in FIRST[command]} == FIRST[command]
+
+
+def test_commands_are_imported_without_a_search_for_garbage_which_goes_on_afterwards(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "made_of_small_objects.py").write_text("import gc\n\nSEARCHED = gc.isenabled()\n", encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    module = imported("made_of_small_objects")
+    assert not module.SEARCHED
+    assert gc.isenabled()
+    assert imported("made_of_small_objects") is module

@@ -27,7 +27,11 @@ from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.same_mesh import SameMesh
 
 PROGRAM = """
+import gc
 import json
+
+gc.disable()
+
 from dataclasses import replace
 from study.run.plan import Plan, quick
 

@@ -17,11 +17,13 @@ from study.cli.main import main
 RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
 ONLY_THE_DATA = """
 import sys
-from study.cli import common, main
+from study.cli.main import main
+from study.ledger.garbage import imported
+common = imported("study.cli.common")
 from study.run.plan import Plan
 common.draw_figures = lambda *arguments, **options: []
 Plan.check = lambda *arguments: None
-sys.exit(main.main(sys.argv[1:]))
+sys.exit(main(sys.argv[1:]))
 """
 """The command without figures and without the proofs of the cases, which keep nothing and take most of the time."""
 VICTIMS = ["run", "worker", "worker", "run"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from unittest.mock import Mock
 
 import numpy as np
@@ -335,10 +336,13 @@ def test_ill_conditioned_matrices_that_are_no_m_matrices_are_solved() -> None:
         assert abs(multipliers * u).max() <= 1e-7
 
 
+@cache
 def trajectory(case, scheme, steps: int, n: int = 8):
+    """The problem and its trajectory, found once for all schemes that are compared with it; tests only read it."""
     solution = case.solution
     space = Space(Shaken()(solution.body, n), solution.body)
     gauge = Gauge(solution, space)
+    gauge.foresee(loads=[scheme.loaded(solution.body.T, steps)])
     problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
     return problem, np.array([state.u for state in scheme.march(problem, steps)])
 

@@ -9,6 +9,7 @@ import pytest
 
 from manufactured import catalogue
 from study.fem.mesh import OneDiagonal
+from study.fem.naming import resolve
 from study.solve.steps import StepsError, rate_steps, stress_steps
 from study.solve.tableau import BACKWARD_EULER, SCHEMES, Tableau
 from study.statements.prop_5_4.experiment import Experiment
@@ -57,3 +58,19 @@ def test_a_march_asks_for_loads_at_the_times_that_its_scheme_says(scheme: Tablea
 
     assert len([*scheme.march(replace(setup.problem, load=load), 7)]) == 8
     assert asked == scheme.loaded(setup.problem.T, 7).tolist()
+
+
+@pytest.mark.parametrize("case", ["advance-recede", "yield-on-a-part"])
+@pytest.mark.parametrize("scheme", SCHEMES, ids=lambda scheme: scheme.name)
+def test_every_step_balances_forces_as_its_scheme_says(scheme: Tableau, case: str) -> None:
+    """M δu_n + G(θ u_n + (1 − θ) u_{n−1}) + Nᵀλ_n = F, the first steps by the scheme that takes them."""
+    setup = Experiment.of(resolve(case).solution, OneDiagonal(), 6, scheme, 9)
+    problem, k = setup.problem, setup.problem.T / 9
+    states = [*scheme.march(problem, 9)]
+    for n in range(1, 10):
+        taken = scheme.of_step(n)
+        u, before = states[n].u, [state.u for state in states[:n]]
+        between = taken.theta * u + (1 - taken.theta) * before[-1]
+        load = problem.load(taken.balanced(n, k))
+        inner = problem.M @ taken.rate(u, before, k) + problem.elastic(between)
+        assert abs(inner + problem.N.T @ states[n].multipliers - load).max() <= 1e-9 * abs(load).max()

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import permutations
 
 import numpy as np
@@ -139,6 +140,7 @@ def kuhn(n: int, dim: int) -> Array:
     return np.hstack(cells)
 
 
+@lru_cache
 def has_grids(body: Body) -> bool:
     """Whether the grid can be mapped onto the body so that its lines follow the interfaces."""
     images = _images(body)

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import gc
 import re
 import textwrap
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -21,6 +20,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from study.ledger.files import write_text, write_whole
+from study.ledger.garbage import uncollected
 from study.present.latex import encode
 
 STYLE = Path(__file__).parent / "style.mplstyle"
@@ -102,7 +102,7 @@ def draw_figures(
 def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
     """Draw one figure in the style of the study and save it as pdf, png and svg, and its caption in lines."""
     # The many small objects of a figure all live until it is saved: looking for garbage before finds nothing.
-    with in_style(), _uncollected():
+    with in_style(), uncollected():
         written = _save(drawing.draw(), directory, drawing.name)
     return [*written, write_text(directory / f"{drawing.name}.txt", textwrap.fill(drawing.caption, 100) + "\n")]
 
@@ -124,15 +124,3 @@ def _save(figure: Figure, directory: Path, name: str) -> list[Path]:
         write_whole(directory / f"{name}.{form}", partial(draw, metadata=_ANONYMOUS[form]))
         for form, draw in {"png": raster.print_png, **vector}.items()
     ]
-
-
-@contextmanager
-def _uncollected() -> Iterator[None]:
-    """No search for cyclic garbage inside the context; it is made up for at the next chance afterwards."""
-    enabled = gc.isenabled()
-    gc.disable()
-    try:
-        yield
-    finally:
-        if enabled:
-            gc.enable()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable, Iterable
-from functools import lru_cache
+from functools import cache, lru_cache
 
 from manufactured.body import Body
 from manufactured.case import Case
@@ -70,8 +70,9 @@ def shape(case: Case) -> Hashable:
     return tuple((part.kind, *part.corners.ravel()) for part in case.solution.body.parts)
 
 
-def material(case: Case) -> Hashable:
-    """The same for cases with the same law."""
+@cache
+def material(case: Case) -> tuple[str, str]:
+    """The same for cases with the same law: A and G in words."""
     return repr(case.solution.law.A), repr(case.solution.law.G)
 
 
