@@ -130,6 +130,13 @@ def test_the_times_of_contact_are_found_for_any_polynomial_motion(roots, scale) 
     assert np.allclose(found, roots, atol=1e-9)
 
 
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (0, 2, 1)])
+def test_renaming_axes_rounds_nothing(order: tuple[int, ...]) -> None:
+    turned = rotation(np.eye(3)[list(order)] * [1, -1, 1])
+    assert set(abs(turned).ravel()) == {0.0, 1.0}
+    assert np.array_equal(turned @ turned.T, np.eye(6))
+
+
 @given(st.floats(0.05, 0.95), st.floats(0.05, 0.95), st.floats(0.1, 50), st.floats(0.1, 50))
 def test_the_memory_solves_its_differential_equation(place, time, a, g) -> None:
     """Against Gauss–Legendre on each side of the times at which the front passes; fast and slow decay."""
