@@ -24,7 +24,8 @@ INSTANTS = 32
 the case of a travelling patch, is 1 % over half a step if it is that of a parabola."""
 
 BLOCK = 1 << 12
-"""Cells times times whose energies are found together: what is left half-done of them stays in the cache."""
+"""Cells whose energies are found together: where there are so many, what is left half-done of more does not stay in
+the cache."""
 
 
 def load_from_forces(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
@@ -93,8 +94,8 @@ class LeadingTerm:
 
     def _at(self, times: Array) -> Array:
         """The values at n times, (n,)."""
-        strains, length = self.fields.strain_gradient(times), max(1, BLOCK // len(times))
-        blocks = [slice(first, first + length) for first in range(0, len(self.weights), length)]
+        strains = self.fields.strain_gradient(times)
+        blocks = [slice(first, first + BLOCK) for first in range(0, len(self.weights), BLOCK)]
         return np.sqrt(sum(self._energy(cells, strains[:, :, cells]) for cells in blocks))
 
     def _energy(self, cells: slice, strains: Array) -> Array:
@@ -107,7 +108,9 @@ class LeadingTerm:
             V[j] += bend[:, None] * slopes[i]
         edges = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
         densities = [np.einsum("Icn,Icn->cn", mapped(self.A, e), e) for e in edges]
-        return np.asarray(self.weights[cells] @ sum(densities[1:], densities[0]))
+        # Each time by itself, so that its sum does not depend on which others are found with it.
+        at_each_time = np.ascontiguousarray(sum(densities[1:], densities[0]).T)
+        return np.array([self.weights[cells] @ density for density in at_each_time])
 
 
 def _hessian(strains: Array) -> Array:
