@@ -88,7 +88,10 @@ def identity(dim: int) -> Tensors:
 def rotation(frame: Array) -> Array:
     """The orthogonal (D, D) matrix taking τ to F τ Fᵀ, for F with orthonormal columns (d, d)."""
     matrices = basis(frame.shape[0])
-    return np.einsum("Iij,ik,Jkl,jl->IJ", matrices, frame, matrices, frame)
+    turned = np.einsum("Iij,ik,Jkl,jl->IJ", matrices, frame, matrices, frame)
+    # Where axes are renamed only, rounding must not hide that nothing has to be computed.
+    whole = np.rint(turned)
+    return np.where(abs(turned - whole) < 1e-15, whole, turned)
 
 
 def traction(tensors: Tensors, normal: Array) -> Vectors:

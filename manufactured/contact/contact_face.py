@@ -245,7 +245,7 @@ class Lifting:
         places = [(i, 0) for i in first] + [(zero, 1)]
         local = np.array([self._local(w, strain, along, into, time) for along, into in places])
         if self.rotation is not None:
-            local = np.moveaxis(np.tensordot(self.rotation, local, axes=([1], [1])), 0, 1)
+            local = (self.rotation @ local.reshape(*local.shape[:2], -1)).reshape(local.shape)
         return self._everywhere(np.moveaxis(mapped(self.frame, local), 0, 1), 2)
 
     def modes(self) -> Modes:

@@ -238,38 +238,40 @@ def _form(modes: Sequence[Modes], weights: Array, C: Array) -> sps.csr_array:
 
 def _square(modes: Modes, weights: Array, C: Array) -> sps.csr_array:
     """Σ_p w_p C E_k·E_l φ_k φ_l over the points of each place, (K J, K J): points of two places never meet."""
-    weights, j, found = weights[modes.points], np.arange(modes.count), _Entries()
-    for (k, l), product in np.ndenumerate(modes.tensors @ C @ modes.tensors.T):
-        if product and k <= l:
-            weighed = (1 if k == l else 2) * product * weights * modes.shapes[k] * modes.shapes[l]
-            found.add(np.bincount(modes.places, weighed, modes.count), j + k * modes.count, j + l * modes.count)
-    return found.matrix(modes, modes)
+    weights, J, products = weights[modes.points], np.arange(modes.count), np.triu(modes.tensors @ C @ modes.tensors.T)
+    products += np.triu(products, 1)
+    blocks = []
+    for shape, row in zip(modes.shapes, products, strict=True):
+        chosen = np.flatnonzero(row)
+        sums = [np.bincount(modes.places, row[l] * weights * shape * modes.shapes[l], modes.count) for l in chosen]
+        values = np.array(sums).reshape(len(chosen), -1).T
+        columns = J[:, None] + modes.count * chosen
+        blocks.append(_by_rows(values, columns, np.arange(modes.count + 1), len(products) * modes.count))
+    return sps.vstack(blocks, format="csr")
 
 
 def _product(one: Modes, other: Modes, weights: Array, C: Array) -> sps.csr_array:
     """Σ_p w_p C E_k·E'_l φ_k φ'_l over the points that both reach, by their places, (K J, K' J')."""
     common, mine, others = np.intersect1d(one.points, other.points, assume_unique=True, return_indices=True)
-    weights, j, jj, found = weights[common], one.places[mine], other.places[others], _Entries()
-    for (k, l), product in np.ndenumerate(one.tensors @ C @ other.tensors.T):
-        if product:
-            weighed = product * weights * one.shapes[k, mine] * other.shapes[l, others]
-            found.add(weighed, j + k * one.count, jj + l * other.count)
-    return found.matrix(one, other)
+    order = np.argsort(one.places[mine], kind="stable")
+    starts = np.cumsum([0, *np.bincount(one.places[mine], minlength=one.count)])
+    mine, others, weights = mine[order], others[order], weights[common[order]]
+    shapes, places, blocks = other.shapes[:, others].T, other.places[others], []
+    for shape, row in zip(one.shapes[:, mine], one.tensors @ C @ other.tensors.T, strict=True):
+        chosen = np.flatnonzero(row)
+        values = (weights * shape)[:, None] * (shapes[:, chosen] * row[chosen])
+        columns = places[:, None] + other.count * chosen
+        blocks.append(_by_rows(values, columns, starts, len(other.tensors) * other.count))
+    return sps.vstack(blocks, format="csr")
 
 
-class _Entries:
-    """Entries of a matrix of two contributions, as they are found."""
+def _by_rows(values: Array, columns: Array, starts: Array, width: int) -> sps.csr_array:
+    """The matrix with values (n, k) in some columns (n, k), the rows of which begin at ``starts``.
 
-    def __init__(self) -> None:
-        self._values, self._rows, self._columns = [np.empty(0)], [np.empty(0, dtype=int)], [np.empty(0, dtype=int)]
-
-    def add(self, values: Array, rows: Array, columns: Array) -> None:
-        self._values.append(values)
-        self._rows.append(rows)
-        self._columns.append(columns)
-
-    def matrix(self, one: Modes, other: Modes) -> sps.csr_array:
-        """Their matrix, (K J, K' J')."""
-        values, rows, columns = map(np.concatenate, (self._values, self._rows, self._columns))
-        shape = (len(one.tensors) * one.count, len(other.tensors) * other.count)
-        return sps.csr_array((values, (rows, columns)), shape=shape)
+    Rows are written as they are stored: to sort entries by rows would take longer than anything else.
+    """
+    index = sps.get_index_dtype(maxval=max(width, values.size))
+    rows = (values.shape[1] * starts).astype(index)
+    found = sps.csr_array((values.ravel(), columns.astype(index).ravel(), rows), shape=(len(starts) - 1, width))
+    found.sum_duplicates()
+    return found

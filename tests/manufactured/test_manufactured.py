@@ -142,6 +142,13 @@ def test_a_motion_keeps_its_sign_between_its_times_also_where_it_only_touches(ro
             assert (np.polyval(motion, looked_at) > 0) == (np.polyval(motion, place) > 0)
 
 
+@pytest.mark.parametrize("order", [(0, 1, 2), (2, 0, 1), (0, 2, 1)])
+def test_renaming_axes_rounds_nothing(order: tuple[int, ...]) -> None:
+    turned = rotation(np.eye(3)[list(order)] * [1, -1, 1])
+    assert set(abs(turned).ravel()) == {0.0, 1.0}
+    assert np.array_equal(turned @ turned.T, np.eye(6))
+
+
 @given(st.floats(0.05, 0.95), st.floats(0.05, 0.95), st.floats(0.1, 50), st.floats(0.1, 50))
 def test_the_memory_solves_its_differential_equation(place, time, a, g) -> None:
     """Against Gauss–Legendre on each side of the times at which the front passes; fast and slow decay."""
