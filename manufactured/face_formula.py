@@ -13,8 +13,9 @@ import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
+from manufactured.compiled import function, made_once
 from manufactured.exponents import SMOOTH, is_natural, must_be_positive, order_at
-from manufactured.symbols import function, made_once, pos, s, s1, s2, t
+from manufactured.symbols import pos, s, s1, s2, t
 from manufactured.tensors import Array
 
 FACE = frozenset({s, s1, s2})

@@ -9,7 +9,8 @@ from functools import cached_property
 import numpy as np
 import sympy as sp
 
-from manufactured.symbols import FormulaError, function, pos
+from manufactured.compiled import function
+from manufactured.symbols import FormulaError, pos
 from manufactured.tensors import Array, Hyperplane, Points, Vectors
 
 x1, x2, x3 = sp.symbols("x1 x2 x3", real=True)

@@ -11,10 +11,11 @@ import sympy as sp
 from manufactured.body import Part
 from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus, strain_terms
 from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, relaxation_rate
+from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt, LawError, Linear
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
-from manufactured.symbols import FormulaError, Index, Jet, Values, refuse_kinks, s, s1, s2
+from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s1, s2
 from manufactured.tensors import Array, Points, Tensors, Vectors, mapped, pairs, rotation
 
 VARIABLES = {2: (s,), 3: (s1, s2)}

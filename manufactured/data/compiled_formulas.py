@@ -7,8 +7,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import sympy as sp
 
+from manufactured.compiled import function
 from manufactured.factor import x1, x2, x3
-from manufactured.symbols import FormulaError, function, t
+from manufactured.symbols import FormulaError, t
 from manufactured.tensors import Points, Vectors
 
 KNOWN = {str(symbol): symbol for symbol in (x1, x2, x3, t)}

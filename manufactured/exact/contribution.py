@@ -7,8 +7,8 @@ from typing import Protocol
 import sympy as sp
 
 from manufactured.body import Part
+from manufactured.jet import Jet
 from manufactured.modes import Modes
-from manufactured.symbols import Jet
 from manufactured.tensors import Array, Points, Tensors, Vectors
 
 

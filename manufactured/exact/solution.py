@@ -12,9 +12,10 @@ from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
 from manufactured.exact.forces import ForceModes, force_modes
+from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt, PointLaw
 from manufactured.modes import Modes
-from manufactured.symbols import Jet, Values
+from manufactured.symbols import Values
 from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, basis, traction
 
 

@@ -10,7 +10,9 @@ from typing import Protocol
 import numpy as np
 import sympy as sp
 
-from manufactured.symbols import Index, Jet, Values, coefficients_in_t, t
+from manufactured.compiled import coefficients_in_t
+from manufactured.jet import Jet
+from manufactured.symbols import Index, Values, t
 from manufactured.tensors import Array
 
 

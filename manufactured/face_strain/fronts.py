@@ -9,7 +9,8 @@ from typing import Protocol
 import numpy as np
 import sympy as sp
 
-from manufactured.symbols import FormulaError, coefficients_in_t, function, t
+from manufactured.compiled import coefficients_in_t, function
+from manufactured.symbols import FormulaError, t
 from manufactured.tensors import Array
 
 

@@ -11,7 +11,8 @@ import sympy as sp
 from manufactured.face_strain.contact_times import PressureTerm, smooth_branch
 from manufactured.face_strain.convolution import Started
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints, relaxation_rate
-from manufactured.symbols import Jet, Values, s, t
+from manufactured.jet import Jet
+from manufactured.symbols import Values, s, t
 from manufactured.tensors import Array
 
 RECENT = 3

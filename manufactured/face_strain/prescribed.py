@@ -9,7 +9,8 @@ import numpy as np
 import sympy as sp
 
 from manufactured.face_strain.strain_on_face import Components, StrainAtPoints
-from manufactured.symbols import Jet, Values, s
+from manufactured.jet import Jet
+from manufactured.symbols import Values, s
 from manufactured.tensors import Array
 
 

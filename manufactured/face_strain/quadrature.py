@@ -8,7 +8,8 @@ import numpy as np
 import sympy as sp
 
 from manufactured.face_strain.convolution import Started
-from manufactured.symbols import FormulaError, Jet, Values
+from manufactured.jet import Jet
+from manufactured.symbols import FormulaError, Values
 from manufactured.tensors import Array
 
 POINTS = 40

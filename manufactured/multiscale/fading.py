@@ -16,9 +16,11 @@ import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
+from manufactured.compiled import function
 from manufactured.contact.contact_face import distinct
+from manufactured.jet import BLOCK, Jet
 from manufactured.modes import Modes, at_each
-from manufactured.symbols import BLOCK, Index, Jet, Values, function, indices, refuse_kinks, s, t
+from manufactured.symbols import Index, Values, indices, refuse_kinks, s, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
 
 y = sp.Symbol("y", real=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from manufactured.symbols import BLOCK
+from manufactured.jet import BLOCK
 from manufactured.tensors import Array, Points
 
 ROUND_OFF = 1e-9

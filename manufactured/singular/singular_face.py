@@ -8,9 +8,10 @@ from functools import cached_property
 import sympy as sp
 
 from manufactured.body import Part
+from manufactured.jet import Jet
 from manufactured.singular.singular_field import SingularAtPoints, SingularField
 from manufactured.singular.travelling_field import TravellingAtPoints, TravellingField
-from manufactured.symbols import Jet, refuse_kinks, s
+from manufactured.symbols import refuse_kinks, s
 from manufactured.tensors import Points
 
 

@@ -11,10 +11,11 @@ from typing import Protocol
 import numpy as np
 import sympy as sp
 
+from manufactured.jet import Jet
 from manufactured.modes import Modes
 from manufactured.profile import Piecewise
 from manufactured.singular.monomials import Monomial, Powers
-from manufactured.symbols import Jet, s
+from manufactured.symbols import s
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, mapped, rotation
 
 

@@ -10,10 +10,11 @@ from typing import Any
 import numpy as np
 import sympy as sp
 
+from manufactured.jet import Jet
 from manufactured.modes import Modes, at_each
 from manufactured.singular.monomials import Monomial
 from manufactured.singular.singular_field import SingularAtPoints, SingularField
-from manufactured.symbols import Jet, s
+from manufactured.symbols import s
 from manufactured.tensors import Array, Points, Tensors, Vectors, size
 
 Of = Callable[[SingularAtPoints, complex, bool], Array]

@@ -19,10 +19,10 @@ from trials.random_problems import ENCLOSED, TIMES, outcome
 
 from manufactured import FrobeniusBall, KelvinVoigt, Kind, Linear, Yield, catalogue, isotropic, pos, t, unit_square
 from manufactured.body import Body
+from manufactured.compiled import function
 from manufactured.data import Data
 from manufactured.factor import layers, x1, x2
 from manufactured.problems import problems
-from manufactured.symbols import function
 from study.bound.bounded import BoundedSolution, bounded_solution
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, order_interval

@@ -17,7 +17,8 @@ import sympy as sp
 import manufactured
 from manufactured import BodyError, Data, FormulaError, KelvinVoigt, Kind, LawError, isotropic, polygon, unit_square
 from manufactured.catalogue import catalogue
-from manufactured.symbols import Jet, pos, s, t
+from manufactured.jet import Jet
+from manufactured.symbols import pos, s, t
 from study.bound.ranges import Boxes
 from study.bound.univariate import RangeError
 from study.cli.arguments import FAMILIES as FAMILY_NAMES

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from manufactured.symbols import BLOCK, Jet, pos, s, t
+from manufactured.jet import BLOCK, Jet
+from manufactured.symbols import pos, s, t
 
 FRONT = sp.Rational(1, 2) + t * (1 - t) / 3 - s**2
 

@@ -10,9 +10,11 @@ import pytest
 import sympy as sp
 
 from manufactured.body import Kind, unit_square
+from manufactured.compiled import derivatives
 from manufactured.face_formula import FaceFormula, RoughError
+from manufactured.jet import Jet
 from manufactured.kept import CACHE, directory, kept
-from manufactured.symbols import Jet, derivatives, pos, s, t
+from manufactured.symbols import pos, s, t
 
 
 @pytest.fixture

@@ -30,11 +30,12 @@ from manufactured import (
     unit_square,
 )
 from manufactured.cases.laws import not_proportional
+from manufactured.compiled import function
 from manufactured.face_strain.contact_times import PressureTerm
 from manufactured.face_strain.fronts import PolynomialFront, SmoothFront, front
 from manufactured.face_strain.quadrature import Quadrature
+from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt
-from manufactured.symbols import Jet, function
 
 PLACES = np.linspace(0.01, 0.99, 41)[None]
 QUARTER = sp.Rational(1, 4)

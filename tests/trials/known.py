@@ -15,9 +15,9 @@ from sympy import Expr, Rational, cos, exp, pi
 
 from manufactured import KelvinVoigt, Kind, Linear, polygon, pos, t
 from manufactured.body import Body
+from manufactured.compiled import function
 from manufactured.data import Data
 from manufactured.factor import x1, x2
-from manufactured.symbols import function
 from manufactured.tensors import Array
 from study.bound.bounded import BoundedSolution, bounded_solution
 from study.bound.trajectory import DiscreteSolution, Refined

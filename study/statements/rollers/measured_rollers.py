@@ -10,9 +10,9 @@ import sympy as sp
 
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
+from manufactured.jet import Jet
 from manufactured.multiscale import ROLLERS, FadingFace
 from manufactured.multiscale.roller import START
-from manufactured.symbols import Jet
 from manufactured.tensors import Array
 from study.fem.gauge import FACET_POINTS
 from study.fem.naming import resolve
