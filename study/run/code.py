@@ -22,6 +22,8 @@ NO_NUMBERS = (
 """How measurements are chosen, written and judged; what was chosen is hashed by value."""
 NUMBERS = ("study.ledger.packing",)
 """What counts nevertheless."""
+BLOCKS = ("body", "orelse", "finalbody", "handlers", "cases")
+"""Where statements stand within others."""
 
 
 def code_of(modules: Iterable[str]) -> str:
@@ -74,12 +76,21 @@ def _read(module: str) -> tuple[tuple[str, ...], str]:
 
 def without_docstrings(code: ast.Module) -> ast.Module:
     """A tree without strings that stand alone: docstrings, and what is said of a constant below it."""
-    for node in ast.walk(code):
+    for node in [code, *statements(code)]:
         for block in ("body", "orelse", "finalbody"):
-            lines = getattr(node, block, None)
-            if isinstance(lines, list):
+            if lines := getattr(node, block, None):
                 setattr(node, block, [line for line in lines if not _stands_alone(line)])
     return code
+
+
+def statements(code: ast.Module) -> Iterator[ast.AST]:
+    """All statements, and what holds some: expressions, which are most of a tree, hold none."""
+    waiting: list[ast.AST] = [code]
+    while waiting:
+        node = waiting.pop()
+        inner = [line for block in BLOCKS for line in getattr(node, block, ())]
+        yield from inner
+        waiting += inner
 
 
 def _stands_alone(line: ast.AST) -> bool:
@@ -105,7 +116,7 @@ def imports(module: str) -> tuple[str, ...]:
 
 
 def _imports(code: ast.Module) -> Iterator[str]:
-    for node in ast.walk(code):
+    for node in statements(code):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names if alias.name.partition(".")[0] in PACKAGES)
         elif isinstance(node, ast.ImportFrom) and node.module and node.module.partition(".")[0] in PACKAGES:
