@@ -29,7 +29,7 @@ gc.disable()
 def pytest_collection_finish() -> None:
     """From here on tests run."""
     gc.freeze()
-    gc.set_threshold(50_000, 20, 50)
+    gc.set_threshold(200_000, 20, 50)
     gc.enable()
 
 

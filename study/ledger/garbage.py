@@ -24,9 +24,9 @@ def uncollected() -> Iterator[None]:
 
 def imported(name: str) -> ModuleType:
     """A module; the many small objects that it is made of, and those of what it imports, are never searched."""
-    if name in sys.modules:
-        return sys.modules[name]
+    new = name not in sys.modules
     with uncollected():
         module = importlib.import_module(name)
-        gc.freeze()
+        if new:
+            gc.freeze()
     return module

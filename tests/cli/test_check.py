@@ -27,9 +27,23 @@ Edit = Callable[[Path], None]
 @pytest.fixture
 def own(made: Path, tmp_path: Path) -> Path:
     """A copy of the small run that may be edited."""
-    shutil.copytree(made, tmp_path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
+    return copied(made, tmp_path)
+
+
+@pytest.fixture(scope="module")
+def beside_codes(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The small run with what other codes did, as it must be; tests only read it."""
+    directory: Path = tmp_path_factory.mktemp("codes")
+    shutil.copytree(ROOT / "results" / "codes", copied(made, directory) / "codes")
+    assert main(["check", "--out", str(directory / "results")]) == 0
+    return directory
+
+
+def copied(made: Path, directory: Path) -> Path:
+    """The data of a run in a directory, with the file of its case beside them."""
+    shutil.copytree(made, directory, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
     resolve.cache_clear()
-    return tmp_path / "results"
+    return directory / "results"
 
 
 @pytest.fixture
@@ -213,9 +227,10 @@ CODES: dict[str, tuple[Edit, str]] = {
 
 
 @pytest.mark.parametrize("name", CODES)
-def test_an_edit_of_what_other_codes_did_is_refused(name: str, own: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    shutil.copytree(ROOT / "results" / "codes", own / "codes")
-    assert main(["check", "--out", str(own)]) == 0
+def test_an_edit_of_what_other_codes_did_is_refused(
+    name: str, beside_codes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    own = copied(beside_codes, tmp_path)
     change, message = CODES[name]
     change(own)
     told = refusal(own, capsys)

@@ -200,11 +200,13 @@ def test_controls_resume_with_what_is_not_done(tmp_path: Path, monkeypatch: pyte
     ],
 )
 def test_ctrl_c_says_what_is_true_of_the_command(
-    command: list[str], told: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    command: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def stop(*_: object) -> None:
         raise KeyboardInterrupt
 
+    # A command that is not stopped writes here, not into the committed results.
+    monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("importlib.import_module", stop)
     assert main(command) == INTERRUPTED
     assert capsys.readouterr().err == f"study: interrupted; {told}\n"

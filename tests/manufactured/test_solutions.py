@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from entrywise import near
-from sympy import Integer, Rational
+from sympy import Integer, Rational, cos, expand, sin
 
 from manufactured import (
     Body,
@@ -36,6 +36,7 @@ from manufactured import (
 )
 from manufactured.cases.laws import anisotropic, not_proportional
 from manufactured.face_strain import Coupled
+from manufactured.face_strain.strain_on_face import relaxation_rate
 from manufactured.factor import layers
 from manufactured.multiscale import multiscale, rollers
 from manufactured.natural_motion import natural_motion
@@ -133,6 +134,12 @@ def test_a_lifting_without_a_kink_at_an_interface_is_refused() -> None:
     wrong = replace(right, profile=layered(0.5, 3.0))
     with pytest.raises(SelfProofError, match="σν continuous on"):
         prove(ExactSolution(body, law, (wrong,)), "wrong ratio")
+
+
+def test_a_relaxation_rate_is_a_number_where_factors_agree_along_the_face_however_they_are_written() -> None:
+    factor = (1 + s / 2) * (2 + s)
+    assert relaxation_rate(3 * expand(factor), factor) == 3
+    assert relaxation_rate(sin(s) ** 2 + cos(s) ** 2, 2.0) == 0.5
 
 
 def test_a_relaxation_rate_that_varies_along_the_face_is_refused() -> None:
