@@ -60,26 +60,31 @@ class Jet:
             )
 
     def __call__(self, points: Array, time: Array | complex, order: int = 0) -> Values:
-        shape = np.broadcast_shapes(points.shape[1:], np.shape(time))
-        blocks = [*in_blocks(points, time, shape)]
+        shape = np.broadcast_shapes(points.shape[1:], time.shape) if isinstance(time, np.ndarray) else points.shape[1:]
+        blocks = [*in_blocks(points, time, shape)] if math.prod(shape) > BLOCK else []
         if len(blocks) < 2:
-            return self._at(points, time, order)
+            return self._at(points, time, shape, order)
         found = {key: np.empty(shape, np.result_type(points, time)) for key in indices(len(self.variables), order)}
         for rows, moments in blocks:
-            for key, values in self._at(points[:, rows], moments, order).items():
+            here = *points[0, rows].shape[:1], *shape[1:]
+            for key, values in self._at(points[:, rows], moments, here, order).items():
                 found[key][rows] = values
         return found
 
-    def _at(self, points: Array, time: Array | complex, order: int) -> Values:
-        """The values at so many points and times that what is left half-done at them stays in the cache."""
+    def _at(self, points: Array, time: Array | complex, shape: tuple[int, ...], order: int) -> Values:
+        """The values, of some shape, at so many points and times that what is left half-done stays in the cache."""
         keys = indices(len(self.variables), order)
         if order not in self._compiled:
             orders = [(*key, self.in_time) for key in keys]
             self._compiled[order] = derivatives(self.expression, (*self.variables, t), orders)
         values = self._compiled[order](*points, time)
-        shape = np.broadcast_shapes(points.shape[1:], np.shape(time))
-        return {k: v if np.shape(v) == shape else np.broadcast_to(v, shape) for k, v in zip(keys, values, strict=True)}
+        return {key: _filled(value, shape) for key, value in zip(keys, values, strict=True)}
 
     def rate(self) -> Jet:
         """The jet of ∂_t expr."""
         return replace(self, in_time=self.in_time + 1)
+
+
+def _filled(value: Array | float, shape: tuple[int, ...]) -> Array:
+    """A value, which may depend on fewer variables, in the shape of all."""
+    return value if isinstance(value, np.ndarray) and value.shape == shape else np.broadcast_to(value, shape)

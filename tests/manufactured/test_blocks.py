@@ -20,7 +20,7 @@ def test_values_that_are_found_in_blocks_are_those_found_together(shape: tuple[i
     places = rng.random((1, shape[0], *(1,) * (len(shape) - 1)))
     when = {"one": 0.3, "each": rng.random(shape[1:] or shape), "own": rng.random(shape)}[times]
     jet = Jet(pos(s - t**2 / 3, 3) * sp.exp(-t) + sp.sin(2 * s) + t)
-    whole = jet._at(places, when, 2)
+    whole = jet._at(places, when, np.broadcast_shapes(places.shape[1:], np.shape(when)), 2)
     for index, values in jet(places, when, 2).items():
         assert values.shape == np.broadcast_shapes(places.shape[1:], np.shape(when))
         assert np.array_equal(values, whole[index])
