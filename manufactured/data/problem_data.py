@@ -37,7 +37,8 @@ class Data:
         body: Ω, Γ1, Γ2, Γ3, T.
         law: A and G.
         body_force: points (d, ...) ↦ (t ↦ f_0 at the points, (d, ...)).
-        surface_load: a piece of Γ2 and points on it ↦ (t ↦ f_2 at the points, (d, ...)).
+        surface_load: a piece of Γ2 and points on it ↦ (t ↦ f_2 at the points, (d, ...)). Where an exact solution is
+            behind them, both loads take times (n,), too, and have one axis more then, the last one.
         initial: points ↦ ε(u_0), (D, ...).
         start: points ↦ u_0, (d, ...), with u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3.
         lines: lines (direction, offset) across which f_0 or ε(u_0) are rough for all times, for quadrature.

@@ -5,16 +5,17 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import scipy.sparse as sps
 from skfem import Basis, ElementTriP1
 
 from manufactured import isotropic
-from manufactured.body import Kind
+from manufactured.body import Kind, Part
 from manufactured.exact import ExactSolution
 from manufactured.law import Linear
-from manufactured.tensors import Array
+from manufactured.tensors import Array, Points
 from study.fem.gauge import DEGREE, Gauge, Sample
 from study.fem.moments import Amplitudes
 from study.fem.space import Space
@@ -403,4 +404,9 @@ def history_forgotten(setup: own.StressExperiment) -> own.StressExperiment:
 
 def surface_load_left_out(setup: own.StressExperiment) -> own.StressExperiment:
     """σν = 0 in place of σν = f_2 on Γ2."""
-    return replace(setup, data=replace(setup.data, surface_load=lambda part, x: lambda time: np.zeros_like(x)))
+    return replace(setup, data=replace(setup.data, surface_load=_nothing))
+
+
+def _nothing(part: Part, x: Points) -> Callable[[Any], Array]:
+    """No load at one time or at several."""
+    return lambda time: np.zeros((*x.shape, *np.shape(time)))

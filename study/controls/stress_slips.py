@@ -6,6 +6,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any
 
+import numpy as np
+
 from manufactured.body import Part
 from manufactured.data import ForceInTime, no_fronts
 from manufactured.tensors import Array, Points
@@ -98,7 +100,7 @@ def surface_load_late(setup: StressExperiment) -> StressExperiment:
 
     def late(part: Part, x: Points) -> ForceInTime:
         load = right(part, x)
-        return lambda time: load(max(time - k, 0.0))
+        return lambda time: load(np.maximum(time - k, 0.0))
 
     return replace(setup, data=replace(setup.data, surface_load=late))
 
