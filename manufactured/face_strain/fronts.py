@@ -166,12 +166,10 @@ def real_roots(coefficients: Array, T: float) -> Array:
     """
     if len(coefficients) <= 3:
         return _of_degree_two(coefficients, T)
-    degree = len(coefficients) - 1
-    slope = coefficients[:-1] * np.arange(degree, 0, -1)[:, None]
-    begin, end = between(real_roots(slope, T), T)
+    begin, end = between(real_roots(_derivative(coefficients), T), T)
     signs = np.polyval(coefficients, begin) > 0
     interval, point = np.nonzero((np.polyval(coefficients, end) > 0) != signs)
-    roots = np.full((degree, coefficients.shape[1]), T)
+    roots = np.full((len(coefficients) - 1, coefficients.shape[1]), T)
     roots[interval, point] = _bracketed(
         coefficients[:, point], begin[interval, point], end[interval, point], signs[interval, point]
     )
@@ -183,11 +181,11 @@ def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> A
 
     Newton's method, or halving where that leaves the interval, for those that still move.
     """
-    slopes = coefficients[:-1] * np.arange(len(coefficients) - 1, 0, -1)[:, None]
+    slopes = _derivative(coefficients)
     roots, moving, still = (low + high) / 2, np.arange(low.size), 4 * np.spacing(high)
     for _ in range(HALVINGS):
         root = roots[moving]
-        value, slope = _horner(coefficients[:, moving], root), _horner(slopes[:, moving], root)
+        value, slope = np.polyval(coefficients[:, moving], root), np.polyval(slopes[:, moving], root)
         same = (value > 0) == before[moving]
         low[moving[same]], high[moving[~same]] = root[same], root[~same]
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -200,11 +198,9 @@ def _bracketed(coefficients: Array, low: Array, high: Array, before: Array) -> A
     return roots
 
 
-def _horner(coefficients: Array, x: Array) -> Array:
-    value = coefficients[0]
-    for coefficient in coefficients[1:]:
-        value = value * x + coefficient
-    return value
+def _derivative(coefficients: Array) -> Array:
+    """Those of the derivatives, (degree, N)."""
+    return coefficients[:-1] * np.arange(len(coefficients) - 1, 0, -1)[:, None]
 
 
 def _of_degree_two(coefficients: Array, T: float) -> Array:

@@ -67,12 +67,6 @@ class QuadraturePoints:
         )
 
     @classmethod
-    def by_themselves(cls, x: Array) -> QuadraturePoints:
-        """Each point is a sum of its own, with the weight 1."""
-        n = x.shape[1]
-        return cls(x, np.arange(n), np.ones(n), n)
-
-    @classmethod
     def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[QuadraturePoints, Array]:
         """One sum for each vertex of the facets, weighted with its shape function; and these vertices."""
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
@@ -99,6 +93,12 @@ class StrainSums:
         self._matrix = sps.vstack(blocks, format="csr")
         self._tensors = np.concatenate(tensors).T
         self._plain = np.array_equal(self._tensors, np.eye(len(self._tensors)))
+
+    @classmethod
+    def at_points(cls, modes: Sequence[Modes], count: int) -> StrainSums:
+        """ε at so many points: each is a sum of its own, with the weight 1."""
+        ones = np.ones(count)
+        return cls(modes, QuadraturePoints(np.empty((0, count)), np.arange(count), ones, count), ones)
 
     def __call__(self, amplitudes: Amplitudes, C: Array | None = None) -> Tensors:
         """The sums, or those of C ε for a tensor C, Mandel (D, D)."""
@@ -168,10 +168,9 @@ class _Piece:
 
     @classmethod
     def of(cls, modes: Sequence[Modes], sums: Array, weights: Array) -> _Piece:
-        points = QuadraturePoints.by_themselves(np.empty((0, len(sums))))
         met, which = np.unique(sums, return_inverse=True)
-        incidence = sps.csr_array((weights, (which, points.sums)), shape=(len(met), len(sums)))
-        return cls(StrainSums(modes, points, points.weights), met, incidence)
+        incidence = sps.csr_array((weights, (which, np.arange(len(sums)))), shape=(len(met), len(sums)))
+        return cls(StrainSums.at_points(modes, len(sums)), met, incidence)
 
     def of_points(self, values: Array) -> Array:
         """Sums of values (m, p, n), (m, sums, n)."""

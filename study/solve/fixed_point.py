@@ -63,8 +63,8 @@ def fixed_point(
         step = _accelerated(residual, memory)
         v = v + step[0]
         u = image(v)
-        change, residual = residual, with_dual(u - v)
-        change = residual - change
+        before, residual = residual, with_dual(u - v)
+        change = residual - before
         # From u = v + f(v): how far images are from one another.
         moved = step + change
         whole += moved

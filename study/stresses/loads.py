@@ -260,10 +260,9 @@ def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
     """Times (n,) ↦ f_0 at points (2, ...), (2, ..., n)."""
     if data.force_modes is None:
         return _at_times(data, data.body_force(x))
-    points = QuadraturePoints.by_themselves(x.reshape(len(x), -1))
-    modes = data.force_modes(points.x)
+    modes = data.force_modes(x.reshape(len(x), -1))
     parts = [
-        (rate, amplitudes_of(part), StrainSums(part, points, points.weights))
+        (rate, amplitudes_of(part), StrainSums.at_points(part, x[0].size))
         for rate, part in ((True, modes.viscous), (False, modes.elastic))
     ]
 

@@ -14,7 +14,7 @@ import numpy as np
 from skfem import Mesh
 
 from manufactured.body import Body, Kind
-from manufactured.tensors import Array, Points, Tensors, Vectors, basis
+from manufactured.tensors import Array, Points, Tensors, basis
 from study.fem.mesh import MeshedBody, MeshError
 from study.fem.quadrature import simplex_rule
 from study.stresses.bernstein import bernstein
@@ -191,10 +191,6 @@ class StressSpace(MeshedBody):
         """Values at the points of polynomials of degree k → Bernstein coefficients, (3, thirds, polynomials)."""
         inverse = np.linalg.pinv(bernstein(self.degree, self._rule[0]))
         return values.reshape(3, 3 * self.cells, -1) @ inverse
-
-    def evaluate(self, coefficients: Array) -> Vectors:
-        """P f_0 at the points: Bernstein coefficients (cells, 3 thirds, lower, 2) → (2, cells, Q)."""
-        return np.einsum("ctad,aq->dctq", coefficients, self.force_shapes).reshape(2, self.cells, -1)
 
     @cached_property
     def force_shapes(self) -> Array:

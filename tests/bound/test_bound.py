@@ -629,7 +629,7 @@ def test_stresses_at_knots_balance_the_projected_loads_and_press(name: str) -> N
     (knot,) = Equilibration(discretisation).knots([0.37], u[None], rate[None])
     stress = knot.residual.values + knot.viscous + knot.elastic
     fitted, size = Fitted(discretisation, stress), abs(stress).max()
-    force = space.evaluate(knot.snapshot.loads.force).reshape(2, space.cells, 3, -1)
+    force = np.einsum("ctad,aq->dctq", knot.snapshot.loads.force, space.force_shapes)
     x = space.points.reshape(2, space.cells, 3, -1)
     scale = size / np.sqrt(space.volumes.min())
     for cell, third in np.ndindex(space.cells, 3):

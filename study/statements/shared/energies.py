@@ -46,7 +46,7 @@ class Energies:
         """(σ, ε(·))_Q on V^h, (n_dofs,)."""
         count = len(self.space.volumes)
         sums = [np.bincount(self._cells, self.weights * component, count) for component in stress]
-        return self.space.functional(np.array(sums) / self.space.volumes)
+        return self.space.tested(np.array(sums))
 
     def product(self, one: Tensors, other: Tensors) -> float:
         """(A ε, ε')_Q, the product of V."""
