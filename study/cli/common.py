@@ -9,11 +9,9 @@ from pathlib import Path
 from tqdm import tqdm
 
 from study.ledger.errors import UsageError
-from study.ledger.verdict import Verdict
 from study.present.figures import Drawing, draw_figures
 from study.run.collect import collect
 from study.run.execute import Pool, execute
-from study.run.judgement import judge
 from study.run.plan import Plan
 from study.run.processes import Processes
 from study.run.provenance import protect
@@ -32,15 +30,14 @@ def progress_bar(total: int) -> tqdm:
     return tqdm(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{remaining}", mininterval=pause)
 
 
-def measure(plan: Plan, store: Store, pool: Pool) -> list[Verdict]:
-    """Measure what is missing in a directory of one's own; collect and judge all of it."""
+def measure(plan: Plan, store: Store, pool: Pool) -> None:
+    """Measure what is missing in a directory of one's own, and collect all of it."""
     protect(plan, store.directory)
     store.check()
     with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
         bar.set_description(f"{len(plan.jobs)} jobs")
         execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
         collect(plan, store)
-    return judge(store.directory)
 
 
 def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:

@@ -21,6 +21,7 @@ from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
 from study.run.cluster import connected
 from study.run.execute import Pool, refuse_too_large, unfinished
+from study.run.judgement import judge
 from study.run.plan import Plan, full, quick
 from study.run.processes import Processes
 from study.run.provenance import read_provenance
@@ -52,10 +53,13 @@ def do_run(options: argparse.Namespace) -> int:
         refuse_too_large(unfinished(plan.jobs, store), pool)
         plan.check(processes.map)
         with store.locked():
-            verdicts = measure(plan, store, pool)
-            written = write_tables(store.directory)
+            measure(plan, store, pool)
+            # Neither verdicts nor figures wait for the other.
+            judged = processes.submit(judge, store.directory)
             # Drawing all takes as long as a third of the quick study.
-            written += draw(store.directory, processes, drawings if options.case else overview)
+            drawn = draw(store.directory, processes, drawings if options.case else overview)
+            verdicts = judged.result()
+            written = [*write_tables(store.directory), *drawn]
     data = "rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/"
     print(f"\n{folded(f'data: {store.data}/{data}')}")
     print(folded(f"written: {listed(written)}"))

@@ -83,8 +83,14 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
     refuse_too_large(waiting, pool)
     notify(sum(job.cost for job in jobs) - sum(job.cost for job in waiting))
     running: dict[Future[Mapping[str, Any]], Job] = {}
+    ended: list[tuple[Job, Future[Mapping[str, Any]]]] = []
     suspects: set[str] = set()
     failed: list[str] = []
+
+    def keep() -> None:
+        while ended:
+            failed.extend(_end(*ended.pop(0), store, notify))
+
     try:
         # Also here, for executors whose workers are threads of this process.
         with threadpool_limits(1):
@@ -92,6 +98,8 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
                 for job in admitted(waiting, [*running.values()], suspects, pool):
                     waiting.remove(job)
                     running[pool.executor.submit(work, job)] = job
+                # Only now, so that no worker waits for files to be written.
+                keep()
                 for future in wait(running, return_when=FIRST_COMPLETED).done:
                     job = running.pop(future)
                     killed = not future.cancelled() and isinstance(future.exception(), BrokenExecutor)
@@ -99,10 +107,11 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
                         suspects.add(job.key)
                         waiting.append(job)
                     else:
-                        failed += _end(job, future, store, notify)
+                        ended.append((job, future))
     finally:
         for future in running:
             future.cancel()
+        keep()
     if failed:
         raise JobsError("\n".join([f"{len(failed)} job(s) failed, the rest is kept:", *failed]))
 
