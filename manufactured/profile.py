@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
-from numpy.polynomial.polynomial import polyadd, polyder, polymul, polyval
+from numpy.polynomial.polynomial import polyadd, polyder, polymul
 
 from manufactured.tensors import Array
 
@@ -30,6 +30,15 @@ def _derived(pieces: tuple[tuple[float, ...], ...], derivative: int) -> list[tup
     return [tuple(map(float, polyder(piece, derivative))) for piece in pieces]
 
 
+def _polynomial(coefficients: tuple[float, ...], y: Array) -> Array:
+    """Horner's rule, as NumPy's ``polyval``, but in place: the arrays between would take most of the time."""
+    value = np.full(np.shape(y), coefficients[-1], dtype=np.result_type(y, float))
+    for coefficient in reversed(coefficients[:-1]):
+        value *= y
+        value += coefficient
+    return value
+
+
 @dataclass(frozen=True)
 class Piecewise:
     """A continuous piecewise polynomial of y, zero beyond its last piece.
@@ -45,11 +54,11 @@ class Piecewise:
     def __call__(self, y: Array, derivative: int = 0) -> Array:
         """The derivative of the given order at y, (...)."""
         total = np.zeros(np.shape(y), dtype=np.result_type(y, float))
-        start = -np.inf
+        place, start = np.real(y), -np.inf
         for end, piece in zip(self.ends, _derived(self.pieces, derivative), strict=True):
             if any(piece):
-                inside = (np.real(y) >= start) & (np.real(y) < end)
-                total = np.where(inside, polyval(y, piece), total)
+                inside = place < end if start == -np.inf else (place >= start) & (place < end)
+                np.copyto(total, _polynomial(piece, y), where=inside)
             start = end
         return total
 

@@ -281,8 +281,9 @@ class Lifting:
         dtype = np.result_type(w[along], strain[0][along], self.y)
         components = np.zeros((len(pairs(n + 1)), *self.y.shape, *np.shape(time)), dtype=dtype)
         for term in strain_terms(n, self.deep, len(strain) - 1):
-            trace = traces[term.source][plus(term.along, along)]
-            components[term.row] += term.factor * trace * self._shape(term.profile, into, time)
+            part = traces[term.source][plus(term.along, along)] * self._shape(term.profile, into, time)
+            part *= term.factor
+            components[term.row] += part
         return components
 
     def _shape(self, name: str, derivative: int, time: Array | complex) -> Array:

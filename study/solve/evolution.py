@@ -11,6 +11,7 @@ for a linear law.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
@@ -216,10 +217,9 @@ class ContactStep:
     def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
         defect = self.S @ u + self.forces @ multipliers - b
         normal = self.problem.N @ u
-        size = max(float(abs(u).max()), TINY)
-        force = max(float(abs(multipliers).max(initial=0.0)), TINY)
+        size, force = _largest(u), _largest(multipliers)
         residual = max(
-            float(np.linalg.norm(defect)) / max(float(np.linalg.norm(b)), TINY),
+            math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY),
             float(normal.max(initial=0.0)) / size,
             float(-multipliers.min(initial=0.0)) / force,
             float(abs(normal * multipliers).max(initial=0.0)) / (size * force),
@@ -227,6 +227,11 @@ class ContactStep:
         if not np.isfinite(residual):
             raise EvolutionError(f"the step to t = {time:.6g} produced values that are not finite")
         return State(time, u, multipliers, residual, iterations)
+
+
+def _largest(v: Array) -> float:
+    """max |v_i|, or what stands for zero."""
+    return max(float(v.max(initial=0.0)), -float(v.min(initial=0.0)), TINY)
 
 
 def _extrapolated(before: Sequence[Array]) -> Array:

@@ -20,7 +20,6 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sps
-from numpy.typing import NDArray
 from scipy.linalg import cholesky, solve_triangular
 from scipy.linalg.lapack import dpotrs
 from scipy.optimize import nnls
@@ -46,7 +45,7 @@ class Signorini:
         self.Y = solve_triangular(self.factor.trailing, columns, lower=True)
         self.W = self.Y.T @ self.Y
         self.active = np.zeros(N.shape[0], dtype=bool)
-        self.block: tuple[NDArray[np.bool_], Array] | None = None
+        self.block: tuple[bytes, Array, Array] | None = None
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
         """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,); for several b, (k, n) and (k, m)."""
@@ -61,12 +60,12 @@ class Signorini:
         """λ ≥ 0 with gap − Wλ ≤ 0 and λ·(gap − Wλ) = 0, (m,)."""
         active = self.active
         visited: set[bytes] = set()
-        while active.tobytes() not in visited:
-            visited.add(active.tobytes())
+        # Most steps keep the active set of the step before, and have so few constraints that calls take the time.
+        while (key := active.tobytes()) not in visited:
+            visited.add(key)
             multipliers = self.multipliers_on(active, gap)
-            violated = gap - self.W @ multipliers > 0
-            following = np.where(active, multipliers > 0, violated)
-            if (following == active).all():
+            following = np.where(active, multipliers, gap - self.W @ multipliers) > 0
+            if following.tobytes() == key:
                 self.active = active
                 return multipliers
             active = following
@@ -79,11 +78,12 @@ class Signorini:
 
     def multipliers_on(self, active: Array, gap: Array) -> Array:
         """λ with (gap − Wλ) = 0 on the active set and λ = 0 elsewhere; factors W there when the set is a new one."""
-        multipliers = np.zeros_like(gap)
-        if active.any():
+        if self.block is None or self.block[0] != active.tobytes():
             where = np.flatnonzero(active)
-            if self.block is None or (self.block[0] != active).any():
-                self.block = active, cholesky(self.W[np.ix_(where, where)], lower=True)
-            # A step has so few constraints that looking at them again would take longer than solving.
-            multipliers[where], _ = dpotrs(self.block[1], gap[where], lower=True)
+            self.block = active.tobytes(), where, cholesky(self.W[np.ix_(where, where)], lower=True)
+        _, where, factor = self.block
+        multipliers = np.zeros(len(gap))
+        if len(where):
+            # LAPACK itself, as SciPy's function around it looks at its arguments for longer than this takes.
+            multipliers[where], _ = dpotrs(factor, gap[where], lower=True)
         return multipliers

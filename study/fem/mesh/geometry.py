@@ -35,25 +35,38 @@ def cell_volumes(mesh: Mesh) -> Array:
 def facet_measures(mesh: Mesh, facets: Array) -> Array:
     """Lengths or areas of the facets with the given indices, (n,): the root of Gram's determinant over (d−1)!."""
     edges = _edges(mesh.p, mesh.facets[:, facets])
-    gram = edges @ edges.swapaxes(1, 2)
+    gram = np.einsum("ikn,iln->nkl", edges, edges)
     return np.sqrt(np.linalg.det(gram)) / factorial(mesh.dim() - 1)
 
 
 def barycentric_gradients(mesh: Mesh) -> Array:
-    """∇λ_i on every cell, (cells, d+1, d)."""
-    inverse = np.linalg.inv(_edges(mesh.p, mesh.t)).swapaxes(1, 2)
-    return np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
+    """∇λ_i on every cell, (cells, d+1, d): by Cramer's rule, as LAPACK would take a call for each cell."""
+    edges = _edges(mesh.p, mesh.t)
+    inner = np.stack([_normal(edges, i) for i in range(len(edges))])
+    inner /= (edges[:, 0] * inner[0]).sum(axis=0)
+    return np.ascontiguousarray(np.moveaxis(np.concatenate([-inner.sum(axis=0, keepdims=True), inner]), 2, 0))
 
 
 def determinants(points: Points, cells: Array) -> Array:
     """d! times the signed volume of cells, (cells,)."""
-    return np.linalg.det(_edges(points, cells))
+    edges = _edges(points, cells)
+    found: Array = (edges[:, 0] * _normal(edges, 0)).sum(axis=0)
+    return found
+
+
+def _normal(edges: Array, i: int) -> Array:
+    """What is normal to all of d edges (d, d, n) but the i-th, whose product with it is their determinant, (d, n)."""
+    if len(edges) == 2:
+        x, y = edges[:, 1 - i]
+        return np.stack([y, -x] if i == 0 else [-y, x])
+    (ax, ay, az), (bx, by, bz) = edges[:, (i + 1) % 3], edges[:, (i + 2) % 3]
+    return np.stack([ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx])
 
 
 def _edges(points: Points, simplices: Array) -> Array:
-    """The edges from the first vertex of simplices (k+1, n), (n, k, d)."""
+    """The edges from the first vertex of simplices (k+1, n), (d, k, n)."""
     corners = points[:, simplices]
-    return np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0).swapaxes(1, 2)
+    return corners[:, 1:] - corners[:, :1]
 
 
 def with_midpoints(mesh: Mesh) -> sps.csr_array:
