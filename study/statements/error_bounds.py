@@ -52,6 +52,7 @@ import pandas as pd
 from manufactured.case import Case
 from manufactured.exact import Face
 from manufactured.law import KelvinVoigt
+from manufactured.tensors import Array
 from study.fem.gauge import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
@@ -166,8 +167,8 @@ def sides(setup: Experiment) -> dict[str, float]:
     start, velocity = gauge.sample(0.0), Velocity(setup.solution, setup.space)
     contact = [contact_terms(setup, face) for face in setup.solution.faces]
     times, k = midpoints(T, INSTANTS), T / INSTANTS
-    works, squares, pressures = np.array([np.sum([terms(t) for terms in contact], axis=0) for t in times]).T
-    rate = math.sqrt(k * np.sum(np.square([velocity.interpolation_error(t) for t in times])))
+    works, squares, pressures = np.sum([terms(times) for terms in contact], axis=0)
+    rate = math.sqrt(k * np.sum(velocity.interpolation_error(times) ** 2))
     common = gauge.distance(start, start.interpolant) + rate + gauge.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))
     trace = math.sqrt(k * np.sum(np.sqrt(squares)) * max(np.sqrt(pressures)))
@@ -178,17 +179,17 @@ def sides(setup: Experiment) -> dict[str, float]:
     }
 
 
-def contact_terms(setup: Experiment, face: Face) -> Callable[[float], list[float]]:
-    """t ↦ ∫ σ_ν (Π^hu_ν − u_ν), ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² on one piece of Γ3."""
+def contact_terms(setup: Experiment, face: Face) -> Callable[[Array], Array]:
+    """∫ σ_ν (Π^hu_ν − u_ν), ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² on one piece of Γ3 as functions of n times, (3, n)."""
     mesh, facets = setup.space.mesh, setup.space.facets(face.part)
     rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
     exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
     tiny = ROUND_OFF * exact.stress_scale()
 
-    def terms(time: float) -> list[float]:
-        nodal = np.tensordot(face.part.normal, nodes.displacement(time), axes=1)
-        eta, pressure = -exact.gap(time) - np.einsum("an,anq->nq", nodal, rule.shapes), exact.pressure(time)
+    def terms(times: Array) -> Array:
+        nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
+        eta, pressure = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes), exact.pressure(times)
         pressure = np.where(abs(pressure) > tiny, pressure, 0.0)
-        return [float(np.sum(values * rule.weights)) for values in (pressure * eta, eta**2, pressure**2)]
+        return np.array([np.tensordot(rule.weights, found, axes=2) for found in (pressure * eta, eta**2, pressure**2)])
 
     return terms

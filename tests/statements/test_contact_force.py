@@ -81,8 +81,9 @@ def setup() -> Experiment:
 
 def test_forces_with_the_moments_of_the_pressure_miss_nothing_but_in_l2(setup: Experiment) -> None:
     forces = Forces.of(setup)
-    moments = np.concatenate([face.moments(face.pressure(0.3)) for face in forces.faces])
-    (pressure, dual, resultant), sizes = forces.squares(0.3, moments)
+    times = np.array([0.3, 0.7])
+    moments = np.concatenate([face.moments(face.pressure(times)) for face in forces.faces])
+    (pressure, dual, resultant), sizes = forces.squares(times, moments.T)
     assert dual <= 1e-25 * sizes[1]
     assert resultant <= 1e-25 * sizes[2]
     assert 0 < pressure < sizes[0]
@@ -90,8 +91,9 @@ def test_forces_with_the_moments_of_the_pressure_miss_nothing_but_in_l2(setup: E
 
 def test_forces_too_large_by_a_fifth_are_wrong_by_a_fifth(setup: Experiment) -> None:
     forces = Forces.of(setup)
-    moments = np.concatenate([face.moments(face.pressure(0.3)) for face in forces.faces])
-    squares, sizes = forces.squares(0.3, 1.2 * moments)
+    times = np.array([0.3, 0.7])
+    moments = np.concatenate([face.moments(face.pressure(times)) for face in forces.faces])
+    squares, sizes = forces.squares(times, 1.2 * moments.T)
     np.testing.assert_allclose(np.sqrt(squares / sizes)[1:], 0.2, rtol=1e-10)
 
 

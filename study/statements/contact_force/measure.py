@@ -57,18 +57,21 @@ class PressedFace:
         self.mass = (self.functions.T @ sps.diags_array(self.weights) @ self.functions).toarray()
         self._exact = solution.on(face, rule.s)
 
-    def pressure(self, time: float) -> Array:
-        """p at the points."""
-        return self._exact.pressure(time).ravel()
+    def pressure(self, times: Array) -> Array:
+        """p at the points, at n times, (points, n)."""
+        return self._exact.pressure(times).reshape(-1, len(times))
 
     def moments(self, pressure: Array) -> Array:
-        """∫ p φ_i, (m,)."""
-        return self.functions.T @ (self.weights * pressure)
+        """∫ p φ_i, (m, n)."""
+        return self.functions.T @ (self.weights[:, None] * pressure)
 
-    def missed(self, pressure: Array, forces: Array) -> float:
-        """‖p − p^h‖², p^h with the moments ``forces``."""
-        found = self.functions @ np.linalg.solve(self.mass, forces)
-        return float(self.weights @ (pressure - found) ** 2)
+    def square(self, pressure: Array) -> Array:
+        """‖p‖², (n,)."""
+        return self.weights @ pressure**2
+
+    def held(self, forces: Array) -> Array:
+        """p^h at the points, which has the moments ``forces``, (m, n), against the φ_i."""
+        return self.functions @ np.linalg.solve(self.mass, forces)
 
     def normal_trace(self, nodal: Array) -> Array:
         """u^h_ν at the points, from values at the vertices (d, vertices)."""
@@ -95,17 +98,16 @@ class Forces:
         rows = [slice(*pair) for pair in pairwise(ends)]
         return cls(space, faces, rows, Signorini(setup.problem.M, space.N).W)
 
-    def squares(self, time: float, multipliers: Array) -> tuple[Array, Array]:
-        """The squares of ``ERRORS`` at one time, and those of the exact quantities."""
-        exact = [face.pressure(time) for face in self.faces]
-        moments = [face.moments(p) for face, p in zip(self.faces, exact, strict=True)]
-        y, missing = np.concatenate(moments), np.concatenate(moments) - multipliers
-        parts = list(zip(self.faces, exact, self.rows, strict=True))
-        errors = sum(face.missed(p, multipliers[rows]) for face, p, rows in parts)
-        sizes = sum(float(face.weights @ p**2) for face, p, _ in parts)
-        total, lost = (np.array([values[rows].sum() for rows in self.rows]) for values in (y, missing))
-        found = errors, missing @ self.W @ missing, lost @ lost
-        return np.array(found), np.array([sizes, y @ self.W @ y, total @ total])
+    def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
+        """The squares of ``ERRORS``, with λ (n, m), summed over n times, and those of the exact quantities, (3,)."""
+        exact = [face.pressure(times) for face in self.faces]
+        y = np.concatenate([face.moments(p) for face, p in zip(self.faces, exact, strict=True)])
+        missing, parts = y - multipliers.T, list(zip(self.faces, exact, self.rows, strict=True))
+        errors = sum(face.square(p - face.held(multipliers.T[rows])).sum() for face, p, rows in parts)
+        sizes = sum(face.square(p).sum() for face, p, _ in parts)
+        total, lost = (np.array([values[rows].sum(axis=0) for rows in self.rows]) for values in (y, missing))
+        found = errors, np.vdot(missing, self.W @ missing), np.vdot(lost, lost)
+        return np.array(found), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
 
     def penetration(self, state: State) -> float:
         """max (u^h_ν)_+ over the points of Γ3."""
@@ -125,16 +127,15 @@ class Course:
     def of(cls, setup: Experiment, forces: Forces, steps: int) -> Course:
         """The midpoint rule with so many steps."""
         k = setup.problem.T / steps
-        squares, sizes = np.zeros((2, len(ERRORS)))
+        multipliers = []
         inside, pulled, pressed, moved = 0.0, 0.0, 0.0, 0.0
-        for n, state in enumerate(setup.scheme.march(setup.problem, steps)):
+        for state in setup.scheme.march(setup.problem, steps):
             inside = max(inside, forces.penetration(state))
             moved = max(moved, float(abs(state.u).max()))
             pulled = max(pulled, float(-state.multipliers.min()))
             pressed = max(pressed, float(abs(state.multipliers).max()))
-            if n:
-                found = forces.squares((n - 0.5) * k, state.multipliers)
-                squares, sizes = squares + found[0], sizes + found[1]
+            multipliers.append(state.multipliers)
+        squares, sizes = forces.squares((np.arange(steps) + 0.5) * k, np.array(multipliers[1:]))
         return cls(np.sqrt(squares / sizes), inside / moved, pulled / pressed)
 
 

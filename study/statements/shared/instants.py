@@ -1,4 +1,4 @@
-"""Norms in V: on V^h, and of the exact velocity, and of what Π^h leaves of it, at single times."""
+"""Norms in V: on V^h, and of the exact velocity, and of what Π^h leaves of it, at some times."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
+from study.fem.ahead import block_length
 from study.fem.gauge import DEGREE, rules
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
@@ -25,27 +26,37 @@ def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
 
 
 class Velocity:
-    """‖u̇(t)‖_V and ‖u̇(t) − Π^h u̇(t)‖_V by the cell rules of the gauge."""
+    """‖u̇(t)‖_V and ‖u̇(t) − Π^h u̇(t)‖_V at n times, (n,), by the cell rules of the gauge."""
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
         self.space = space
-        self._blocks = [(rule, solution.at(rule.points)) for rule in rules(solution, space.mesh, DEGREE)]
+        self._blocks = [
+            (rule, solution.at(rule.points), solution.law.at(rule.points[..., None]).A)
+            for rule in rules(solution, space.mesh, DEGREE)
+        ]
         self._nodes = solution.at(space.mesh.p)
+        self._length = block_length(max(space.E.shape[0] * rule.weights.shape[1] for rule, _, _ in self._blocks))
 
-    def norm(self, time: float) -> float:
+    def norm(self, times: Array) -> Array:
         """‖u̇(t)‖_V."""
-        return self._distance(time, np.zeros(self.space.dofs))
+        return self._distances(times, lambda some: np.zeros((self.space.dofs, len(some))))
 
-    def interpolation_error(self, time: float) -> float:
+    def interpolation_error(self, times: Array) -> Array:
         """‖u̇(t) − Π^h u̇(t)‖_V."""
-        return self._distance(time, self.space.interpolate(self._nodes.velocity(time)))
+        return self._distances(times, lambda some: self.space.interpolate(self._nodes.velocity(some)))
 
-    def _distance(self, time: float, v: Array) -> float:
-        strain, total = self.space.strain(v), 0.0
-        for rule, fields in self._blocks:
-            difference = fields.strain_rate(time) - strain[:, rule.cells, None]
-            total += float(np.einsum("Inq,Inq,nq->", fields.law.A(difference), difference, rule.weights))
-        return float(np.sqrt(total))
+    def _distances(self, times: Array, v: Callable[[Array], Array]) -> Array:
+        """‖u̇(t) − v(t)‖_V for v ∈ V^h, some of the times together."""
+        blocks = [times[first : first + self._length] for first in range(0, len(times), self._length)]
+        return np.sqrt(np.concatenate([self._squares(some, v(some)) for some in blocks]))
+
+    def _squares(self, times: Array, v: Array) -> Array:
+        strain, total = self.space.strain(v), np.zeros(len(times))
+        for rule, fields, A in self._blocks:
+            difference = fields.strain_rate(times) - strain[:, rule.cells, None]
+            density = np.einsum("Icqn,Icqn->cqn", A(difference), difference)
+            total += np.tensordot(rule.weights, density, axes=2)
+        return total
 
 
 def midpoints(T: float, count: int) -> Array:
