@@ -24,8 +24,8 @@ Integers = NDArray[np.int64]
 PIVOTS = 10
 """Vertices from which distances in the graph are taken."""
 AXES = 6
-"""Principal components that are kept. The longest axis alone makes L 2 % larger in the plane and 15 % in space; more than
-six, cuts off the middle or separators from the other half gain 2 % for half as much time again."""
+"""Principal components that are kept. The longest axis alone makes L 2 % larger in the plane and 15 % in space. More
+than six, cuts off the middle, or separators from the other half gain 2 % for half as much time again."""
 LEAF = 32
 """Unknowns in a part that is not divided any further. With 128, dense blocks of parts are half of what a solve reads;
 parts of fewer than 32 save little and cost time to eliminate."""
