@@ -57,8 +57,7 @@ class Piecewise:
         place, start = np.real(y), -np.inf
         for end, piece in zip(self.ends, _derived(self.pieces, derivative), strict=True):
             if any(piece):
-                inside = place < end if start == -np.inf else (place >= start) & (place < end)
-                np.copyto(total, _polynomial(piece, y), where=inside)
+                np.copyto(total, _polynomial(piece, y), where=(place >= start) & (place < end))
             start = end
         return total
 

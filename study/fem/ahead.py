@@ -27,6 +27,12 @@ def block_length(entries: int) -> int:
     return max(1, min(TIMES, ENTRIES // entries))
 
 
+def in_blocks(times: Array, entries: int) -> list[Array]:
+    """All times in their order, as many together as ``block_length`` says."""
+    length = block_length(entries)
+    return [times[first : first + length] for first in range(0, len(times), length)]
+
+
 class Ahead(Generic[V]):
     """The values of a function of time that was found for a block of times."""
 

@@ -13,7 +13,7 @@ from skfem import Mesh
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, full, mandel, mapped
-from study.fem.ahead import block_length
+from study.fem.ahead import in_blocks
 from study.fem.gauge import FACET_POINTS, rules
 from study.fem.mesh import barycentric_gradients
 from study.fem.quadrature import CellRule, facet_rule
@@ -89,8 +89,8 @@ class LeadingTerm:
 
     def largest(self) -> float:
         """The maximum over [0, T], on times of its own: it does not know when the errors beside it were sampled."""
-        times, length = np.linspace(0.0, self.T, INSTANTS + 1), block_length(self.slopes.size * len(self.slopes))
-        return float(max(self._at(times[i : i + length]).max() for i in range(0, len(times), length)))
+        times = in_blocks(np.linspace(0.0, self.T, INSTANTS + 1), self.slopes.size * len(self.slopes))
+        return float(max(self._at(some).max() for some in times))
 
     def _at(self, times: Array) -> Array:
         """The values at n times, (n,)."""

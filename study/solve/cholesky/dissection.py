@@ -93,11 +93,12 @@ def _halved(indptr: Integers, indices: Integers, ranks: Integers, leaf: int) -> 
         if high - low <= leaf:
             continue
         part, left = active[low:high], 2 * node[active[low]]
-        best = chosen = 0
+        best, chosen = size + 1, 0
         for axis in range(len(ranks)):
             separators = _cut(indptr, indices, part, ranks[axis], node, left, keys[low:high])
-            if axis == 0 or separators < best:
+            if separators < best:
                 best, chosen = separators, axis
+        # The nodes are now those of the last axis.
         if chosen < len(ranks) - 1:
             _cut(indptr, indices, part, ranks[chosen], node, left, keys[low:high])
         kept = beyond = 0

@@ -9,7 +9,7 @@ import numpy as np
 
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
-from study.fem.ahead import block_length
+from study.fem.ahead import in_blocks
 from study.fem.gauge import DEGREE, rules
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
@@ -35,7 +35,7 @@ class Velocity:
             for rule in rules(solution, space.mesh, DEGREE)
         ]
         self._nodes = solution.at(space.mesh.p)
-        self._length = block_length(max(space.E.shape[0] * rule.weights.shape[1] for rule, _, _ in self._blocks))
+        self._entries = max(space.E.shape[0] * rule.weights.shape[1] for rule, _, _ in self._blocks)
 
     def norm(self, times: Array) -> Array:
         """‖u̇(t)‖_V."""
@@ -47,8 +47,7 @@ class Velocity:
 
     def _distances(self, times: Array, v: Callable[[Array], Array]) -> Array:
         """‖u̇(t) − v(t)‖_V for v ∈ V^h, some of the times together."""
-        blocks = [times[first : first + self._length] for first in range(0, len(times), self._length)]
-        return np.sqrt(np.concatenate([self._squares(some, v(some)) for some in blocks]))
+        return np.sqrt(np.concatenate([self._squares(some, v(some)) for some in in_blocks(times, self._entries)]))
 
     def _squares(self, times: Array, v: Array) -> Array:
         strain, total = self.space.strain(v), np.zeros(len(times))
