@@ -9,7 +9,6 @@ come from the graph: the distances of all vertices to a few that are far apart, 
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -43,10 +42,13 @@ class Dissection(NamedTuple):
     starts: Integers
 
 
-def nested_dissection(S: sps.sparray, last: Integers) -> Dissection:
+def nested_dissection(graph: sps.sparray, last: Integers) -> Dissection:
     """The order for a matrix with a symmetric pattern in which the unknowns ``last`` are the last block."""
-    graph = sps.csr_array(S)
-    node, depth = _halves(graph.indptr.tobytes(), graph.indices.tobytes(), graph.indices.dtype.name)
+    return ordered(*halves(sps.csr_array(graph)), last)
+
+
+def ordered(node: Integers, depth: Integers, last: Integers) -> Dissection:
+    """The order in which a node of the tree of ``halves`` follows both of its halves, with ``last`` at the end."""
     deepest = int(depth.max())
     # Leaves below a node have consecutive numbers: the node follows the last of them.
     below = ((node + 1) << (deepest - depth)) - 1
@@ -57,20 +59,13 @@ def nested_dissection(S: sps.sparray, last: Integers) -> Dissection:
     return Dissection(order, np.concatenate([[0], changes, [len(order)]]))
 
 
-@lru_cache(maxsize=1)
-def _halves(starts: bytes, columns: bytes, kind: str) -> tuple[Integers, Integers]:
-    """``_tree`` of a pattern: trajectories with other steps, and with or without contact, have matrices of the same."""
-    indptr, indices = np.frombuffer(starts, kind), np.frombuffer(columns, kind)
-    graph = sps.csr_array((np.ones(len(indices)), indices, indptr), shape=(len(indptr) - 1,) * 2)
-    return _tree(graph, _embedding(graph))
-
-
-def _tree(graph: sps.csr_array, x: Array) -> tuple[Integers, Integers]:
+def halves(graph: sps.csr_array) -> tuple[Integers, Integers]:
     """The node of the tree of halves that each unknown is eliminated with, and its depth, (n,) both.
 
     The root is 1, the halves of a node i are 2i and 2i + 1; a separator stays with the node that it halves. A part is
     cut at its median along an axis, and unknowns with the same coordinate are in the order of their numbers.
     """
+    x = _embedding(graph)
     ranks = np.empty(x.shape, dtype=np.int64)
     for rank, row in zip(ranks, x, strict=True):
         rank[np.argsort(row, kind="stable")] = np.arange(x.shape[1])
@@ -80,7 +75,7 @@ def _tree(graph: sps.csr_array, x: Array) -> tuple[Integers, Integers]:
 
 @njit(cache=True)
 def _halved(indptr: Integers, indices: Integers, ranks: Integers, leaf: int) -> tuple[Integers, Integers]:
-    """As ``_tree``; ``ranks`` has the places of the unknowns along each axis, (axes, n)."""
+    """As ``halves``; ``ranks`` has the places of the unknowns along each axis, (axes, n)."""
     size = len(indptr) - 1
     node, depth = np.ones(size, np.int64), np.zeros(size, np.int64)
     active, rights, keys = np.arange(size), np.empty(size, np.int64), np.empty(size, np.int64)

@@ -18,8 +18,8 @@ from scipy.linalg.lapack import dpotrf
 
 from manufactured.tensors import Array
 from study.solve.cholesky import fronts, sweeps
-from study.solve.cholesky.dissection import Integers, nested_dissection
-from study.solve.cholesky.structure import Structure
+from study.solve.cholesky.analysis import Analysis
+from study.solve.cholesky.dissection import Integers
 from study.solve.cholesky.sweeps import Panel
 
 PANEL = 1 << 22
@@ -47,8 +47,9 @@ class Cholesky:
     """
 
     def __init__(self, S: sps.csc_array, last: Sequence[int] | Integers = ()) -> None:
-        self.order, starts = nested_dissection(S, np.asarray(last, dtype=np.int64))
-        self.panels = list(_Elimination(_lower(S, self.order), starts).panels())
+        analysis = Analysis.of(S, np.asarray(last, dtype=np.int64))
+        self.order = analysis.order
+        self.panels = list(_Elimination(analysis, S.data).panels())
         self.trailing = np.zeros((len(last), len(last)))
         # The last block has no rows below it: its columns are a triangle.
         triangle = np.triu_indices(len(last))
@@ -76,20 +77,13 @@ class Cholesky:
         return u
 
 
-def _lower(S: sps.csc_array, order: Integers) -> sps.csc_array:
-    """The lower triangle of S with its unknowns in an order; the whole of S is not kept beside L in that order."""
-    lower = sps.csc_array(sps.tril(sps.csr_array(S)[order][:, order]))
-    lower.sort_indices()
-    return lower
-
-
 class _Elimination:
-    """The elimination of a matrix, given its lower triangle; ``starts`` are those of the blocks."""
+    """The elimination of a matrix, given its values (entries,)."""
 
-    def __init__(self, lower: sps.csc_array, starts: Integers) -> None:
-        self.structure = structure = Structure.of(lower, starts)
-        self.columns = lower.indptr, lower.indices, lower.data
-        self.place = np.empty(lower.shape[0], dtype=np.int64)
+    def __init__(self, analysis: Analysis, values: Array) -> None:
+        self.structure = structure = analysis.structure
+        self.columns = analysis.indptr, analysis.indices, values[analysis.places]
+        self.place = np.empty(len(analysis.order), dtype=np.int64)
         # What blocks have left to others that are not eliminated yet.
         self.left: dict[int, Array] = {}
         count = len(structure.parents)
