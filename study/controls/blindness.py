@@ -47,7 +47,7 @@ class Silent(Around):
     """A scheme with residuals of 0."""
 
     def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
-        return (replace(state, residual=0.0) for state in self.scheme.march(problem, steps))
+        return (replace(state, residual=lambda: 0.0) for state in self.scheme.march(problem, steps))
 
 
 def halved_is_the_run(companion: Callable[[Any], Iterator[Any]]) -> Callable[[Any], Iterator[Any]]:

@@ -14,7 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import reduce
+from functools import partial, reduce
 from operator import add
 from typing import Protocol
 
@@ -76,7 +76,7 @@ class SemiDiscrete:
 
     def initial(self) -> State:
         """u_0^h; no contact force is known there."""
-        return State(0.0, self.u0, np.zeros(self.N.shape[0]), 0.0, 0)
+        return State(0.0, self.u0, np.zeros(self.N.shape[0]), 0, lambda: 0.0)
 
     def elastic(self, v: Array) -> Array:
         """(G ε(v), ε(·))_Q, (n,)."""
@@ -148,16 +148,17 @@ class State:
         time: t_n.
         u: u_n ∈ K^h, (n,).
         multipliers: λ_n ≥ 0, nodal contact forces, (m,).
-        residual: the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u)_+ and |λ·N u| and λ_−, relative to the
-            size of u and λ: zero for an exact contact solve.
         iterations: contact solves spent.
+        residual: () ↦ the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u)_+ and |λ·N u| and λ_−, relative to the
+            size of u and λ: zero for an exact contact solve. Found when it is asked for, which takes as long as a step
+            on a coarse mesh.
     """
 
     time: float
     u: Array
     multipliers: Array
-    residual: float
     iterations: int
+    residual: Callable[[], float]
 
 
 class ContactStep:
@@ -215,18 +216,22 @@ class ContactStep:
         return self._state(time, u, multipliers, constant - remainder(theta * u + base), taken)
 
     def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
+        # A sum of its entries is finite if they are.
+        if not math.isfinite(u.sum()):
+            raise EvolutionError(f"the step to t = {time:.6g} produced values that are not finite")
+        return State(time, u, multipliers, iterations, partial(self._residual, u, multipliers, b))
+
+    def _residual(self, u: Array, multipliers: Array, b: Array) -> float:
+        """As in ``State``."""
         defect = self.S @ u + self.forces @ multipliers - b
         normal = self.problem.N @ u
         size, force = _largest(u), _largest(multipliers)
-        residual = max(
+        return max(
             math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY),
             float(normal.max(initial=0.0)) / size,
             float(-multipliers.min(initial=0.0)) / force,
             float(abs(normal * multipliers).max(initial=0.0)) / (size * force),
         )
-        if not np.isfinite(residual):
-            raise EvolutionError(f"the step to t = {time:.6g} produced values that are not finite")
-        return State(time, u, multipliers, residual, iterations)
 
 
 def _largest(v: Array) -> float:

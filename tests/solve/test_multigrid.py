@@ -123,7 +123,7 @@ def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
             difference = one.u - other.u
             left.append(np.sqrt(difference @ (exact.M @ difference)))
             errors.append(gauge.distance(gauge.sample(one.time), other.u))
-            assert one.residual <= residual(space.dim, space.dofs)
+            assert one.residual() <= residual(space.dim, space.dofs)
         shares.append(max(left) / max(errors))
     assert 1e-9 < max(shares) <= SHARE
     assert shares[1] <= 2 * shares[0]

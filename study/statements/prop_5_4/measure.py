@@ -49,7 +49,7 @@ def measure(experiment: Experiment) -> Measurement:
         interpolant, discrete = sample.interpolant, sample.interpolant - state.u
         measured = [gauge.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
         history.append((state.time, *measured[:2], math.sqrt(discrete @ (M @ discrete)), measured[2]))
-        residual = max(residual, state.residual)
+        residual = max(residual, state.residual())
         if n == 0 or measured[0] > largest:
             largest, worst = measured[0], state
         if n % 2 == 0:
