@@ -15,7 +15,7 @@ from study.cli.typed import run_line
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
 from study.ledger.terminal import folded
-from study.ledger.verdict import all_pass
+from study.ledger.verdict import Verdict, all_pass
 from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
@@ -55,19 +55,23 @@ def do_run(options: argparse.Namespace) -> int:
         with store.locked():
             measure(plan, store, pool)
             # Neither verdicts nor figures wait for the other.
-            judged = processes.submit(judge, store.directory)
+            judged = processes.submit(concluded, store.directory)
             # Drawing all takes as long as a third of the quick study.
             drawn = draw(store.directory, processes, drawings if options.case else overview)
-            verdicts = judged.result()
-            written = [*write_tables(store.directory), *drawn]
+            verdicts, tables = judged.result()
     data = "rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/"
     print(f"\n{folded(f'data: {store.data}/{data}')}")
-    print(folded(f"written: {listed(written)}"))
+    print(folded(f"written: {listed([*tables, *drawn])}"))
     print(f"\n{rates_text(store.directory)}")
     print(ledger_text(read_claims(store.directory)))
     if any(TRY in verdict.expected for verdict in verdicts):
         print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
     return OK if all_pass(verdicts) else FAILED
+
+
+def concluded(directory: Path) -> tuple[list[Verdict], list[Path]]:
+    """Judge the data, and show it in tables: the verdicts, and the files of the tables."""
+    return judge(directory), write_tables(directory)
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:

@@ -59,10 +59,11 @@ def overview(directory: Path) -> list[Drawing]:
     rough ones; ``contact-work`` and ``rollers`` where they were measured; ``effectivity`` of ``bounds.csv``;
     ``growth`` of ``benchmarks/growth.csv`` and ``codes`` of ``codes/`` where they are.
     """
-    found, rates = [Drawing("problem", draw_sketch, CAPTION)], read_rates(directory)
+    found, rates = [], read_rates(directory)
     orders = _expected_orders(directory, rates)
     for suffix, of_scheme in _schemes(rates):
-        for claim, mine in of_scheme.groupby("claim", sort=False):
+        # The largest first: it takes longest to draw, and nothing should wait for it alone.
+        for claim, mine in sorted(of_scheme.groupby("claim"), key=lambda group: -len(group[1])):
             name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
             found.append(_chart(f"convergence{name}{suffix}", overview_chart(mine, orders), draw_grid))
         smooth = of_scheme[of_scheme["claim"] == "Prop. 5.4"]
@@ -79,7 +80,7 @@ def overview(directory: Path) -> list[Drawing]:
     codes = Codes.read(directory)
     if codes is not None:
         found.append(_chart("codes", codes_chart(codes)))
-    return found
+    return [*found, Drawing("problem", draw_sketch, CAPTION)]
 
 
 def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
