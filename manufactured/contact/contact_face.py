@@ -279,11 +279,17 @@ class Lifting:
         """∂_s^along ∂_y^into of the local strain, for into ∈ {0, 1}, in the axes (s, n)."""
         n, traces = len(self.s), (w, *strain)
         dtype = np.result_type(w[along], strain[0][along], self.y)
-        components = np.zeros((len(pairs(n + 1)), *self.y.shape, *np.shape(time)), dtype=dtype)
+        components = np.empty((len(pairs(n + 1)), *self.y.shape, *np.shape(time)), dtype=dtype)
+        begun: set[int] = set()
         for term in strain_terms(n, self.deep, len(strain) - 1):
-            part = traces[term.source][plus(term.along, along)] * self._shape(term.profile, into, time)
-            part *= term.factor
-            components[term.row] += part
+            trace, shape = traces[term.source][plus(term.along, along)], self._shape(term.profile, into, time)
+            # Every row has a term, the first of which is written where it stays.
+            part = trace * shape if term.row in begun else np.multiply(trace, shape, out=components[term.row])
+            if term.factor != 1:
+                part *= term.factor
+            if term.row in begun:
+                components[term.row] += part
+            begun.add(term.row)
         return components
 
     def _shape(self, name: str, derivative: int, time: Array | complex) -> Array:
