@@ -56,6 +56,10 @@ class Signorini:
         y[..., self.end] -= multipliers @ self.Y.T
         return self.factor.backward(y), multipliers
 
+    def gap(self, b: Array) -> Array:
+        """N S⁻¹ b, (m,); for several b, (k, m)."""
+        return self.factor.forward(b)[..., self.end] @ self.Y
+
     def complementarity(self, gap: Array) -> Array:
         """λ ≥ 0 with gap − Wλ ≤ 0 and λ·(gap − Wλ) = 0, (m,)."""
         active = self.active

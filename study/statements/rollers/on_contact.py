@@ -24,9 +24,9 @@ import scipy.sparse as sps
 
 from manufactured.tensors import Array
 from study.fem.material import form
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
+from study.solve.signorini import Signorini
 from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 from study.statements.contact_work.resolved import Resolved, pressing_on
@@ -48,24 +48,14 @@ class OnContact:
         return form(self.at.space, self.at.solution.law.A)
 
     @cached_property
-    def factor(self) -> Cholesky:
-        """Of M."""
-        return Cholesky(self.M)
-
-    @cached_property
-    def normal(self) -> sps.csr_array:
-        """N, (m, dofs)."""
-        return self.at.space.N
-
-    @cached_property
-    def loaded(self) -> Array:
-        """M⁻¹Nᵀ, (dofs, m)."""
-        return np.stack([self.factor(row) for row in self.normal.toarray()], axis=1)
+    def condensed(self) -> Signorini:
+        """M and N."""
+        return Signorini(self.M, self.at.space.N)
 
     @cached_property
     def S(self) -> Array:
         """(N M⁻¹ Nᵀ)⁻¹, (m, m)."""
-        inverse = np.linalg.inv(self.normal @ self.loaded)
+        inverse = np.linalg.inv(self.condensed.W)
         return (inverse + inverse.T) / 2
 
     def strained(self, time: float) -> Array:
@@ -75,7 +65,11 @@ class OnContact:
 
     def projected(self, time: float) -> Array:
         """P_hu(t), (dofs,)."""
-        return self.factor(self.strained(time))
+        return self.condensed.factor(self.strained(time))
+
+    def projected_gap(self, time: float) -> Array:
+        """N P_hu(t), (m,)."""
+        return self.condensed.gap(self.strained(time))
 
     @cached_property
     def start(self) -> Array:
@@ -87,7 +81,7 @@ class OnContact:
     def press(self) -> Callable[[float], Array]:
         """t ↦ π, (m,)."""
         pressing = pressing_on(self.at)
-        return lambda time: np.asarray(self.normal @ pressing(time))
+        return lambda time: np.asarray(self.at.space.N @ pressing(time))
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,14 +107,14 @@ class Trajectories:
     def of(cls, on: OnContact, steps: int) -> Trajectories:
         """By the midpoint rule, which takes ġ and g in the middle of a step from its ends."""
         T, k = on.at.space.body.T, step_size(on.at.space.body.T, steps)
-        projected = np.array([on.loaded.T @ on.strained(n * k) for n in range(steps + 1)])
+        projected = np.array([on.projected_gap(n * k) for n in range(steps + 1)])
         forces = np.array([on.press((n + 0.5) * k) for n in range(steps)])
         moved = (np.diff(projected, axis=0) / k + (projected[1:] + projected[:-1]) / 2) @ on.S
 
         def during(values: Array) -> Callable[[float], Array]:
             return lambda time: values[round(time / k - 0.5)]
 
-        S, start = sps.csc_array(on.S), on.normal @ on.start
+        S, start = sps.csc_array(on.S), on.at.space.N @ on.start
         contact = SemiDiscrete(S, S, None, sps.csr_array(np.eye(len(start))), during(moved + forces), start, T)
         linear = replace(contact, N=contact.N[:0], load=during(moved))
         return cls(on, k, projected, forces, path(contact, MIDPOINT, steps), path(linear, MIDPOINT, steps))
@@ -147,4 +141,5 @@ class Trajectories:
         """u^h(t_n) = P_hu(t_n) + ((1 − k/2)/(1 + k/2))^n (Π^h u_0 − P_hu_0) + M⁻¹Nᵀc, (dofs,)."""
         on = self.on
         left = ((1 - self.k / 2) / (1 + self.k / 2)) ** n * (on.start - on.projected(0.0))
-        return on.projected(n * self.k) + left + on.loaded @ (on.S @ (self.contact[n] - self.linear[n]))
+        forces = on.S @ (self.contact[n] - self.linear[n])
+        return on.projected(n * self.k) + left + on.condensed.factor(on.at.space.N.T @ forces)
