@@ -10,16 +10,20 @@ import re
 import subprocess
 import sys
 import tomllib
+from importlib.metadata import distributions, metadata
 from pathlib import Path
 
 import pytest
 import yaml
+from packaging.specifiers import SpecifierSet
+from packaging.utils import canonicalize_name
 
 import manufactured
 from study.cli.main import LACKING, main
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PINNED = set(re.findall(r"^([\w-]+)==", (ROOT / "requirements.txt").read_text(encoding="utf-8"), re.MULTILINE))
 
 
 def names(requirements: list[str]) -> set[str]:
@@ -28,9 +32,22 @@ def names(requirements: list[str]) -> set[str]:
 
 def test_the_base_is_numpy_and_sympy_and_everything_else_an_extra() -> None:
     assert names(PROJECT["dependencies"]) == {"numpy", "sympy"}
-    pinned = set(re.findall(r"^([\w-]+)==", (ROOT / "requirements.txt").read_text(encoding="utf-8"), re.MULTILINE))
     for extra in PROJECT["optional-dependencies"].values():
-        assert names(extra) <= pinned
+        assert names(extra) <= PINNED
+
+
+def test_every_pinned_package_runs_on_the_oldest_python_that_the_project_names() -> None:
+    oldest = PROJECT["requires-python"].removeprefix(">=") + ".0"
+    installed = packages()
+    needed = {package: metadata(package)["Requires-Python"] for package in PINNED & installed}
+    assert len(needed) > 0.9 * len(PINNED)
+    newer = [package for package, versions in needed.items() if versions and oldest not in SpecifierSet(versions)]
+    assert newer == []
+
+
+def packages() -> set[str]:
+    """What is installed: some pins are for other systems or versions of Python."""
+    return {canonicalize_name(found.name) for found in distributions()}
 
 
 def test_manufactured_imports_nothing_else() -> None:
