@@ -41,10 +41,14 @@ class _Graph:
     """A symmetric pattern by its rows; keeps the analysis with the unknowns that were last asked for at the end."""
 
     def __init__(self, indptr: Integers, indices: Integers) -> None:
-        places = np.arange(len(indices), dtype=indices.dtype)
-        self._places = sps.csr_array((places, indices, indptr), shape=(len(indptr) - 1,) * 2)
-        self._node, self._depth = halves(self._places)
+        self._indptr, self._indices = indptr, indices
+        self._node, self._depth = halves(self._places())
         self._found: tuple[bytes, Analysis] | None = None
+
+    def _places(self) -> sps.csr_array:
+        """The pattern with the place of each entry as its value; of a large one nobody should keep these."""
+        places = np.arange(len(self._indices), dtype=self._indices.dtype)
+        return sps.csr_array((places, self._indices, self._indptr), shape=(len(self._indptr) - 1,) * 2)
 
     def analysis(self, last: Integers) -> Analysis:
         """With these at the end."""
@@ -56,7 +60,7 @@ class _Graph:
 
     def _analysed(self, dissection: Dissection) -> Analysis:
         order, starts = dissection
-        lower = sps.csc_array(sps.tril(self._places[order][:, order]))
+        lower = sps.csc_array(sps.tril(self._places()[order][:, order]))
         lower.sort_indices()
         return Analysis(order, Structure.of(lower, starts), lower.indptr, lower.indices, lower.data)
 
