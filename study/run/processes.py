@@ -43,8 +43,11 @@ class Processes(Executor):
             self._pool = self._started()
             return self._pool.submit(function, *args, **kwargs)
 
-    def shutdown(self, wait: bool = True, *, cancel_futures: bool = False) -> None:
-        """End the workers."""
+    def shutdown(self, wait: bool = True, *, cancel_futures: bool = True) -> None:
+        """End the workers, and drop by default what nobody waits for any longer.
+
+        Before Python 3.11.4 the standard pool waits for ever for futures that were cancelled (python/cpython#94440).
+        """
         self._pool.shutdown(wait, cancel_futures=cancel_futures)
 
 
