@@ -284,10 +284,11 @@ class Lifting:
         for term in strain_terms(n, self.deep, len(strain) - 1):
             trace, shape = traces[term.source][plus(term.along, along)], self._shape(term.profile, into, time)
             # Every row has a term, the first of which is written where it stays.
-            part = trace * shape if term.row in begun else np.multiply(trace, shape, out=components[term.row])
+            first = term.row not in begun
+            part = np.multiply(trace, shape, out=components[term.row] if first else None)
             if term.factor != 1:
                 part *= term.factor
-            if term.row in begun:
+            if not first:
                 components[term.row] += part
             begun.add(term.row)
         return components

@@ -216,8 +216,8 @@ class ContactStep:
         return self._state(time, u, multipliers, constant - remainder(theta * u + base), taken)
 
     def _state(self, time: float, u: Array, multipliers: Array, b: Array, iterations: int) -> State:
-        # A sum of its entries is finite if they are.
-        if not math.isfinite(u.sum()):
+        # A sum is finite only if all of its terms are.
+        if not math.isfinite(u.sum() + multipliers.sum()):
             raise EvolutionError(f"the step to t = {time:.6g} produced values that are not finite")
         return State(time, u, multipliers, iterations, partial(self._residual, u, multipliers, b))
 

@@ -13,7 +13,8 @@ from manufactured import Kind, catalogue, polygon
 from study.fem.material import form
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
-from study.solve.cholesky.dissection import LEAF, nested_dissection
+from study.solve.cholesky.analysis import Analysis
+from study.solve.cholesky.dissection import LEAF
 from study.solve.cholesky.factorisation import Cholesky
 from study.solve.signorini import Signorini
 
@@ -226,7 +227,8 @@ def test_parts_are_divided_until_they_are_leaves() -> None:
     n = 96
     path = sps.diags_array([-np.ones(n - 1), 2 * np.ones(n), -np.ones(n - 1)], offsets=[-1, 0, 1])
     grid = sps.csc_array(sps.kron(path, sps.eye_array(n)) + sps.kron(sps.eye_array(n), path))
-    order, starts = nested_dissection(grid, np.arange(0))
+    analysis = Analysis.of(grid, np.arange(0))
+    order, starts = analysis.order, analysis.structure.starts
     assert (np.sort(order) == np.arange(n * n)).all()
     assert np.diff(starts).max() <= max(LEAF, 2 * n)
     assert len(starts) > n * n / LEAF

@@ -54,6 +54,7 @@ class _Graph:
         """With these at the end."""
         key = last.tobytes()
         if self._found is None or self._found[0] != key:
+            # Not both at a time: they are large.
             self._found = None
             self._found = key, self._analysed(ordered(self._node, self._depth, last))
         return self._found[1]

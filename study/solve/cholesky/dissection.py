@@ -42,11 +42,6 @@ class Dissection(NamedTuple):
     starts: Integers
 
 
-def nested_dissection(graph: sps.sparray, last: Integers) -> Dissection:
-    """The order for a matrix with a symmetric pattern in which the unknowns ``last`` are the last block."""
-    return ordered(*halves(sps.csr_array(graph)), last)
-
-
 def ordered(node: Integers, depth: Integers, last: Integers) -> Dissection:
     """The order in which a node of the tree of ``halves`` follows both of its halves, with ``last`` at the end."""
     deepest = int(depth.max())
