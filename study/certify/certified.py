@@ -17,6 +17,7 @@ from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.equilibration import Equilibration
+from study.bound.moduli import BoundError
 from study.bound.trajectory import DiscreteSolution, Refined, compute, spline
 from study.certify import checker
 from study.certify.rational_mesh import Twins, in_doubles, rational_mesh
@@ -44,8 +45,13 @@ class Making:
     refined: Refined
 
     def check(self) -> None:
-        """Refuse what is not served before time is spent: BoundError."""
-        statement(self.data)
+        """Refuse a problem that the checker would refuse, before time is spent: BoundError."""
+        stated = statement(self.data)
+        try:
+            checker.conform(stated, checker.PROBLEM, "problem")
+            checker.Problem(stated)
+        except checker.RefusedError as refusal:
+            raise BoundError(f"no certificate can be made of this problem: {refusal}") from refusal
 
     def certificate(
         self, level: int, steps: int, progress: Callable[[float], object] = lambda time: None

@@ -7,21 +7,24 @@ A certificate states a problem, a mesh and a computed displacement u_h on it, an
 fractions and roots that are rounded outward; nothing in the file says what they are. What is proved, and that these
 lines do it, is in ``paper/certificate.tex``; letters are those of that text.
 
-What a certificate has to fulfil is required below, line by line; whatever fails ends in ``RefusedError``.
+What a certificate has to fulfil is required below, line by line; whatever fails ends in ``RefusedError``. Exit codes:
+0 if every file proves its interval, 1 if a file is refused, 2 if there is no file to check.
 """
 
 from __future__ import annotations
 
-import gzip
 import json
 import math
+import re
 import sys
+import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction as Q
 from functools import cache, reduce
 from itertools import accumulate, combinations, pairwise, product
 from operator import mul
+from os.path import isfile
 from pathlib import Path
 from textwrap import fill
 from typing import Any
@@ -31,6 +34,22 @@ GRID = 100
 """Roots and sums are rounded outward to multiples of 2^−GRID."""
 ELEVATED, HALVINGS = 40, 4
 """The degree to which a polynomial is raised to see its sign; how often an edge with a kink of f_2 is cut."""
+
+# Limits: a file beyond one of them is refused before work or memory is spent on it. They are far above what real
+# certificates need; for level 16 with 64 steps, ``study certify`` needs what stands in brackets.
+DIGITS = 100  # decimal digits of an integer, and of a numerator and a denominator (45, for doubles read as fractions)
+BITS = 512  # the binary digits after the point of the units of ũ, σ̃ and Φ (60)
+DEGREE = 12  # total degree of p · g_+^q in x1, x2 and t (7): the cost grows like its fourth power
+TERMS = 500  # monomials of a polynomial, and summands of a load (20): all 455 monomials of degree 12 fit
+VERTICES = 100  # vertices of the polygon (6): every pair of its sides is compared
+REFINEMENTS = 8  # from the mesh of u_h to that of ũ (2); ũ has to have as many nodes as the refined mesh
+LISTS = 1 << 20  # lists in a file (10 000), as an empty list takes 20 times the memory of its two characters
+PACKED, UNPACKED = 1 << 28, 1 << 30  # bytes of a file (50 million), and of its text (120 million)
+PACKING, SMALL = (
+    20,
+    1 << 24,
+)  # a text beyond SMALL characters may have PACKING for one byte of the file (2.3): a bomb has 1000
+
 Vector = tuple[Q, Q]
 Matrix = list[list[Q]]
 
@@ -45,10 +64,110 @@ def require(condition: bool, message: str) -> None:
         raise RefusedError(message)
 
 
-def integers(*values: Any) -> None:
-    """Refuse numbers, or lists of them, that are no integers."""
-    for one in values:
-        require(all(type(x) is int for x in (one if isinstance(one, list) else [one])), "a number is no integer")
+# The form of a certificate
+
+
+def shown(value: Any) -> str:
+    """A value as short ASCII text without control characters, so that no file can forge what is on the screen."""
+    if isinstance(value, list | dict):
+        return "a list" if isinstance(value, list) else "an object"
+    text = ascii(value[:60] if isinstance(value, str) else value)
+    return text if len(text) <= 60 else f"{text[:60]}..."
+
+
+@dataclass(frozen=True)
+class Many:
+    """The form of a list of values that have one form."""
+
+    form: Any
+    least: int = 0
+    most: float = math.inf
+
+
+FRACTION = re.compile(f"-?(0|[1-9][0-9]{{0,{DIGITS - 1}}})(/[1-9][0-9]{{0,{DIGITS - 1}}})?")
+INTEGER, POSITIVE = range(1 - 10**DIGITS, 10**DIGITS), range(1, 10**DIGITS)
+EXPONENT, UNIT = range(DEGREE + 1), range(1, BITS + 1)
+IN_SPACE, IN_TIME = (Many((FRACTION, *[EXPONENT] * n), 0, TERMS) for n in (2, 3))
+FORMULA = Many((IN_TIME, IN_TIME, EXPONENT), 0, TERMS)
+TENSOR = ((FRACTION, FRACTION, FRACTION),) * 3
+PROBLEM = {
+    "vertices": Many((FRACTION, FRACTION), 3, VERTICES),
+    "kinds": Many({"clamped", "loaded", "contact"}, 3, VERTICES),
+    "T": FRACTION,
+    "A": TENSOR,
+    "G": TENSOR,
+    "force": (FORMULA, FORMULA),
+    "loads": {"": (FORMULA, FORMULA)},
+    "start": (IN_SPACE, IN_SPACE),
+}
+MESH = {
+    "denominator": POSITIVE,
+    "points": Many(Many(INTEGER, 2, 2), 3),
+    "cells": Many(Many(INTEGER, 3, 3), 1),
+    "sides": Many(Many(INTEGER, 2), 3, VERTICES),
+}
+CERTIFICATE = {
+    "format": {FORMAT},
+    "level": range(10**6),  # in the maker's family of meshes; nothing here reads it
+    "problem": PROBLEM,
+    "constants": {
+        "mesh": MESH,
+        "bits": UNIT,
+        "field": Many(Many(INTEGER, 4, 4)),
+        "volume": FRACTION,
+        "surface": FRACTION,
+    },
+    "m": FRACTION,
+    "mesh": MESH,
+    "refinements": range(REFINEMENTS + 1),
+    "computed": Many(Many(float), 2),
+    "element": {"over": POSITIVE, "columns": Many(Many(INTEGER, 90, 90), 45, 45)},
+    "displacement": {"bits": UNIT, "nodes": Many(Many(INTEGER), 2)},
+    "stress": {"bits": UNIT, "coarse": range(BITS + 1), "tractions": Many(Many(INTEGER)), "inner": Many(Many(INTEGER))},
+}
+"""The form of a certificate, see ``conform``."""
+
+
+def conform(value: Any, form: Any, name: str) -> None:
+    """Refuse a value that has not the given form.
+
+    A form is a dict for an object with these keys and no other (or with any, if its only key is ""), ``Many`` for a
+    list, a tuple for a list of values with one form each, a range for an integer, a set for one of some texts,
+    ``FRACTION`` for the text of a fraction, ``float`` for a finite number that has a point or an exponent.
+    """
+    given = f"{name} is {shown(value)}, but has to be"
+    match form:
+        case dict():
+            require(type(value) is dict, f"{given} an object")
+            forms = form if "" not in form else dict.fromkeys(value, form[""])
+            for key in [*value, *forms]:
+                require(key in forms, f"{name} has the unknown key {shown(key)}")
+                require(key in value, f"{name} lacks the key {shown(key)}")
+            for key in forms:
+                conform(value[key], forms[key], f"{name}[{shown(key)}]")
+        case tuple():
+            require(type(value) is list and len(value) == len(form), f"{given} a list of {len(form)} values")
+            for i, (one, of_one) in enumerate(zip(value, form, strict=True)):
+                conform(one, of_one, f"{name}[{i}]")
+        case Many(of_one, least, most):
+            require(type(value) is list, f"{given} a list")
+            require(least <= len(value) <= most, f"{name} has {len(value)} values, but has to have {least} to {most}")
+            kind, end = (float, math.inf) if of_one is float else (int, 10**DIGITS)
+            if of_one in (INTEGER, float) and all(type(x) is kind and -end < x < end for x in value):
+                return  # Long lists of numbers are checked at once.
+            for i, one in enumerate(value):
+                conform(one, of_one, f"{name}[{i}]")
+        case range():
+            short = f"an integer from {form[0]} to {form[-1]}"
+            long = f"{'a positive' if form[0] > 0 else 'an'} integer of at most {DIGITS} digits"
+            require(type(value) is int and value in form, f"{given} {short if form[-1] < 10**9 else long}")
+        case set():
+            require(type(value) is str and value in form, f"{given} {' or '.join(sorted(form))}")
+        case re.Pattern():
+            fits = type(value) is str and form.fullmatch(value) is not None
+            require(fits, f'{given} a fraction such as "-3/4", of at most {DIGITS} digits')
+        case _:
+            require(type(value) is float and math.isfinite(value), f"{given} a finite number with a point")
 
 
 # Numbers
@@ -59,21 +178,32 @@ def up(x: Q) -> Q:
     return Q(-(-(x.numerator << GRID) // x.denominator), 1 << GRID)
 
 
+def down(x: Q) -> Q:
+    """x rounded down to the grid."""
+    return -up(-x)
+
+
 def root(x: Q, above: bool = True) -> Q:
     """√x rounded up, or down."""
-    require(x >= 0, f"the square {float(x):.3g} is negative")
-    down = math.isqrt((x.numerator << 2 * GRID) // x.denominator)
-    return Q(down + above, 1 << GRID)
+    require(x >= 0, "a square is negative")
+    floor = math.isqrt((x.numerator << 2 * GRID) // x.denominator)
+    return Q(floor + above, 1 << GRID)
 
 
 def logarithm(x: Q) -> tuple[Q, Q]:
-    """The ends of an interval that contains log x: n times that of 2, and the series of 2 artanh((x − 1)/(x + 1))."""
-    n = 0 if x == 2 else math.floor(x).bit_length() - 1 if x >= 1 else -math.floor(1 / x).bit_length()
-    z = (x / Q(2) ** n - 1) / (x / Q(2) ** n + 1)  # from 0 to 1/3
-    found = sum((2 * z ** (2 * i + 1) / (2 * i + 1) for i in range(40)), Q(0))
-    low, high = up(found) - Q(1, 1 << GRID), up(found + z**81)
-    two = logarithm(Q(2)) if n else (Q(0), Q(0))
+    """The ends of an interval that contains log x, x > 0: log of x/2^n plus n log 2."""
+    n = x.numerator.bit_length() - x.denominator.bit_length()
+    low, high = logarithm_near_1(x / Q(2) ** n)
+    two = logarithm_near_1(Q(2))
     return low + n * two[n < 0], high + n * two[n > 0]
+
+
+def logarithm_near_1(x: Q) -> tuple[Q, Q]:
+    """The ends of an interval that contains log x, 1/2 ≤ x ≤ 2: 20 terms of the series of 2 artanh z, and its tail."""
+    z = (x - 1) / (x + 1)  # from −1/3 to 1/3
+    partial = sum((2 * z ** (2 * i + 1) / (2 * i + 1) for i in range(20)), Q(0))
+    tail = 2 * abs(z) ** 41 / (41 * (1 - z**2))
+    return down(partial - tail), up(partial + tail)
 
 
 def decay(x: Q) -> Q:
@@ -245,6 +375,11 @@ class Term:
     def __call__(self, *images: Poly) -> Term:
         return Term(self.p(*images), self.g(*images), self.q)
 
+    def degree(self) -> int:
+        """The degree of p · g^q."""
+        of_p, of_g = (max(map(sum, some), default=0) for some in (self.p, self.g))
+        return of_p + self.q * of_g
+
     def plain(self) -> Poly | None:
         """The polynomial that it is for |X|, |S| ≤ 1; None where g changes its sign."""
         middle, size = 2 * self.g.get((0, 0, 0), Q(0)), self.g.size()
@@ -258,21 +393,21 @@ class Term:
         return self.p.size() * (self.g.size() - abs(middle) + middle if self.q else Q(1)) ** self.q
 
 
-def polynomial(data: Any, size: int = 3) -> Poly:
-    """From [[coefficient, exponents of x1, x2 and t], …]."""
-    require(all(len(key) == size and all(type(e) is int and e >= 0 for e in key) for _, *key in data), "no exponents")
+def polynomial(data: Any) -> Poly:
+    """The polynomial that is given by [[coefficient, exponents of x1, x2 and perhaps t], …]."""
     return Poly.of(((*key, 0)[:3], Q(x)) for x, *key in data)
 
 
 def formula(data: Any) -> list[Term]:
-    """From [[p, g, q], …]."""
-    require(all(type(q) is int and q >= 0 for *_, q in data), "a truncated power needs an exponent ≥ 0")
-    return [Term(polynomial(p), polynomial(g), q) for p, g, q in data]
+    """The sum of p · g_+^q that is given by [[p, g, q], …]."""
+    terms = [Term(polynomial(p), polynomial(g), q) for p, g, q in data]
+    require(all(one.degree() <= DEGREE for one in terms), f"a load has a degree above {DEGREE}")
+    return terms
 
 
 def never_positive(p: Poly) -> bool:
     """Whether p ≤ 0 for 0 ≤ X ≤ 1, seen from the coefficients of (1 + z)^n p(1/(1 + z)), z ≥ 0."""
-    n = max([ELEVATED, *(i for i, _, _ in p)])
+    n = ELEVATED
     return all(sum(x * math.comb(n - i, k) for (i, _, _), x in p.items()) <= 0 for k in range(n + 1))
 
 
@@ -317,8 +452,10 @@ class Problem:
         ends, names = [*corners[1:], *corners[:1]], list(map(str, range(len(corners))))
         given = [[formula(f) for f in loads.get(name, [])] for name in names]
         require(set(loads) <= set(names), "f_2 is given on parts that there are not")
+        require(len(data["kinds"]) == len(corners), "the polygon has not one kind for every side")
         self.sides = [Side(*one) for one in zip(corners, ends, data["kinds"], given, strict=True)]
-        self.T, self.start = Q(data["T"]), [polynomial(p, 2) for p in data["start"]]
+        self.T, self.start = Q(data["T"]), [polynomial(p) for p in data["start"]]
+        require(all(sum(key) <= DEGREE for p in self.start for key in p), f"u_0 has a degree above {DEGREE}")
         self.A, self.G = ([[Q(x) for x in row] for row in data[name]] for name in "AG")
         force = [formula(f) for f in data["force"]]
         require(not any(term.q for f in force for term in f), "f_0 with kinks is not served")
@@ -327,13 +464,15 @@ class Problem:
         self._check_law()
         for part, side in enumerate(self.sides):
             require(not side.load or side.kind == "loaded", f"f_2 is given on part {part}, which is not of Γ2")
-            require(len(side.load) in (0, 2), "f_2 has 2 components")
             self._check_start(side)
+
+    @property
+    def twice_area(self) -> Q:
+        """2|Ω|."""
+        return sum((cross(side.start, side.end) for side in self.sides), Q(0))
 
     def _check_law(self) -> None:
         require(self.T > 0, "T is not positive")
-        shapes = [len(m) == 3 and all(len(row) == 3 for row in m) for m in (self.A, self.G)]
-        require(all(shapes) and len(self.force) == len(self.start) == 2, "A and G are 3 × 3, forces have 2 components")
         elliptic = semidefinite(self.A) and determinant(self.A) > 0
         require(elliptic, "A is not symmetric and positive definite")
         require(semidefinite(self.G), "G is not symmetric and positive semidefinite")
@@ -341,10 +480,8 @@ class Problem:
     def _check_polygon(self) -> None:
         """The polygon is simple and counter-clockwise, and has a Γ1."""
         sides = self.sides
-        kinds = {side.kind for side in sides}
-        require(len(sides) > 2 and kinds <= {"clamped", "loaded", "contact"}, "no polygon, or unknown kinds of parts")
-        require("clamped" in kinds, "no part is clamped")
-        require(sum(cross(side.start, side.end) for side in sides) > 0, "the polygon is not counter-clockwise")
+        require(any(side.kind == "clamped" for side in sides), "no part is clamped")
+        require(self.twice_area > 0, "the polygon is not counter-clockwise")
         for i, one in enumerate(sides):
             after = sides[(i + 1) % len(sides)]
             turned = cross(one.along, after.along) != 0 or dot(one.along, after.along) > 0
@@ -399,9 +536,8 @@ class Mesh:
         numbers, is that of ∂Ω.
         """
         h, points, cells, lines = (data[name] for name in ("denominator", "points", "cells", "sides"))
-        integers(h, *points, *cells, *lines)
-        require(h > 0 and all(0 <= v < len(points) for some in cells + lines for v in some), "no mesh")
-        require(all(len(some) == n for few, n in ((points, 2), (cells, 3)) for some in few), "no triangles")
+        require(all(0 <= v < len(points) for some in cells + lines for v in some), "a mesh has no such vertex")
+        require(len(lines) == len(problem.sides), "a mesh has not one line of vertices for every side of the polygon")
         mesh = cls(h, points, cells, list(zip(problem.sides, lines, strict=True)))
         require(all(cell.det > 0 for cell in mesh.cells), "a cell is not counter-clockwise")
         directed = [edge for a, b, c in cells for edge in ((a, b), (b, c), (c, a))]
@@ -411,7 +547,7 @@ class Mesh:
             places = [mesh.place(v) for v in line]
             steps = [minus(q, p) for p, q in pairwise(places)]
             fits = all(cross(side.along, step) == 0 < dot(side.along, step) for step in steps)
-            fits = fits and (places[0], places[-1]) == (side.start, side.end)
+            fits = fits and (places[:1], places[-1:]) == ([side.start], [side.end])
             require(fits and once >= set(pairwise(line)), f"the mesh does not fit side {part} of the polygon")
         require(len(mesh.boundary) == len(once), "the mesh has a boundary inside the polygon, or outside")
         return mesh
@@ -466,9 +602,8 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
     −Φ(ν, v, v) ≥ 0, where there is a load ≥ κ |v|². Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
     """
     mesh, mu, kappa, field = Mesh.of(data["mesh"], problem), Q(data["volume"]), Q(data["surface"]), data["field"]
-    integers(data["bits"], *field)
-    fits = len(field) == len(mesh.points) and all(len(phi) == 4 for phi in field)
-    require(mu > 0 and kappa > 0 and fits, "the tensor field has another size")
+    require(mu > 0 and kappa > 0, "a constant of the body is not positive")
+    require(len(field) == len(mesh.points), "the tensor field has another size")
     unit, compliance = Q(1, 1 << data["bits"]), inverse(problem.A)
     for cell in mesh.cells:
         (a, b, c, d), scale = cell.F, unit * mesh.h / cell.det
@@ -503,7 +638,6 @@ class Element:
 
     def __init__(self, over: int, columns: Sequence[Sequence[int]]) -> None:
         self.over = over
-        require(self.over > 0 and [len(column) for column in columns] == [90] * 45, "no reference element")
         q = [self._divergence(number, column) for number, column in enumerate(columns)]
         self.rows = [[column[i] for column in columns] for i in range(90)]
         self.unbalanced = [[column[i] for column in q] for i in range(6)]
@@ -512,7 +646,6 @@ class Element:
     @classmethod
     def of(cls, data: Any) -> Element:
         """The element of a certificate, checked once for all that have the same."""
-        integers(data["over"], *data["columns"])
         return checked(data["over"], tuple(map(tuple, data["columns"])))
 
     def _divergence(self, number: int, column: Sequence[int]) -> list[int]:
@@ -665,8 +798,6 @@ class Stresses:
     def __init__(self, mesh: Mesh, data: Any, element: Element) -> None:
         self.mesh, self.element = mesh, element
         self.bits, self.coarse = data["bits"], data["coarse"]
-        integers(self.bits, self.coarse)
-        require(self.bits > 0 <= self.coarse, "the stresses have no unit")
         self.unit = mesh.h * element.over << self.bits
         sides = mesh.boundary
         self.contact = [e for e, side in sides.items() if side.kind == "contact"]
@@ -682,7 +813,6 @@ class Stresses:
         eight for ``MODES``, of which the last four are in coarser units.
         """
         contact, loaded, free = 4 * len(self.contact), 8 * len(self.loaded), 8 * len(self.free)
-        integers(numbers)
         require(len(numbers) == contact + loaded + free, "tractions have another size")
         found, h = dict(self.nothing), self.mesh.h
         normal = [numbers[i : i + 4] for i in range(0, contact, 4)]
@@ -701,7 +831,6 @@ class Stresses:
 
     def field(self, edges: Tractions, numbers: list[int], force: list[list[int]]) -> tuple[Field, Q]:
         """σ̂ on the cells, σ̃ being F σ̂ Fᵀ h/(unit (det F)²), and a bound of ‖Div σ̃ + f̃_0‖."""
-        integers(numbers)
         require(len(numbers) == 9 * len(self.mesh.cells), "the inner numbers have another size")
         found, square = [], 0
         for n, cell in enumerate(self.mesh.cells):
@@ -823,10 +952,9 @@ class Computed:
     """u_h: P1 on a mesh, piecewise linear in time, from doubles, which are integers over a power of 2."""
 
     def __init__(self, data: Any, mesh: Mesh, refinements: int, problem: Problem) -> None:
-        require(len(data) > 1 and all(len(u) == 2 * len(mesh.points) for u in data), "u_h has another size")
+        require(all(len(u) == 2 * len(mesh.points) for u in data), "u_h has another size")
         rows, denominator = common([[Q(x) for x in u] for u in data])
         self.T, self.bits = problem.T, denominator.bit_length() + refinements
-        require(2 * denominator == 1 << denominator.bit_length(), "u_h is not given by doubles")
         clamped = [v for edge, side in mesh.boundary.items() for v in edge if side.kind == "clamped"]
         require(not any(u[2 * v] or u[2 * v + 1] for u in rows for v in clamped), "u_h does not vanish on Γ1")
         for _ in range(refinements):
@@ -843,10 +971,14 @@ class Computed:
 
 @dataclass(frozen=True)
 class Found:
-    """What is proved of one certificate; ``cells`` is the number of cells of the mesh of u_h."""
+    """What is proved of one certificate.
 
-    level: int
+    ``cells`` and ``h`` = √(2|Ω|/cells) are counted on the mesh of u_h; max ‖u − u_h‖_V lies between ``low`` and
+    ``high``; ``last`` bounds ‖u − ũ‖_V at T.
+    """
+
     cells: int
+    h: Q
     low: Q
     high: Q
     last: Q
@@ -856,29 +988,30 @@ class Certificate:
     """A problem, a mesh, u_h and the witnesses."""
 
     def __init__(self, data: Any) -> None:
-        require(data.get("format") == FORMAT, f"not a certificate: the format is not {FORMAT!r}")
-        self.level, self.bits = data["level"], data["displacement"]["bits"]
-        integers(self.level, self.bits, data["refinements"])
-        require(self.bits > 0 <= data["refinements"], "ũ has no unit, or no mesh")
+        conform(data, CERTIFICATE, "certificate")
         problem = self.problem = Problem(data["problem"])
-        self.volume, self.surface = load_constants(data["constants"], problem)
         coarse = mesh = Mesh.of(data["mesh"], problem)
+        self.nodes, self.bits = summed(data["displacement"]["nodes"]), data["displacement"]["bits"]
+        # A mesh has more nodes than cells: a mesh that is too fine for ũ is not made.
+        require(len(mesh.cells) << 2 * data["refinements"] <= len(self.nodes[0]), "ũ has another size")
         for _ in range(data["refinements"]):
             mesh = mesh.refined()
         self.cells, self.mesh = len(coarse.cells), mesh
         self.computed = Computed(data["computed"], coarse, data["refinements"], problem)
         self.laws, self.over = common([*problem.A, *problem.G])
-        self.nodes = summed(data["displacement"]["nodes"])
         self._check_membership()
         self.growth, self.element = Growth(problem, Q(data["m"])), Element.of(data["element"])
         self.stresses = Stresses(mesh, data["stress"], self.element)
-        self.numbers = list(zip(summed(data["stress"]["tractions"]), summed(data["stress"]["inner"]), strict=True))
-        require(len(self.numbers) == 2 * len(self.nodes) + 1, "there is not one stress for every coefficient in time")
+        numbers = [summed(data["stress"][name]) for name in ("tractions", "inner")]
+        sizes = {len(rows) for rows in numbers}
+        require(sizes == {2 * len(self.nodes) + 1}, "there is not one stress for every coefficient in time")
+        self.numbers = list(zip(*numbers, strict=True))
+        self.volume, self.surface = load_constants(data["constants"], problem)
 
     def _check_membership(self) -> None:
         """ũ = 0 on Γ1 and ũ_ν ≤ 0 on Γ3, by Bernstein coefficients."""
         size = 2 * self.mesh.nodes
-        require(len(self.nodes) > 1 and all(len(v) == size for v in self.nodes), "ũ has another size")
+        require(all(len(v) == size for v in self.nodes), "ũ has another size")
         for edge, side in self.mesh.boundary.items():
             places = [v[2 * n : 2 * n + 2] for v in self.nodes for n in self.mesh.nodes_of(edge)]
             require(side.kind != "clamped" or not any(map(any, places)), "ũ does not vanish on Γ1")
@@ -900,7 +1033,8 @@ class Certificate:
             distances = list(self._distances(piece))
             low = max(low, root(distances[-1][0], above=False) - y)
             high = max(high, largest + root(max(above for _, above in distances)))
-        return Found(self.level, self.cells, low, high, y)
+        require(high < 10**DIGITS, "the error has no bound that is worth printing")
+        return Found(self.cells, root(self.problem.twice_area / self.cells), low, high, y)
 
     def _stress(self, numbers: tuple[list[int], list[int]], control: list[Poly], loads: Loads) -> tuple[Any, ...]:
         """σ̃ at a knot or a control point: σ̃N, σ̃_ν on Γ3, the field and a bound of what it does not balance."""
@@ -998,17 +1132,16 @@ def voigt(a: int, b: int, c: int, d: int) -> list[list[int]]:
 
 def summed(rows: list[list[int]]) -> list[list[int]]:
     """Rows from their second differences in time."""
-    integers(*rows)
     require(all(len(row) == len(rows[0]) for row in rows), "rows in time are not as long as each other")
     columns = [accumulate(accumulate(column)) for column in zip(*rows, strict=True)]
     return [list(row) for row in zip(*columns, strict=True)]
 
 
 def order(coarse: Found, fine: Found) -> tuple[Q, Q] | None:
-    """The ends of an interval with log(E/E')/log(h/h'), h² = 2|Ω|/cells, where both intervals are positive."""
+    """The ends of an interval with log(E/E')/log(h/h'), or None if an interval contains 0 or h is the same."""
     if coarse.low <= 0 or fine.low <= 0 or fine.cells <= coarse.cells:
         return None
-    sizes = logarithm(Q(fine.cells, coarse.cells))
+    sizes = logarithm(Q(fine.cells, coarse.cells))  # 2 log(h/h') > 0
     low, high = logarithm(coarse.low / fine.high)[0], logarithm(coarse.high / fine.low)[1]
     return 2 * low / sizes[low >= 0], 2 * high / sizes[high < 0]
 
@@ -1025,44 +1158,86 @@ def verified(data: Any) -> Found:
         return Certificate(data).check()
     except RefusedError:
         raise
-    except (KeyError, TypeError, ValueError, IndexError, AttributeError, ArithmeticError) as error:
-        raise RefusedError(f"not a certificate: {type(error).__name__}: {error}") from error
+    except Exception as error:
+        # Whatever the reason, nothing is proved.
+        raise RefusedError(f"the check ended with {type(error).__name__}") from error
 
 
 def load(path: Path) -> Any:
-    """What a file holds; RefusedError if it is no certificate."""
+    """The content of a file; RefusedError if it is no certificate, OSError if it cannot be read."""
+    size = path.stat().st_size
+    require(size <= PACKED, f"the file has more than {PACKED} bytes")
+    with path.open("rb") as file:
+        packed = file.read(size)
+    limit, unpacking = min(UNPACKED, max(SMALL, PACKING * len(packed))), zlib.decompressobj(wbits=31)
     try:
-        return json.loads(gzip.decompress(path.read_bytes()))
-    except (ValueError, EOFError, OSError) as error:
-        raise RefusedError(f"not a certificate: {error}") from error
+        text = unpacking.decompress(packed, limit).decode("ascii")
+        require(not unpacking.unconsumed_tail, f"the file unpacks to more than {limit} bytes")
+        require(unpacking.eof, "the file ends too early")
+        require(not unpacking.unused_data, "the file has something behind its certificate")
+        require(text.count("[") <= LISTS and text.count("{") <= LISTS, f"the file has more than {LISTS} lists")
+        return json.loads(text, object_pairs_hook=distinct, parse_constant=distinct)
+    except RefusedError:
+        raise
+    except (ValueError, zlib.error) as error:
+        raise RefusedError(f"the file is no gzip file with JSON in ASCII: {shown(str(error))}") from error
+    except RecursionError as error:
+        raise RefusedError("the file nests lists too deeply") from error
+
+
+def distinct(pairs: Any) -> dict[str, Any]:
+    """An object of JSON, in which no key comes twice; numbers that are not finite are refused, too."""
+    require(not isinstance(pairs, str), f"a number is {shown(pairs)}")
+    found = dict(pairs)
+    require(len(found) == len(pairs), "an object has a key twice")
+    return found
+
+
+def report(proved: Sequence[Found]) -> None:
+    """Print the order between every two meshes, or why nothing is known about it."""
+    for coarse, fine in combinations(sorted(proved, key=lambda found: found.cells), 2):
+        span, meshes = order(coarse, fine), f"from {coarse.cells} to {fine.cells} cells"
+        if span:
+            print(f"order {meshes} in [{decimal(span[0], False, 4)}, {decimal(span[1], True, 4)}]")
+        else:
+            reason = "h is the same" if coarse.cells == fine.cells else "an error may be 0"
+            print(f"no order {meshes}: {reason}")
 
 
 def main(paths: Sequence[str]) -> int:
-    """Check files and print what they prove; 0 if none is refused."""
-    kept: list[Found] = []
+    """Check files and print what they prove; returns the exit code."""
+    proved: list[Found] = []
     stated: Any = None
-    for path in paths:
+    names = [path if path.isascii() and path.isprintable() else ascii(path) for path in paths]
+    absent = [name for name, path in zip(names, paths, strict=True) if not isfile(path)]
+    if absent or not paths:
+        reasons = [f"{name} is no file" for name in absent] or ["no file is named"]
+        print(*reasons, "usage: python checker.py CERTIFICATE.json.gz ...", sep="\n", file=sys.stderr)
+        return 2
+    for name, path in zip(names, paths, strict=True):
         try:
             data = load(Path(path))
             found = verified(data)
-            require(not kept or stated == data["problem"], "another problem than that of the first")
-        except RefusedError as refusal:
-            print(f"{path}: REFUSED: {refusal}")
+            require(not proved or stated == data["problem"], "another problem than that of the first")
+        except OSError as error:
+            print(f"{name} cannot be read: {error.strerror}", file=sys.stderr)
+            return 2
+        except (RefusedError, MemoryError) as refusal:
+            print(f"{name}: REFUSED: {refusal if str(refusal) else 'it needs more memory than there is'}")
             return 1
         stated = data["problem"]
-        kept.append(found)
+        proved.append(found)
+        mesh = f"{found.cells} cells, h = {decimal(found.h, False, 4)}"
         interval = f"[{decimal(found.low, False)}, {decimal(found.high, True)}]"
-        print(f"{path}:\n    level {found.level}, {found.cells} cells: max ‖u − u_h‖_V in {interval}")
-    for coarse, fine in combinations(kept, 2):
-        span = order(coarse, fine)
-        if span:
-            ends = f"[{decimal(span[0], False, 4)}, {decimal(span[1], True, 4)}]"
-            print(f"order from level {coarse.level} to {fine.level} in {ends}")
+        print(f"{name}:\n    {mesh}: max ‖u − u_h‖_V in {interval}")
+    report(proved)
     print("the problem:")
-    for name, value in (stated or {}).items():
+    for name, value in stated.items():
         print(fill(f"    {name}: {json.dumps(value)}", 80, subsequent_indent=8 * " ", break_long_words=False))
-    return 0 if kept else 1
+    return 0
 
 
 if __name__ == "__main__":
+    for stream in (sys.stdout, sys.stderr):
+        stream.reconfigure(errors="backslashreplace")  # type: ignore[union-attr]  # for terminals without ‖
     sys.exit(main(sys.argv[1:]))

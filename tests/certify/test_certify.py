@@ -131,13 +131,13 @@ def test_cases_are_refused_by_the_command(capsys: pytest.CaptureFixture[str], tm
 def test_the_command_serves_the_other_examples(name: str, capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     options = ["--levels", "2", "--steps", "2", "--refine", "0", "--shorter", "1", "--out", str(tmp_path)]
     assert main(["certify", f"{PROBLEMS}:{name}", *options]) == 0
-    assert "level 2, " in capsys.readouterr().out
+    assert "cells, h = " in capsys.readouterr().out
 
 
 def test_the_command_writes_certificates_and_checks_them(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     options = ["--levels", "2", "4", "--steps", "2", "--refine", "0", "--shorter", "1", "--family", "one-diagonal"]
     assert main(["certify", f"{PROBLEMS}:square", *options, "--out", str(tmp_path)]) == 0
-    assert "level 4, 32 cells: max ‖u − u_h‖_V in [" in capsys.readouterr().out
+    assert "32 cells, h = 0.2500: max ‖u − u_h‖_V in [" in capsys.readouterr().out
     assert (tmp_path / "square" / "certificate-4.json.gz").is_file()
 
 

@@ -1,0 +1,358 @@
+"""Numbers and polynomials of the checker: every value is compared with a known one, every rounding with its direction.
+
+A bound must be on the safe side of the exact value, and so near to it that a value rounded the other way would not be.
+"""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction as Q
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Any
+
+import mpmath
+import numpy as np
+import pytest
+
+from study.certify import checker
+from study.certify.checker import CUBIC, ONE, Poly, RefusedError, S, Side, Term, X, Y
+
+EXAMPLE = Path(__file__).parents[2] / "examples" / "certificates" / "square-4.json.gz"
+GRID = Q(1, 1 << checker.GRID)
+
+
+def exact(value: mpmath.mpf) -> Q:
+    """The fraction of a number of mpmath."""
+    sign, man, exponent, _ = value._mpf_
+    return (-1) ** sign * int(man) * Q(2) ** exponent
+
+
+@pytest.fixture(autouse=True)
+def digits() -> Any:
+    """80 decimal digits, far more than the grid."""
+    with mpmath.workdps(80):
+        yield
+
+
+@pytest.mark.parametrize(
+    ("x", "below", "above"),
+    [
+        (Q(1, 3), (2**100 - 1) // 3, (2**100 + 2) // 3),
+        (Q(-1, 3), -(2**100 + 2) // 3, -(2**100 - 1) // 3),
+        (5 + GRID / 3, 5 * 2**100, 5 * 2**100 + 1),
+        (Q(7, 8), 7 * 2**97, 7 * 2**97),
+        (Q(0), 0, 0),
+    ],
+)
+def test_numbers_are_rounded_to_the_neighbours_on_the_grid(x: Q, below: int, above: int) -> None:
+    assert checker.down(x) == below * GRID
+    assert checker.up(x) == above * GRID
+
+
+@pytest.mark.parametrize("x", [Q(2), Q(1, 3), Q(10**40, 7), Q(1, 3**60), Q(1, 2**300)])
+def test_a_root_lies_between_neighbours_on_the_grid(x: Q) -> None:
+    low, high = checker.root(x, above=False), checker.root(x)
+    assert low**2 < x < high**2
+    assert high - low == GRID
+
+
+def test_roots_of_squares_are_found() -> None:
+    assert checker.root(Q(9, 4), above=False) == Q(3, 2) < checker.root(Q(9, 4)) <= Q(3, 2) + GRID
+    assert checker.root(Q(0), above=False) == 0
+    with pytest.raises(RefusedError, match="a square is negative"):
+        checker.root(Q(-1, 10**9))
+
+
+FACTORS = [Q(1), Q(2), Q(1, 2), Q(3, 2), Q(2, 3), Q(4), Q(1, 8), Q(355, 113), Q(10**9, 7), Q(1, 10**6), 1 - Q(1, 2**70)]
+
+
+@pytest.mark.parametrize("x", FACTORS, ids=str)
+def test_a_logarithm_lies_in_a_narrow_interval(x: Q) -> None:
+    low, high = checker.logarithm(x)
+    assert low <= exact(mpmath.log(mpmath.mpf(x.numerator) / x.denominator)) <= high
+    assert high - low < Q(1, 2**60)
+
+
+def test_the_tail_of_a_logarithm_counts() -> None:
+    """For 2 and 1/2 the series converges most slowly: half the tail would not do, and twice the tail would be wide."""
+    two = exact(mpmath.log(2))
+    tail = Q(2, 41 * 3**41) * Q(9, 8)
+    for x, wanted, sign in ((Q(2), two, 1), (Q(1, 2), -two, -1)):
+        low, high = checker.logarithm_near_1(x)
+        nearer, farther = (high - wanted, wanted - low) if sign > 0 else (wanted - low, high - wanted)
+        assert 0 <= nearer < Q(1, 100) * tail
+        assert Q(199, 100) * tail < farther + nearer <= 2 * tail + 2 * GRID
+
+
+@pytest.mark.parametrize("x", [Q(0), Q(1, 10**6), Q(3, 10), Q(2), Q(11), Q(20)], ids=str)
+def test_decay_is_rounded_up(x: Q) -> None:
+    wanted = exact(mpmath.exp(-mpmath.mpf(x.numerator) / x.denominator))
+    assert wanted <= checker.decay(x) <= wanted * (1 + Q(1, 10**12)) + GRID
+
+
+@pytest.mark.parametrize(
+    ("x", "close"), [(Q(1, 10**6), 1e-25), (Q(3, 10), 1e-25), (Q(2), 1e-17), (Q(8), 1e-2)], ids=str
+)
+def test_the_mean_of_a_decay_is_rounded_up(x: Q, close: float) -> None:
+    y = mpmath.mpf(x.numerator) / x.denominator
+    wanted = exact(-mpmath.expm1(-y) / y)
+    assert wanted <= checker.mean_decay(x) <= wanted * (1 + Q(close)) + GRID
+
+
+@pytest.mark.parametrize("x", [Q(0), Q(1, 3), Q(14), Q(47, 2), Q(24), Q(25), Q(10**9)], ids=str)
+def test_the_mean_of_a_decay_is_at_most_1_and_1_over_x(x: Q) -> None:
+    wanted = exact(-mpmath.expm1(-mpmath.mpf(x.numerator) / x.denominator)) / x if x else Q(1)
+    assert wanted <= checker.mean_decay(x) <= min(Q(1), 1 / x if x else Q(1)) + GRID
+
+
+def test_long_decays_are_no_less_than_they_are() -> None:
+    """The series has so many terms that e^{−100} is far away, on the safe side."""
+    assert checker.decay(Q(100)) > exact(mpmath.exp(-100))
+
+
+# Matrices
+
+SEMIDEFINITE: list[tuple[list[list[Any]], bool]] = [
+    ([[0, 0], [0, 0]], True),
+    ([[1, 1], [1, 1]], True),
+    ([[0, 0], [0, 1]], True),
+    ([[0, 0], [0, -1]], False),
+    ([[-1, 0], [0, 0]], False),
+    ([[-1, 0], [0, -1]], False),
+    ([[0, 1], [1, 0]], False),
+    ([[1, 2], [2, 1]], False),
+    ([[1, 1 + GRID], [1 + GRID, 1]], False),
+    ([[2, 1], [0, 2]], False),
+    ([[1, 0, 0], [0, 0, 0], [0, 0, -1]], False),
+    ([[0, 0, 0], [0, 1, 2], [0, 2, 1]], False),
+    ([[1, 0, 2], [0, 1, 0], [2, 0, 1]], False),
+    ([[5, -3, -3], [-3, 5, -3], [-3, -3, 5]], False),
+    ([[2, -1, -1], [-1, 2, -1], [-1, -1, 2]], True),
+    ([[4, 1, 2], [1, 3, 0], [2, 0, 5]], True),
+]
+
+
+@pytest.mark.parametrize(("matrix", "wanted"), SEMIDEFINITE, ids=str)
+def test_semidefinite_matrices_are_known(matrix: list[list[Any]], wanted: bool) -> None:
+    """Leading minors are not enough: those of [[0, 0], [0, −1]] are 0."""
+    assert checker.semidefinite([[Q(x) for x in row] for row in matrix]) is wanted
+
+
+def test_matrices_are_those_of_numpy() -> None:
+    rng = np.random.default_rng(2)
+    M, N = (rng.integers(-9, 9, (3, 3)) for _ in range(2))
+    v = [int(x) for x in rng.integers(-9, 9, 3)]
+    m, n = ([[Q(int(x)) for x in row] for row in some] for some in (M, N))
+    assert float(checker.determinant(m)) == pytest.approx(np.linalg.det(M))
+    assert np.array(checker.inverse(m), dtype=float) == pytest.approx(np.linalg.inv(M))
+    assert (np.array(checker.congruent(m, n)) == M @ N @ M.T).all()
+    assert (np.array(checker.applied(m, v)) == M @ v).all()
+    assert (np.array(checker.combined(m, n, Q(-3, 2))) == M - Q(3, 2) * N).all()
+    assert checker.traced(m, n) == (M * N).sum()
+    assert (np.array(checker.mixed(v, M.tolist())) == v @ M).all()
+
+
+def test_small_vectors_are_those_of_textbooks() -> None:
+    assert checker.common([[Q(1, 2)], [Q(1, 3), Q(5)]]) == ([[3], [2, 30]], 6)
+    assert checker.pairs([1, 2, 3, 4]) == [(1, 2), (3, 4)]
+    assert checker.cross((2, 3), (5, 11)) == 7
+    assert checker.minus((Q(2), Q(3)), (Q(5), Q(11))) == (-3, -8)
+    assert checker.summed([[1, 2], [10, 20], [100, 200]]) == [[1, 2], [12, 24], [123, 246]]
+    with pytest.raises(RefusedError, match="not as long as each other"):
+        checker.summed([[1, 2], [3]])
+
+
+# Polynomials
+
+
+def value(p: Poly, x: Q, y: Q, s: Q) -> Q:
+    return sum((c * x**i * y**j * s**k for (i, j, k), c in p.items()), Q(0))
+
+
+def test_polynomials_are_added_multiplied_and_composed() -> None:
+    p, q = X * X * 3 - Y * S + ONE * 2, X * Y - S * Q(1, 2)
+    x, y, s = place = Q(2), Q(-3), Q(5)
+    assert value(p, *place) == 12 + 15 + 2
+    assert value(p + q, *place) == 29 - 6 - Q(5, 2)
+    assert value(p - q, *place) == 29 + 6 + Q(5, 2)
+    assert value(p * q, *place) == 29 * (-6 - Q(5, 2))
+    assert p - p == Poly()
+    assert value(p(q), *place) == value(p, value(q, *place), y, s)
+    assert value(p(q, X), *place) == value(p, value(q, *place), x, s)
+    assert value(p(q, X, Y), *place) == value(p, value(q, *place), x, y)
+    assert p.slope(0) == X * 6
+    assert (p * Y).slope(1) == X * X * 3 - Y * S * 2 + ONE * 2
+    assert p.size() == 6
+
+
+def test_means_and_integrals_are_those_of_monomials() -> None:
+    for i, k in product(range(5), repeat=2):
+        p = checker.total([reduce_power(X, i) * reduce_power(S, k)])
+        wanted = Q((1 + (-1) ** i) * (1 + (-1) ** k), 4 * (i + 1) * (k + 1))
+        assert checker.mean(p) == wanted
+    assert checker.on_triangle(ONE) == Q(1, 2)
+    assert checker.on_triangle(X) == checker.on_triangle(Y) == Q(1, 6)
+    assert checker.on_triangle(X * X * Y) == Q(1, 60)
+    assert checker.on_triangle(S * S * X * Y) == Q(1, 72)
+    assert checker.on_triangle(S) == checker.on_triangle(S * S * S) == 0
+
+
+def reduce_power(p: Poly, n: int) -> Poly:
+    return math.prod([p] * n, start=ONE)
+
+
+def test_bernstein_polynomials_are_those_of_textbooks() -> None:
+    assert checker.bernstein(2, X) == [ONE - X * 2 + X * X, X * 2 - X * X * 2, X * X]
+    assert checker.total(checker.bernstein(3, X)) == ONE
+    # Shares are 30 times the integrals of their products.
+    for a, p in enumerate(checker.bernstein(2, checker.UNIT_S)):
+        for b, q in enumerate(checker.bernstein(2, checker.UNIT_S)):
+            assert 30 * checker.mean(p * q) == checker.SHARES[a][b]
+    # Modes are orthogonal, and have resultants and moments only where they may.
+    modes = [checker.combination(checker.bernstein(3, checker.UNIT_X), mode) for mode in checker.MODES]
+    gram = [[checker.mean(p * q) for q in modes] for p in modes]
+    assert all((gram[a][b] == 0) == (a != b) for a, b in product(range(4), repeat=2))
+    assert [checker.mean(p) for p in modes] == [1, 0, 0, 0]
+    assert [checker.mean(p * X) != 0 for p in modes] == [False, True, False, False]
+
+
+def test_the_clock_runs_from_one_end_to_the_other() -> None:
+    clock = checker.clock(Q(1, 4), Q(2))
+    assert [value(clock, Q(0), Q(0), Q(s)) for s in (-1, 0, 1)] == [Q(1, 4), Q(9, 8), Q(2)]
+    line = checker.between((Q(1), Q(2)), (Q(5), Q(-1)))
+    assert [value(p, Q(1, 2), Q(0), Q(0)) for p in line] == [3, Q(1, 2)]
+
+
+HALF = Q(1, 2)
+KINKS: list[tuple[Poly, int, Poly | None]] = [
+    (ONE + X, 2, (ONE + X) * (ONE + X)),
+    ((ONE + X) * -1, 2, Poly()),
+    (X, 1, None),
+    (X + ONE * (1 - GRID), 1, None),
+    (X - ONE * (1 - GRID), 1, None),
+    (ONE * 2 + X - S, 1, ONE * 2 + X - S),
+    (ONE * -2 + X - S, 1, Poly()),
+    (ONE + X - S, 1, None),
+    (ONE * -1 + X - S, 1, None),
+    (X, 0, ONE),
+    (Poly(), 3, Poly()),
+]
+
+
+@pytest.mark.parametrize(("g", "q", "wanted"), KINKS, ids=str)
+def test_a_kink_is_seen_where_its_sign_may_change(g: Poly, q: int, wanted: Poly | None) -> None:
+    p = X * 3 + ONE
+    assert Term(p, g, q).plain() == (None if wanted is None else p * wanted)
+
+
+@pytest.mark.parametrize(
+    ("g", "q", "size"),
+    [(X + ONE * HALF, 2, 4 * Q(9, 4)), (X - ONE * HALF, 2, 4 * Q(1, 4)), (X * S * 2 - ONE, 1, 4), (X, 0, 4)],
+    ids=str,
+)
+def test_the_size_of_a_term_is_its_supremum_for_these(g: Poly, q: int, size: Q) -> None:
+    assert Term(X * 3 + ONE, g, q).size() == size
+
+
+def test_the_degree_of_a_term_counts_its_power() -> None:
+    assert Term(X * Y, S * S + X, 3).degree() == 8
+    assert Term(X * Y, Poly(), 0).degree() == 2
+    assert Term(Poly(), Poly(), 0).degree() == 0
+
+
+def test_a_mean_square_without_kinks_is_exact() -> None:
+    tiny = Q(1, 3 * 2**60)
+    assert checker.missed([Term(X * tiny, ONE, 1), Term(S * 2, Poly(), 0)], 0) == (tiny**2 + 4) / 3
+
+
+@pytest.mark.parametrize("scale", [Q(1), Q(1, 3 * 2**45)], ids=str)
+def test_the_mean_square_of_a_kink_is_bounded(scale: Q) -> None:
+    """∫ of (X_+)² over |X| ≤ 1 has the mean 1/6; the boxes with the kink get fewer with each halving."""
+    found = [checker.missed([Term(ONE * scale, X, 1)], n) for n in range(5)]
+    assert found[0] == checker.up(scale**2)
+    # The boxes from X = 0 on are exact: the kink lies on their ends.
+    for bound in found[1:]:
+        assert scale**2 / 6 <= bound <= scale**2 / 6 + 2 * GRID
+    kinked = [checker.missed([Term(ONE * scale, X + S, 1), Term(ONE * -scale, Poly(), 0)], n) for n in range(5)]
+    wanted = scale**2 * Q(2, 3)  # of ((X + S)_+ − 1)²
+    assert all(wanted <= bound for bound in kinked)
+    assert all(fine < coarse for coarse, fine in pairwise(kinked))
+    assert kinked[0] == checker.up((3 * scale) ** 2)
+    assert kinked[4] < wanted * Q(3, 2)
+
+
+@pytest.mark.parametrize(
+    ("p", "wanted"),
+    [
+        (Poly(), True),
+        (ONE * -1, True),
+        (ONE, False),
+        (X, False),
+        (X - ONE, True),
+        (X * -1, True),
+        (X - ONE * (1 - GRID), False),
+        (X * -1 + ONE * GRID, False),
+        (X * X - X, True),
+        (X * X * -4 + X * 4 - ONE * Q(99, 100), False),
+    ],
+    ids=str,
+)
+def test_signs_on_a_segment_are_seen(p: Poly, wanted: bool) -> None:
+    assert checker.never_positive(p) is wanted
+
+
+SEGMENTS = [
+    ((0, 0, 1, 0), (0, 1, 1, 1), True),
+    ((0, 0, 1, 0), (2, 0, 3, 0), True),
+    ((3, 0, 2, 0), (0, 0, 1, 0), True),
+    ((0, 0, 1, 0), (1, 0, 2, 0), False),
+    ((0, 0, 2, 0), (1, 0, 3, 0), False),
+    ((0, 0, 1, 1), (0, 1, 1, 0), False),
+    ((0, 0, 1, 0), (1, 0, 1, 1), False),
+    ((0, 0, 1, 0), (Q(1, 2), 0, 1, 1), False),
+    ((0, 0, 1, 0), (Q(1, 2), GRID, 1, 1), True),
+    ((Q(1, 2), GRID, 1, 1), (0, 0, 1, 0), True),
+    ((0, 0, 2, 0), (3, -1, 3, 1), True),
+    ((0, 0, 2, 0), (-1, 1, -1, -1), True),
+    ((0, 0, 4, 4), (0, 3, 1, 2), True),
+]
+
+
+@pytest.mark.parametrize(("one", "other", "wanted"), SEGMENTS, ids=str)
+def test_segments_that_touch_are_not_apart(one: tuple[Any, ...], other: tuple[Any, ...], wanted: bool) -> None:
+    first, second = (Side((Q(a), Q(b)), (Q(c), Q(d)), "loaded", []) for a, b, c, d in (one, other))
+    assert first.is_apart(second) is wanted
+    assert first.normal == (first.end[1] - first.start[1], first.start[0] - first.end[0])
+
+
+# The reference element
+
+
+def quadrature() -> tuple[Any, Any]:
+    """Points and weights on the triangle with the vertices 0, e_1, e_2, exact for degree 8."""
+    nodes, weights = np.polynomial.legendre.leggauss(6)
+    u, v = (a.ravel() for a in np.meshgrid((nodes + 1) / 2, (nodes + 1) / 2))
+    w = np.outer(weights, weights).ravel() / 4
+    return np.array([u, v * (1 - u)]), w * (1 - u)
+
+
+def test_products_on_thirds_are_those_of_a_quadrature() -> None:
+    element = checker.Element.of(checker.load(EXAMPLE)["element"])
+    gram = np.array(element.gram, dtype=float).reshape(3, 10, 10) / element.unit
+    (u, v), w = quadrature()
+    corners = np.array(checker.CORNERS, dtype=float)
+    for third in range(3):
+        a, b, c = corners[(third + 1) % 3], corners[(third + 2) % 3], np.array([1 / 3, 1 / 3])
+        x, y = a[:, None] + np.outer(b - a, u) + np.outer(c - a, v)
+        monomials = np.array([x**i * y**j for i, j, _ in CUBIC])
+        assert gram[third] == pytest.approx((monomials * w) @ monomials.T / 3, rel=1e-12)
+    field = list(range(30))
+    assert np.array(element.dual(field), dtype=float) / element.unit == pytest.approx(
+        (gram @ np.arange(30).reshape(3, 10, 1)).ravel()
+    )
+
+
+def test_the_square_of_a_linear_polynomial_is_its_integral() -> None:
+    p = X * -2 + Y * 5 + ONE * 3
+    assert checker.linear_square((3, -2, 5)) == 24 * checker.on_triangle(p * p)
