@@ -1,4 +1,9 @@
-"""The problems of the examples, and a small certificate of one of them."""
+"""The problems of the examples, and a small certificate of one of them.
+
+``square-2.json.gz`` was written by ``study certify examples/certificates/problems.py:square --levels 2 --steps 2
+--refine 0 --shorter 1 --family one-diagonal``, with the constants of a mesh of level 3. It is read from its file, so that
+tests of the checker do not depend on the program that makes certificates.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +11,17 @@ import copy
 import importlib.util
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import pytest
 
-from manufactured import Data
-from study.bound.trajectory import Refined
-from study.certify import certified, checker
-from study.certify.certified import Making
-from study.fem.mesh import OneDiagonal
-from study.solve.tableau import MIDPOINT
+from study.certify import checker
+
+if TYPE_CHECKING:
+    from manufactured import Data
 
 PROBLEMS = Path(__file__).parents[2] / "examples" / "certificates" / "problems.py"
+SMALL = Path(__file__).parent / "square-2.json.gz"
 
 
 @pytest.fixture(scope="session")
@@ -31,17 +35,19 @@ def problem() -> Callable[[str], Data]:
     return lambda name: made.setdefault(name, getattr(module, name)())
 
 
-@pytest.fixture(scope="session", autouse=True)
+@pytest.fixture
 def constants_of_a_coarse_mesh() -> Iterator[None]:
     """The semidefinite programme is most of what a small certificate costs."""
+    from study.certify import certified
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(certified, "CONSTANTS_LEVEL", 3)
         yield
 
 
 @pytest.fixture(scope="session")
-def made(problem: Callable[[str], Data], constants_of_a_coarse_mesh: None) -> Any:
-    return Making(problem("square"), OneDiagonal(), MIDPOINT, Refined(0, 1)).certificate(2, 2)
+def made() -> Any:
+    return checker.load(SMALL)
 
 
 @pytest.fixture

@@ -43,6 +43,7 @@ from study.solve.tableau import MIDPOINT
 
 PROBLEMS = Path(__file__).parents[2] / "examples" / "certificates" / "problems.py"
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+pytestmark = pytest.mark.usefixtures("constants_of_a_coarse_mesh")
 
 
 Problems = Callable[[str], Data]
@@ -50,8 +51,9 @@ Problems = Callable[[str], Data]
 
 def test_what_is_proved_is_what_is_computed(problem: Problems) -> None:
     data, family, refined = problem("square"), OneDiagonal(), Refined(0, 1)
-    found = checker.verified(Making(data, family, MIDPOINT, refined).certificate(4, 4))
     computed = bounded_solution(data, None, family, 4, MIDPOINT, 4, refined).enclosure
+    certificate = Making(data, family, MIDPOINT, refined).certificate(4, 4)
+    found = checker.verified(certificate)
     assert float(found.last) == pytest.approx(computed.bound[-1], rel=1e-6)
     assert float(found.low) == pytest.approx(computed.lowest, rel=1e-6)
     assert float(found.high) == pytest.approx(computed.highest, rel=1e-6)
