@@ -233,6 +233,10 @@ def test_witnesses_of_something_else_prove_less(claim: str, certificate: Any, pl
     assert checker.verified(certificate).last > plain.last
 
 
+def test_what_is_proved_is_known(plain: checker.Found, computed_bounds: dict[str, float]) -> None:
+    assert {name: float(getattr(plain, name)) for name in computed_bounds} == pytest.approx(computed_bounds, rel=1e-6)
+
+
 def test_the_level_is_not_read(certificate: Any, plain: checker.Found) -> None:
     """What is printed is counted on the mesh: 8 cells of the unit square, h = √(2/8)."""
     assert checker.verified(certificate | {"level": 64}) == plain

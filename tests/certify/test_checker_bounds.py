@@ -566,6 +566,112 @@ def test_on_a_coarse_grid_the_interval_is_wider(bracket: checker.Certificate) ->
     assert rough.high - fine.high < Q(1, 1000)
 
 
+def strain_on(mesh: Mesh, cell: checker.Cell, values: list[Q]) -> list[checker.Poly]:
+    """ε_11, ε_22 and 2ε_12 of a displacement of degree 2 by its Bernstein coefficients, by the chain rule."""
+    L = [checker.ONE - X - Y, X, Y]
+    shapes = [p * p for p in L] + [L[i] * L[j] * 2 for i, j in ((1, 2), (2, 0), (0, 1))]
+    u, v = (checker.total(p * values[2 * n + d] for p, n in zip(shapes, cell.nodes, strict=True)) for d in (0, 1))
+    (a, b, c, d), scale = cell.F, Q(mesh.h, cell.det)
+    u_x, v_x = ((p.slope(0) * d - p.slope(1) * c) * scale for p in (u, v))
+    u_y, v_y = ((p.slope(1) * a - p.slope(0) * b) * scale for p in (u, v))
+    return [u_x, v_y, u_y + v_x]
+
+
+def energy(problem: Problem, mesh: Mesh, strains: list[list[checker.Poly]]) -> Q:
+    """∫ Aε·ε of polynomials on cells."""
+    return sum(
+        (
+            problem.A[i][j] * checker.on_triangle(e[i] * e[j]) * Q(cell.det, mesh.h**2)
+            for cell, e in zip(mesh.cells, strains, strict=True)
+            for i, j in product(range(3), repeat=2)
+        ),
+        Q(0),
+    )
+
+
+@pytest.mark.parametrize("name", ["bracket", "wedge"])
+def test_distances_are_integrals(name: str) -> None:
+    """‖v − u_h(t)‖²_V with v = ũ's control point, u_h(t) from the doubles in the file; the wedge refines its mesh."""
+    data = checker.load(EXAMPLES / f"{name}-4.json.gz")
+    certificate = checker.Certificate(data)
+    mesh, piece, time = certificate.mesh, piece_of(certificate), Q(5, 16)
+    steps = len(data["computed"]) - 1
+    n = int(time * steps)
+    nodes = [[Q(x) for x in u] for u in data["computed"][n : n + 2]]
+    share = time * steps - n
+    u = [x + share * (y - x) for x, y in zip(*nodes, strict=True)]
+    coarse = Mesh.of(data["mesh"], certificate.problem)
+    for one in [coarse, coarse.refined()][: data["refinements"] + 1]:
+        u = [*u, *((u[2 * a + d] + u[2 * b + d]) / 2 for a, b in one.edges for d in (0, 1))]
+    w = [Q(x, 4 << certificate.bits) - y for x, y in zip(piece.values[1], u, strict=True)]
+    exact = energy(certificate.problem, mesh, [strain_on(mesh, cell, w) for cell in mesh.cells])
+    low, high = certificate._distance(piece.values[1], 2, time)
+    assert low <= exact <= high <= low + Q(1, 2**80)
+
+
+def test_the_distance_of_the_start_is_an_integral(bracket: checker.Certificate) -> None:
+    u, v = bracket.problem.start
+    exact = [u.slope(0), v.slope(1), u.slope(1) + v.slope(0)]
+    values = [Q(x, 1 << bracket.bits) for x in bracket.nodes[0]]
+    rest = [
+        [e(*bracket.mesh.images(cell)) - p for e, p in zip(exact, strain_on(bracket.mesh, cell, values), strict=True)]
+        for cell in bracket.mesh.cells
+    ]
+    square = energy(bracket.problem, bracket.mesh, rest)
+    assert square <= bracket._start() ** 2 <= square + Q(1, 2**80)
+
+
+def test_residuals_are_integrals(element: checker.Element) -> None:
+    """∫∫ ρ ρᵀ with ρ = σ̃ − Aε(ũ̇) − Gε(ũ) from random coefficients, by products of polynomials on two cells."""
+    rng = np.random.default_rng(11)
+    certificate = object.__new__(checker.Certificate)
+    problem = certificate.problem = Problem(stated(QUADRANGLE, "clamped loaded contact clamped", A=ROWS))
+    problem.G = [[Q(x) for x in row] for row in ((7, 3, 1), (3, 6, 0), (1, 0, Q(5, 2)))]
+    mesh = certificate.mesh = Mesh.of(mesh_of(QUADRANGLE, 2), problem)
+    certificate.laws, certificate.over = checker.common([*problem.A, *problem.G])
+    certificate.bits, certificate.element = 3, element
+    certificate.stresses = Stresses(mesh, {"bits": 2, "coarse": 0}, element)
+    values = rng.integers(-99, 99, (3, 2 * mesh.nodes)).tolist()
+    piece = Piece(Q(1, 3), Q(2, 3), values)
+    fields = rng.integers(-(10**5), 10**5, (3, 2, 90)).tolist()
+    found = certificate._residual(piece, fields)
+    shapes, k = checker.bernstein(2, checker.UNIT_S), Q(1, 3)
+    wanted = [[Q(0)] * 3 for _ in range(3)]
+    for n, cell in enumerate(mesh.cells):
+        scaled = [[Q(x, 4 << 3) for x in row] for row in values]
+        nodal = [strain_on(mesh, cell, row) for row in scaled]
+        # The derivative of a quadratic Bernstein polynomial has the control values 2(c_1 − c_0)/k and 2(c_2 − c_1)/k.
+        steps = [[(q - p) * (2 / k) for p, q in zip(nodal[i], nodal[i + 1], strict=True)] for i in (0, 1)]
+        e = [checker.total(p[c] * s for p, s in zip(nodal, shapes, strict=True)) for c in range(3)]
+        linear = checker.bernstein(1, checker.UNIT_S)
+        rate = [checker.total(p[c] * s for p, s in zip(steps, linear, strict=True)) for c in range(3)]
+        push, scale = checker.voigt(*cell.F), Q(mesh.h, certificate.stresses.unit * cell.det**2)
+        for third in range(3):
+            hat = []
+            for c in range(3):
+                start = 30 * c + 10 * third
+                parts = [
+                    checker.combination(checker.PLAIN, f[n][start : start + 10]) * shape
+                    for f, shape in zip(fields, shapes, strict=True)
+                ]
+                hat.append(checker.total(parts))
+            (p, q), (r, s) = checker.CORNERS[(third + 1) % 3], checker.CORNERS[(third + 2) % 3]
+            place = [checker.ONE * o + X * (x - o) + Y * (Q(1, 3) - o) for o, x in ((p, r), (q, s))]
+            rho = [
+                (
+                    checker.total(h * (x * scale) for h, x in zip(hat, push[i], strict=True))
+                    - checker.total(d * x for d, x in zip(rate, problem.A[i], strict=True))
+                    - checker.total(d * x for d, x in zip(e, problem.G[i], strict=True))
+                )(*place)
+                for i in range(3)
+            ]
+            for i, j in product(range(3), repeat=2):
+                wanted[i][j] += k * checker.on_triangle(rho[i] * rho[j]) / 3 * Q(cell.det, mesh.h**2)
+    rest = checker.combined(found, wanted, Q(-1))
+    assert checker.semidefinite(rest)
+    assert max(abs(x) for row in rest for x in row) < Q(1, 10**20)
+
+
 def test_the_work_of_contact_is_not_negative(bracket: checker.Certificate) -> None:
     piece = piece_of(bracket)
     normals = [[[-1] * 4 for _ in bracket.stresses.contact]] * 3
