@@ -36,19 +36,16 @@ ELEVATED, HALVINGS = 40, 4
 """The degree to which a polynomial is raised to see its sign; how often an edge with a kink of f_2 is cut."""
 
 # Limits: a file beyond one of them is refused before work or memory is spent on it. They are far above what real
-# certificates need; for level 16 with 64 steps, ``study certify`` needs what stands in brackets.
-DIGITS = 100  # decimal digits of an integer, and of a numerator and a denominator (45, for doubles read as fractions)
-BITS = 512  # the binary digits after the point of the units of ũ, σ̃ and Φ (60)
-DEGREE = 12  # total degree of p · g_+^q in x1, x2 and t (7): the cost grows like its fourth power
-TERMS = 500  # monomials of a polynomial, and summands of a load (20): all 455 monomials of degree 12 fit
-VERTICES = 100  # vertices of the polygon (6): every pair of its sides is compared
+# certificates need; what level 16 with 64 steps needs, about, stands in brackets.
+DIGITS = 100  # decimal digits of an integer, of a numerator and of a denominator (30: doubles read as fractions)
+BITS = 512  # binary digits after the point of ũ, σ̃ and Φ (41)
+DEGREE = 12  # total degree of p · g_+^q in x1, x2 and t (7): the cost grows like its sixth power
+TERMS = 500  # monomials of a polynomial, summands of a load (6): all 455 monomials of degree 12 fit
+VERTICES = 100  # vertices of the polygon (6): every two of its sides are compared
 REFINEMENTS = 8  # from the mesh of u_h to that of ũ (2); ũ has to have as many nodes as the refined mesh
-LISTS = 1 << 20  # lists in a file (10 000), as an empty list takes 20 times the memory of its two characters
-PACKED, UNPACKED = 1 << 28, 1 << 30  # bytes of a file (50 million), and of its text (120 million)
-PACKING, SMALL = (
-    20,
-    1 << 24,
-)  # a text beyond SMALL characters may have PACKING for one byte of the file (2.3): a bomb has 1000
+LISTS = 1 << 20  # lists in a file (10 000): an empty list takes 20 times the memory of its two characters
+PACKED, UNPACKED = 1 << 28, 1 << 30  # bytes of a file (35 million), characters of its text (80 million)
+PACKING, SMALL = 20, 1 << 24  # characters for a byte of the file (2.3), unless the text is small: bombs have 1000
 
 Vector = tuple[Q, Q]
 Matrix = list[list[Q]]
