@@ -70,6 +70,65 @@ def element() -> checker.Element:
     return checker.Element.of(checker.load(EXAMPLES / "square-4.json.gz")["element"])
 
 
+# The problem
+
+
+@pytest.mark.parametrize(
+    "corners",
+    [
+        [[0, 0], [2, 0], [1, 0], [1, 1]],
+        [[0, 0], [2, 0], [-1, 0], [-1, 1]],
+        [[0, 0], [2, 0], [2, 0], [0, 1]],
+        [[0, 0], [2, 0], [0, 1], [0, 2]][::-1] + [[0, 0]],
+        [[0, 0], [2, 0], [2, 2], [1, 0]],
+        [[0, 0], [2, 0], [2, 2], [0, 2], [0, 0]],
+        [[0, 0], [3, 0], [3, 3], [1, -1], [0, 3]],
+    ],
+    ids=str,
+)
+def test_polygons_that_touch_themselves_are_refused(corners: list[list[int]]) -> None:
+    for n in range(len(corners)):
+        turned = [*corners[n:], *corners[:n]]
+        with pytest.raises(RefusedError, match=r"two sides of the polygon meet|counter-clockwise"):
+            Problem(stated(turned, " ".join(["clamped"] * len(corners)), loads={}))
+
+
+def test_polygons_without_area_are_refused() -> None:
+    with pytest.raises(RefusedError, match="counter-clockwise"):
+        Problem(stated([[0, 0], [2, 0], [1, 0]], "clamped clamped clamped", loads={}))
+
+
+START = [((1, -1), True), ((-1, 1), False), ((4, -3), True), ((-4, 3), True), ((5, -3), False), ((4, -2), False)]
+
+
+@pytest.mark.parametrize(("u", "admissible"), START, ids=str)
+def test_the_start_does_not_enter_a_slanted_foundation(u: tuple[int, int], admissible: bool) -> None:
+    """u_0 = x y (α, β) with the normal (3, 4)."""
+    start = [[[str(c), 1, 1]] for c in u]
+    data = stated(SLANTED, "clamped contact clamped", loads={}, start=start)
+    if admissible:
+        assert Problem(data).twice_area == 12
+    else:
+        with pytest.raises(RefusedError, match="u_0ν ≤ 0 on Γ3 is not seen"):
+            Problem(data)
+
+
+@pytest.mark.parametrize(
+    "start", [[[["1", 1, 0]], []], [[], [["1", 0, 1]]], [[["1", 0, 0], ["-1", 1, 0]], []]], ids=str
+)
+def test_the_start_vanishes_on_the_wall(start: Any) -> None:
+    with pytest.raises(RefusedError, match="u_0 does not vanish on Γ1"):
+        Problem(stated(kinds="clamped loaded clamped", start=start))
+
+
+def test_loads_have_their_parts() -> None:
+    with pytest.raises(RefusedError, match="f_2 is given on part 0, which is not of Γ2"):
+        Problem(stated(loads={"0": load([["1", 0, 0, 0]], [])}))
+    problem = Problem(stated(loads={"1": [[[[["2", 1, 0, 0]], [["3", 0, 0, 1]], 2]], []]}))
+    assert [len(side.load) for side in problem.sides] == [0, 2, 0]
+    assert problem.sides[1].load == [[checker.Term(X * 2, checker.S * 3, 2)], []]
+
+
 # Constants of the body
 
 
@@ -512,6 +571,19 @@ def on_grid(grid: int, call: Callable[[], Any]) -> Any:
 
 def piece_of(certificate: checker.Certificate) -> Piece:
     return list(checker.pieces(certificate.nodes, certificate.problem.T))[3]
+
+
+def test_distances_are_taken_at_control_points(bracket: checker.Certificate) -> None:
+    """Those of the halves of a piece, at equal distances in time."""
+    piece, spy = piece_of(bracket), []
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bracket, "_distance", lambda v, more, time: spy.append((v, more, time)))
+        list(bracket._distances(piece))
+    c = np.array(piece.values, dtype=object)
+    wanted = [4 * c[0], 2 * (c[0] + c[1]), c[0] + 2 * c[1] + c[2], 2 * (c[1] + c[2]), 4 * c[2]]
+    for n, (v, more, time) in enumerate(spy):
+        assert (list(v), more, time) == (list(wanted[n]), 4, piece.a + n * (piece.b - piece.a) / 4)
+    assert len(spy) == 5
 
 
 def test_distances_are_rounded_outward(bracket: checker.Certificate) -> None:
