@@ -774,6 +774,86 @@ def test_the_work_of_contact_is_an_integral(bracket: checker.Certificate) -> Non
     assert float(bracket._contact(piece, normals)) == pytest.approx(wanted, rel=1e-12)
 
 
+def test_all_that_is_missed_is_added_with_its_constant(
+    bracket: checker.Certificate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """∫ of the loads that are missed: k (C_Ω (‖f_0 − f̃_0‖ + mean of ‖Div σ̃ + f̃_0‖) + C_Γ ‖f_2 − σ̃ν‖)."""
+    left, given, times = [], [], []
+
+    def field(self: Stresses, edges: Any, numbers: list[int], force: Any) -> Any:
+        assert numbers == bracket.numbers[len(left)][1]
+        left.append(Q(1 + len(left) ** 2))
+        return [], left[-1]
+
+    def growth(y: Q, k: Q, M: Any, contact: Q, loads: Q) -> tuple[Q, Q]:
+        given.append((y, k, M, contact, loads))
+        return Q(len(given)), Q(100)
+
+    def outside(self: Loads, a: Q, b: Q, edges: Any) -> Q:
+        n = 2 * len(times)
+        assert list(edges) == [bracket.stresses.tractions(bracket.numbers[n + i][0])[0] for i in range(3)]
+        times.append((a, b))
+        return 1000 * b
+
+    monkeypatch.setattr(Stresses, "field", field)
+    monkeypatch.setattr(Loads, "missed_inside", lambda self, a, b: 10**6 * (a + b))
+    monkeypatch.setattr(Loads, "missed_outside", outside)
+    monkeypatch.setattr(bracket, "growth", growth)
+    monkeypatch.setattr(bracket, "_residual", lambda piece, fields: ("M", piece.a))
+    monkeypatch.setattr(bracket, "_contact", lambda piece, normals: ("contact", piece.a))
+    assert bracket.check().last == len(given) == 9
+    parts = list(checker.pieces(bracket.nodes, bracket.problem.T))
+    assert times == [(piece.a, piece.b) for piece in parts]
+    for j, (piece, (y, k, M, contact, loads)) in enumerate(zip(parts, given, strict=True)):
+        assert (k, M, contact) == (piece.b - piece.a, ("M", piece.a), ("contact", piece.a))
+        assert y == (j if j else checker.up(bracket._start()))
+        inside = 10**6 * (piece.a + piece.b) + Q(sum(1 + n**2 for n in (2 * j, 2 * j + 1, 2 * j + 2)), 3)
+        exact = k * (bracket.volume * inside + bracket.surface * 1000 * piece.b)
+        assert exact <= loads < exact + GRID
+
+
+DISTANCES = [
+    # The largest inside a piece decides from above, the one at its end from below; the start counts, too.
+    ([(4, 9), (16, 49), (16, 25)], (0, 1), 4 - 1, 7 + 2),
+    ([(4, 9), (16, 49), (16, 25)], (0, 144), 4 - 1, 12),
+    ([(49, 50), (1, 4), (0, 1)], (0, 1), 0, 2 + Q(7071067811865475, 10**15)),
+]
+
+
+@pytest.mark.parametrize(("pairs", "first", "low", "high"), DISTANCES, ids=str)
+def test_an_interval_is_a_distance_more_or_less_a_bound(
+    pairs: Any, first: Any, low: int, high: Q, bracket: checker.Certificate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bracket, "growth", lambda *_: (Q(1), Q(2)))
+    monkeypatch.setattr(bracket, "_residual", lambda *_: None)
+    monkeypatch.setattr(bracket, "_contact", lambda *_: None)
+    monkeypatch.setattr(bracket, "_distances", lambda _: [(Q(a), Q(b)) for a, b in pairs])
+    monkeypatch.setattr(bracket, "_distance", lambda *_: (Q(first[0]), Q(first[1])))
+    found = bracket.check()
+    start = bracket._start() if first[1] == 144 else 0
+    assert found.low == low
+    assert high + start <= found.high < high + start + Q(1, 10**14)
+    assert (found.cells, found.last) == (20, 1)
+    assert 0 <= found.h**2 - Q(6, 20) <= Q(1, 2**98)
+
+
+def test_a_bound_without_end_is_refused(bracket: checker.Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bracket, "growth", lambda *_: (Q(0), Q(10**100)))
+    with pytest.raises(RefusedError, match="no bound that is worth printing"):
+        bracket.check()
+
+
+def test_u_h_has_no_node_inside_half_a_piece(bracket: checker.Certificate, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Eight steps of u_h on [0, 1] and the ends of a piece: at nodes, in their middle, and elsewhere."""
+    monkeypatch.setattr(bracket, "_distance", lambda *_: None)
+    values = piece_of(bracket).values
+    for a, b in ((Q(0), Q(1, 8)), (Q(1, 16), Q(3, 16)), (Q(3, 32), Q(5, 32)), (Q(7, 8), Q(1)), (Q(1, 8), Q(3, 8))):
+        assert len(list(bracket._distances(Piece(a, b, values)))) == 5
+    for a, b in ((Q(1, 16), Q(1, 4)), (Q(0), Q(3, 8)), (Q(1, 8) - GRID, Q(1, 8) + 2 * GRID)):
+        with pytest.raises(RefusedError, match="u_h has a node inside"):
+            list(bracket._distances(Piece(a, b, values)))
+
+
 # Orders
 
 
