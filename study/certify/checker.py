@@ -65,7 +65,7 @@ def require(condition: bool, message: str) -> None:
 
 
 def shown(value: Any) -> str:
-    """A value as short ASCII text without control characters, so that no file can forge what is on the screen."""
+    """Return a value as short ASCII text without control characters, so that no file can forge the screen."""
     if isinstance(value, list | dict):
         return "a list" if isinstance(value, list) else "an object"
     text = ascii(value[:60] if isinstance(value, str) else value)
@@ -171,24 +171,24 @@ def conform(value: Any, form: Any, name: str) -> None:
 
 
 def up(x: Q) -> Q:
-    """x rounded up to the grid."""
+    """Return x rounded up to a multiple of 2^−GRID."""
     return Q(-(-(x.numerator << GRID) // x.denominator), 1 << GRID)
 
 
 def down(x: Q) -> Q:
-    """x rounded down to the grid."""
+    """Return x rounded down to a multiple of 2^−GRID."""
     return -up(-x)
 
 
 def root(x: Q, above: bool = True) -> Q:
-    """√x rounded up, or down."""
+    """Return an upper bound of √x, or a lower one: multiples of 2^−GRID that differ from it by at most 2^−GRID."""
     require(x >= 0, "a square is negative")
     floor = math.isqrt((x.numerator << 2 * GRID) // x.denominator)
     return Q(floor + above, 1 << GRID)
 
 
 def logarithm(x: Q) -> tuple[Q, Q]:
-    """The ends of an interval that contains log x, x > 0: log of x/2^n plus n log 2."""
+    """Return the ends of an interval that contains log x, x > 0, as log(x/2^n) + n log 2."""
     n = x.numerator.bit_length() - x.denominator.bit_length()
     low, high = logarithm_near_1(x / Q(2) ** n)
     two = logarithm_near_1(Q(2))
@@ -196,7 +196,10 @@ def logarithm(x: Q) -> tuple[Q, Q]:
 
 
 def logarithm_near_1(x: Q) -> tuple[Q, Q]:
-    """The ends of an interval that contains log x, 1/2 ≤ x ≤ 2: 20 terms of the series of 2 artanh z, and its tail."""
+    """Return the ends of an interval that contains log x, 1/2 ≤ x ≤ 2.
+
+    log x = 2 artanh z; the terms of its series after the 20th are at most 2 |z|^41/41 times a geometric series in z².
+    """
     z = (x - 1) / (x + 1)  # from −1/3 to 1/3
     partial = sum((2 * z ** (2 * i + 1) / (2 * i + 1) for i in range(20)), Q(0))
     tail = 2 * abs(z) ** 41 / (41 * (1 - z**2))
@@ -204,18 +207,22 @@ def logarithm_near_1(x: Q) -> tuple[Q, Q]:
 
 
 def decay(x: Q) -> Q:
-    """An upper bound of e^{−x}, x ≥ 0."""
+    """Return an upper bound of e^{−x}, x ≥ 0: the inverse of a partial sum for e^x, whose terms are positive."""
     return up(1 / sum((x**j / math.factorial(j) for j in range(60)), Q(0)))
 
 
 def mean_decay(x: Q) -> Q:
-    """An upper bound of ∫_0^1 e^{−xs} ds, x ≥ 0: from the 24th on, terms of its series fall; the last is positive."""
+    """Return an upper bound of ∫_0^1 e^{−xs} ds = (1 − e^{−x})/x, x ≥ 0.
+
+    The terms of its series alternate, and decrease from the 24th on if x < 24: a partial sum that ends with a
+    positive term is an upper bound. So are 1/x and 1.
+    """
     series = sum(((-x) ** j / math.factorial(j + 1) for j in range(25)), Q(0))
     return up(min(series, 1 / x) if 0 < x < 24 else 1 / max(x, Q(1)))
 
 
 def common(rows: Iterable[Iterable[Q]]) -> tuple[list[list[int]], int]:
-    """Integers and the denominator that they share."""
+    """Return fractions as integers, and the denominator that they share."""
     kept = [list(row) for row in rows]
     denominator = math.lcm(*(x.denominator for row in kept for x in row))
     return [[x.numerator * (denominator // x.denominator) for x in row] for row in kept], denominator
@@ -226,17 +233,17 @@ def dot(a: Iterable[Any], b: Iterable[Any]) -> Any:
 
 
 def applied(rows: Iterable[Sequence[Any]], column: Sequence[Any]) -> list[Any]:
-    """A matrix times a vector."""
+    """Return a matrix times a vector."""
     return [dot(row, column) for row in rows]
 
 
 def mixed(weights: Sequence[int], rows: Iterable[Sequence[int]]) -> list[int]:
-    """A combination of rows."""
+    """Return the linear combination of rows with given weights."""
     return [dot(weights, column) for column in zip(*rows, strict=True)]
 
 
 def congruent(B: Any, M: Any) -> list[list[Any]]:
-    """B M Bᵀ."""
+    """Return B M Bᵀ for a symmetric M."""
     half = [applied(B, row) for row in M]
     return [[dot(row, column) for column in zip(*half, strict=True)] for row in B]
 
@@ -272,7 +279,10 @@ def inverse(matrix: Matrix) -> Matrix:
 
 
 def semidefinite(matrix: Matrix) -> bool:
-    """Whether a matrix is symmetric and no principal minor is negative."""
+    """Return whether a matrix is symmetric and positive semidefinite: whether no principal minor is negative.
+
+    Leading minors are not enough: those of [[0, 0], [0, −1]] are 0.
+    """
     size = range(len(matrix))
     chosen = (c for n in size for c in combinations(size, n + 1))
     minors = (determinant([[matrix[i][j] for j in c] for i in c]) for c in chosen)
@@ -305,17 +315,17 @@ class Poly(dict[tuple[int, int, int], Q]):
         return Poly.of(((i + l, j + m, k + n), x * y) for ((i, j, k), x), ((l, m, n), y) in pairs)
 
     def __call__(self, *images: Poly) -> Poly:
-        """With polynomials in place of X, Y and S, or the first of them."""
+        """Return the polynomial with others in place of X, Y and S, or of the first of them."""
         every = (*images, *(X, Y, S)[len(images) :])
         powers = ((x, [p for p, e in zip(every, key, strict=True) for _ in range(e)]) for key, x in self.items())
         return total(reduce(mul, factors, ONE * x) for x, factors in powers)
 
     def slope(self, i: int) -> Poly:
-        """The derivative by X or by Y."""
+        """Return the derivative by X (i = 0) or by Y (i = 1)."""
         return Poly.of(((key[0] - (i == 0), key[1] - (i == 1), key[2]), x * key[i]) for key, x in self.items())
 
     def size(self) -> Q:
-        """A bound where |X|, |Y|, |S| ≤ 1."""
+        """Return an upper bound of |p| for |X|, |Y|, |S| ≤ 1."""
         return sum(map(abs, self.values()), Q(0))
 
 
@@ -340,30 +350,30 @@ SHARES = ((6, 3, 1), (3, 4, 3), (1, 3, 6))
 
 
 def bernstein(degree: int, x: Poly) -> list[Poly]:
-    """The Bernstein polynomials of x."""
+    """Return the Bernstein polynomials of a degree in x."""
     factors = [[x] * i + [ONE - x] * (degree - i) for i in range(degree + 1)]
     return [reduce(mul, some) * math.comb(degree, i) for i, some in enumerate(factors)]
 
 
 def mean(p: Poly) -> Q:
-    """The mean for |X|, |S| ≤ 1."""
+    """Return the mean over the square |X|, |S| ≤ 1 of a polynomial without Y."""
     return sum((x / (i + 1) / (k + 1) for (i, _, k), x in p.items() if i % 2 == k % 2 == 0), Q(0))
 
 
 def on_triangle(p: Poly) -> Q:
-    """∫ over the triangle with the vertices 0, e_1, e_2 of the mean for |S| ≤ 1."""
+    """Return the integral over the triangle with the vertices 0, e_1, e_2 of the mean over |S| ≤ 1."""
     f = math.factorial
     return sum((x * f(i) * f(j) / f(i + j + 2) / (k + 1) for (i, j, k), x in p.items() if k % 2 == 0), Q(0))
 
 
 def between(a: Sequence[Q], b: Sequence[Q]) -> list[Poly]:
-    """The segment from a (X = 0) to b (X = 1)."""
+    """Return the coordinates of the point a + X (b − a)."""
     return [constant(p) + X * (q - p) for p, q in zip(a, b, strict=True)]
 
 
 @dataclass(frozen=True)
 class Term:
-    """p · g_+^q of two polynomials; p alone if q = 0."""
+    """The product p · g_+^q of a polynomial and a truncated power; p alone if q = 0."""
 
     p: Poly
     g: Poly
@@ -373,37 +383,40 @@ class Term:
         return Term(self.p(*images), self.g(*images), self.q)
 
     def degree(self) -> int:
-        """The degree of p · g^q."""
+        """Return the degree of p · g^q."""
         of_p, of_g = (max(map(sum, some), default=0) for some in (self.p, self.g))
         return of_p + self.q * of_g
 
     def plain(self) -> Poly | None:
-        """The polynomial that it is for |X|, |S| ≤ 1; None where g changes its sign."""
+        """Return the polynomial that the term equals for |X|, |S| ≤ 1, or None if g may change its sign there."""
         middle, size = 2 * self.g.get((0, 0, 0), Q(0)), self.g.size()
         if self.q and size <= -middle:
             return Poly()
         return None if self.q and size > middle else reduce(mul, [self.g] * self.q, self.p)
 
     def size(self) -> Q:
-        """A bound for |X|, |S| ≤ 1."""
+        """Return an upper bound of the absolute value for |X|, |S| ≤ 1."""
         middle = self.g.get((0, 0, 0), Q(0))
         return self.p.size() * (self.g.size() - abs(middle) + middle if self.q else Q(1)) ** self.q
 
 
 def polynomial(data: Any) -> Poly:
-    """The polynomial that is given by [[coefficient, exponents of x1, x2 and perhaps t], …]."""
+    """Return the polynomial that is given by [[coefficient, exponents of x1, x2 and perhaps t], …]."""
     return Poly.of(((*key, 0)[:3], Q(x)) for x, *key in data)
 
 
 def formula(data: Any) -> list[Term]:
-    """The sum of p · g_+^q that is given by [[p, g, q], …]."""
+    """Return the terms p · g_+^q that are given by [[p, g, q], …]."""
     terms = [Term(polynomial(p), polynomial(g), q) for p, g, q in data]
     require(all(one.degree() <= DEGREE for one in terms), f"a load has a degree above {DEGREE}")
     return terms
 
 
 def never_positive(p: Poly) -> bool:
-    """Whether p ≤ 0 for 0 ≤ X ≤ 1, seen from the coefficients of (1 + z)^n p(1/(1 + z)), z ≥ 0."""
+    """Return whether p ≤ 0 for 0 ≤ X ≤ 1 can be seen from Bernstein coefficients of degree n = ELEVATED.
+
+    They are those of (1 + z)^n p(1/(1 + z)), z ≥ 0, up to positive factors. False means "not seen".
+    """
     n = ELEVATED
     return all(sum(x * math.comb(n - i, k) for (i, _, _), x in p.items()) <= 0 for k in range(n + 1))
 
@@ -413,7 +426,7 @@ def never_positive(p: Poly) -> bool:
 
 @dataclass(frozen=True)
 class Side:
-    """A side of the polygon, its kind and f_2 on it, if it is not 0."""
+    """A side of the polygon, its kind, and the two components of f_2 on it, or no component where f_2 = 0."""
 
     start: Vector
     end: Vector
@@ -426,11 +439,11 @@ class Side:
 
     @property
     def normal(self) -> Vector:
-        """Outward, as long as the side."""
+        """The outward normal, as long as the side."""
         return self.along[1], -self.along[0]
 
     def is_apart(self, other: Side) -> bool:
-        """Whether a line across one of them, or along them, separates the two closed segments."""
+        """Return whether a line separates two closed segments: one parallel or orthogonal to a side is enough."""
         for axis in (self.normal, other.normal, self.along):
             (a, b), (c, d) = (sorted((dot(axis, side.start), dot(axis, side.end))) for side in (self, other))
             if b < c or d < a:
@@ -475,7 +488,7 @@ class Problem:
         require(semidefinite(self.G), "G is not symmetric and positive semidefinite")
 
     def _check_polygon(self) -> None:
-        """The polygon is simple and counter-clockwise, and has a Γ1.
+        """Refuse a polygon that is not simple, not counter-clockwise or not clamped anywhere.
 
         If a side folds back on its neighbour, or has no length, a side after the next one touches it.
         """
@@ -487,7 +500,7 @@ class Problem:
                 require(one.is_apart(other), f"two sides of the polygon meet, one is side {i}")
 
     def _check_start(self, side: Side) -> None:
-        """u_0 = 0 on Γ1 and u_0ν ≤ 0 on Γ3."""
+        """Refuse a u_0 that is not 0 on Γ1, or for which u_0ν ≤ 0 on Γ3 is not seen."""
         u = [p(*between(side.start, side.end)) for p in self.start]
         require(side.kind != "clamped" or not any(u), "u_0 does not vanish on Γ1")
         if side.kind == "contact":
@@ -500,7 +513,10 @@ class Problem:
 
 @dataclass(frozen=True)
 class Cell:
-    """A triangle with the vertices v: its six nodes, and det F of F = (a b; c d), the edges from v_0, times h."""
+    """A triangle with the vertices v and six nodes.
+
+    F = (a b; c d) has the edges from v_0, times h, as columns; det is its determinant.
+    """
 
     v: list[int]
     nodes: list[int]
@@ -509,7 +525,7 @@ class Cell:
 
 
 class Mesh:
-    """Triangles; a vertex is a pair of integers over h. Nodes are vertices, then edges.
+    """A conforming mesh of triangles. A vertex is a pair of integers over h; nodes are vertices, then edges.
 
     ``boundary`` has the edges of ∂Ω, counter-clockwise, and the sides of the polygon on which they lie.
     """
@@ -526,7 +542,7 @@ class Mesh:
 
     @classmethod
     def of(cls, data: Any, problem: Problem) -> Mesh:
-        """A mesh whose cells tile Ω.
+        """Return the mesh of a certificate; refuse it unless its cells tile Ω.
 
         Cells are counter-clockwise, and the edges that two of them do not run through in opposite directions follow
         each other along the sides of the polygon: so the sum of the indicators of the cells, which are winding
@@ -554,7 +570,7 @@ class Mesh:
         return Q(x, self.h), Q(y, self.h)
 
     def along(self, edge: tuple[int, int]) -> tuple[int, int]:
-        """From the first vertex to the second."""
+        """Return h times the vector from the first vertex of an edge to the second."""
         (x, y), (a, b) = (self.points[v] for v in edge)
         return a - x, b - y
 
@@ -564,12 +580,12 @@ class Mesh:
         return Cell(v, [*v, *opposite], (a, b, c, d), a * d - b * c)
 
     def middles(self, values: list[int], size: int) -> list[int]:
-        """Twice some vertex values, and the sums of those of edges."""
+        """Return twice the values at the nodes of a piecewise linear function: ``size`` numbers at every vertex."""
         sums = (values[size * a + i] + values[size * b + i] for a, b in self.edges for i in range(size))
         return [*(2 * x for x in values), *sums]
 
     def refined(self) -> Mesh:
-        """Every cell in four by the midpoints of its edges, which are numbered as nodes."""
+        """Return the mesh with every cell cut in four at the midpoints of its edges; nodes become vertices."""
         flat = self.middles([x for point in self.points for x in point], 2)
         cells = []
         for cell in self.cells:
@@ -580,11 +596,11 @@ class Mesh:
         return Mesh(2 * self.h, [list(point) for point in pairs(flat)], cells, lines)
 
     def nodes_of(self, edge: tuple[int, int]) -> tuple[int, int, int]:
-        """Its first vertex, itself and its last one."""
+        """Return the nodes of an edge: its first vertex, its midpoint and its last vertex."""
         return edge[0], self.node[min(edge), max(edge)], edge[1]
 
     def images(self, cell: Cell) -> list[Poly]:
-        """x1 and x2 on the reference triangle."""
+        """Return x1 and x2 as polynomials on the reference triangle."""
         (a, b, c, d), (x, y) = cell.F, self.place(cell.v[0])
         return [constant(x) + X * Q(a, self.h) + Y * Q(b, self.h), constant(y) + X * Q(c, self.h) + Y * Q(d, self.h)]
 
@@ -593,10 +609,12 @@ class Mesh:
 
 
 def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
-    """C_Ω and C_Γ from a totally symmetric tensor field Φ, continuous and linear on the cells of a mesh of its own.
+    """Return C_Ω and C_Γ, as a tensor field proves them: ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V, ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V.
 
-    Required at every vertex of a cell: div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|², and on edges that are not of Γ1
-    −Φ(ν, v, v) ≥ 0, where there is a load ≥ κ |v|². Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
+    The field is a totally symmetric tensor field Φ, continuous and linear on the cells of a mesh of its own.
+
+    It is required at every vertex of a cell that div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|², and on edges that are not on
+    Γ1 that −Φ(ν, v, v) ≥ 0, or ≥ κ |v|² where there is a load. Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
     """
     mesh, mu, kappa, field = Mesh.of(data["mesh"], problem), Q(data["volume"]), Q(data["surface"]), data["field"]
     require(mu > 0 and kappa > 0, "a constant of the body is not positive")
@@ -642,11 +660,11 @@ class Element:
 
     @classmethod
     def of(cls, data: Any) -> Element:
-        """The element of a certificate, checked once for all that have the same."""
+        """Return the element of a certificate; equal elements are checked once."""
         return checked(data["over"], tuple(map(tuple, data["columns"])))
 
     def _divergence(self, number: int, column: Sequence[int]) -> list[int]:
-        """Check one input; Div σ̂ + f̂ by its coefficients in ``LINEAR``, in both components."""
+        """Check one input, and return both components of Div σ̂ + f̂ by their coefficients in ``LINEAR``."""
         side, place, d = number // 8, number // 2 % 4, number % 2
         stress = [[column[30 * c + 10 * i :][:10] for c in range(3)] for i in range(3)]
         given, force = bernstein(3, X)[place] * self.over, [Poly(), Poly()]
@@ -667,7 +685,7 @@ class Element:
         return [int(p.get(key, 0)) for p in one for key in LINEAR]
 
     def _products(self) -> tuple[list[list[int]], int]:
-        """∫ of products of the monomials of all thirds, (30, 10), over one denominator."""
+        """Return the integrals of products of monomials on each third as integers, (30, 10), and their denominator."""
         found = []
         for i in range(3):
             (p, q), (r, s) = CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3]
@@ -677,13 +695,13 @@ class Element:
         return common(found)
 
     def dual(self, field: list[int]) -> list[int]:
-        """The products of a field, given by 30 coefficients, with all monomials of the thirds."""
+        """Return the integrals of a field, given by 30 coefficients, times each monomial on each third."""
         return [dot(row, field[n - n % 10 : n - n % 10 + 10]) for n, row in enumerate(self.gram)]
 
 
 @cache
 def checked(over: int, columns: tuple[tuple[int, ...], ...]) -> Element:
-    """The element of some integers."""
+    """Return the element with given columns."""
     return Element(over, columns)
 
 
@@ -693,12 +711,12 @@ def combination(polynomials: Iterable[Poly], factors: Iterable[Any]) -> Poly:
 
 @cache
 def on_segment(a: Vector, b: Vector) -> list[Poly]:
-    """The monomials from a to b."""
+    """Return the ten monomials on the segment from a to b."""
     return [p(*between(a, b)) for p in PLAIN]
 
 
 def tractions(stress: Sequence[Sequence[Any]], a: Vector, b: Vector) -> list[Poly]:
-    """σN on a segment, N to the right of it and as long."""
+    """Return σN on a segment; N points to the right of it and is as long."""
     (n, m), (x, y, z) = (b[1] - a[1], a[0] - b[0]), (combination(on_segment(a, b), values) for values in stress)
     return [x * n + z * m, z * n + y * m]
 
@@ -707,7 +725,9 @@ def tractions(stress: Sequence[Sequence[Any]], a: Vector, b: Vector) -> list[Pol
 
 
 class Loads:
-    """f̃_0: parabolas in time through f_0 at the ends and in the middle of a piece, its terms of degree 2 on the cells.
+    """The approximate loads f̃, and bounds of what they leave out of f.
+
+    In time f̃_0 is the parabola through f_0 at the ends and in the middle of a piece, on cells its terms of degree 2.
 
     Twice the area times f̃_0 is rounded to multiples of 1/unit.
     """
@@ -719,13 +739,13 @@ class Loads:
         self.lengths = {e: root(square, above=False) for e, square in squares.items()}
 
     def controls(self, a: Q, b: Q) -> list[list[Poly]]:
-        """The coefficients of Bernstein in time, polynomials of x1 and x2."""
+        """Return the Bernstein coefficients in time of the parabola through f_0: polynomials of x1 and x2."""
         first, middle, last = ([p(X, Y, constant(t)) for p in self.problem.force] for t in (a, (a + b) / 2, b))
         ends = [p + q for p, q in zip(first, last, strict=True)]
         return [first, [m * 2 - p * Q(1, 2) for m, p in zip(middle, ends, strict=True)], last]
 
     def on_cells(self, control: list[Poly]) -> list[list[int]]:
-        """For each cell six monomials, two components; nothing if there is no f_0."""
+        """Return unit · twice the area · f̃_0 on each cell: six monomials, two components; nothing if f_0 = 0."""
         found = []
         for cell, images in self.cells:
             local = [p(*images) for p in control]
@@ -734,7 +754,7 @@ class Loads:
         return found
 
     def missed_inside(self, a: Q, b: Q) -> Q:
-        """A bound of ‖f_0 − f̃_0‖, root of the mean square over a ≤ t ≤ b."""
+        """Return an upper bound of the root of the mean of ‖f_0 − f̃_0‖² over a ≤ t ≤ b."""
         # Six coefficients of a component lack up to 3, two components 18^{1/2}, on half of twice the area.
         rounded = root(sum((up(Q(9 * self.mesh.h**2, cell.det)) for cell, _ in self.cells), Q(0))) / self.unit
         if all(i + j <= 2 >= k for f in self.problem.force for i, j, k in f):
@@ -748,7 +768,10 @@ class Loads:
         return root(square) + rounded
 
     def missed_outside(self, a: Q, b: Q, given: Sequence[Tractions]) -> Q:
-        """The same of f_2 and σ̃ν, from h σ̃N on the loaded edges at the three controls."""
+        """Return an upper bound of the root of the mean of ‖f_2 − σ̃ν‖² over a ≤ t ≤ b.
+
+        ``given`` has h σ̃N on the loaded edges, for each of the three Bernstein coefficients in time.
+        """
         found, shapes = Q(0), [p * q for p, q in product(bernstein(2, UNIT_S), bernstein(3, UNIT_X))]
         for (edge, length), d in product(self.lengths.items(), (0, 1)):
             coefficients = [pair[d] for control in given for pair in control[edge]]
@@ -763,12 +786,15 @@ class Loads:
 
 
 def clock(a: Q, b: Q) -> Poly:
-    """The time from a (S = −1) to b (S = 1)."""
+    """Return the time as a polynomial in S, which is a at S = −1 and b at S = 1."""
     return ONE * ((a + b) / 2) + S * ((b - a) / 2)
 
 
 def missed(terms: list[Term], halvings: int) -> Q:
-    """A bound of the mean square of a sum for |X|, |S| ≤ 1: exact without kinks, which are put into small boxes."""
+    """Return an upper bound of the mean square of a sum of terms over |X|, |S| ≤ 1.
+
+    The mean square is exact where no term has a kink; others are cut in four, ``halvings`` times, and then bounded.
+    """
     plain = [term.plain() for term in terms]
     smooth = total(p for p in plain if p is not None)
     kinked = [term for term, p in zip(terms, plain, strict=True) if p is None]
@@ -790,7 +816,7 @@ Field = list[list[int]]
 
 
 class Stresses:
-    """σ̃ on one mesh from integers, in units of 2^{−bits}."""
+    """The stresses σ̃ on one mesh, which integers in units of 2^{−bits} describe."""
 
     def __init__(self, mesh: Mesh, data: Any, element: Element) -> None:
         self.mesh, self.element = mesh, element
@@ -804,7 +830,9 @@ class Stresses:
         self.nothing = {e: [(0, 0)] * 4 for e in sides}
 
     def tractions(self, numbers: list[int]) -> tuple[Tractions, list[list[int]]]:
-        """h σ̃N of all edges by Bernstein coefficients, N to the right of the edge and as long, and σ̃_ν on Γ3.
+        """Return the Bernstein coefficients of h σ̃N on all edges and of σ̃_ν on Γ3; refuse σ̃_ν > 0.
+
+        N points to the right of an edge and is as long.
 
         On Γ3 σ̃N = σ̃_ν N, four numbers an edge; on Γ2 there are eight where there is a load; on other edges there are
         eight for ``MODES``, of which the last four are in coarser units.
@@ -827,7 +855,7 @@ class Stresses:
         return found, normal
 
     def field(self, edges: Tractions, numbers: list[int], force: list[list[int]]) -> tuple[Field, Q]:
-        """σ̂ on the cells, σ̃ being F σ̂ Fᵀ h/(unit (det F)²), and a bound of ‖Div σ̃ + f̃_0‖."""
+        """Return σ̂ on the cells, with σ̃ = F σ̂ Fᵀ h/(unit (det F)²), and an upper bound of ‖Div σ̃ + f̃_0‖."""
         require(len(numbers) == 9 * len(self.mesh.cells), "the inner numbers have another size")
         found, square = [], 0
         for n, cell in enumerate(self.mesh.cells):
@@ -841,7 +869,7 @@ class Stresses:
         return found, root(Q(square + len(found), 1 << GRID) * Q(self.mesh.h, self.unit) ** 2)
 
     def _pulled(self, cell: Cell, edges: Tractions, force: list[int]) -> list[int]:
-        """Tractions and forces of a cell on the reference triangle."""
+        """Return the tractions and forces of a cell, transformed to the reference triangle."""
         (a, b, c, d), (i, j, k), given = cell.F, cell.v, []
         for e in ((j, k), (k, i), (i, j)):
             given += edges[e] if e in edges else [(-x, -y) for x, y in reversed(edges[e[::-1]])]
@@ -850,7 +878,7 @@ class Stresses:
 
 
 def linear_square(p: Sequence[int]) -> int:
-    """24 ∫ (p_0 + p_1 X + p_2 Y)² over the reference triangle."""
+    """Return 24 ∫ (p_0 + p_1 X + p_2 Y)² over the reference triangle."""
     ends = p[0], p[0] + p[1], p[0] + p[2]
     return dot(ends, ends) + sum(ends) ** 2
 
@@ -859,7 +887,7 @@ def linear_square(p: Sequence[int]) -> int:
 
 
 def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
-    """ε(v) at the three vertices of a cell, times det F over 2h, from Bernstein coefficients at the nodes."""
+    """Return ε(v) at the three vertices of a cell, times det F over 2h, from Bernstein coefficients at the nodes."""
     a, b, c, d = cell.F
     n, found = cell.nodes, []
     for o, e, m in ((n[0], n[5], n[4]), (n[5], n[1], n[3]), (n[4], n[3], n[2])):  # beside a vertex
@@ -870,7 +898,7 @@ def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
 
 
 def law_on(cell: Cell, laws: list[list[int]], u: Sequence[int], step: Sequence[int]) -> list[list[int]]:
-    """Twice Aε(ũ̇) + Gε(ũ) on the reference triangle, in each component the coefficients in ``LINEAR``."""
+    """Return twice Aε(ũ̇) + Gε(ũ) on the reference triangle: for each component the coefficients in ``LINEAR``."""
     a, b, c, d = cell.F
     rates = zip(strains(cell, step), strains(cell, u), strict=True)
     stresses = [mixed((2, 2), (applied(laws[:3], rate), applied(laws[3:], e))) for rate, e in rates]
@@ -879,7 +907,7 @@ def law_on(cell: Cell, laws: list[list[int]], u: Sequence[int], step: Sequence[i
 
 
 def less(field: list[int], linear: list[list[int]]) -> list[int]:
-    """A field minus a polynomial of degree 1, which is the same on all thirds."""
+    """Return a field minus a polynomial of degree 1, which is the same on all thirds."""
     found = list(field)
     for start, (i, three) in product((0, 10, 20), enumerate(linear)):
         for key, x in zip(LINEAR, three, strict=True):
@@ -888,7 +916,7 @@ def less(field: list[int], linear: list[list[int]]) -> list[int]:
 
 
 class Growth:
-    """Bounds of ‖u − ũ‖_V at the end of a piece and inside from that at its start.
+    """Computes bounds of ‖u − ũ‖_V at the end of a piece, and inside the piece, from the bound y at its start.
 
     A piece adds its length k, M = ∫∫ ρ ρᵀ, the work of contact ∫∫ σ̃_ν ũ_ν and ∫ of the norm of what is not balanced.
     """
@@ -903,7 +931,10 @@ class Growth:
         return min(at_b for at_b, _ in found), min(inside for _, inside in found)
 
     def _bounds(self, theta: Q, y: Q, k: Q, M: Matrix, contact: Q, loads: Q) -> Iterable[tuple[Q, Q]]:
-        """With W = H(H + βA)⁻¹ for H = G − θA and some β > 0, which need not be good ones; W is nearly 0 first."""
+        """Yield bounds for W = H(H + βA)⁻¹, H = G − θA and several β.
+
+        Every β > 0 gives a true bound; each is computed from the bound before, first from one with W nearly 0.
+        """
         H, faded, mean = combined(self.G, self.A, -theta), decay(2 * theta * k), up(k * mean_decay(2 * theta * k))
         for beta in (Q(1 << GRID), 1 / k / (1 << 20)):
             for _ in range(4):
@@ -916,13 +947,13 @@ class Growth:
 
 
 def traced(a: Matrix, b: Matrix) -> Q:
-    """Σ a_ij b_ij."""
+    """Return Σ a_ij b_ij."""
     return sum(map(dot, a, b), Q(0))
 
 
 @dataclass(frozen=True)
 class Piece:
-    """ũ between two knots a < b by its Bernstein coefficients in time."""
+    """The displacement ũ between two knots a < b: three Bernstein coefficients in time."""
 
     a: Q
     b: Q
@@ -930,12 +961,15 @@ class Piece:
 
     @property
     def steps(self) -> list[list[int]]:
-        """Those of (b − a) ũ̇."""
+        """The three Bernstein coefficients of (b − a) ũ̇."""
         return [mixed(weights, self.values) for weights in ((-2, 2, 0), (-1, 0, 1), (0, -2, 2))]
 
 
 def pieces(nodes: list[list[int]], T: Q) -> Iterable[Piece]:
-    """The quadratic spline with nodes at equal distances k as control points, times 4; knots are 0, k/2, 3k/2, …, T."""
+    """Yield the pieces of the quadratic spline with the given control points, times 4.
+
+    Control points are at the times 0, k, …, T; knots are 0, k/2, 3k/2, …, T.
+    """
     k = T / (len(nodes) - 1)
     knots = [Q(0), *(k * Q(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
     middles = [mixed((2, 2), pair) for pair in pairwise(nodes)]
@@ -946,7 +980,10 @@ def pieces(nodes: list[list[int]], T: Q) -> Iterable[Piece]:
 
 
 class Computed:
-    """u_h: P1 on a mesh, piecewise linear in time, from doubles, which are integers over a power of 2."""
+    """The computed displacement u_h: P1 on a mesh, piecewise linear in time, given by doubles.
+
+    Doubles are integers over a power of 2.
+    """
 
     def __init__(self, data: Any, mesh: Mesh, refinements: int, problem: Problem) -> None:
         require(all(len(u) == 2 * len(mesh.points) for u in data), "u_h has another size")
@@ -959,7 +996,7 @@ class Computed:
         self.values = [mesh.middles(u, 2) for u in rows]
 
     def at(self, time: Q) -> tuple[list[int], int]:
-        """Integers v and a denominator with u_h(time) = v/(denominator · 2^bits)."""
+        """Return integers v and a denominator with u_h(time) = v/(denominator · 2^bits)."""
         place = time / self.T * (len(self.values) - 1)
         low = min(int(place), len(self.values) - 2)
         b = (place - low).numerator
@@ -967,8 +1004,8 @@ class Computed:
 
 
 @dataclass(frozen=True)
-class Found:
-    """What is proved of one certificate.
+class Enclosure:
+    """What a certificate proves.
 
     ``cells`` and ``h`` = √(2|Ω|/cells) are counted on the mesh of u_h; max ‖u − u_h‖_V lies between ``low`` and
     ``high``; ``last`` bounds ‖u − ũ‖_V at T.
@@ -982,7 +1019,7 @@ class Found:
 
 
 class Certificate:
-    """A problem, a mesh, u_h and the witnesses."""
+    """A problem, a mesh, u_h and the witnesses; refused unless they have the form and the properties that they need."""
 
     def __init__(self, data: Any) -> None:
         conform(data, CERTIFICATE, "certificate")
@@ -1006,7 +1043,7 @@ class Certificate:
         self.volume, self.surface = load_constants(data["constants"], problem)
 
     def _check_membership(self) -> None:
-        """ũ = 0 on Γ1 and ũ_ν ≤ 0 on Γ3, by Bernstein coefficients."""
+        """Refuse a ũ whose Bernstein coefficients are not 0 on Γ1, or have a positive normal component on Γ3."""
         size = 2 * self.mesh.nodes
         require(all(len(v) == size for v in self.nodes), "ũ has another size")
         for edge, side in self.mesh.boundary.items():
@@ -1015,8 +1052,8 @@ class Certificate:
             apart = side.kind != "contact" or all(dot(place, side.normal) <= 0 for place in places)
             require(apart, "ũ_ν > 0 on Γ3: ũ is not in K")
 
-    def check(self) -> Found:
-        """Compute the bounds."""
+    def check(self) -> Enclosure:
+        """Return the bounds of ‖u − u_h‖_V."""
         y, loads = up(self._start()), Loads(self.problem, self.mesh, self.stresses.bits)
         low, high = Q(0), y + root(self._distance(mixed((4,), self.nodes[:1]), 2, Q(0))[1])
         known: list[Any] = []
@@ -1031,15 +1068,17 @@ class Certificate:
             low = max(low, root(distances[-1][0], above=False) - y)
             high = max(high, largest + root(max(above for _, above in distances)))
         require(high < 10**DIGITS, "the error has no bound that is worth printing")
-        return Found(self.cells, root(self.problem.twice_area / self.cells), low, high, y)
+        return Enclosure(self.cells, root(self.problem.twice_area / self.cells), low, high, y)
 
     def _stress(self, numbers: tuple[list[int], list[int]], control: list[Poly], loads: Loads) -> tuple[Any, ...]:
-        """σ̃ at a knot or a control point: σ̃N, σ̃_ν on Γ3, the field and a bound of what it does not balance."""
+        """Return h σ̃N, σ̃_ν on Γ3, the field and a bound of ‖Div σ̃ + f̃_0‖ for one Bernstein coefficient in time."""
         edges, normal = self.stresses.tractions(numbers[0])
         return edges, normal, *self.stresses.field(edges, numbers[1], loads.on_cells(control))
 
     def _residual(self, piece: Piece, fields: Sequence[Field]) -> Matrix:
-        """∫∫ ρ ρᵀ with ρ = σ̃ − Aε(ũ̇) − Gε(ũ), rounded up by as much on the diagonal as any entry may lack.
+        """Return an upper bound of the matrix ∫∫ ρ ρᵀ with ρ = σ̃ − Aε(ũ̇) − Gε(ũ), in the order of symmetric matrices.
+
+        Entries of a cell are rounded down by less than 1: the 3 × 3 matrix of these losses is at most 3 times the unit.
 
         On a cell ρ = F R Fᵀ h/(unit (det F)³) with R in polynomials on the reference triangle.
         """
@@ -1058,7 +1097,7 @@ class Certificate:
         return [[(x + lacking * (i == j)) * scale for j, x in enumerate(row)] for i, row in enumerate(total)]
 
     def _products(self, R: list[list[int]]) -> list[list[int]]:
-        """30 times the mean in time of ∫ R Rᵀ over the reference triangle, times ``unit`` of the element."""
+        """Return 30 times the mean in time of ∫ R Rᵀ over the reference triangle, times ``unit`` of the element."""
         found = [[0] * 3 for _ in range(3)]
         for own, shares in zip(R, SHARES, strict=True):
             both = mixed(shares, R)
@@ -1068,7 +1107,7 @@ class Certificate:
         return found
 
     def _contact(self, piece: Piece, normals: Sequence[list[list[int]]]) -> Q:
-        """∫∫_{Γ3} σ̃_ν ũ_ν."""
+        """Return ∫∫_{Γ3} σ̃_ν ũ_ν, the work of contact."""
         total = 0
         for i, edge in enumerate(self.stresses.contact):
             x, y = self.mesh.along(edge)
@@ -1084,7 +1123,7 @@ class Certificate:
         return found
 
     def _distance(self, v: Sequence[int], more: int, time: Q) -> tuple[Q, Q]:
-        """Bounds of ‖v − u_h(time)‖²_V for coefficients v/2^{bits + more}."""
+        """Return a lower and an upper bound of ‖v − u_h(time)‖²_V for a v with the coefficients v/2^{bits + more}."""
         u, over = self.computed.at(time)
         bits = max(self.bits + more, self.computed.bits)
         mine, theirs = over << bits - self.bits - more, 1 << bits - self.computed.bits
@@ -1097,7 +1136,9 @@ class Certificate:
         return total * scale, (total + len(self.mesh.cells)) * scale
 
     def _distances(self, piece: Piece) -> Iterable[tuple[Q, Q]]:
-        """Bounds of ‖ũ − u_h‖²_V at control points of halves of a piece, of which it is convex; last at its end.
+        """Yield bounds of ‖ũ − u_h‖²_V at the five control points of the halves of a piece; the last is its end.
+
+        Inside a half the square is at most its largest value at a control point, as it is convex in ũ − u_h.
 
         A node of u_h has to be an end or the middle of the piece.
         """
@@ -1109,7 +1150,7 @@ class Certificate:
             yield self._distance(mixed(weights, piece.values), 4, piece.a + n * quarter)
 
     def _start(self) -> Q:
-        """A bound of ‖u_0 − ũ(0)‖_V."""
+        """Return an upper bound of ‖u_0 − ũ(0)‖_V."""
         total, mesh, (u, v) = Q(0), self.mesh, self.problem.start
         exact = [u.slope(0), v.slope(1), u.slope(1) + v.slope(0)]
         for cell in mesh.cells:
@@ -1123,19 +1164,19 @@ class Certificate:
 
 
 def voigt(a: int, b: int, c: int, d: int) -> list[list[int]]:
-    """σ ↦ F σ Fᵀ in components (11, 22, 12)."""
+    """Return the matrix of σ ↦ F σ Fᵀ in components (11, 22, 12)."""
     return [[a * a, b * b, 2 * a * b], [c * c, d * d, 2 * c * d], [a * c, b * d, a * d + b * c]]
 
 
 def summed(rows: list[list[int]]) -> list[list[int]]:
-    """Rows from their second differences in time."""
+    """Return rows from their second differences in time."""
     require(all(len(row) == len(rows[0]) for row in rows), "rows in time are not as long as each other")
     columns = [accumulate(accumulate(column)) for column in zip(*rows, strict=True)]
     return [list(row) for row in zip(*columns, strict=True)]
 
 
-def order(coarse: Found, fine: Found) -> tuple[Q, Q] | None:
-    """The ends of an interval with log(E/E')/log(h/h'), or None if an interval contains 0 or h is the same."""
+def order(coarse: Enclosure, fine: Enclosure) -> tuple[Q, Q] | None:
+    """Return the ends of an interval with log(E/E')/log(h/h'), or None if an error may be 0 or h is no smaller."""
     if coarse.low <= 0 or fine.low <= 0 or fine.cells <= coarse.cells:
         return None
     sizes = logarithm(Q(fine.cells, coarse.cells))  # 2 log(h/h') > 0
@@ -1144,13 +1185,13 @@ def order(coarse: Found, fine: Found) -> tuple[Q, Q] | None:
 
 
 def decimal(x: Q, above: bool, digits: int = 8) -> str:
-    """x rounded outward to some decimals."""
+    """Return x with some decimals, rounded up or down."""
     whole = math.ceil(x * 10**digits) if above else math.floor(x * 10**digits)
     return f"{'-' if whole < 0 else ''}{abs(whole) // 10**digits}.{abs(whole) % 10**digits:0{digits}d}"
 
 
-def verified(data: Any) -> Found:
-    """What a certificate proves; RefusedError if it is none."""
+def verified(data: Any) -> Enclosure:
+    """Return what a certificate proves; raise RefusedError if it proves nothing."""
     try:
         return Certificate(data).check()
     except RefusedError:
@@ -1161,7 +1202,7 @@ def verified(data: Any) -> Found:
 
 
 def load(path: Path) -> Any:
-    """The content of a file; RefusedError if it is no certificate, OSError if it cannot be read."""
+    """Return the content of a file; raise RefusedError unless it is JSON within the limits, OSError if not read."""
     size = path.stat().st_size
     require(size <= PACKED, f"the file has more than {PACKED} bytes")
     with path.open("rb") as file:
@@ -1183,14 +1224,14 @@ def load(path: Path) -> Any:
 
 
 def distinct(pairs: Any) -> dict[str, Any]:
-    """An object of JSON, in which no key comes twice; numbers that are not finite are refused, too."""
+    """Return an object of JSON; refuse a key that comes twice, and the constants NaN and Infinity."""
     require(not isinstance(pairs, str), f"a number is {shown(pairs)}")
     found = dict(pairs)
     require(len(found) == len(pairs), "an object has a key twice")
     return found
 
 
-def report(proved: Sequence[Found]) -> None:
+def report(proved: Sequence[Enclosure]) -> None:
     """Print the order between every two meshes, or why nothing is known about it."""
     for coarse, fine in combinations(sorted(proved, key=lambda found: found.cells), 2):
         span, meshes = order(coarse, fine), f"from {coarse.cells} to {fine.cells} cells"
@@ -1203,7 +1244,7 @@ def report(proved: Sequence[Found]) -> None:
 
 def main(paths: Sequence[str]) -> int:
     """Check files and print what they prove; returns the exit code."""
-    proved: list[Found] = []
+    proved: list[Enclosure] = []
     stated: Any = None
     names = [path if path.isascii() and path.isprintable() else ascii(path) for path in paths]
     absent = [name for name, path in zip(names, paths, strict=True) if not isfile(path)]

@@ -57,7 +57,7 @@ def certificate(made: Any) -> Any:
 
 
 @pytest.fixture(scope="session")
-def plain(made: Any) -> checker.Found:
+def plain(made: Any) -> checker.Enclosure:
     """What it proves."""
     return checker.verified(made)
 

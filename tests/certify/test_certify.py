@@ -58,7 +58,9 @@ def test_what_is_proved_is_what_is_computed(problem: Problems, computed_bounds: 
     assert {name: float(getattr(found, name)) for name in bounds} == pytest.approx(bounds, rel=1e-6)
 
 
-def test_better_witnesses_prove_a_narrower_interval_for_the_same_error(problem: Problems, plain: checker.Found) -> None:
+def test_better_witnesses_prove_a_narrower_interval_for_the_same_error(
+    problem: Problems, plain: checker.Enclosure
+) -> None:
     wide, data = plain, problem("square")
     narrow = checker.verified(Making(data, OneDiagonal(), MIDPOINT, Refined(1, 1)).certificate(2, 2))
     assert wide.low < narrow.low < narrow.high < wide.high

@@ -227,23 +227,23 @@ CLAIMS = {
 
 
 @pytest.mark.parametrize("claim", CLAIMS, ids=str)
-def test_witnesses_of_something_else_prove_less(claim: str, certificate: Any, plain: checker.Found) -> None:
+def test_witnesses_of_something_else_prove_less(claim: str, certificate: Any, plain: checker.Enclosure) -> None:
     """They stay true: an interval is wider, by what they do not fit."""
     CLAIMS[claim](certificate)
     assert checker.verified(certificate).last > plain.last
 
 
-def test_what_is_proved_is_known(plain: checker.Found, computed_bounds: dict[str, float]) -> None:
+def test_what_is_proved_is_known(plain: checker.Enclosure, computed_bounds: dict[str, float]) -> None:
     assert {name: float(getattr(plain, name)) for name in computed_bounds} == pytest.approx(computed_bounds, rel=1e-6)
 
 
-def test_the_level_is_not_read(certificate: Any, plain: checker.Found) -> None:
+def test_the_level_is_not_read(certificate: Any, plain: checker.Enclosure) -> None:
     """What is printed is counted on the mesh: 8 cells of the unit square, h = √(2/8)."""
     assert checker.verified(certificate | {"level": 64}) == plain
     assert (plain.cells, float(plain.h)) == (8, 0.5)
 
 
-def test_u_h_is_what_the_interval_is_about(certificate: Any, plain: checker.Found) -> None:
+def test_u_h_is_what_the_interval_is_about(certificate: Any, plain: checker.Enclosure) -> None:
     """An error that is added to u_h moves the interval by as much."""
     place = numbers_on(certificate, "contact")
     for u in certificate["computed"]:

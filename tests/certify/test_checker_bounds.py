@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from study.certify import checker
-from study.certify.checker import Found, Loads, Mesh, Piece, Problem, RefusedError, Stresses, X, Y
+from study.certify.checker import Enclosure, Loads, Mesh, Piece, Problem, RefusedError, Stresses, X, Y
 
 EXAMPLES = Path(__file__).parents[2] / "examples" / "certificates"
 GRID = Q(1, 1 << checker.GRID)
@@ -857,8 +857,8 @@ def test_u_h_has_no_node_inside_half_a_piece(bracket: checker.Certificate, monke
 # Orders
 
 
-def proved(cells: int, low: Any, high: Any) -> Found:
-    return Found(cells, Q(1), Q(low), Q(high), Q(0))
+def proved(cells: int, low: Any, high: Any) -> Enclosure:
+    return Enclosure(cells, Q(1), Q(low), Q(high), Q(0))
 
 
 ORDERS = [
@@ -871,7 +871,7 @@ ORDERS = [
 
 
 @pytest.mark.parametrize(("coarse", "fine", "low", "high"), ORDERS, ids=str)
-def test_orders_are_enclosed(coarse: Found, fine: Found, low: int, high: int) -> None:
+def test_orders_are_enclosed(coarse: Enclosure, fine: Enclosure, low: int, high: int) -> None:
     span = checker.order(coarse, fine)
     assert span is not None
     assert low - Q(1, 2**55) < span[0] <= low
@@ -927,7 +927,7 @@ def test_orders_are_printed_from_coarse_to_fine_whatever_comes_first(
 def test_results_are_printed_outward(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     path = str(EXAMPLES / "square-4.json.gz")
     monkeypatch.setattr(checker, "load", lambda path: {"problem": {"T": "1"}})
-    monkeypatch.setattr(checker, "verified", lambda data: Found(3, Q(2, 3), Q(1, 3), Q(2, 3), Q(0)))
+    monkeypatch.setattr(checker, "verified", lambda data: Enclosure(3, Q(2, 3), Q(1, 3), Q(2, 3), Q(0)))
     assert checker.main([path]) == 0
     shown = f"{path}:\n    3 cells, h = 0.6666: max ‖u − u_h‖_V in [0.33333333, 0.66666667]\n"
     assert capsys.readouterr().out.startswith(shown)
