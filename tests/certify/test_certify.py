@@ -125,6 +125,21 @@ def test_what_is_not_served_is_refused_in_words(name: str) -> None:
         statement(data)
 
 
+@pytest.mark.parametrize(
+    ("data", "message"),
+    [
+        (formulas((0, x1**11)), "integer from 0 to 10"),
+        (formulas((0, x1**6 * t**5)), "degree above 10"),
+        (formulas(f2={1: (pos(x2 - t, 11), 0)}), "integer from 0 to 10"),
+        (formulas(u0=(0, (x2 - 1) * x1)), "u_0ν ≤ 0 on Γ3 is not seen"),
+    ],
+    ids=["degree", "total degree", "power", "u_0 in the foundation"],
+)
+def test_what_the_checker_would_refuse_is_refused_before_it_is_computed(data: Data, message: str) -> None:
+    with pytest.raises(BoundError, match=f"no certificate can be made of this problem: .*{message}"):
+        Making(data, OneDiagonal(), MIDPOINT, Refined(0, 1)).check()
+
+
 def test_cases_are_refused_by_the_command(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["certify", "full-contact", "--out", str(tmp_path)]) == 2
     assert "certificates serve data that are formulas" in capsys.readouterr().err

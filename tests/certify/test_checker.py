@@ -45,7 +45,7 @@ def lines_of_code(text: str) -> int:
 
 def test_it_has_the_size_that_is_claimed_for_it() -> None:
     assert lines_of_code('"""A doc\nstring."""\n\n# Why.\nx = 1  # So.\n"""Of x."""\ny = """\ntext"""\n') == 3
-    assert lines_of_code(Path(checker.__file__).read_text()) <= 840
+    assert lines_of_code(Path(checker.__file__).read_text()) <= 830
 
 
 def test_a_copy_of_the_file_checks_a_certificate_without_any_package(tmp_path: Path) -> None:

@@ -473,6 +473,27 @@ def test_u_h_is_piecewise_linear_in_time() -> None:
     assert refined.bits == computed.bits + 2
 
 
+@pytest.mark.parametrize("time", range(3))
+def test_displacements_that_are_not_admissible_are_refused(time: int) -> None:
+    """ũ on Γ1 (sides 0 and 3), and on Γ3 with the normal (1, 3), by each Bernstein coefficient."""
+    certificate = object.__new__(checker.Certificate)
+    mesh = Mesh.of(mesh_of(QUADRANGLE, 2), Problem(stated(QUADRANGLE, "clamped loaded contact clamped")))
+    certificate.mesh = mesh
+    walls = {n for edge in ((0, 1), (3, 0)) for n in mesh.nodes_of(edge)}
+    slide = set(mesh.nodes_of((2, 3))) - walls
+    for n, (x, y) in product(range(mesh.nodes), ((3, -1), (-3, 1), (4, -1), (-4, 1), (1, 0), (-1, 0), (0, 1), (0, -1))):
+        certificate.nodes = [[0] * 2 * mesh.nodes for _ in range(3)]
+        certificate.nodes[time][2 * n : 2 * n + 2] = [x, y]
+        if n in walls or (n in slide and x + 3 * y > 0):
+            with pytest.raises(RefusedError, match="ũ does not vanish on Γ1" if n in walls else "ũ_ν > 0 on Γ3"):
+                certificate._check_membership()
+        else:
+            certificate._check_membership()
+    certificate.nodes[time].pop()
+    with pytest.raises(RefusedError, match="ũ has another size"):
+        certificate._check_membership()
+
+
 # The growth of the bound
 
 
@@ -753,10 +774,11 @@ def test_the_work_of_contact_is_not_negative(bracket: checker.Certificate) -> No
         bracket._contact(piece, [[[1] * 4 for _ in bracket.stresses.contact]] * 3)
 
 
-def test_the_work_of_contact_is_an_integral(bracket: checker.Certificate) -> None:
-    """∫∫ σ̃_ν ũ_ν by a quadrature in space and time."""
-    rng, piece = np.random.default_rng(7), piece_of(bracket)
-    edges, mesh = bracket.stresses.contact, bracket.mesh
+def test_the_work_of_contact_is_an_integral() -> None:
+    """∫∫ σ̃_ν ũ_ν on a slanted foundation, by a quadrature in space and time."""
+    wedge = checker.Certificate(checker.load(EXAMPLES / "wedge-4.json.gz"))
+    rng, piece = np.random.default_rng(7), piece_of(wedge)
+    edges, mesh = wedge.stresses.contact, wedge.mesh
     normals = [[[-int(c) for c in rng.integers(0, 2**30, 4)] for _ in edges] for _ in range(3)]
     nodes, weights = np.polynomial.legendre.leggauss(6)
     s, w = (nodes + 1) / 2, weights / 2
@@ -770,8 +792,8 @@ def test_the_work_of_contact_is_an_integral(bracket: checker.Certificate) -> Non
         u = np.einsum("rq,rt,qx->tx", np.array(n, dtype=float), basis[0], basis[0])
         tau = np.einsum("sp,st,px->tx", np.array([one[i] for one in normals], dtype=float), basis[0], basis[1])
         total += np.einsum("tx,tx,t,x->", u, tau, w, w)
-    wanted = total * float(piece.b - piece.a) / 2.0 ** (bracket.stresses.bits + bracket.bits + 2)
-    assert float(bracket._contact(piece, normals)) == pytest.approx(wanted, rel=1e-12)
+    wanted = total * float(piece.b - piece.a) / 2.0 ** (wedge.stresses.bits + wedge.bits + 2)
+    assert float(wedge._contact(piece, normals)) == pytest.approx(wanted, rel=1e-12)
 
 
 def test_all_that_is_missed_is_added_with_its_constant(
