@@ -397,7 +397,7 @@ class Term:
     def size(self) -> Q:
         """Return an upper bound of the absolute value for |X|, |S| ≤ 1."""
         middle = self.g.get((0, 0, 0), Q(0))
-        return self.p.size() * (self.g.size() - abs(middle) + middle if self.q else Q(1)) ** self.q
+        return self.p.size() * (self.g.size() - abs(middle) + middle) ** self.q
 
 
 def polynomial(data: Any) -> Poly:
@@ -942,7 +942,7 @@ class Growth:
                 of_H, of_A = (traced(congruent(inverted, one), M) for one in (H, self.A))
                 taken, left = 2 * contact + of_H / 2, beta**2 * of_A
                 first, second = root(up(faded * y * y + taken)), root(up(mean * left)) + loads
-                yield up(first + second), up(root(up(y * y + taken)) + second)
+                yield first + second, root(up(y * y + taken)) + second
                 beta = Q(round(root(up(left / k)) / (2 * first) * (1 << 40)) + 1, 1 << 40)
 
 

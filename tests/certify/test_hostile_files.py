@@ -239,6 +239,7 @@ STRUCTURES: dict[str, tuple[Callable[[Any], None], str]] = {
     "a quadrangle": (edit("mesh", "cells", 0, to=[0, 1, 2, 3]), "4 values"),
     "no cells": (edit("mesh", "cells", to=[]), "0 values"),
     "a vertex that is not there": (edit("mesh", "cells", 0, 0, to=9), "no such vertex"),
+    "a vertex of a side that is not there": (edit("mesh", "sides", 0, 0, to=9), "no such vertex"),
     "a negative vertex": (edit("mesh", "cells", 0, 0, to=-1), "no such vertex"),
     "a side without vertices": (edit("mesh", "sides", 0, to=[]), "0 values, but has to have 2"),
     "a side too few": (edit("mesh", "sides", to=[[0, 1]] * 3), "one line of vertices for every side"),
@@ -312,6 +313,16 @@ def test_a_bomb_takes_little_memory(tmp_path: Path) -> None:
     tracemalloc.stop()
 
 
+def test_texts_are_limited_by_their_files_and_at_all(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(checker, "SMALL", 10)
+    assert checker.load(EXAMPLE) == certificate()
+    for name, value in (("PACKING", 2), ("UNPACKED", len(TEXT) - 1), ("LISTS", TEXT.count("[") - 1)):
+        with monkeypatch.context() as patch:
+            patch.setattr(checker, name, value)
+            with pytest.raises(checker.RefusedError, match="more than"):
+                checker.load(EXAMPLE)
+
+
 def test_a_big_file_is_not_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "big.json.gz"
     with path.open("wb") as file:
@@ -346,10 +357,11 @@ def test_a_file_that_cannot_be_read_is_named(
 
 
 def test_names_of_files_do_not_reach_the_screen_as_they_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    path = tmp_path / f"{BAD}: REFUSED.gz"
-    path.write_bytes(b"")
-    assert checker.main([str(path)]) == 1
-    assert capsys.readouterr().out.startswith(ascii(str(path)) + ": REFUSED: ")
+    for name in (f"{BAD}: REFUSED.gz", "א", "\x7f"):
+        path = tmp_path / name
+        path.write_bytes(b"")
+        assert checker.main([str(path)]) == 1
+        assert capsys.readouterr().out.startswith(ascii(str(path)) + ": REFUSED: ")
 
 
 def test_a_defect_of_the_checker_proves_nothing(
