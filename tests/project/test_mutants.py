@@ -16,4 +16,4 @@ def test_every_survivor_has_a_reason_and_every_reason_a_survivor() -> None:
     assert set(tried["result"]) <= {"killed", "survived", "timeout"}
     assert set(map(tuple, survivors[CHANGE].values)) == set(map(tuple, explained[CHANGE].values))
     assert set(explained["kind"]) <= {"equivalent", "wording or speed", "missing test"}
-    assert explained["reason"].str.len().min() > 10
+    assert all(len(reason) > 10 for reason in explained["reason"])
