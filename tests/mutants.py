@@ -103,4 +103,4 @@ if __name__ == "__main__":
     for name in sys.argv[1:] or AREAS:
         rows = run(name)
         with (ROOT / "results" / "mutants" / f"{name}.csv").open("w", newline="", encoding="utf-8") as file:
-            csv.writer(file).writerows([["area", "file", "before", "after", "result"], *rows])
+            csv.writer(file, lineterminator="\n").writerows([["area", "file", "before", "after", "result"], *rows])
