@@ -30,9 +30,8 @@ seeds: $(READY)  ## an hour of fresh random meshes: how often chance turns the l
 	$(BIN)/study seeds --out results
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
-# A survey, not a test: what a sample of small mistakes does not turn red is listed and explained in the documentation.
-mutants: $(READY)  ## which small mistakes in judging and measuring code the tests let live, into results/mutants, an hour
-	OMP_NUM_THREADS=1 PYTHONPATH=tests:. nice -n 10 $(BIN)/python -m mutation.run --jobs 2 --minutes 60
+mutants: $(READY)  ## mutation testing of a fixed sample, into results/mutants, some hours; a second call continues
+	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python tests/mutants.py
 
 test: $(READY)  ## the test suite without the slow levels
 	$(BIN)/pytest --numprocesses auto

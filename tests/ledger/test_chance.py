@@ -71,6 +71,12 @@ def test_what_does_not_vary_is_not_red_by_chance() -> None:
     assert tail(np.full(20, 1.5), True) == Tail("constant", 1.0)
 
 
+def test_a_place_exactly_on_the_edge_of_its_window_is_no_alarm() -> None:
+    assert tail(np.full(20, 1.0), two_sided=True) == Tail("constant", 0.0)
+    assert tail(np.repeat([0.0, 1.0], [12, 8]), two_sided=False) == Tail("Pareto", 0.0, 1.0)
+    assert tail(np.repeat([0.0, 1.5], [12, 8]), two_sided=False) == Tail("Pareto", 0.4, 1.0)
+
+
 def test_too_few_seeds_have_no_tail() -> None:
     few = tail(np.linspace(0, 0.5, FEWEST - 1), True)
     assert few.model == "none"

@@ -30,7 +30,7 @@ EXCLUDED = {
     "pip install '.[study": "the environment of the tests has Dask and everything else",
     "make full": "half an hour: the nightly workflow runs it",
     "make seeds": "an hour: the nightly workflow runs it",
-    "make mutants": "an hour: the nightly workflow runs it",
+    "make mutants": "some hours; whoever changes code that judges or bounds runs it",
     "make codes": "half an hour, and codes that are optional: CI runs two of them by make codes-check",
     "make certificates": "half an hour; CI checks the certificates that are committed by make certificates-check",
     "make trials": "half an hour; its tables are tested against its data, and some of its problems",
