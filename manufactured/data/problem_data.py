@@ -237,7 +237,7 @@ def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -
         )
     if values.size and abs(values).max() > LARGEST:
         raise LoadError(
-            f"{name} reaches {abs(values).max():.3g}{when}, and squares of such numbers overflow: use units in which the "
-            f"data stay below {LARGEST:g}"
+            f"{name} reaches {abs(values).max():.3g}{when}, and squares of such numbers overflow: use units in which "
+            f"the data stay below {LARGEST:g}"
         )
     return values

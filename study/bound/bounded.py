@@ -50,8 +50,8 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
     """Refuse what cannot be bounded before time is spent.
 
     Raises:
-        BoundError: levels, steps or refinements that make no sense, T, a body or a law of extreme size, a family that does not serve the body, a body in
-            3D or a law without a usable monotonicity constant.
+        BoundError: levels, steps or refinements that make no sense, T, a body or a law of extreme size, a family that
+            does not serve the body, a body in 3D or a law without a usable monotonicity constant.
         LoadError: data that no solution can belong to.
         MeshError: a mesh does not fit the parts of the body.
     """

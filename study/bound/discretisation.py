@@ -44,8 +44,8 @@ class Discretisation:
     """Spaces and matrices on one mesh.
 
     Raises:
-        BoundError: the body is not plane, T, the body or the law has an extreme size, A or G jumps inside a cell, or the
-            law has no usable monotonicity constant.
+        BoundError: the body is not plane, T, the body or the law has an extreme size, A or G jumps inside a cell, or
+            the law has no usable monotonicity constant.
     """
 
     data: Data

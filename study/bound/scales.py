@@ -1,9 +1,10 @@
-"""Refuses problems in units for which double precision is too narrow: squares overflow above 1e154 and vanish below 1e-162.
+"""Refuses problems in units for which double precision is too narrow.
 
-A bound consists of roots of sums of squares. If squares of data underflow, a bound of 0 would be stated for an error
-that is not 0; if they overflow, infinity or no number at all would be compared with others. The material, the body and
-the final time must have sizes between ``LEAST`` and ``MOST``. For them squares of the data and of residuals are
-normal numbers whenever the bound is ``SMALLEST`` or more, so the bound shows whether squares have vanished.
+A bound consists of roots of sums of squares, and squares overflow above 1e154 and vanish below 1e-162. If squares of
+data underflow, a bound of 0 would be stated for an error that is not 0; if they overflow, infinity or no number at all
+would be compared with others. The material, the body and the final time must have sizes between ``LEAST`` and
+``MOST``. For them squares of the data and of residuals are normal numbers whenever the bound is ``SMALLEST`` or more,
+so the bound shows whether squares have vanished.
 """
 
 from __future__ import annotations

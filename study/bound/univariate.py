@@ -287,11 +287,12 @@ def require_known(formula: sp.Expr) -> None:
         RangeError: names the part.
     """
     if formula.is_number or formula.is_Symbol:
-        return None
+        return
     if not isinstance(formula, SERVED):
         raise unknown(formula)
     if type(formula) in REWRITTEN:
-        return require_known(with_pos(formula))
+        require_known(with_pos(formula))
+        return
     if isinstance(formula, pos) and not formula.args[1].is_number:
         raise RangeError(f"{formula} has an exponent that is no number; give it a number")
     for part in formula.args:
