@@ -193,7 +193,7 @@ def stepped(**sizes: float) -> Callable[[], tuple[float, float]]:
 
 
 def contact() -> tuple[float, float]:
-    """ũ = t (0, x_2 − 1) opens nothing: on Γ3 ũ_ν = t; with f_0 pressing down σ̃_ν < 0 there, and c = ∫ σ̃_ν ũ_ν."""
+    """ũ = (1 + 2t) (0, x_1 (2 − x_1)) opens Γ3, f_0 presses the body on it: the mean of c = ∫ σ̃_ν ũ_ν."""
     added, products = contact_products()
     return added.mean.contact, float(np.tensordot(majorant.QUADRATIC, products, axes=2))
 
@@ -207,8 +207,10 @@ def contact_products() -> tuple[Added, np.ndarray]:
     """What a piece adds, and ∫ σ̃_ν ũ_ν for each pair of the coefficients in time of σ̃ and ũ, by quadrature."""
     d = discretised((0, -20 * (1 + t)))
     mesh, found, known = d.mesh, [], []
-    places = np.hstack([mesh.p, mesh.p[:, mesh.facets].mean(axis=1)])
-    v = np.array([0 * places[0], places[0] * (2 - places[0])]).T.ravel()[d.displacements.free]
+    a, b = mesh.p[0, mesh.facets]
+    # Bernstein coefficients of x (2 − x).
+    second = np.concatenate([mesh.p[0] * (2 - mesh.p[0]), a + b - a * b])
+    v = np.array([0 * second, second]).T.ravel()[d.displacements.free]
     piece = Parabola(0.0, 0.5, v, 1.5 * v, 2 * v)
     steps = majorant.grown, Majorant._interval
     try:
