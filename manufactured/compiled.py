@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
-from functools import cache, lru_cache, partial
+from functools import cache, lru_cache, partial, reduce
 from pathlib import Path
 from typing import Any
 
@@ -74,7 +74,8 @@ def _compiled(
         call = sp.lambdify(arguments, formulas, modules=[{"pos": _truncated_power}, "numpy"], cse=fronts.shared)
         return inspect.getsource(call).replace(call.__name__, NAME, 1)
 
-    names: dict[str, Any] = {**vars(np), "pos": _truncated_power}
+    # SymPy writes Max and Min with ``reduce``.
+    names: dict[str, Any] = {**vars(np), "pos": _truncated_power, "reduce": reduce}
     exec(compile(made_once((*arguments, *expressions), orders, code), "<formulas>", "exec"), names)
     return names[NAME]  # type: ignore[no-any-return]
 

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import sympy as sp
 
 from manufactured.compiled import function
 from manufactured.factor import x1, x2, x3
-from manufactured.symbols import FormulaError, t
+from manufactured.symbols import FormulaError, pos, t
 from manufactured.tensors import Points, Vectors
 
 KNOWN = {str(symbol): symbol for symbol in (x1, x2, x3, t)}
 """The symbols of formulas by name."""
+SMALLEST, LARGEST = float(np.finfo(float).tiny), float(np.finfo(float).max)
 
 
 def compiled(
@@ -26,15 +28,52 @@ def compiled(
     strange = sorted({str(a) for e in expressions for a in e.free_symbols - {*symbols}})
     if strange:
         raise FormulaError(f"{name} has the symbols {', '.join(strange)}; use {', '.join(map(str, symbols))}")
+    for expression in expressions:
+        _require_numbers(expression, name)
     call = function(symbols, expressions)
+    _require_values(call, len(symbols), expressions, name)
+
+    # NumPy joins the conditions of a Piecewise only if they have one shape.
+    spread = any(expression.has(sp.Piecewise) for expression in expressions)
 
     def values(x: Points, *time: float) -> Vectors:
-        return np.array([np.broadcast_to(value, x.shape[1:]) for value in call(*x, *time)])
+        times = [np.full(x.shape[1:], each) for each in time] if spread else time
+        return np.array([np.broadcast_to(value, x.shape[1:]) for value in call(*x, *times)])
 
     return values
 
 
 def own_formula(formula: sp.Expr | float) -> sp.Expr:
-    """The formula with the symbols of this package in place of those of the same name: derivatives tell them apart."""
+    """The formula with the symbols of this package in place of those of the same name: derivatives tell them apart.
+
+    Steps are written with ``pos``: Heaviside(x) is 1 for x > 0 and 0 elsewhere.
+    """
     expression = sp.sympify(formula)
-    return expression.subs({a: KNOWN[a.name] for a in expression.free_symbols if a.name in KNOWN})
+    expression = expression.subs({a: KNOWN[a.name] for a in expression.free_symbols if a.name in KNOWN})
+    expression = expression.replace(sp.sign, lambda x: pos(x, 0) - pos(-x, 0))
+    return expression.replace(lambda part: isinstance(part, sp.Heaviside), lambda part: pos(part.args[0], 0))
+
+
+def _require_numbers(expression: sp.Expr, name: str) -> None:
+    """FormulaError unless all numbers in a formula are real and within the range of double precision."""
+    if expression.has(sp.I, sp.nan, sp.oo, -sp.oo, sp.zoo):
+        raise FormulaError(f"{name} = {expression} is not a real finite number everywhere; correct the formula")
+    for number in expression.atoms(sp.Number):
+        if number != 0 and not SMALLEST <= abs(number) <= LARGEST:
+            raise FormulaError(
+                f"{name} has the number {sp.N(number, 3)}, which double precision cannot represent; use units in which "
+                f"numbers lie between {SMALLEST:.3g} and {LARGEST:.3g}"
+            )
+
+
+def _require_values(call: Callable[..., Any], count: int, expressions: Sequence[sp.Expr], name: str) -> None:
+    """FormulaError if NumPy does not know some function of the formulas, which shows when they are called."""
+    try:
+        with np.errstate(all="ignore"):
+            call(*np.zeros((count, 1)))
+    except (NameError, AttributeError, TypeError) as error:
+        formula = ", ".join(map(str, expressions))
+        raise FormulaError(
+            f"{name} = {formula} cannot be evaluated: {error}; write it with functions that NumPy has, and steps with "
+            "Heaviside or pos(x, 0)"
+        ) from error

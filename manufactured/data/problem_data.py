@@ -167,6 +167,8 @@ POINTS, TIMES = 64, 5
 """Points in the body and on each part, and times, at which the data are checked."""
 ROUNDING = 1e-12
 """Relative size below which u_0 vanishes on Γ1 and lies in K."""
+LARGEST = 1e100
+"""Largest value of f_0, f_2, u_0 and ε(u_0): the squares that norms consist of must not overflow."""
 
 
 class LoadError(ValueError):
@@ -222,7 +224,7 @@ def _inside(body: Body, rng: np.random.Generator) -> Points:
 
 
 def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -> Vectors:
-    """The values; LoadError if they have the wrong shape or are not finite."""
+    """The values; LoadError if they have the wrong shape, are not finite or above ``LARGEST``."""
     if np.shape(values) != (components, *x.shape[1:]):
         raise LoadError(
             f"{name} has the shape {np.shape(values)} at points {x.shape}{when}, expected {(components, *x.shape[1:])}"
@@ -232,5 +234,10 @@ def _finite(name: str, values: Vectors, x: Points, components: int, when: str) -
         raise LoadError(
             f"{name} is not finite at x = {np.round(x[:, wrong][:, 0], 4).tolist()}{when}: no stress can balance it; "
             "give loads of L²"
+        )
+    if values.size and abs(values).max() > LARGEST:
+        raise LoadError(
+            f"{name} reaches {abs(values).max():.3g}{when}, and squares of such numbers overflow: use units in which "
+            f"the data stay below {LARGEST:g}"
         )
     return values

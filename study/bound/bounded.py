@@ -20,6 +20,7 @@ from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation, refuse_solids
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
 from study.bound.moduli import BoundError
+from study.bound.scales import require_units
 from study.bound.trajectory import DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
@@ -49,8 +50,8 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
     """Refuse what cannot be bounded before time is spent.
 
     Raises:
-        BoundError: levels, steps or refinements that make no sense, a family that does not serve the body, a body in
-            3D or a law without a usable monotonicity constant.
+        BoundError: levels, steps or refinements that make no sense, T, a body or a law of extreme size, a family that
+            does not serve the body, a body in 3D or a law without a usable monotonicity constant.
         LoadError: data that no solution can belong to.
         MeshError: a mesh does not fit the parts of the body.
     """
@@ -66,6 +67,7 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
             f"got {refined.refinements} and {refined.shorter}"
         )
     refuse_solids(data)
+    require_units(data)
     data.check()
     if not family.serves(data.body):
         served = ", ".join(known.name for known in FAMILIES if known.serves(data.body))

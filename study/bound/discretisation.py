@@ -21,6 +21,7 @@ from manufactured.factor import UNIFORM
 from manufactured.tensors import Array, Tensors
 from study.bound.moduli import BoundError, Moduli, moduli
 from study.bound.sampling import Sampling
+from study.bound.scales import require_units
 from study.fem.quadratic import Quadratic
 from study.stresses.bernstein import interval_mass
 from study.stresses.hybrid import Equilibrium
@@ -43,7 +44,8 @@ class Discretisation:
     """Spaces and matrices on one mesh.
 
     Raises:
-        BoundError: the body is not plane, A or G jumps inside a cell, or the law has no usable monotonicity constant.
+        BoundError: the body is not plane, T, the body or the law has an extreme size, A or G jumps inside a cell, or
+            the law has no usable monotonicity constant.
     """
 
     data: Data
@@ -51,6 +53,7 @@ class Discretisation:
 
     def __post_init__(self) -> None:
         refuse_solids(self.data)
+        require_units(self.data)
         refuse_jumps_in_cells(self.data, self.mesh)
         self.moduli  # noqa: B018
 

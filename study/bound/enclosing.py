@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 
 import numpy as np
@@ -22,6 +22,7 @@ from study.bound.discretisation import Discretisation
 from study.bound.majorant import Interval, Majorant
 from study.bound.moduli import Moduli
 from study.bound.sampling import Evidence
+from study.bound.scales import SMALLEST, require_finite, require_visible
 from study.bound.shares import Shares
 from study.bound.trajectory import DiscreteSolution, Parabola, Trajectory, prolongation, spline
 from study.fem.gauge import Gauge
@@ -60,6 +61,13 @@ class Enclosure:
     initial: Array
     between: Array
     evidence: Evidence
+
+    def __post_init__(self) -> None:
+        """Raises BoundError unless all bounds are finite: maxima and minima would hide what is no number."""
+        names = "distance", "bound", "start", "between"
+        require_finite({f"the {name} of the enclosure": getattr(self, name) for name in names})
+        if not np.isnan(self.error).all():
+            require_finite({"the known error": self.error})
 
     @property
     def highest(self) -> float:
@@ -117,7 +125,8 @@ def enclose(
         progress: told every time that is done.
 
     Raises:
-        BoundError: the nodes of ũ are not equally spaced in time, or its mesh is no refinement of that of u_h.
+        BoundError: the nodes of ũ are not equally spaced in time, its mesh is no refinement of that of u_h, or data are
+            so large or so small that their squares overflow or underflow.
     """
     fine = trajectory.discretisation(coarse)
     J = prolongation(computed.space, fine)
@@ -135,7 +144,7 @@ def enclose(
         intervals.append(interval)
         progress(piece.b)
     times, distances, bounds, errors, all_between = np.array(knots).T.copy()
-    return Enclosure(
+    found = Enclosure(
         computed.space.h,
         times,
         distances,
@@ -147,6 +156,10 @@ def enclose(
         all_between,
         _evidence(fine, intervals),
     )
+    seen = bool(initial.any() or computed.nodes.any() or any(fine.load(time).any() for time in times))
+    require_visible(fine.data, found.highest, seen)
+    # Squares may have vanished at single times.
+    return replace(found, bound=np.maximum(bounds, SMALLEST)) if found.highest > 0 else found
 
 
 def _evidence(discretisation: Discretisation, intervals: list[Interval]) -> Evidence:

@@ -20,7 +20,7 @@ import sympy as sp
 
 from manufactured.symbols import Index, indices
 from manufactured.tensors import Array
-from study.bound.univariate import REWRITTEN, Pair, coefficients, times
+from study.bound.univariate import REWRITTEN, Pair, coefficients, enclosed, times, with_pos
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,8 @@ class Series:
         return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
 
     def __add__(self, other: Series) -> Series:
-        return Series(self.low + other.low, self.high + other.high)
+        with np.errstate(over="ignore"):
+            return Series(*enclosed(self.low + other.low, self.high + other.high))
 
 
 @lru_cache
@@ -101,7 +102,7 @@ class Boxes:
         if formula.is_Mul:
             return reduce(self._product, (self._series(part, known) for part in parts))
         if type(formula) in REWRITTEN:
-            return self._series(formula.rewrite(REWRITTEN[type(formula)]), known)
+            return self._series(with_pos(formula), known)
         if formula.is_Pow and not formula.exp.is_number:
             return self._series(sp.exp(formula.exp * sp.log(formula.base)), known)
         inner = self._series(parts[0], known)
@@ -127,7 +128,9 @@ class Boxes:
         if k.size:
             ends = times((a.low[i], a.high[i]), (b.low[j], b.high[j]))
             first = np.flatnonzero(np.diff(k, prepend=-1))
-            low[k[first]], high[k[first]] = (np.add.reduceat(end, first, axis=0) for end in ends)
+            with np.errstate(over="ignore"):
+                sums = (np.add.reduceat(end, first, axis=0) for end in ends)
+                low[k[first]], high[k[first]] = enclosed(*sums)
         return Series(low, high)
 
     def _composed(self, inner: Series, outer: list[Pair]) -> Series:

@@ -20,6 +20,7 @@ from manufactured.symbols import t
 from manufactured.tensors import Array
 from study.bound.load_constants import LoadConstants, load_constants
 from study.bound.remainders import Remainders, Unseen, require_ranges
+from study.bound.scales import require_finite
 from study.bound.shares import proportional
 from study.bound.univariate import RangeError
 from study.fem.quadrature import Line, rough_cells
@@ -139,6 +140,7 @@ class Sampling:
         """What is missed of ‖u_0 − ũ(0)‖_V."""
         if self.reasons:
             return 0.0
+        require_finite({"what samples of ε(u_0) miss": self._unseen.start})
         return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(self._roots * self._unseen.start))
 
     def worst(self, a: float, b: float) -> str:
@@ -171,4 +173,7 @@ class Sampling:
 
     def _made(self, a: float, b: float) -> tuple[Remainders, Remainders]:
         force, surface = self._unseen.force(a, b), self._unseen.surface(a, b)
+        for name, found in (("f_0", force), ("f_2", surface)):
+            missed = {"space": found.space, "time": np.maximum(found.parabola, found.cubic)}
+            require_finite({f"what samples of {name} in {where} miss": value for where, value in missed.items()})
         return force.times(self._roots), surface.times(np.sqrt(self.space.lengths))

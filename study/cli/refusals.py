@@ -12,6 +12,7 @@ from manufactured.self_proof import SelfProofError
 from manufactured.symbols import FormulaError
 from study.bound.moduli import BoundError
 from study.cli.exits import FAILED, USAGE
+from study.fem.gauge import NormError
 from study.fem.mesh import MeshError
 from study.ledger.datafiles import DataError
 from study.ledger.errors import UsageError
@@ -22,7 +23,7 @@ from study.run.execute import JobsError
 
 OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
 OF_FILES = (DataError, RatesError, StoreError, TableError)
-REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, UsageError)
+REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, NormError, UsageError)
 """Errors that say what was given, what was expected and how to mend it."""
 
 KILLED = (

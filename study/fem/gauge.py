@@ -10,6 +10,7 @@ lower bound for every v ∈ V^h. The difference loses digits like ε_machine/h²
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -35,6 +36,10 @@ FACET_POINTS, SOLID_FACET_POINTS = 8, 4
 """Gauss points on a contact facet in 2D, or on each side of a rough point of it, and in each direction of one in 3D."""
 PARALLEL = 0.1
 """Sine of the angle below which two directions are too close for points to share coordinates along both."""
+
+
+class NormError(ArithmeticError):
+    """A norm of an error is not a finite number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +135,18 @@ class Gauge:
         return np.asarray(self._cells.viscous @ density)
 
     def distance(self, sample: Sample, v: Array) -> float:
-        """‖u(t) − v‖_V for v ∈ V^h."""
-        return float(np.sqrt(sample.oscillation + self._constant_energy(sample.means - self.space.strain(v))))
+        """‖u(t) − v‖_V for v ∈ V^h.
+
+        Raises:
+            NormError: the norm is no finite number, which maxima over time would hide.
+        """
+        found = float(np.sqrt(sample.oscillation + self._constant_energy(sample.means - self.space.strain(v))))
+        if not math.isfinite(found):
+            raise NormError(
+                f"‖u(t) − v‖_V is {found} at t = {sample.time:.6g}: a value of u or v is not finite, or its square "
+                "overflows; use units in which displacements have moderate size"
+            )
+        return found
 
     def load(self, time: float) -> Array:
         """(f(t), v)_V = (σ(t), ε(v))_Q − ∫_{Γ3} σ_ν v_ν for v ∈ V^h, (n_dofs,).

@@ -95,7 +95,7 @@ def test_functions_without_ranges_are_named() -> None:
         Boxes({x1: (low, high)}, (x1,), 2)(sp.gamma(1 + x1))
 
 
-@pytest.mark.parametrize("part", [sp.gamma(1 + x1), sp.Abs(x1 - x2), sp.Max(x1, t), sp.Heaviside(x1 - t)], ids=str)
+@pytest.mark.parametrize("part", [sp.gamma(1 + x1), sp.atan(x1 - x2), sp.floor(x1 + t)], ids=str)
 def test_they_are_found_anywhere_in_a_formula_before_time_is_spent(part: Expr) -> None:
     for formula in FORMULAS:
         require_known(formula)
@@ -246,7 +246,7 @@ SQUARE = unit_square()
     ("data", "reason"),
     [
         (Data.of(CASES["full-contact"].solution), "known at points and times only"),
-        (Data.formulas(SQUARE, LAW, f0=(sp.gamma(1 + x1), 0)), "gamma"),
+        (Data.formulas(SQUARE, LAW, f0=(sp.atan(1 + x1), 0)), "atan"),
         (
             Data.formulas(SQUARE, KelvinVoigt(isotropic(1, 1), Yield(1.0, FrobeniusBall(1.0)), "(3.3)"), f0=(0, 0)),
             "nonlinear G",
@@ -261,7 +261,7 @@ SQUARE = unit_square()
         ),
         (Data.formulas(SQUARE, LAW, f0=(0, pos(x1 - 0.4, 1)), lines=(((1.0, 0.0), 0.4),)), "graded rules"),
     ],
-    ids=["values", "gamma", "nonlinear", "layers", "lines"],
+    ids=["values", "atan", "nonlinear", "layers", "lines"],
 )
 def test_what_is_sampled_is_called_estimated_with_the_reason(data: Data, reason: str) -> None:
     evidence = Discretisation(data, OneDiagonal()(data.body, 4)).sampling

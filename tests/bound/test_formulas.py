@@ -1,0 +1,154 @@
+"""Every formula of the data is served, or refused by a sentence: never a traceback, never a range that is too small."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+import sympy as sp
+from sympy import Float, Integer, Rational
+
+from manufactured import KelvinVoigt, isotropic, pos, t, unit_square
+from manufactured.compiled import function
+from manufactured.data import Data, LoadError
+from manufactured.data.compiled_formulas import own_formula
+from manufactured.factor import x1, x2
+from manufactured.symbols import FormulaError
+from study.bound.ranges import Boxes
+from study.bound.univariate import KNOWN, REWRITTEN, RangeError, coefficients, require_known
+
+LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+HALF = Rational(1, 2)
+SERVED = {
+    **{function.__name__: function for function in KNOWN},
+    "sqrt": lambda x: sp.sqrt(1 + x**2),
+    "inverse": lambda x: 1 / (2 + x**2),
+    "power": lambda x: (1 + x**2) ** (1 + x2),
+    "pos": lambda x: pos(x - HALF, 2),
+    "step": lambda x: pos(x - HALF, 0),
+    "Max": lambda x: sp.Max(0, x - HALF, x2),
+    "Min": lambda x: sp.Min(x, HALF, t),
+    "Abs": lambda x: sp.Abs(x - HALF),
+    "sign": lambda x: sp.sign(x - HALF),
+    "Heaviside": lambda x: sp.Heaviside(x - HALF),
+    "Piecewise": lambda x: sp.Piecewise((x, (x < HALF) & (x2 > t)), (x**2, (x > 1) | ~(x2 < HALF)), (2, True)),
+}
+assert {function.__name__ for function in REWRITTEN} <= set(SERVED)
+OTHERS = {
+    function.__name__: function
+    for function in (sp.gamma, sp.atan, sp.asin, sp.erf, sp.floor, sp.DiracDelta, sp.besselj, sp.zeta, sp.sec, sp.arg)
+}
+
+
+def called(function, *arguments: sp.Expr) -> sp.Expr:
+    return function(0, *arguments) if function is sp.besselj else function(*arguments)
+
+
+def posed(formula: sp.Expr) -> Data:
+    """The problem with this f_0; a refusal by a sentence is an error of one of these kinds."""
+    data = Data.formulas(unit_square(), LAW, f0=(0, formula))
+    data.check()
+    return data
+
+
+INNER = ("sin", "Max", "Piecewise", "tan", "gamma")
+"""An entire function, one with kinks, one with jumps, one with poles, one that NumPy does not have."""
+
+
+@pytest.mark.parametrize("outer", [*SERVED, *OTHERS])
+def test_any_function_is_served_or_refused_by_a_sentence(outer: str) -> None:
+    functions = SERVED | OTHERS
+    for inner in INNER:
+        formula = called(functions[outer], called(functions[inner], x1 * t + x2 / 3 + Rational(1, 7)))
+        refused = ""
+        try:
+            data = posed(formula)
+            assert np.isfinite(data.body_force(np.full((2, 3), 0.3))(0.5)).all()
+            require_known(formula)
+        except (FormulaError, LoadError, RangeError) as error:
+            refused = str(error)
+        assert not refused or len(refused) > 30
+        assert not (refused and {outer, inner} <= set(SERVED)) or "is not finite at" in refused
+
+
+@pytest.mark.parametrize("inner", SERVED)
+@pytest.mark.parametrize("outer", SERVED)
+def test_ranges_of_composed_functions_contain_their_values(outer: str, inner: str) -> None:
+    formula = SERVED[outer](SERVED[inner](x1 * t + x2 / 3 + Rational(1, 7)))
+    rng, count = np.random.default_rng(0), 30
+    low = rng.random((3, count))
+    high = low + np.geomspace(1e-3, 0.3, count)
+    found = Boxes(dict(zip((x1, x2, t), zip(low, high, strict=True), strict=True)), (t,), 2)(formula)
+    assert not np.isnan([found.low, found.high]).any()
+    for _ in range(5):
+        x = low + rng.random((3, count)) * (high - low)
+        with np.errstate(all="ignore"):
+            inside = evaluated(inner)(x[0] * x[2] + x[1] / 3 + 1 / 7, *x[1:])[0]
+            values = evaluated(outer)(inside * np.ones(count), *x[1:])[0] * np.ones(count)
+        known = np.isfinite(values)
+        slack = 1e-9 * abs(values) + 1e-12
+        assert (found.low[0] - slack <= values)[known].all()
+        assert (values <= found.high[0] + slack)[known].all()
+
+
+@cache
+def evaluated(name: str):
+    """(x1, x2, t) ↦ a function of ``SERVED`` at x1."""
+    return function((x1, x2, t), [own_formula(SERVED[name](x1))])
+
+
+@pytest.mark.parametrize("known", KNOWN, ids=lambda known: known.__name__)
+@pytest.mark.parametrize("ends", [(-0.7, 0.4), (0.3, 0.5), (1.1, 4.9), (-2.0, -1.8)], ids=str)
+def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known, ends: tuple[float, float]) -> None:
+    """Neither too small nor too large: scaled by 0.9, or with the smaller end for the larger, they would differ."""
+    x = sp.Symbol("x", real=True)
+    places = np.linspace(*ends, 20001)
+    found = coefficients(known(x), (np.array(ends[:1]), np.array(ends[1:])), 4)
+    for order, (low, high) in enumerate(found):
+        derivative = sp.diff(known(x), x, order) / sp.factorial(order)
+        with np.errstate(all="ignore"):
+            values = sp.lambdify(x, derivative, "numpy")(places) * np.ones_like(places)
+        if np.isfinite([low, high]).all():
+            assert (low[0], high[0]) == pytest.approx((values.min(), values.max()), rel=1e-6, abs=1e-6)
+        else:
+            assert (~np.isfinite(values)).any() or abs(values).max() > 1e3
+
+
+@pytest.mark.parametrize(
+    ("formula", "names"),
+    [
+        (sp.gamma(1 + x1), "gamma"),
+        (sp.DiracDelta(x1 - t), "DiracDelta"),
+        (sp.sqrt(-2) * x1, "not a real"),
+        (sp.oo * x1, "not a real"),
+        (Integer(10) ** 400 * x1, "1.00E+400"),
+        (Float("1e-330") * (1 + x1) ** 1000, "1.00E-330"),
+    ],
+    ids=["gamma", "DiracDelta", "complex", "infinite", "huge", "tiny"],
+)
+def test_what_cannot_be_evaluated_is_refused_before_time_is_spent(formula: sp.Expr, names: str) -> None:
+    for load in ({"f0": (0, formula)}, {"f0": (0, 0), "f2": {1: (formula, 0)}}, {"f0": (0, 0), "u0": (formula, 0)}):
+        with pytest.raises(FormulaError) as error:
+            Data.formulas(unit_square(), LAW, **{name: _at_rest(name, value) for name, value in load.items()})
+        assert names in str(error.value)
+
+
+def _at_rest(name: str, value):
+    return tuple(sp.sympify(part).subs(t, 0) for part in value) if name == "u0" else value
+
+
+def test_a_condition_without_an_order_is_named() -> None:
+    with pytest.raises(RangeError, match="is no inequality"):
+        require_known(sp.Piecewise((x1, sp.Eq(x1, x2)), (0, True)))
+
+
+def test_a_factor_that_overflows_or_underflows_in_the_ranges_does_not_hide_the_others() -> None:
+    """e^y/(e^y + e^{−y}) is 1 for y of 800 or more, where e^y is infinite in double precision and e^{−y} is 0."""
+    y = 400 * (2 + x1)
+    one = (sp.exp(y) - sp.exp(-y)) / (sp.exp(y) + sp.exp(-y))
+    box = {x1: (np.zeros(1), np.ones(1)), x2: (np.zeros(1), np.ones(1))}
+    for factor in (one, sp.tanh(y), sp.sinh(y) / sp.cosh(y)):
+        found = Boxes(box, (x1, x2), 4)(factor * sp.sin(3 * x2))
+        assert found.low[0, 0] <= 1e-9
+        assert found.high[0, 0] >= 1

@@ -1,0 +1,144 @@
+"""Problems in other units: the bounds follow the units, or the problem is refused by a sentence. None is NaN or 0."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from sympy import Float, Integer, Rational, exp
+
+from manufactured import Data, KelvinVoigt, Kind, Linear, isotropic_matrix, named, polygon, t
+from manufactured.data import LoadError
+from manufactured.factor import x1, x2
+from manufactured.symbols import FormulaError
+from study.bound.bounded import bounded_solution, check_bound
+from study.bound.enclosing import Enclosure
+from study.bound.moduli import BoundError
+from study.bound.trajectory import Refined
+from study.cli.refusals import REFUSALS
+from study.fem.gauge import Gauge, NormError
+from study.fem.mesh import OneDiagonal
+from study.fem.space import Space
+from study.solve.tableau import MIDPOINT
+
+KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+
+
+def problem(length=1.0, time=1.0, A=1.0, G=1.0, f0=1.0, f2=1.0, u0=1.0) -> Data:
+    """The same formulas in x/length and t/time, with data and moduli multiplied by numbers."""
+    corners = [(length * a, length * b) for a, b in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    law = KelvinVoigt(Linear(A * isotropic_matrix(1, 0.5)), Linear(G * isotropic_matrix(2, 3)), "scaled")
+    X1, X2, T = (x / Float(scale) for x, scale in ((x1, length), (x2, length), (t, time)))
+    force = 0, Float(f0) * (X1 - T) * (1 + exp(X2))
+    loads = {1: (-Float(f2) * T * X2, 0)}
+    start = 0, Float(u0) * X2**2 * (1 - X2) * (1 + X1) / 10
+    return Data.formulas(polygon(corners, KINDS, T=time), law, force, loads, start)
+
+
+def bounded(data: Data) -> Enclosure:
+    check_bound(data, OneDiagonal(), [2], 2, Refined(0, 1))
+    return bounded_solution(data, None, OneDiagonal(), 2, MIDPOINT, 2, Refined(0, 1)).enclosure
+
+
+SIZES = 1e-20, 1e-6, 1e6, 1e20
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("unit", ["force", "length", "time", "all"])
+def test_bounds_follow_the_units(unit: str, size: float) -> None:
+    """With u = U û(x/L, t/T) and A of the unit F: f_0 = F U/(T L²), f_2 = F U/(T L), ‖u‖_V = √F U in the plane."""
+    L, T = (size if unit in (name, "all") else 1.0 for name in ("length", "time"))
+    F = size if unit == "force" else 1.0
+    found = bounded(problem(length=L, time=T, A=F, G=F / T, f0=F / T / L**2, f2=F / T / L))
+    expected = bounded(problem())
+    for name in ("lowest", "highest", "upper", "lower"):
+        assert getattr(found, name) == pytest.approx(math.sqrt(F) * getattr(expected, name), rel=1e-6)
+
+
+HOSTILE = {
+    "huge f_0": {"f0": 1e160},
+    "tiny": {"f0": 1e-170, "f2": 1e-170, "u0": 1e-170},
+    "tiny f_0 alone": {"f0": 1e-170, "f2": 0.0, "u0": 0.0},
+    "tiny f_2 alone": {"f0": 0.0, "f2": 1e-170, "u0": 0.0},
+    "tiny u_0 alone": {"f0": 0.0, "f2": 0.0, "u0": 1e-170},
+    "subnormal f_0": {"f0": 1e-310, "f2": 0.0, "u0": 0.0},
+    "huge f_2": {"f2": 1e200},
+    "huge u_0": {"u0": 1e180},
+    "huge f_0 and tiny f_2": {"f0": 1e155, "f2": 1e-155},
+    "huge A": {"A": 1e150},
+    "tiny A": {"A": 1e-150},
+    "huge G": {"G": 1e150},
+    "tiny G": {"G": 1e-150},
+    "A, G and f tiny": {"A": 1e-90, "G": 1e-90, "f0": 1e-90, "f2": 1e-90},
+    "long": {"time": 1e100},
+    "short": {"time": 1e-100},
+    "large body": {"length": 1e100},
+    "small body": {"length": 1e-100},
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_extreme_sizes_are_refused_by_a_sentence(name: str) -> None:
+    with pytest.raises(REFUSALS, match=r"units|number|finite"):
+        bounded(problem(**HOSTILE[name]))
+
+
+@pytest.mark.parametrize("changes", [{"f0": 1e-170}, {"f2": 1e-300, "u0": 0.0}, {"f0": 1e60, "f2": 1e-60}])
+def test_one_tiny_datum_among_others_changes_nothing(changes: dict[str, float]) -> None:
+    tiny = {name: 0.0 if value < 1e-50 else value for name, value in changes.items()}
+    assert bounded(problem(**changes)).highest == pytest.approx(bounded(problem(**tiny)).highest, rel=1e-9)
+
+
+def test_the_two_examples_that_were_stated_as_guaranteed() -> None:
+    for force, kind in ((-(Integer(10) ** 160) * t * x1, LoadError), (Float("-1e-170") * t * x1, BoundError)):
+        data = replace(problem(), **vars(Data.formulas(problem().body, problem().law, (0, force))))
+        with pytest.raises(kind, match="units"):
+            bounded(data)
+
+
+def test_data_that_are_zero_have_the_bound_zero() -> None:
+    found = bounded(problem(f0=0.0, f2=0.0, u0=0.0))
+    assert found.highest == 0
+    assert not found.upper.any()
+
+
+def test_an_unseen_peak_that_overflows_is_refused() -> None:
+    """No sample sees the peak, its range does."""
+    peak = Float("1e300") * exp(-((x1 - Rational(37, 100)) ** 2 + (x2 - Rational(41, 100)) ** 2) * 10**8)
+    data = problem()
+    with pytest.raises(BoundError, match="not a finite number"):
+        bounded(Data.formulas(data.body, data.law, (0, peak)))
+
+
+def test_data_without_a_finite_range_are_refused() -> None:
+    data = problem()
+    with pytest.raises(BoundError, match="not a finite number"):
+        bounded(Data.formulas(data.body, data.law, (0, (x1**2) ** Rational(-1, 10))))
+
+
+def test_numbers_out_of_the_range_of_double_precision_are_refused() -> None:
+    data = problem()
+    with pytest.raises(FormulaError, match="double precision cannot represent"):
+        Data.formulas(data.body, data.law, (0, Integer(10) ** 309 * x1))
+
+
+@pytest.mark.parametrize("name", ["distance", "bound", "between", "start", "error"])
+@pytest.mark.parametrize("value", [math.nan, math.inf])
+def test_no_enclosure_is_made_of_what_is_no_number(name: str, value: float) -> None:
+    found = replace(bounded(problem()), error=np.zeros(3))
+    values = getattr(found, name)
+    changed = value if name == "start" else np.where(np.arange(np.size(values)) == 1, value, values)
+    with pytest.raises(BoundError, match="not a finite number"):
+        replace(found, **{name: changed})
+
+
+def test_an_error_that_is_no_number_is_not_measured() -> None:
+    solution = named("full-contact").solution
+    space = Space(OneDiagonal()(solution.body, 2), solution.body)
+    gauge = Gauge(solution, space)
+    for value in (math.nan, math.inf, 1e200):
+        with pytest.raises(NormError, match="moderate size"), np.errstate(all="ignore"):
+            gauge.distance(gauge.sample(0.5), np.full(space.dofs, value))
+    assert issubclass(NormError, REFUSALS)
