@@ -9,7 +9,7 @@ import textwrap
 from manufactured.catalogue import catalogue
 from study.cli.exits import OK
 from study.ledger.terminal import width
-from study.run.foreseen import describe
+from study.run.case_line import describe
 
 INDENT = 4 * " "
 

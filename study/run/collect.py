@@ -8,7 +8,7 @@ import pandas as pd
 
 from study.ledger.datafiles import DataFile, Row, write_csv
 from study.ledger.files import write_text
-from study.run.foreseen import describe
+from study.run.case_line import describe
 from study.run.plan import Plan
 from study.run.provenance import provenance
 from study.run.store import Store
