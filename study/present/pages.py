@@ -219,20 +219,31 @@ def _outwards(low: float, high: float) -> str:
 
 
 def refresh(page: Path, data: FullRun) -> bool:
-    """Put the tables into a page between ``<!-- NAME -->`` and ``<!-- end -->``, those it has marks for; if it changed.
+    """Writes the tables of a page again (``refreshed``); returns whether the page changed.
 
     Raises:
-        DataError: it has no marks.
+        DataError: the page has no marks.
     """
-    text = before = page.read_text(encoding="utf-8")
+    before = page.read_text(encoding="utf-8")
+    text = refreshed(page, data)
+    write_text(page, text)
+    return text != before
+
+
+def refreshed(page: Path, data: FullRun) -> str:
+    """Returns the text of a page with its tables, between ``<!-- NAME -->`` and ``<!-- end -->``, from the data.
+
+    Raises:
+        DataError: the page has no marks.
+    """
+    text = page.read_text(encoding="utf-8")
     tables = headline, results, statements, formulas, cases, codes, marches, windows, new_windows
     for table in tables:
         if f"<!-- {table.__name__} -->" in text:
             text = put(text, table.__name__, table(data))
     if END not in text:
         raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements, cases, codes, …")
-    write_text(page, text)
-    return text != before
+    return text
 
 
 FILM, SMALL = "hexagon", 75

@@ -112,7 +112,12 @@ def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
     # The many small objects of a figure all live until it is saved: looking for garbage before finds nothing.
     with in_style(), uncollected():
         written = _save(drawing.draw(), directory, drawing.name)
-    return [*written, write_text(directory / f"{drawing.name}.txt", textwrap.fill(drawing.caption, 100) + "\n")]
+    return [*written, write_text(directory / f"{drawing.name}.txt", caption_text(drawing))]
+
+
+def caption_text(drawing: Drawing) -> str:
+    """Returns the text of the file with the caption of a figure."""
+    return textwrap.fill(drawing.caption, 100) + "\n"
 
 
 def _save(figure: Figure, directory: Path, name: str) -> list[Path]:
