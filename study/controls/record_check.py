@@ -61,7 +61,7 @@ def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
         # Which labels are claimed may have changed since: older seeds were counted by the labels of their time.
         alarms_agree = draw.alarms == alarms if draw.rules == in_force else draw.alarms <= int(beyond[:, n].sum())
         agrees = draw.judged == rows and draw.rules == rules and alarms_agree
-        if rows and not agrees or (draw.judged >= 0 and not rows):
+        if not agrees and (rows or draw.judged >= 0):
             raise DataError(
                 f"{drawn}, line {n + 2}: seed {draw.seed} has {draw.judged} rows, {draw.alarms} alarms and the rules "
                 f"{draw.rules}, {places.name} has {rows} rows, {alarms} alarms and the rules {rules}: restore both "
