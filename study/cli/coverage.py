@@ -6,6 +6,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from study.ledger.codes import FOLDER, MARCHES
+from study.ledger.datafiles import CsvFile
+from study.run.collect import data_files
 
 IN_PART = (
     "data/provenance.json",
@@ -13,7 +15,8 @@ IN_PART = (
     "data/sensitivity.csv",
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
-"""Files of which relations between columns, or the tables made from them, show some edits and not all."""
+"""Files of which relations between columns, or the tables made from them, show some edits and not all. The tables of a run
+whose provenance has no checksums are among them."""
 
 
 def files_of(directory: Path) -> Iterator[Path]:
@@ -31,7 +34,8 @@ def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list
     Both are found by looking at what is there, so that a file of a new kind is named without further ado.
     """
     rest = [path for path in files_of(directory) if path not in compared]
-    in_part = {directory / name for name in IN_PART}
+    tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
+    in_part = {directory / name for name in (*IN_PART, *tables)}
     return [path for path in rest if path in in_part], [path for path in rest if path not in in_part]
 
 

@@ -23,6 +23,8 @@ from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.errors import UsageError
 
+SEED_DIGITS = 20
+"""Digits of a seed of 64 bits; the seed is part of file names."""
 LONGEST_SHOWN = 120
 """Characters of a name that a message shows."""
 
@@ -41,7 +43,10 @@ def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
 def family_named(name: str) -> MeshFamily:
     """The mesh family with a name, shaken-7 for shaken meshes with the seed 7; UsageError if there is none."""
     if seeded := re.fullmatch(r"shaken-(\d+)", name):
-        require_file_name("mesh family", name)
+        if len(seeded[1]) > SEED_DIGITS:
+            raise UsageError(
+                f"the seed of shaken meshes has {len(seeded[1])} digits, at most {SEED_DIGITS} are allowed"
+            )
         return Shaken(seed=int(seeded[1]), name=name)
     return choose("mesh family", name, (*FAMILIES, Alternating()))  # type: ignore[no-any-return]
 

@@ -10,9 +10,8 @@ import numpy as np
 import pandas as pd
 
 from study.ledger.compare import Comparison, Tolerance, compare
-from study.ledger.datafiles import CsvFile, DataFile, JsonFiles, Row, write_csv
+from study.ledger.datafiles import CsvFile, Row, write_csv
 from study.ledger.errors import UsageError
-from study.ledger.files import write_text
 from study.run.execute import Pool, execute
 from study.run.foreseen import Foreseen
 from study.run.job import Job
@@ -25,7 +24,10 @@ measurements would be drawn again and again."""
 
 
 def planned_jobs(directory: Path) -> tuple[Job, ...]:
-    """Returns every measurement that the data in a directory were planned from.
+    """Returns every measurement that gives rows to the tables in a directory.
+
+    Pictures are left out: on unstructured meshes of bodies with symmetries the cells are numbered otherwise on another
+    processor.
 
     Raises:
         UsageError: there are no data, or the file of a user's own case is gone.
@@ -34,7 +36,7 @@ def planned_jobs(directory: Path) -> tuple[Job, ...]:
     if foreseen.plan is None:
         gone = ", ".join(sorted(foreseen.gone))
         raise UsageError(f"--again needs the files of all cases, and those of {gone} are gone; put them back")
-    return foreseen.plan.jobs
+    return tuple(job for job in foreseen.plan.jobs if isinstance(job.statement.file, CsvFile))
 
 
 def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
@@ -76,22 +78,17 @@ def compare_again(
         old, new = Path(temporary) / "old", Path(temporary) / "new"
         store = Store(new)
         execute(jobs, store, pool, notify)
-        rows: dict[DataFile, list[Row]] = {}
+        rows: dict[CsvFile, list[Row]] = {}
         for job in jobs:
             found = store.load(job.key, job.fingerprint())
             assert found is not None, job.key
             for file, row in job.records(found):
+                assert isinstance(file, CsvFile), file.name
                 rows.setdefault(file, []).append(row)
         for file, measured in rows.items():
-            if isinstance(file, CsvFile):
-                table = pd.DataFrame(measured, columns=list(file.columns))
-                write_csv(new / "data" / file.name, table)
-                write_csv(old / "data" / file.name, _same_rows(file, directory, table))
-            elif isinstance(file, JsonFiles):
-                file.write(store.data, measured)
-                for row in measured:
-                    name = f"{file.name}/{row[file.key[0]]}.json"
-                    write_text(old / "data" / name, (directory / "data" / name).read_text(encoding="utf-8"))
+            table = pd.DataFrame(measured, columns=list(file.columns))
+            write_csv(new / "data" / file.name, table)
+            write_csv(old / "data" / file.name, _same_rows(file, directory, table))
         return compare(old, new, tolerance)
 
 

@@ -72,7 +72,7 @@ def test_a_name_of_data_that_cannot_be_part_of_a_file_name_writes_nothing(
 
 def test_an_endless_name_of_a_mesh_family_is_refused() -> None:
     assert family_named("shaken-7").name == "shaken-7"
-    with pytest.raises(UsageError, match=r"the mesh family 'shaken-9+…' cannot be part of a file name"):
+    with pytest.raises(UsageError, match="has 1000 digits, at most 20 are allowed"):
         family_named("shaken-" + "9" * 1000)
 
 
