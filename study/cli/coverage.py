@@ -15,8 +15,8 @@ IN_PART = (
     "data/sensitivity.csv",
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
-"""Files of which relations between columns, or the tables made from them, show some edits and not all. The tables of a run
-whose provenance has no checksums are among them."""
+"""Files of which relations between columns, or the tables made from them, show some edits and not all. The tables of a
+run whose provenance has no checksums are among them."""
 
 
 def files_of(directory: Path) -> Iterator[Path]:
