@@ -300,8 +300,11 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
         shortened("data/pictures/hexagon.json", 0),
         r"hexagon.json was changed after the run that wrote it",
     ),
-    "a line of the defects deleted": (shortened("data/controls.csv", 40), r"controls.md, line \d+: stands"),
-    "a line of the seeds deleted": (shortened("data/seeds.csv", 40), r"seeds.csv, line 41: stands .*: `study seeds"),
+    "a line of the defects deleted": (shortened("data/controls.csv", 40), r"tables/controls.\w+, line \d+"),
+    "a line of the seeds deleted": (
+        shortened("data/seeds.csv", 40),
+        r"seeds.csv, line 41, .*: `study seeds",
+    ),
     "a badge": (shortened("badges/ledger.svg", 1), r"ledger.svg, line 2: stands .*: `make pages` writes it again"),
     "a caption": (shortened("figures/growth.txt", 0), r"growth.txt, line 1: stands .*: `study figures"),
     "a number of the README": (

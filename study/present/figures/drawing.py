@@ -19,7 +19,6 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from manufactured.file_names import file_name_fault
 from study.ledger.datafiles import DataError
 from study.ledger.files import write_text, write_whole
 from study.ledger.garbage import uncollected
@@ -105,10 +104,13 @@ def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
     """Draw one figure in the style of the study and save it as pdf, png and svg, and its caption in lines.
 
     Raises:
-        DataError: the name of the figure holds a name from the data that cannot be part of a file name.
+        DataError: a name from the data would write the figure into another directory.
     """
-    if fault := file_name_fault(drawing.name):
-        raise DataError(f"the figure {drawing.name!r} cannot be written, as {fault}: the data were edited or damaged")
+    if set(drawing.name) & {"/", "\\", "\0"}:
+        raise DataError(
+            f"the figure {drawing.name!r} cannot be written, as its name contains a path separator or NUL: the data "
+            "were edited or damaged"
+        )
     # The many small objects of a figure all live until it is saved: looking for garbage before finds nothing.
     with in_style(), uncollected():
         written = _save(drawing.draw(), directory, drawing.name)
