@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
 	docs/tutorials/first-solution.md docs/explanation/windows.md
 
-.PHONY: study full controls seeds mutants test wheel tutorials pages codes codes-venv codes-check wheel-debian certificates \
+.PHONY: study full again controls seeds mutants test wheel tutorials pages codes codes-venv codes-check wheel-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
 	bench-parallel lint docs paper lock clean
 
@@ -21,6 +21,9 @@ full: $(READY)  ## all levels into results/, and the slow tests
 	$(BIN)/study figures --out results
 	$(BIN)/python -m study.present.pages results $(PAGES)
 	$(BIN)/pytest -m slow --numprocesses auto
+
+again: $(READY)  ## 100 rows of the committed results, drawn at random, measured again, a minute; ROWS=N, SEED=S
+	$(BIN)/study check --out results --again $(or $(ROWS),100) $(if $(SEED),--seed $(SEED))
 
 controls: $(READY)  ## deliberate defects that the verdicts must catch, and how small ones they see, a minute
 	$(BIN)/study controls --out results/quick

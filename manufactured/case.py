@@ -14,6 +14,7 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.face_formula import FaceFormula, read_off
 from manufactured.face_strain import Memory, Prescribed
+from manufactured.file_names import file_name_fault
 from manufactured.profile import ZERO
 from manufactured.regularity import Regularity
 from manufactured.singular import SingularFace, SingularField, TravellingField, least_exponent
@@ -62,6 +63,8 @@ class Case:
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", self.name):
             raise CaseError(f"case name {self.name!r}: use letters, digits, '.', '-' and '_' only")
+        if fault := file_name_fault(self.name):
+            raise CaseError(f"case name {self.name!r} cannot be part of a file name, as {fault}: give another name")
         if self.order is None or not math.isfinite(self.order) or not self.reason:
             raise CaseError(
                 f"case {self.name}: a case needs an order predicted before it is measured, and the reason for it; got "

@@ -1,29 +1,15 @@
-"""NumPy functions made from SymPy expressions and their derivatives.
-
-What SymPy finds is kept from one process to the next: it takes a hundred times as long as reading it.
-"""
+"""NumPy functions made from SymPy expressions and their derivatives."""
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable, Sequence
-from functools import cache, lru_cache, partial, reduce
-from pathlib import Path
-from typing import Any
+from functools import partial
 
 import numpy as np
 import sympy as sp
 
-from manufactured.kept import kept
 from manufactured.symbols import Index, differentiate, pos, t
 from manufactured.tensors import Array
-
-CODE, SYMBOLS = Path(__file__), Path(inspect.getfile(pos))
-"""The files with the code that makes code."""
-NAME = "formulas"
-"""Of the functions in the code that is kept."""
-_written = lru_cache(maxsize=4096)(sp.srepr)
-"""Each formula is asked for many orders of derivatives."""
 
 
 def _power(x: Array, exponent: float) -> Array:
@@ -66,18 +52,12 @@ def _compiled(
     arguments: tuple[sp.Symbol, ...], expressions: tuple[sp.Expr, ...], orders: tuple[Index, ...]
 ) -> Callable[..., list[Array]]:
     """A NumPy function returning every ∂^i of every expression."""
-
-    def code() -> str:
-        fronts = _Fronts(arguments)
-        outer = [fronts.named(expression) for expression in expressions]
-        formulas = [fronts.resolved(differentiate(formula, arguments, order)) for formula in outer for order in orders]
-        call = sp.lambdify(arguments, formulas, modules=[{"pos": _truncated_power}, "numpy"], cse=fronts.shared)
-        return inspect.getsource(call).replace(call.__name__, NAME, 1)
-
-    # SymPy writes Max and Min with ``reduce``.
-    names: dict[str, Any] = {**vars(np), "pos": _truncated_power, "reduce": reduce}
-    exec(compile(made_once((*arguments, *expressions), orders, code), "<formulas>", "exec"), names)
-    return names[NAME]  # type: ignore[no-any-return]
+    fronts = _Fronts(arguments)
+    outer = [fronts.named(expression) for expression in expressions]
+    formulas = [fronts.resolved(differentiate(formula, arguments, order)) for formula in outer for order in orders]
+    return sp.lambdify(  # type: ignore[no-any-return]
+        arguments, formulas, modules=[{"pos": _truncated_power}, "numpy"], cse=fronts.shared
+    )
 
 
 Steps = list[tuple[sp.Symbol, sp.Expr]]
@@ -197,25 +177,6 @@ class _Powers:
         return self._known[expression]
 
 
-def made_once(formulas: Sequence[sp.Expr], others: object, make: Callable[[], str]) -> str:
-    """Text that is made from formulas and others, which have a ``repr``, kept from one process to the next (``kept``).
-
-    Of functions that are not SymPy's or ``pos`` the names do not tell what they are: nothing of them is kept.
-    """
-    functions = {type(part) for formula in formulas for part in formula.atoms(sp.Function)}
-    if not all(kind is pos or kind.__module__.startswith("sympy.") for kind in functions):
-        return make()
-    return kept(repr((_versions(), [*map(_written, formulas)], others)), make)
-
-
 def coefficients_in_t(polynomial: sp.Expr) -> list[sp.Expr]:
     """The coefficients of a polynomial of t, highest power first."""
-    text = made_once([polynomial], "coefficients in t", lambda: sp.srepr(sp.Poly(polynomial, t).all_coeffs()))
-    functions = {type(part).__name__: type(part) for part in polynomial.atoms(sp.Function)}
-    return list(eval(text, {**vars(sp), **functions}))
-
-
-@cache
-def _versions() -> tuple[str, ...]:
-    """What the code depends on besides the formulas."""
-    return sp.__version__, np.__version__, *(path.read_text(encoding="utf-8") for path in (CODE, SYMBOLS))
+    return list(sp.Poly(polynomial, t).all_coeffs())

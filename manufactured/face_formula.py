@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from functools import cache, cached_property
-from pathlib import Path
+from functools import cached_property
 
 import numpy as np
 import sympy as sp
 
 from manufactured.body import Part
-from manufactured.compiled import function, made_once
+from manufactured.compiled import function
 from manufactured.exponents import SMOOTH, is_natural, must_be_positive, order_at
 from manufactured.symbols import pos, s, s1, s2, t
 from manufactured.tensors import Array
@@ -89,22 +87,12 @@ class FaceFormula:
                 )
 
     def exponents(self) -> tuple[float, float]:
-        """The lowest exponents of the fronts that stay and of those that move, infinite without any; kept.
+        """The lowest exponents of the fronts that stay and of those that move, infinite without any.
 
         Raises:
             RoughError: of ``refuse_unread``.
         """
-
-        def read() -> str:
-            self.refuse_unread()
-            return json.dumps(self.fronts())
-
-        place = self.part.outline.tolist(), self.part.measure, self.begin, self.end
-        stays, moves = json.loads(made_once((*self.variables, self.formula), (_code(), place), read))
-        return stays, moves
-
-    def fronts(self) -> tuple[float, float]:
-        """``exponents`` as they are read off."""
+        self.refuse_unread()
         found = {False: math.inf, True: math.inf}
         for front in {power.args[0] for power in self.plain.atoms(pos) if power.args[0].free_symbols & FACE}:
             # t (s − c) vanishes where s − c does: that front stays.
@@ -135,13 +123,6 @@ class FaceFormula:
             cell = (high - low) / (POINTS - 1)
             low, high = np.maximum(start, grid[:, best] - cell), np.minimum(stop, grid[:, best] + cell)
         return least
-
-
-@cache
-def _code() -> tuple[str, ...]:
-    """What exponents depend on besides formulas and places."""
-    here = Path(__file__)
-    return tuple(file.read_text(encoding="utf-8") for file in (here, here.with_name("exponents.py")))
 
 
 def read_off(gaps: Iterable[FaceFormula], pressures: Iterable[FaceFormula]) -> tuple[float, float, bool]:

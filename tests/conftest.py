@@ -3,7 +3,6 @@
 import gc
 import os
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -13,9 +12,6 @@ from threadpoolctl import threadpool_limits
 # Machines differ in speed: a deadline would test the machine, not the mathematics.
 settings.register_profile("study", deadline=None, max_examples=25, derandomize=True)
 settings.load_profile("study")
-
-# Formulas of tests stay in the clone, for the next run; `make clean` removes them.
-os.environ["SIGNORINI_CACHE"] = str(Path(__file__).parents[1] / "build" / "formulas")
 
 # What is printed is laid out for the terminal that the tests are watched in.
 os.environ["COLUMNS"] = "110"

@@ -15,6 +15,9 @@ MINUTES = 60.0
 """As long as ``study seeds`` draws new seeds."""
 TOLERANCE = 1e-12
 """Relative difference that ``study compare`` allows."""
+AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
+"""Differences that ``study check --again`` allows, by the rule of ``study compare``. With 1e-12, every file differs on
+another processor: numbers near round-off do, and quotients of small numbers have fewer digits."""
 CELLS = 20_000
 """Largest mesh of ``study bound --adapt`` unless another one is allowed."""
 RESUMES = ("run", "controls", "seeds", "bound")
@@ -41,9 +44,7 @@ def parser() -> argparse.ArgumentParser:
 
     _json(add("cases", "cases", "list the exact solutions"))
     _run(add("run", "run", "measure, judge, write tables and figures; resumes where it was stopped"))
-    check = add("check", "check", "compare data, verdicts and tables on disk with what they must be; nothing is solved")
-    check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
-    _out(check)
+    _check(add("check", "check", "compare data, verdicts and tables on disk with what they must be; nothing is solved"))
     _compare(add("compare", "compare", "which numbers and verdicts of two result directories differ, and by how much"))
     _spread(add("controls", "controls", "deliberate defects that the verdicts must catch; exit 0 all caught"))
     _spread(add("sensitivity", "sensitivity", "the smallest relative defect of every piece that turns a row red"))
@@ -82,10 +83,26 @@ def _run(sweep: argparse.ArgumentParser) -> None:
     sweep.add_argument("--scheme", default="midpoint", help=f"time scheme: {', '.join(SCHEMES)} (default midpoint)")
     sweep.add_argument("--step", type=float, metavar="K", help="time step at every level (default: each case's pace)")
     _jobs(sweep)
-    cluster = "measure on the workers of a Dask scheduler, tcp://HOST:PORT"
+    cluster = (
+        "measure on the workers of a Dask scheduler, tcp://HOST:PORT; whoever reaches its port can run any code on the "
+        "scheduler, on the workers and through their results here: use it only in a network that you trust, or with TLS"
+    )
     sweep.add_argument("--cluster", metavar="ADDRESS", help=cluster)
     where = "directory (default results/quick, or results with --full)"
     sweep.add_argument("--out", type=Path, metavar="DIR", help=where)
+
+
+def _check(check: argparse.ArgumentParser) -> None:
+    check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
+    again = "also measure N rows again, drawn at random, cheap rows more often, and compare; exit 1 if a number differs"
+    check.add_argument("--again", type=int, metavar="N", help=again)
+    seed = "draw the rows of --again with this seed, which an earlier check has printed (default: a fresh one)"
+    check.add_argument("--seed", type=int, metavar="S", help=seed)
+    relative = f"numbers a, b of --again are equal if |a - b| <= Y + X max(|a|, |b|) (default {AGAIN_TOLERANCE:g})"
+    check.add_argument("--tolerance", type=float, default=AGAIN_TOLERANCE, metavar="X", help=relative)
+    absolute = f"(default {AGAIN_ABSOLUTE:g}) for numbers near round-off, which differ between processors"
+    check.add_argument("--absolute", type=float, default=AGAIN_ABSOLUTE, metavar="Y", help=absolute)
+    _spread(check)
 
 
 def _compare(differ: argparse.ArgumentParser) -> None:

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 import argparse
 import json
-import math
 
 from study.cli.exits import FAILED, OK
-from study.ledger.compare import Tolerance, as_json, as_text, compare
-from study.ledger.errors import UsageError
+from study.cli.tolerance import tolerance_from
+from study.ledger.compare import as_json, as_text, compare
 from study.run.store import Store
 
 
 def do_compare(options: argparse.Namespace) -> int:
     """``study compare``."""
-    for name in ("tolerance", "absolute"):
-        if not 0 <= getattr(options, name) < math.inf:
-            raise UsageError(f"--{name} must be a number, 0 or more, got {getattr(options, name):g}")
+    tolerance = tolerance_from(options)
     with Store(options.old).steady(), Store(options.new).steady():
-        found = compare(options.old, options.new, Tolerance(options.tolerance, options.absolute))
+        found = compare(options.old, options.new, tolerance)
     if options.json:
         print(json.dumps(as_json(found), indent=2, allow_nan=False))
     else:

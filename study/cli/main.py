@@ -6,6 +6,7 @@ import io
 import os
 import sys
 from collections.abc import Sequence
+from types import ModuleType
 
 from study.cli.arguments import parser
 from study.cli.exits import CLOSED, INTERRUPTED, USAGE
@@ -22,7 +23,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     module, name = options.command
     try:
         # Not before it is known what is asked for: what solves takes seconds to import.
-        code = int(getattr(imported(f"study.cli.{module}"), name)(options))
+        command = getattr(_command_module(module), name)
+        code = int(command(options))
         sys.stdout.flush()
         return code
     except KeyboardInterrupt:
@@ -37,6 +39,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         print(f"study: {LACKING.format(error.name)}", file=sys.stderr)
         return USAGE
+    except ImportError as error:
+        if sys.flags.optimize < 2:
+            raise
+        print(f"study: {error}", file=sys.stderr)
+        return USAGE
     except Exception as error:
         code, message = imported("study.cli.refusals").answer(error)
         print(f"study: {message}", file=sys.stderr)
@@ -46,6 +53,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 LACKING = "this command needs {}, which is not installed: python -m pip install '.[study]' in a clone of the repository"
+
+
+STRIPPED = (
+    "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them ({}): "
+    "run python or python -O"
+)
+
+
+def _command_module(name: str) -> ModuleType:
+    """Imports the module of a command.
+
+    Raises:
+        ImportError: a package cannot be imported, as ``python -OO`` has removed its docstrings.
+    """
+    try:
+        return imported(f"study.cli.{name}")
+    except TypeError as error:
+        if sys.flags.optimize < 2:
+            raise
+        raise ImportError(STRIPPED.format(error)) from error
 
 
 def _close_output() -> None:

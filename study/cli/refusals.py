@@ -15,11 +15,10 @@ from study.cli.exits import FAILED, USAGE
 from study.fem.gauge import NormError
 from study.fem.mesh import MeshError
 from study.ledger.datafiles import DataError
-from study.ledger.errors import UsageError
-from study.ledger.files import StoreError
+from study.ledger.errors import JobsError, UsageError
+from study.ledger.files import StoreError, disk_full
 from study.ledger.orders import RatesError
 from study.ledger.published import TableError
-from study.run.execute import JobsError
 
 OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
 OF_FILES = (DataError, RatesError, StoreError, TableError)
@@ -31,8 +30,7 @@ KILLED = (
     "not help; what is finished is kept"
 )
 
-
-FULL = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more"
+OUT_OF_MEMORY = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more"
 
 
 def answer(error: Exception) -> tuple[int, str]:
@@ -42,10 +40,13 @@ def answer(error: Exception) -> tuple[int, str]:
     if isinstance(error, JobsError):
         return FAILED, str(error)
     if isinstance(error, MemoryError):
-        return FAILED, FULL
+        return FAILED, OUT_OF_MEMORY
     if isinstance(error, BrokenExecutor):
         return FAILED, KILLED
+    if full := disk_full(error):
+        what = f"cannot write {full.filename}" if full.filename else "cannot write the output"
+        return USAGE, f"{what}: the disk is full ({full.strerror}); free space there and give the command again"
     if isinstance(error, OSError):
         what = f"cannot read or write {error.filename}" if error.filename else "cannot write the output"
-        return USAGE, f"{what}: {error.strerror or error}; make room there, or permit it, and give the command again"
+        return USAGE, f"{what}: {error.strerror or error}; permit it there, and give the command again"
     raise error

@@ -18,6 +18,7 @@ from study.controls.alarms import tally, text, verdict, write_seeds
 from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
+from study.fem.naming import family_named
 from study.ledger.errors import UsageError
 from study.ledger.verdict import HOLDS, REPORTED, Verdict
 from study.run.collect import collect
@@ -58,6 +59,8 @@ def do_seeds(options: argparse.Namespace) -> int:
         )
     if options.seed is not None and options.seed < 0:
         raise UsageError(f"--seed must be 0 or more, got {options.seed}")
+    if options.seed is not None:
+        family_named(f"shaken-{options.seed}")  # Refuses a seed that is too long for the name of a directory.
     if options.seeds is not None and options.seeds < 1:
         raise UsageError(f"--seeds must be 1 or more, got {options.seeds}")
     Store(options.out).check()

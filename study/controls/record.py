@@ -132,11 +132,12 @@ class Record:
         table = read_table(drawn, DRAWN, MADE)
         draws = tuple(Draw(*row) for row in table[DRAWN].itertuples(index=False, name=None))
         lines = read_table(places, PLACES, MADE)[PLACES] if places.is_file() else pd.DataFrame(columns=PLACES)
-        found = {
-            (label, key, case, rule): Line(low, high, places.removeprefix(START))
-            for label, key, case, rule, low, high, places in lines.itertuples(index=False, name=None)
-        }
-        damaged = [known for known, line in found.items() if not _sound(line.places, len(draws))]
+        found: dict[Known, Line] = {}
+        damaged: list[Known] = []
+        for label, key, case, rule, low, high, packed_places in lines.itertuples(index=False, name=None):
+            text = packed_places.removeprefix(START)
+            damaged += [] if _sound(text, len(draws)) else [(label, key, case, rule)]
+            found[label, key, case, rule] = Line(low, high, text.rstrip(NONE[0]))
         if damaged or len({draw.seed for draw in draws}) < len(draws) or len(found) < len(lines):
             what = " ".join(damaged[0]) if damaged else "a seed or a row that stands twice"
             raise DataError(f"{places.parent} is damaged: {what}; restore it, as it is only ever added to")
@@ -144,7 +145,12 @@ class Record:
 
     def write(self, directory: Path) -> None:
         """Both files; what is found of a seed stands in the first before the second says that it was judged."""
-        known = [[*row, line.window_low, line.window_high, START + line.places] for row, line in self.lines.items()]
+        # As many as there are seeds, so that a seed that is missing from the other file is noticed, judged or not.
+        wide = 2 * len(self.draws)
+        known = [
+            [*row, line.window_low, line.window_high, START + line.places.ljust(wide, NONE[0])]
+            for row, line in self.lines.items()
+        ]
         folder = directory / "data" / "seeds"
         write_packed(folder / "places.csv.gz", table_text(pd.DataFrame(known, columns=PLACES)))
         write_csv(folder / "drawn.csv", pd.DataFrame([asdict(draw) for draw in self.draws], columns=DRAWN))

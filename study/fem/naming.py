@@ -16,11 +16,17 @@ from typing import Any
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.data import Data
+from manufactured.file_names import file_name_fault
 from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, rollers
 from manufactured.natural_motion import natural_motion
 from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.errors import UsageError
+
+SEED_DIGITS = 20
+"""Digits of a seed of 64 bits; the seed is part of file names."""
+LONGEST_SHOWN = 120
+"""Characters of a name that a message shows."""
 
 
 def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
@@ -37,6 +43,10 @@ def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
 def family_named(name: str) -> MeshFamily:
     """The mesh family with a name, shaken-7 for shaken meshes with the seed 7; UsageError if there is none."""
     if seeded := re.fullmatch(r"shaken-(\d+)", name):
+        if len(seeded[1]) > SEED_DIGITS:
+            raise UsageError(
+                f"the seed of shaken meshes has {len(seeded[1])} digits, at most {SEED_DIGITS} are allowed"
+            )
         return Shaken(seed=int(seeded[1]), name=name)
     return choose("mesh family", name, (*FAMILIES, Alternating()))  # type: ignore[no-any-return]
 
@@ -60,13 +70,21 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     name = reference.rpartition(":")[2]
     known = (*_cases(name), *problems())
     found = _from_file(reference) if _is_file(reference) else choose("problem", reference, known)
-    if isinstance(found, OpenProblem):
-        return found.name, found.data, None
     if isinstance(found, Case):
         return found.name, Data.of(found.solution), found
-    if not isinstance(found, Data):
+    data = found.data if isinstance(found, OpenProblem) else found
+    if not isinstance(data, Data):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected manufactured.Data or a manufactured.Case")
-    return name, found, None
+    name = found.name if isinstance(found, OpenProblem) else name
+    require_file_name("problem", name)
+    return name, data, None
+
+
+def require_file_name(kind: str, name: str) -> None:
+    """Raise UsageError for a name that cannot be part of the name of a file or directory."""
+    if fault := file_name_fault(name):
+        shown = name if len(name) <= LONGEST_SHOWN else name[:LONGEST_SHOWN] + "…"
+        raise UsageError(f"the {kind} {shown!r} cannot be part of a file name, as {fault}: give it another name")
 
 
 def _cases(name: str) -> tuple[Case, ...]:

@@ -175,7 +175,7 @@ class DataFile(Protocol):
     @property
     def key(self) -> tuple[str, ...]: ...
 
-    def write(self, data: Path, rows: Sequence[Row]) -> None: ...
+    def write(self, data: Path, rows: Sequence[Row]) -> list[Path]: ...
 
 
 @dataclass(frozen=True)
@@ -194,9 +194,10 @@ class CsvFile:
     columns: tuple[str, ...]
     derive: Callable[[pd.DataFrame], pd.DataFrame] = pd.DataFrame.copy
 
-    def write(self, data: Path, rows: Sequence[Row]) -> None:
-        """Write the whole table."""
+    def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
+        """Write the whole table; returns its path."""
         write_csv(data / self.name, self.derive(pd.DataFrame(rows, columns=list(self.columns))))
+        return [data / self.name]
 
     def read(self, directory: Path) -> pd.DataFrame:
         """The table in ``directory/data``; DataError as ``read_csv``."""
@@ -214,11 +215,10 @@ class JsonFiles:
     name: str
     key: tuple[str, ...]
 
-    def write(self, data: Path, rows: Sequence[Row]) -> None:
-        """Write every file, without spaces after separators, which would be a tenth of it."""
-        for row in rows:
-            text = json.dumps(row, separators=(",", ":")) + "\n"
-            write_text(data / self.name / f"{row[self.key[0]]}.json", text)
+    def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
+        """Write every file, without spaces after separators, which would be a tenth of it; returns their paths."""
+        texts = {row[self.key[0]]: json.dumps(row, separators=(",", ":")) + "\n" for row in rows}
+        return [write_text(data / self.name / f"{name}.json", text) for name, text in texts.items()]
 
 
 def read_rates(directory: Path) -> pd.DataFrame:

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import errno
 import gzip
 import os
+import shutil
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
+
+FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
+"""What the system says of a full disk, and of a quota that is used up; Windows has no quota of its own."""
+
+BLOCK = 4096
+"""A disk with fewer free bytes is full: file systems allocate blocks of this size."""
 
 
 class StoreError(ValueError):
@@ -26,8 +34,11 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         write(part)
         os.replace(part, path)
-    except OSError as error:
-        raise unwritable(path, error) from error
+    except Exception as error:
+        cause = disk_full(error) or _no_room(path) or error
+        if not isinstance(cause, OSError):
+            raise
+        raise unwritable(path, cause) from error
     finally:
         # The cause of a failure may be that its directory does not exist.
         with suppress(OSError):
@@ -35,7 +46,32 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
     return path
 
 
+def disk_full(error: BaseException | None) -> OSError | None:
+    """Returns the error among an error and its causes that says that the disk or the user's quota is full, or None."""
+    seen: set[int] = set()
+    while error is not None and id(error) not in seen:
+        if isinstance(error, OSError) and error.errno in FULL:
+            return error
+        seen.add(id(error))
+        error = error.__cause__ or error.__context__
+    return None
+
+
+def _no_room(path: Path) -> OSError | None:
+    """ENOSPC if the disk is full now: other programs, such as ffmpeg, do not say why they failed."""
+    with suppress(OSError):
+        if shutil.disk_usage(path.parent).free < BLOCK:
+            return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    return None
+
+
 def unwritable(path: Path, error: OSError) -> StoreError:
+    """The refusal of a file that cannot be written, with the reason and the remedy."""
+    if error.errno in FULL:
+        return StoreError(
+            f"cannot write {path}: the disk is full ({error.strerror}); free space there, or give a directory on "
+            "another disk with --out"
+        )
     return StoreError(f"cannot write {path}: {error.strerror or error}; give a directory you may write with --out")
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable
 from decimal import ROUND_CEILING, ROUND_FLOOR, Context, Decimal
 
@@ -16,6 +17,14 @@ def down(value: float, digits: int) -> str:
 def up(value: float, digits: int) -> str:
     """A number with so many significant digits that is not smaller."""
     return _rounded(value, digits, ROUND_CEILING)
+
+
+def power_of_ten(value: float, least: float) -> float:
+    """The least power of ten that is not smaller than a number ≥ 0, and at least ``least``; infinity and NaN stay."""
+    if not math.isfinite(value) or value <= least:
+        return max(value, least)
+    exponent = Decimal(value).adjusted()
+    return float(f"1e{exponent}") if value <= float(f"1e{exponent}") else float(f"1e{exponent + 1}")
 
 
 def below(value: float, decimals: int) -> str:

@@ -1,4 +1,9 @@
-"""Jobs on more than one machine: the workers of a running Dask cluster."""
+"""Jobs on more than one machine: the workers of a running Dask cluster.
+
+Functions and results are exchanged as pickles. Whoever reaches the port of the scheduler or of a worker can run any
+code there, and a hostile scheduler can run any code in this process. Dask's TLS certificates, or a network in which
+every machine is trusted, are the only protection.
+"""
 
 from __future__ import annotations
 

@@ -9,8 +9,6 @@ from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 
-from manufactured.kept import kept
-
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("manufactured", "study")
 BY_VALUE = ("manufactured.catalogue", "manufactured.cases", "manufactured.problems", "study.fem.naming")
@@ -69,23 +67,9 @@ def digest(module: str) -> str:
 @cache
 def _read(module: str) -> tuple[tuple[str, ...], str]:
     """The modules that a module imports, and its hash."""
-    text = source(module).read_text(encoding="utf-8")
-    # Trees take half a second to be read and written again: what they say is kept from one process to the next.
-    digest, *imported = kept(repr((sys.version, _how(), text)), lambda: _described(text)).split("\n")
-    return tuple(dict.fromkeys(map(_module, imported))), digest
-
-
-@cache
-def _how() -> str:
-    """What the hash depends on besides the text of a module."""
-    return Path(__file__).read_text(encoding="utf-8")
-
-
-def _described(text: str) -> str:
-    """The hash of the code of a module, and what it imports of the project, in lines."""
-    code = ast.parse(text)
-    imported = list(_imports(code))
-    return "\n".join([hashlib.sha256(ast.dump(without_docstrings(code)).encode()).hexdigest(), *imported])
+    code = ast.parse(source(module).read_text(encoding="utf-8"))
+    imported = tuple(dict.fromkeys(map(_module, _imports(code))))
+    return imported, hashlib.sha256(ast.dump(without_docstrings(code)).encode()).hexdigest()
 
 
 def without_docstrings(code: ast.Module) -> ast.Module:

@@ -11,14 +11,11 @@ from typing import Any
 import psutil
 from threadpoolctl import threadpool_limits
 
+from study.ledger.errors import JobsError
 from study.run.job import Job
 from study.run.processes import Processes
 from study.run.resources import GIB, available, require
 from study.run.store import Store
-
-
-class JobsError(RuntimeError):
-    """Some jobs raised; the others are finished and kept."""
 
 
 @dataclass(frozen=True)

@@ -13,31 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from manufactured.case import Case
-from manufactured.proved import proved_order
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError, made_by
+from study.run.case_line import describe
 from study.run.plan import Plan
 from study.statements.shared.scope import Levels, Scope
 
 NAMES = ("plane", "rough", "solid")
-
-
-def describe(case: Case) -> dict[str, Any]:
-    """The line of a case in the catalogue."""
-    motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
-    return {
-        "case": case.name,
-        "summary": case.summary,
-        "dimension": case.solution.body.dim,
-        "law": case.solution.law.name,
-        "zone": motion,
-        "regularity": str(case.regularity),
-        "expected_order": case.order,
-        "proved_order": proved_order(case),
-        "twin": case.twin,
-        "statements": f"{case.proposition}, Thm 4.2",
-        "reason": case.reason,
-    }
 
 
 def recorded(scope: Scope, directory: Path) -> dict[str, Any]:

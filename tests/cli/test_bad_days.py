@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import resource
@@ -10,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import pandas as pd
@@ -18,7 +20,7 @@ import pytest
 from study.cli.arguments import FAMILIES, SCHEMES
 from study.cli.main import main
 from study.ledger.errors import UsageError
-from study.ledger.files import write_text
+from study.ledger.files import StoreError, write_text, write_whole
 from study.run.processes import Processes
 
 SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
@@ -156,27 +158,81 @@ WRITERS = [
 ]
 
 
+FULL = "the disk is full ({}); free space there, or give a directory on another disk with --out"
+
+
 @pytest.mark.parametrize(
-    "reason", [(28, "No space left on device"), (30, "Read-only file system")], ids=["full", "read-only"]
+    ("code", "says"),
+    [
+        (errno.ENOSPC, FULL.format(os.strerror(errno.ENOSPC))),
+        (errno.EDQUOT, FULL.format(os.strerror(errno.EDQUOT))),
+        (errno.EROFS, "Read-only file system; give a directory you may write with --out"),
+    ],
+    ids=["full", "quota", "read-only"],
 )
 @pytest.mark.parametrize("command", [*WRITERS, "tables", "figures", "report"], ids=lambda command: command.split()[0])
 def test_a_disk_that_cannot_be_written_is_named_by_every_command(
     command: str,
-    reason: tuple[int, str],
+    code: int,
+    says: str,
     made: Path,
     tmp_path: Path,
     capsys: pytest.CaptureFixture[str],
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     def unwritable(*_: object) -> None:
-        raise OSError(*reason)
+        raise OSError(code, os.strerror(code))
 
     if command not in WRITERS:
         shutil.copytree(made / "results", tmp_path / "out", ignore=shutil.ignore_patterns("jobs", "figures"))
     monkeypatch.setattr("os.replace", unwritable)
     said = told(capsys, *command.split(), "--out", str(tmp_path / "out"))
     assert "cannot write" in said
-    assert f"{reason[1]}; give a directory you may write with --out" in said
+    assert says in said
+
+
+def wrapped(part: Path) -> None:
+    """As a library that meets a full disk again while it cleans up."""
+    try:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+    except OSError:
+        raise ValueError("cannot close the archive") from None
+
+
+def failed(part: Path) -> None:
+    """As a program that does not say why it failed."""
+    raise subprocess.CalledProcessError(1, "ffmpeg")
+
+
+def test_a_full_disk_behind_another_error_is_called_a_full_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with pytest.raises(StoreError, match="the disk is full"):
+        write_whole(tmp_path / "file", wrapped)
+    with pytest.raises(subprocess.CalledProcessError):
+        write_whole(tmp_path / "file", failed)
+    monkeypatch.setattr(shutil, "disk_usage", lambda _: SimpleNamespace(free=0))
+    with pytest.raises(StoreError, match="the disk is full"):
+        write_whole(tmp_path / "file", failed)
+    assert [*tmp_path.iterdir()] == []
+
+
+@pytest.mark.parametrize(
+    ("command", "code", "says"),
+    [
+        ("cases", 0, "full-contact"),
+        ("rates examples/errors.csv", 0, "fitted order"),
+        ("rates none.csv", 2, "study: there is no file none.csv"),
+        ("check", 2, "study: python -OO removes docstrings, and pyamg, which this command needs, cannot be imported"),
+        ("run --case corner", 2, "run python or python -O"),
+    ],
+)
+def test_python_without_docstrings_runs_a_command_or_ends_with_a_sentence(command: str, code: int, says: str) -> None:
+    study = [sys.executable, "-OO", "-m", "study", *command.split()]
+    done = subprocess.run(study, cwd=Path(__file__).parents[2], capture_output=True, text=True, check=False)
+    assert done.returncode == code
+    assert says in done.stdout + done.stderr
+    assert "Traceback" not in done.stderr
 
 
 SHOWN: list[Callable[[Path], list[str]]] = [

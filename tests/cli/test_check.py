@@ -19,6 +19,7 @@ from study.fem.cell_count import cell_count, size_of
 from study.fem.mesh import FAMILIES, MeshFamily, size
 from study.fem.naming import resolve
 from study.ledger.datafiles import write_csv
+from study.ledger.files import write_text
 
 ROOT = Path(__file__).parents[2]
 Edit = Callable[[Path], None]
@@ -48,9 +49,10 @@ def copied(made: Path, directory: Path) -> Path:
 
 @pytest.fixture
 def committed(tmp_path: Path) -> Path:
-    """A copy of the committed run that may be edited."""
-    ignored = shutil.ignore_patterns("jobs", "pictures", "figures", "benchmarks")
-    shutil.copytree(ROOT / "results", tmp_path / "results", ignore=ignored)
+    """A copy of the committed run that may be edited, with the README and the pyproject.toml above it."""
+    shutil.copytree(ROOT / "results", tmp_path / "results", ignore=shutil.ignore_patterns("jobs"))
+    for name in ("README.md", "pyproject.toml"):
+        shutil.copy(ROOT / name, tmp_path)
     return tmp_path / "results"
 
 
@@ -77,6 +79,23 @@ def times(factor: float) -> Callable[[str], str]:
 
 def to(value: str) -> Callable[[str], str]:
     return lambda cell: value
+
+
+def shortened(name: str, number: int) -> Edit:
+    """Delete one line of a file, counted from 0."""
+
+    def change_it(directory: Path) -> None:
+        lines = (directory / name).read_text(encoding="utf-8").splitlines(keepends=True)
+        (directory / name).write_text("".join([*lines[:number], *lines[number + 1 :]]), encoding="utf-8")
+
+    return change_it
+
+
+def replace_in(path: Path, old: str, new: str, after: str) -> None:
+    """Replace the first occurrence of a word after another."""
+    head, mark, tail = path.read_text(encoding="utf-8").partition(after)
+    assert old in tail
+    path.write_text(head + mark + tail.replace(old, new, 1), encoding="utf-8")
 
 
 def twice(name: str, row: int = 1) -> Edit:
@@ -273,6 +292,25 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
         lambda directory: shutil.copy(ROOT / "README.md", directory / "article" / "numbers.tex"),
         r"numbers.tex, line 1: stands",
     ),
+    "a line of a course in time deleted": (
+        shortened("data/enclosures.csv", 9),
+        r"data/enclosures.csv was changed after the run that wrote it: restore it, or make it again with `study run",
+    ),
+    "a number of a picture": (
+        shortened("data/pictures/hexagon.json", 0),
+        r"hexagon.json was changed after the run that wrote it",
+    ),
+    "a line of the defects deleted": (shortened("data/controls.csv", 40), r"tables/controls.\w+, line \d+"),
+    "a line of the seeds deleted": (
+        shortened("data/seeds.csv", 40),
+        r"seeds.csv, line 41, .*: `study seeds",
+    ),
+    "a badge": (shortened("badges/ledger.svg", 1), r"ledger.svg, line 2: stands .*: `make pages` writes it again"),
+    "a caption": (shortened("figures/growth.txt", 0), r"growth.txt, line 1: stands .*: `study figures"),
+    "a number of the README": (
+        lambda directory: replace_in(directory.parent / "README.md", "orders", "order", "<!-- headline -->"),
+        r"README.md, line \d+: stands .*: `make pages` writes it again",
+    ),
 }
 
 
@@ -291,9 +329,24 @@ def test_the_committed_run_is_what_it_must_be(capsys: pytest.CaptureFixture[str]
     told = " ".join(capsys.readouterr().out.split())
     assert re.search(
         r"\d+ rows in \d files are those of the \d+ measurements planned; \d+ relations hold in all of them; "
-        r"predictions of 30 cases; \d+ verdicts and \d+ files of tables and article stand as they would be written$",
+        r"predictions of 30 cases; \d+ verdicts and \d+ files stand as they would be written",
         told,
     )
+
+
+def test_every_file_is_compared_or_named(committed: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A file of a kind that nobody thought of is named by itself."""
+    write_text(committed / "new" / "kind.dat", "?")
+    told = refusal(committed, capsys, code=0)
+    named = {word.rstrip(";") for word in told.partition("not checked")[2].split()}
+    in_part = {word.rstrip(";") for word in told.partition("checked in part")[2].partition("not checked")[0].split()}
+    everything = {path.name for path in committed.rglob("*") if path.is_file() and path.name != ".lock"}
+    assert {"kind.dat", "growth.csv", "hexagon.gif", "problem.svg", "mutants.csv", "random.csv"} <= named
+    assert in_part == {*in_part, "controls.csv", "sensitivity.csv", "provenance.json", "classes.csv", "errors.csv"}
+    compared = everything - named - in_part
+    assert {"claims.csv", "rates.csv", "hexagon.json", "seeds.csv", "drawn.csv", "ledger.svg", "growth.txt"} <= compared
+    suffixes = {Path(name).suffix for name in compared}
+    assert suffixes == {".csv", ".json", ".gz", ".svg", ".txt", ".md", ".tex"}
 
 
 def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -235,7 +235,9 @@ def test_a_full_disk_behind_the_output_is_said_in_words() -> None:
     with open("/dev/full", "w") as full:
         done = subprocess.run([*STUDY, "cases"], stdout=full, stderr=subprocess.PIPE, text=True, check=False)
     assert done.returncode == 2
-    assert done.stderr.startswith("study: cannot write the output: No space left on device; make room")
+    assert done.stderr.startswith(
+        "study: cannot write the output: the disk is full (No space left on device); free space there"
+    )
     assert len(done.stderr.splitlines()) == 1
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gc
-import json
 import shlex
 import subprocess
 import sys
@@ -16,7 +15,6 @@ import sympy as sp
 
 import manufactured
 from manufactured import BodyError, Data, FormulaError, KelvinVoigt, Kind, LawError, isotropic, polygon, unit_square
-from manufactured.catalogue import catalogue
 from manufactured.jet import Jet
 from manufactured.symbols import pos, s, t
 from study.bound.ranges import Boxes
@@ -170,15 +168,6 @@ def test_help_names_what_there_is_and_needs_nothing_that_takes_time() -> None:
     assert set(SCHEME_NAMES) == {scheme.name for scheme in SCHEMES}
     assert [*FAMILY_NAMES] == [family.name for family in FAMILIES]
     assert Tolerance.relative == TOLERANCE
-
-
-def test_cases_that_were_described_before_are_listed_without_what_takes_time() -> None:
-    asked = "import sys; from study.cli.main import main; main(['cases', '--json']); print(); print(*sys.modules)"
-    for _ in range(2):  # the first one describes them, unless somebody else has
-        told = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True).stdout
-    listed, modules = told.rsplit("\n", 2)[:2]
-    assert [case["case"] for case in json.loads(listed)] == [case.name for case in catalogue()]
-    assert not {"numpy", "sympy", "pandas", "matplotlib", "skfem", "scipy"} & set(modules.split())
 
 
 def test_names_of_the_package_are_found_when_they_are_asked_for() -> None:

@@ -108,15 +108,24 @@ def test_a_number_beyond_the_tolerance_is_told_with_its_row_and_both_values(old:
 
 
 def test_the_largest_difference_beyond_the_tolerance_is_shown_and_whole_numbers_have_none(old, new) -> None:
-    write(new, "equivalence.csv", "stress_gap", 0, "4e-15")
+    write(new, "equivalence.csv", "energy_gap", 0, "4e-15")
     assert compared(old, new).differs
     assert not compared(old, new, absolute=1e-12).differs
-    write(new, "equivalence.csv", "stress_gap", 1, "2e-12")
-    gap = told(compared(old, new, absolute=1e-12), "equivalence.csv")["stress_gap"]
+    write(new, "equivalence.csv", "energy_gap", 1, "2e-12")
+    gap = told(compared(old, new, absolute=1e-12), "equivalence.csv")["energy_gap"]
     assert (gap.differing, gap.beyond, gap.cells[0]["new"]) == (2, 1, "2e-12")
     change(new, "rates.csv", lambda table: table.assign(steps=[f"{int(n) + 1}" for n in table["steps"]]))
     steps = told(compared(old, new, relative=0.9, absolute=10), "rates.csv")["steps"]
     assert steps.beyond == steps.compared > 0
+
+
+@pytest.mark.parametrize(("now", "differs"), [("1e-07", False), ("1e-09", False), ("1e-06", True), ("-1e-09", True)])
+def test_numbers_that_the_tolerance_of_a_solver_decides_are_compared_by_their_magnitude(
+    old, new, now: str, differs: bool
+) -> None:
+    for directory, value in ((old, "1e-09"), (new, now)):
+        write(directory, "equivalence.csv", "displacement_gap", 0, value)
+    assert compared(old, new).differs == differs
 
 
 def test_numbers_are_equal_within_an_absolute_and_a_relative_part() -> None:

@@ -15,7 +15,7 @@ from study.solve.steps import StepsError
 from study.solve.stress_problem import StressProblem
 from study.solve.stress_programme import StressState
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.thm_4_2.gaps import Gaps, gaps, problems
+from study.statements.thm_4_2.gaps import Gaps, gaps, magnitudes, problems
 
 STEPS = 4
 Change = Callable[[int, StressState], StressState]
@@ -105,3 +105,22 @@ def _off(what: str, step: int) -> Change:
         return replace(state, **{what: value + 0.01 * noise}) if n == step else state
 
     return change
+
+
+@pytest.mark.parametrize(
+    ("gap", "bound", "rounded"),
+    [
+        (3e-13, 4.6e-8, (1e-9, 1e-7)),
+        (1.2e-8, 3e-8, (1e-7, 1e-7)),
+        (3e-8, 2e-8, (3e-8, 2e-8)),
+        (float("nan"), 2e-8, (float("nan"), 2e-8)),
+    ],
+    ids=["small", "within", "beyond", "no number"],
+)
+def test_gaps_and_bounds_are_powers_of_ten_and_a_gap_beyond_its_bound_stays(gap, bound, rounded) -> None:
+    others = dict.fromkeys(("admissibility", "energy_gap", "membership"), 3e-16)
+    ends = {"displacement_gap": gap, "displacement_bound": bound, "stress_gap": 1e-9, "stress_bound": 2e-9}
+    found = magnitudes(others | ends)
+    assert (found["displacement_gap"], found["displacement_bound"]) == pytest.approx(rounded, rel=1e-12, nan_ok=True)
+    assert (found["stress_gap"], found["stress_bound"]) == (1e-9, 1e-8)
+    assert {name: found[name] for name in others} == others

@@ -37,6 +37,10 @@ KEYS = {
     "seeds.csv": ("label", "key", "case"),
 }
 """Columns that tell rows apart; those of ``NUMBERS``, enclosures and other files may share them, and keep an order."""
+MAGNITUDES = {"equivalence.csv": ("displacement_gap", "stress_gap", "displacement_bound", "stress_bound")}
+"""Columns of which only the order of magnitude means something: it is decided by where a solver happens to stop."""
+SAME_MAGNITUDE = 100.0
+"""Such numbers count as equal up to this factor; between two tolerances of the solver they differed by 100 at most."""
 KEYED = ("label", "key", "case", "family")
 """Those of claims.csv where both directories have them."""
 NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
@@ -145,7 +149,8 @@ def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileD
         single = pd.Index([*mine]).difference([*other], sort=False)
         found.append(_words(f"{'columns' if csv else 'places'} only in {side}", single.difference(LATER, sort=False)))
         found.append(_words(f"columns that earlier data lack, in {side}", single.intersection(LATER), counts=False))
-    found += [_column(c, old[c], new[c], tolerance) for c in old if c in new and not old[c].equals(new[c])]
+    rough = MAGNITUDES.get(name, ())
+    found += [_column(c, old[c], new[c], tolerance, c in rough) for c in old if c in new and not old[c].equals(new[c])]
     told = sorted((d for d in found if d.differing), key=lambda d: (not d.beyond, -(d.cells[0]["relative"] or np.inf)))
     return FileDifference(name, DIFFERS if any(d.beyond for d in told) else WITHIN, "", tuple(told))
 
@@ -221,8 +226,11 @@ def _words(what: str, rows: Any, old: Any = "", new: Any = "", compared: int = 0
     return Difference(what, compared, len(cells), len(cells) * counts, cells[:MOST].to_dict("records"))
 
 
-def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance) -> Difference:
-    """What differs between cells of the same rows; words and whole numbers, such as levels, have no tolerance."""
+def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance, rough: bool = False) -> Difference:
+    """What differs between cells of the same rows; words and whole numbers, such as levels, have no tolerance.
+
+    ``rough`` numbers are compared by their order of magnitude.
+    """
     a, b = old.to_numpy(), new.to_numpy()
     if object in (a.dtype, b.dtype):
         a, b = a.astype(str), b.astype(str)
@@ -230,6 +238,9 @@ def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance) -> 
     a, b = a.astype(float), b.astype(float)
     changed, both = ~Tolerance(0).equates(a, b), np.append(a, b)
     beyond = changed if np.all((both == np.round(both)) | np.isnan(both)) else ~tolerance.equates(a, b)
+    if rough:
+        small, large = np.minimum(abs(a), abs(b)), np.maximum(abs(a), abs(b))
+        beyond &= ~((a * b > 0) & (large <= (1 + 1e-9) * SAME_MAGNITUDE * small))
     with np.errstate(all="ignore"):
         relative = np.nan_to_num(abs(a - b) / np.maximum(abs(a), abs(b)), nan=np.inf, posinf=np.inf)
     i = int(np.argmax(np.where(beyond if beyond.any() else changed, relative, -1)))

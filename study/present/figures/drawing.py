@@ -19,6 +19,7 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from study.ledger.datafiles import DataError
 from study.ledger.files import write_text, write_whole
 from study.ledger.garbage import uncollected
 from study.present.latex import encode
@@ -100,11 +101,25 @@ def draw_figures(
 
 
 def draw_one(directory: Path, drawing: Drawing) -> list[Path]:
-    """Draw one figure in the style of the study and save it as pdf, png and svg, and its caption in lines."""
+    """Draw one figure in the style of the study and save it as pdf, png and svg, and its caption in lines.
+
+    Raises:
+        DataError: a name from the data would write the figure into another directory.
+    """
+    if set(drawing.name) & {"/", "\\", "\0"}:
+        raise DataError(
+            f"the figure {drawing.name!r} cannot be written, as its name contains a path separator or NUL: the data "
+            "were edited or damaged"
+        )
     # The many small objects of a figure all live until it is saved: looking for garbage before finds nothing.
     with in_style(), uncollected():
         written = _save(drawing.draw(), directory, drawing.name)
-    return [*written, write_text(directory / f"{drawing.name}.txt", textwrap.fill(drawing.caption, 100) + "\n")]
+    return [*written, write_text(directory / f"{drawing.name}.txt", caption_text(drawing))]
+
+
+def caption_text(drawing: Drawing) -> str:
+    """Returns the text of the file with the caption of a figure."""
+    return textwrap.fill(drawing.caption, 100) + "\n"
 
 
 def _save(figure: Figure, directory: Path, name: str) -> list[Path]:

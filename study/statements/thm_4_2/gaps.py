@@ -18,6 +18,7 @@ but for the tolerances of both solvers: A/k alone carries ε_{j−1} into σ_n, 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -34,6 +35,7 @@ from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.datafiles import CsvFile
+from study.ledger.rounding import power_of_ten
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import step_size
 from study.solve.stress_problem import StressProblem
@@ -45,6 +47,8 @@ from study.statements.shared.scope import Scope
 
 class Gaps(NamedTuple):
     """Largest gaps over the steps 1, 2, …, each relative to the largest size of its quantity.
+
+    In ``equivalence.csv`` gaps and bounds are rounded (``magnitudes``).
 
     Attributes:
         displacement_gap: ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
@@ -68,6 +72,8 @@ class Gaps(NamedTuple):
 
 COLUMNS = ("case", "form", "level", "h", "steps", *Gaps._fields, "family")
 """``form`` is the space of strains, whose duals the stresses are."""
+LEAST = 1e-9
+"""Smaller gaps are given as at most this: they are what the last iteration of a solver leaves by chance."""
 EQUIVALENCE = CsvFile("equivalence.csv", ("case", "family", "level"), COLUMNS)
 
 
@@ -105,7 +111,26 @@ def compare(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str,
     displacements, stresses = problems(case.solution, family, level)
     found = gaps(displacements, stresses, steps)._asdict()
     where = {"case": case.name, "form": "strains of V^h", "level": level, "h": stresses.space.h, "steps": steps}
-    return {**where, **found, "family": family.name}
+    return {**where, **magnitudes(found), "family": family.name}
+
+
+def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
+    """Rounds what the tolerance of the interior-point method decides to powers of ten, up.
+
+    Gaps and bounds follow from the duality gap at which the method happens to stop. With a tolerance of 0.1 to 2 times
+    1e-15, bounds changed by factors up to 14 and gaps by factors up to 100, so that no digit of them means anything.
+    Rounding up is monotone: a gap that is at most its bound is so afterwards. A gap above its bound stays as it is, and
+    its bound too, so that the verdict on it stays.
+
+    Args:
+        found: the fields of ``Gaps`` by name.
+    """
+    rounded = dict(found)
+    for what in ("displacement", "stress"):
+        names = gap, bound = f"{what}_gap", f"{what}_bound"
+        if found[gap] <= found[bound]:
+            rounded |= {name: power_of_ten(found[name], LEAST) for name in names}
+    return rounded
 
 
 def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[SemiDiscrete, StressProblem]:

@@ -1,0 +1,29 @@
+"""Which names may become a part of a file name, on every operating system."""
+
+from __future__ import annotations
+
+import re
+
+MOST_BYTES = 100
+"""Longest name in UTF-8: file systems allow 255 bytes, and kind, mesh family, level and suffix are added."""
+RESERVED = re.compile(r"(con|prn|aux|nul|conin\$|conout\$|com[0-9¹²³]|lpt[0-9¹²³]) *(\..*)?", re.IGNORECASE | re.DOTALL)
+"""Device names, which Windows opens instead of a file, with any suffix."""
+FORBIDDEN = re.compile(r'[/\\:*?"<>|\x00-\x1f\x7f-\x9f\u2028\u2029\ud800-\udfff]')
+"""Path separators, characters that Windows refuses, control characters and text that UTF-8 cannot encode."""
+
+
+def file_name_fault(name: str) -> str:
+    """Returns why a name cannot be part of a file name, in words for a message; "" if it can."""
+    if not name:
+        return "it is empty"
+    if found := FORBIDDEN.search(name):
+        return f"it contains {found[0]!r}"
+    if name.startswith("."):
+        return "it begins with a dot"
+    if name.endswith((".", " ")) or name.startswith(" "):
+        return "it begins or ends with a space, or ends with a dot"
+    if (size := len(name.encode())) > MOST_BYTES:
+        return f"it takes {size} bytes, at most {MOST_BYTES} are allowed"
+    if RESERVED.fullmatch(name):
+        return "Windows reserves it for a device"
+    return ""

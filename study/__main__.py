@@ -1,0 +1,10 @@
+"""``python -m study``: the ``study`` command."""
+
+from __future__ import annotations
+
+import sys
+
+from study.cli.main import main
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,26 @@
+"""The line of a case in ``cases.csv`` and in ``study cases``; nothing that solves is imported."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from manufactured.case import Case
+from manufactured.proved import proved_order
+
+
+def describe(case: Case) -> dict[str, Any]:
+    """The line of a case in the catalogue."""
+    motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
+    return {
+        "case": case.name,
+        "summary": case.summary,
+        "dimension": case.solution.body.dim,
+        "law": case.solution.law.name,
+        "zone": motion,
+        "regularity": str(case.regularity),
+        "expected_order": case.order,
+        "proved_order": proved_order(case),
+        "twin": case.twin,
+        "statements": f"{case.proposition}, Thm 4.2",
+        "reason": case.reason,
+    }

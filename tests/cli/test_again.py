@@ -1,0 +1,116 @@
+"""``study check --again N`` measures a random sample of the rows again and compares them."""
+
+from __future__ import annotations
+
+import re
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from study.cli.main import main
+from study.fem.naming import resolve
+from study.ledger.datafiles import write_csv
+from study.run.again import LEAST_COST, draw_jobs, expected_seconds, planned_jobs
+
+ALL = "1000"
+
+
+@pytest.fixture
+def own(made: Path, tmp_path: Path) -> Path:
+    """A copy of a small run with the file of its case."""
+    shutil.copytree(made, tmp_path, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
+    resolve.cache_clear()
+    return tmp_path / "results"
+
+
+def told(capsys: pytest.CaptureFixture[str], *options: str, code: int) -> str:
+    assert main(["check", "--jobs", "1", *options]) == code
+    printed = capsys.readouterr()
+    assert "Traceback" not in printed.err
+    return printed.out + printed.err
+
+
+def test_rows_measured_again_agree_and_the_seed_is_printed(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    before = {path: path.read_bytes() for path in own.rglob("*.csv")}
+    said = told(capsys, "--again", "2", "--out", str(own), code=0)
+    seed = re.search(r"measured again: 2 of (\d+) measurements, drawn with --seed (\d+)", " ".join(said.split()))
+    assert seed
+    assert "all numbers agree within 1e-05 relative + 1e-09" in said
+    assert f"drawn with --seed {seed[2]}," in told(capsys, "--again", "2", "--seed", seed[2], "--out", str(own), code=0)
+    assert {path: path.read_bytes() for path in own.rglob("*.csv")} == before
+
+
+@pytest.mark.parametrize(
+    ("file", "column", "row", "factor"),
+    [
+        ("rates.csv", "quadrature_change", 1, 1.001),
+        ("equivalence.csv", "steps", 0, 2.0),
+    ],
+)
+def test_a_row_that_was_changed_is_noticed(
+    file: str, column: str, row: int, factor: float, own: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """No relation between columns shows these changes."""
+    path = own / "data" / file
+    table = pd.read_csv(path, dtype=str, keep_default_na=False)
+    before = float(table.loc[row, column])
+    table.loc[row, column] = f"{factor * before:.12g}"
+    write_csv(path, table)
+    said = told(capsys, "--again", ALL, "--out", str(own), code=1)
+    assert f"{file}: differs" in said
+    assert re.search(rf"{column}: 1 of \d+ differ, 1 beyond tolerance", said)
+    assert f"{path} was changed after the run that wrote it" in told(capsys, "--out", str(own), code=2)
+
+
+def test_a_case_whose_file_is_gone_cannot_be_measured_again(own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (own.parent / "pocket.py").unlink()
+    said = told(capsys, "--again", "1", "--out", str(own), code=2)
+    assert "--again needs the files of all cases, and those of pocket are gone" in said
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        (["--again", "0"], "--again must be 1 or more rows, got 0"),
+        (["--again", "1", "--seed", "-1"], "--seed must be 0 or more, got -1"),
+        (["--seed", "1"], "--seed chooses the rows of --again: give --again N with it"),
+        (["--again", "1", "--tolerance", "nan"], "--tolerance must be a number, 0 or more, got nan"),
+        (["--again", "1", "--jobs", "0"], "--jobs must be 1 or more, got 0"),
+    ],
+)
+def test_options_that_make_no_sense_are_refused(
+    options: list[str], says: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["check", *options, "--out", str(tmp_path)]) == 2
+    assert says in capsys.readouterr().err
+
+
+@dataclass(frozen=True)
+class Costly:
+    """Stands for a measurement: its expected time in µs."""
+
+    cost: float
+
+
+def test_a_sample_is_repeated_by_its_seed_and_its_expected_time_is_bounded() -> None:
+    jobs = [Costly(1e6 * second) for second in np.geomspace(0.01, 300, 500)]
+    drawn = [draw_jobs(jobs, 5, seed) for seed in range(400)]  # type: ignore[arg-type]
+    assert drawn[3] == draw_jobs(jobs, 5, 3)  # type: ignore[arg-type]
+    assert drawn[3] != drawn[4]
+    assert all(len({job.cost for job in sample}) == 5 for sample in drawn)
+    costs = np.maximum([job.cost for job in jobs], LEAST_COST)
+    bound = 5 * len(jobs) / (1 / costs).sum() / 1e6
+    mean = np.mean([expected_seconds(sample) for sample in drawn])
+    assert 0.6 * bound < mean < 1.6 * bound
+    assert bound < 0.1 * 5 * costs.mean() / 1e6
+    assert len(draw_jobs(jobs, 10**6, 0)) == len(jobs)  # type: ignore[arg-type]
+
+
+def test_every_measurement_with_rows_in_a_table_can_be_drawn(own: Path) -> None:
+    jobs = planned_jobs(own)
+    assert {job.statement.file.name for job in jobs} == {"rates.csv", "equivalence.csv", "recomputed.csv"}
+    assert {job.key for job in draw_jobs(jobs, len(jobs), 1)} == {job.key for job in jobs}

@@ -1,0 +1,88 @@
+"""``study check`` notices every line of the record of seeds and of its table that was deleted, added or changed."""
+
+from __future__ import annotations
+
+import gzip
+import shutil
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from study.controls.record_check import compare_record
+from study.ledger.datafiles import DataError
+
+RESULTS = Path(__file__).parents[2] / "results"
+TABLE, DRAWN, PLACES = "seeds.csv", "seeds/drawn.csv", "seeds/places.csv.gz"
+Change = Callable[[list[str]], list[str]]
+
+
+@pytest.fixture
+def record(tmp_path: Path) -> Path:
+    """A copy of the committed record and its table."""
+    (tmp_path / "data").mkdir()
+    shutil.copy(RESULTS / "data" / TABLE, tmp_path / "data")
+    shutil.copytree(RESULTS / "data" / "seeds", tmp_path / "data" / "seeds")
+    return tmp_path
+
+
+def rewrite(path: Path, change: Change) -> None:
+    packed = path.suffix == ".gz"
+    content = path.read_bytes()
+    lines = (gzip.decompress(content) if packed else content).decode().splitlines(keepends=True)
+    text = "".join(change(lines)).encode()
+    path.write_bytes(gzip.compress(text) if packed else text)
+
+
+def without(line: int) -> Change:
+    return lambda lines: [text for number, text in enumerate(lines) if number != line % len(lines)]
+
+
+def swapped(first: str, second: str, line: int) -> Change:
+    def change(lines: list[str]) -> list[str]:
+        assert first in lines[line]
+        return [text.replace(first, second, 1) if n == line % len(lines) else text for n, text in enumerate(lines)]
+
+    return change
+
+
+def one_alarm_more(lines: list[str]) -> list[str]:
+    head, *rows = lines
+    values = rows[70].rstrip("\n").split(",")
+    rows[70] = ",".join([*values[:-1], str(int(values[-1]) + 1)]) + "\n"
+    return [head, *rows]
+
+
+TAMPERED: dict[str, tuple[str, Change]] = {
+    **{f"line {n} of the table deleted": (TABLE, without(n)) for n in (1, 2, 3, 400, -1)},
+    **{f"line {n} of the seeds deleted": (DRAWN, without(n)) for n in (1, 80, -2, -1)},
+    **{f"line {n} of the places deleted": (PLACES, without(n)) for n in (1, 700, -1)},
+    "a line of the table twice": (TABLE, lambda lines: [*lines, lines[-1]]),
+    "a number of the table": (TABLE, swapped(",100,0,", ",101,0,", 1)),
+    "a seed twice": (DRAWN, lambda lines: [*lines[:-1], lines[5], lines[-1]]),
+    "an alarm more": (DRAWN, one_alarm_more),
+    "another part": (DRAWN, swapped("whole", "light", 5)),
+}
+
+
+def test_the_committed_record_agrees_with_its_table(record: Path) -> None:
+    assert {path.name for path in compare_record(record)} == {"seeds.csv", "drawn.csv", "places.csv.gz"}
+
+
+@pytest.mark.parametrize("name", TAMPERED)
+def test_a_change_is_refused(name: str, record: Path) -> None:
+    file, change = TAMPERED[name]
+    rewrite(record / "data" / file, change)
+    with pytest.raises(DataError, match="seeds"):
+        compare_record(record)
+
+
+@pytest.mark.parametrize("file", [TABLE, DRAWN, PLACES])
+def test_a_missing_file_is_refused(file: str, record: Path) -> None:
+    (record / "data" / file).unlink()
+    with pytest.raises(DataError, match=f"{Path(file).name} is missing"):
+        compare_record(record)
+
+
+def test_a_run_without_seeds_has_nothing_to_compare(tmp_path: Path) -> None:
+    assert compare_record(tmp_path) == set()
