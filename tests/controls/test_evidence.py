@@ -47,20 +47,22 @@ class Weakened(NamedTuple):
         *inside, name = path.split(".")
         owner = reduce(getattr, inside, import_module(module))
         function = inspect.unwrap(getattr(owner, name))
-        source = textwrap.dedent(inspect.getsource(function))
+        source = vars(function).get("source") or textwrap.dedent(inspect.getsource(function))
         assert source.count(self.before) == 1, (self.name, self.before)
-        code = compile(
-            source.replace(self.before, self.after), self.place, "exec", __future__.annotations.compiler_flag
-        )
+        source = source.replace(self.before, self.after)
+        code = compile(source, self.place, "exec", __future__.annotations.compiler_flag)
         exec(code, getattr(function, "__func__", function).__globals__, made := {})
-        return patch.object(owner, name, made[function.__name__])
+        weakened = made[function.__name__]
+        # So that another line of the same function can be weakened on top.
+        vars(getattr(weakened, "__func__", weakened))["source"] = source
+        return patch.object(owner, name, weakened)
 
 
 STEP, MEASURE = "study.solve.evolution:ContactStep._residual", "study.controls.baselines:measure"
 ROW, CHANGE = (f"study.statements.prop_5_4.measure:Measurement.{name}" for name in ("row", "quadrature_change"))
 LAW = "study.statements.prop_5_4.measure:Measurement.parallelogram"
 COURSE = "study.statements.contact_force.measure:Course.of"
-FORCES = "study.statements.contact_force.measure:measure_contact"
+FORCES = "study.controls.baselines:measure_contact"
 OWN = "study.statements.thm_4_2.stress_errors"
 
 
@@ -117,8 +119,20 @@ OF_RATES = (
         "n % 2 and history.append(",
         ("supremum: even node", "supremum of interpolation: even node"),
     ),
-    Weakened("the error at the last time", ROW, "float(error[first])", "float(error[-1])", middle("supremum")),
-    Weakened("the discrete error at the last time", ROW, "discrete[third]),\n", "discrete[-1]),\n", middle("supremum")),
+    Weakened(
+        "the error at the last time",
+        ROW,
+        '"error": float(error[first])',
+        '"error": float(error[-1])',
+        middle("supremum"),
+    ),
+    Weakened(
+        "the discrete error at the last time",
+        ROW,
+        '"discrete_error": float(discrete[third])',
+        '"discrete_error": float(discrete[-1])',
+        middle("supremum"),
+    ),
     Weakened(
         "interpolation at the last time",
         ROW,
@@ -155,7 +169,6 @@ OF_RATES = (
         "[math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps)][-1]",
         ("quadrature: early load",),
     ),
-    Weakened("a rule that is no finer", CHANGE, "raised=2", "raised=0", ("quadrature: degree",)),
     Weakened(
         "too large errors alone",
         LAW,
@@ -226,7 +239,7 @@ ELSEWHERE = (
         COURSE,
         "(np.arange(steps) + 0.5) * k, np.array(multipliers[1:])",
         "np.array([steps - 0.5]) * k, np.array(multipliers[-1:])",
-        middle("contact: time share,").__class__(f"contact: time share, {which} node" for which in ("odd", "even")),
+        tuple(f"contact: time share, {which} node" for which in ("odd", "even")),
     ),
     Weakened(
         "discrete error of the last step",
@@ -289,8 +302,8 @@ ELSEWHERE = (
     Weakened(
         "all is admissible on Γ3",
         f"{OWN}:inadmissible",
-        "total[edges, :, 0] =",
-        "total[edges] = 0 *",
+        "total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)",
+        "total[edges] = 0.0",
         ("admissible: tangential",),
     ),
     Weakened(
@@ -433,13 +446,11 @@ ELSEWHERE = (
         "max(squares[::2])",
         ("traction at one time",),
     ),
-)
-SLOW = (
     Weakened(
         "growth in the last step",
-        "study.statements.parting:quotients",
-        "np.array(found)",
-        "np.array(found)[-1:]",
+        "study.statements.parting:over_bound",
+        "other)).max() for",
+        "other))[-1] for",
         middle("growth"),
     ),
     Weakened(
@@ -450,7 +461,7 @@ SLOW = (
         "study.statements.advancing_front:furthest",
         ".max()",
         "[-1]",
-        nodes("front", "excess at one node", "time share, odd node", "time share, even node"),
+        nodes("front", "time share, odd node", "time share, even node"),
     ),
     Weakened(
         "the error of a front at the last node",
@@ -478,7 +489,7 @@ def caught(name: str) -> bool:
 
 @pytest.mark.parametrize(
     "weakened",
-    [*OF_RATES, *ELSEWHERE, *(pytest.param(each, marks=pytest.mark.slow) for each in SLOW)],
+    [*OF_RATES, *(pytest.param(each, marks=pytest.mark.slow) for each in ELSEWHERE)],
     ids=lambda weakened: weakened.name,
 )
 def test_evidence_that_is_too_small_leaves_controls_uncaught(weakened: Weakened) -> None:
@@ -487,9 +498,9 @@ def test_evidence_that_is_too_small_leaves_controls_uncaught(weakened: Weakened)
 
 
 AT_ONCE = (
-    *("no sign", "no complementarity", "residual of the last step", "every even time", "time share at the last time"),
-    *("discrete time share of the error", "no response to the load", "too large errors alone", "nothing on Γ1"),
-    "the error at the last time",
+    *("no sign", "no complementarity", "no gap", "residual of the last step", "every even time"),
+    *("time share at the last time", "discrete time share of the error", "no response to the load"),
+    *("too large errors alone", "nothing on Γ1"),
 )
 
 
@@ -499,8 +510,7 @@ def test_ten_weakened_lines_at_once_are_noticed_by_many_controls_and_no_row_of_t
     noticing = {name for each in chosen for name in each.controls}
     with ExitStack() as stack:
         for each in chosen:
-            if each.name != "the error at the last time":
-                stack.enter_context(each.patch())
+            stack.enter_context(each.patch())
         uncaught = {name for name in noticing if not caught(name)}
         rows = {key for name in uncaught for key in BY_NAME[name].rows}
         moving = BY_NAME["residual: sign"].setting
