@@ -18,11 +18,16 @@ class Control(Generic[S]):
         what: is wrong, in a line.
         setting: where it is measured.
         defect: turns what would be measured there into what is measured.
-        caught_by: the key of the row that must fail.
+        caught_by: the key of the row that must fail, or of several rows that all must fail.
     """
 
     name: str
     what: str
     setting: Baseline[S]
     defect: Callable[[S], S]
-    caught_by: str
+    caught_by: str | tuple[str, ...]
+
+    @property
+    def rows(self) -> tuple[str, ...]:
+        """The keys of the rows that must fail."""
+        return (self.caught_by,) if isinstance(self.caught_by, str) else self.caught_by

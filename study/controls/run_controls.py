@@ -27,8 +27,9 @@ from study.run.fingerprint import of_everything
 from study.run.store import Store
 
 NO_DEFECT = "none"
-SAME = 1e-3
-"""Two defects with all numbers of a setting as near as this are one mistake; some rows are about rounding."""
+SAME, ROUNDING = 1e-3, 1e-6
+"""Two defects whose numbers in a setting all agree to this relative tolerance are one mistake. Differences below
+``ROUNDING`` do not count, since some rows are about rounding."""
 
 
 @dataclass(frozen=True)
@@ -39,8 +40,9 @@ class Outcome:
         defect: name of the control, or ``NO_DEFECT``.
         what: is wrong, in a line.
         setting: where.
-        row: the row that the control names. Of a baseline, the first row, or the first that does not hold.
-        caught: whether the row that the control names fails; None for a baseline.
+        row: the row that the control names; of several rows, the first that does not fail, or the first. Of a
+            baseline, the first row, or the first that does not hold.
+        caught: whether every row that the control names fails; None for a baseline.
         besides: what else is wrong: a row that no defect is there for, a defect that is another one once more.
     """
 
@@ -58,13 +60,15 @@ class Outcome:
 
     @classmethod
     def of_control(cls, control: Control[Any], verdicts: list[Verdict], besides: str = "") -> Outcome:
-        """Whether a defect is caught by the row that is there for it: another one may fail for another reason.
+        """Whether a defect is caught by the rows that are there for it: another one may fail for another reason.
 
         Raises:
             KeyError: the setting has no row with the key that the control gives.
         """
-        named = {verdict.key: verdict for verdict in verdicts}[control.caught_by]
-        return cls(control.name, control.what, str(control.setting), named, named.verdict == FAILS, besides)
+        by_key = {verdict.key: verdict for verdict in verdicts}
+        named = [by_key[key] for key in control.rows]
+        shown = next((verdict for verdict in named if verdict.verdict != FAILS), named[0])
+        return cls(control.name, control.what, str(control.setting), shown, shown.verdict == FAILS, besides)
 
     @classmethod
     def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict], named: set[str]) -> Outcome:
@@ -129,7 +133,7 @@ def outcomes(
     sound: Mapping[Baseline[Any], list[Verdict]], defective: Sequence[tuple[Control[Any], list[Verdict]]]
 ) -> list[Outcome]:
     """What is found, from the rows of every setting and those of every control."""
-    named = {control.caught_by for control, _ in defective}
+    named = {key for control, _ in defective for key in control.rows}
     besides: dict[str, str] = {}
     for (one, first), (other, second) in combinations(defective, 2):
         if one.setting == other.setting and alike(first, second):
@@ -145,7 +149,7 @@ def alike(first: list[Verdict], second: list[Verdict]) -> bool:
     if [verdict.verdict for verdict in first] != [verdict.verdict for verdict in second]:
         return False
     one, other = ([verdict.observed for verdict in rows] for rows in (first, second))
-    return np.allclose(one, other, rtol=SAME, atol=SAME)
+    return np.allclose(one, other, rtol=SAME, atol=ROUNDING)
 
 
 def _key(name: str, setting: Baseline[Any], defect: Callable[[Any], Any]) -> str:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, ExitStack, contextmanager, nullcontext
 from dataclasses import dataclass
-from functools import partial
+from functools import partial, reduce
 from importlib import import_module
 from typing import Any, TypeVar
 
@@ -46,9 +46,27 @@ class Slip:
             setattr(place, last, right)
 
 
+@dataclass(frozen=True)
+class Together:
+    """Several defects at once."""
+
+    defects: tuple[Callable[[Any], Any], ...]
+
+    def __call__(self, setup: Any) -> Any:
+        return reduce(lambda changed, defect: defect(changed), self.defects, setup)
+
+    @contextmanager
+    def made(self) -> Iterator[None]:
+        """Make all mistakes in the code among the defects."""
+        with ExitStack() as stack:
+            for defect in self.defects:
+                stack.enter_context(made(defect))
+            yield
+
+
 def made(defect: Callable[[Any], Any]) -> AbstractContextManager[None]:
     """The time in which a defect is measured: that of a mistake in the code, nothing special for others."""
-    return defect.made() if isinstance(defect, Slip) else nullcontext()
+    return defect.made() if isinstance(defect, Slip | Together) else nullcontext()
 
 
 @dataclass(frozen=True)

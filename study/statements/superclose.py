@@ -62,9 +62,9 @@ class Superclose(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, self.steps(setting))
-        coarse = MIDPOINT.march(setup.problem, setup.steps // 2)
+        coarse = setup.scheme.march(setup.problem, setup.steps // 2)
         discrete, drift = 0.0, 0.0
-        for n, state in enumerate(MIDPOINT.march(setup.problem, setup.steps)):
+        for n, state in enumerate(setup.scheme.march(setup.problem, setup.steps)):
             discrete = max(discrete, norm(setup.problem, setup.gauge.sample(state.time).interpolant - state.u))
             if n % 2 == 0:
                 drift = max(drift, norm(setup.problem, next(coarse).u - state.u))

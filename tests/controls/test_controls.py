@@ -114,7 +114,7 @@ def test_every_kind_of_row_that_is_claimed_is_named_by_a_control_or_by_a_test() 
     claims, caught = read_claims(RESULTS), pd.read_csv(RESULTS / "data" / "controls.csv", keep_default_na=False)
     claimed = claims[claims["verdict"] != REPORTED]
     labels = dict(zip(caught["defect"], caught["label"], strict=True))
-    named = {(labels[control.name], control.caught_by) for control in CONTROLS}
+    named = {(labels[control.name], key) for control in CONTROLS for key in control.rows}
     kinds = set(claimed[["label", "key"]].itertuples(index=False, name=None))
     assert kinds - named - set(BY_TESTS) == set()
     assert set(BY_TESTS) <= kinds - named
@@ -227,7 +227,7 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
     assert table["caught"].tolist() == ["", "", *["yes"] * 5]
     assert table["verdict"].tolist() == [HOLDS, HOLDS, *[FAILS] * 5]
     words = {v.key: v.quantity for c in chosen for v in rows(c.setting)}
-    assert table["quantity"].tolist()[2:] == [words[c.caught_by] for c in chosen]
+    assert table["quantity"].tolist()[2:] == [words[c.rows[0]] for c in chosen]
     doubled = table["observed"][table["defect"] == "G doubled"].astype(float)
     assert doubled.tolist() == [pytest.approx(2)]
     for control in chosen:
