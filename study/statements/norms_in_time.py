@@ -82,7 +82,6 @@ class LoadInTime(ListedNumbers):
         space, solution = space_of(setting), resolve(setting.case).solution
         gauge, riesz = Gauge(solution, space), Cholesky(unloaded(space, solution.law).M)
         times = np.linspace(0, solution.body.T, INTERVALS + 1)
-        gauge.foresee(loads=[times])
         loads = np.array([gauge.load(float(t)) for t in times])
         fine, half, coarse = (increments(loads[::step], riesz) for step in (1, 2, COARSER))
         size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
