@@ -45,6 +45,8 @@ class Case:
         pace: time steps per n^{2/3} at level n that make the time error negligible; faster zones
             need more, and every row of a rate table shows whether it was enough.
         twin: name of a case whose errors this one must have to round-off on structured meshes, or "".
+        families: names of the mesh families on which the quick study measures this case; without names, the first
+            family that can mesh its body.
 
     Raises:
         CaseError: the regularity or the predicted order is not that of the formulas, the order or its reason is
@@ -59,6 +61,7 @@ class Case:
     reason: str = ""
     pace: float = 8.0
     twin: str = ""
+    families: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]*", self.name):

@@ -1,97 +1,73 @@
-"""The explicit list of cases. What they are made of is imported with them: listing their names needs no SymPy."""
+"""The catalogue of exact solutions: their names, and the cases themselves, each made when it is asked for."""
 
 from __future__ import annotations
 
-from functools import lru_cache
+import re
+from functools import cache
+from importlib import import_module
 from typing import TYPE_CHECKING
 
+# Listing the names needs no SymPy.
 if TYPE_CHECKING:
     from manufactured.case import Case
 
+NAMES = (
+    "full-contact",
+    "no-contact",
+    "fixed-front-on-vertex",
+    "fixed-front-off-vertex",
+    "advance-recede",
+    "travelling-patch",
+    "merging-patches",
+    "lift-and-land",
+    "load-w11",
+    "yield-and-release",
+    "yield-on-a-part",
+    "anisotropic",
+    "heterogeneous",
+    "layered",
+    "rotated",
+    "corner",
+    "hexagon",
+    "cube-disc",
+    "cube-two-faces",
+    "natural-front",
+    "rough-trace",
+    "moving-rough",
+    "layered-unmet",
+    "rough-1.75",
+    "rough-2",
+    "rough-2.25",
+    "re-entrant",
+    "junction",
+    "softening",
+    "double-well",
+)
+"""Cases of Proposition 5.4 with simple contact zones first, then cases too rough for it, then laws that soften.
 
-@lru_cache
+The case NAME is made by the function ``case`` of ``manufactured/cases/NAME.py``, with ``_`` for ``-`` and ``.``.
+"""
+
+
 def catalogue() -> tuple[Case, ...]:
-    """All cases: those of Prop. 5.4, simple zones first, then those too rough for it, then laws that soften."""
-    from manufactured.cases import (
-        advance_recede,
-        anisotropic,
-        corner,
-        cube_disc,
-        cube_two_faces,
-        double_well,
-        fixed_front_off_vertex,
-        fixed_front_on_vertex,
-        full_contact,
-        heterogeneous,
-        hexagon,
-        junction,
-        layered,
-        layered_unmet,
-        lift_and_land,
-        load_w11,
-        merging_patches,
-        moving_rough,
-        natural_front,
-        no_contact,
-        re_entrant,
-        rotated,
-        rough_1_75,
-        rough_2,
-        rough_2_25,
-        rough_trace,
-        softening,
-        travelling_patch,
-        yield_and_release,
-        yield_on_a_part,
-    )
-
-    return (
-        full_contact.case(),
-        no_contact.case(),
-        fixed_front_on_vertex.case(),
-        fixed_front_off_vertex.case(),
-        advance_recede.case(),
-        travelling_patch.case(),
-        merging_patches.case(),
-        lift_and_land.case(),
-        load_w11.case(),
-        yield_and_release.case(),
-        yield_on_a_part.case(),
-        anisotropic.case(),
-        heterogeneous.case(),
-        layered.case(),
-        rotated.case(),
-        corner.case(),
-        hexagon.case(),
-        cube_disc.case(),
-        cube_two_faces.case(),
-        natural_front.case(),
-        rough_trace.case(),
-        moving_rough.case(),
-        layered_unmet.case(),
-        rough_1_75.case(),
-        rough_2.case(),
-        rough_2_25.case(),
-        re_entrant.case(),
-        junction.case(),
-        softening.case(),
-        double_well.case(),
-    )
+    """Return all cases of the catalogue, in the order of ``NAMES``."""
+    return tuple(named(name) for name in NAMES)
 
 
+@cache
 def named(name: str) -> Case:
-    """The case of the catalogue with a name.
+    """Return the case of the catalogue with this name; no other case is made for it.
 
     >>> case = named("rotated")
     >>> case.order, case.solution.body.dim, case.solution.law.dim
     (1, 2, 2)
 
     Raises:
-        CaseError: there is none; the message lists those there are.
+        CaseError: no case has this name; the message lists the names there are.
     """
-    from manufactured.case import CaseError
+    if name not in NAMES:
+        from manufactured.case import CaseError
 
-    for case in catalogue():
-        if case.name == name:
-            return case
-    raise CaseError(f"no case is called {name!r}; there are {', '.join(case.name for case in catalogue())}")
+        raise CaseError(f"no case is called {name!r}; there are {', '.join(NAMES)}")
+    case: Case = import_module(f"manufactured.cases.{re.sub('[-.]', '_', name)}").case()
+    return case

@@ -38,4 +38,5 @@ def case() -> Case:
         regularity=Regularity(gap=4, pressure=2, moving=True),
         order=1,
         reason="α = 4 > 7/2 and m = 2 > 3/2 give (5.36): order 1 by Prop. 5.4",
+        families=("one-diagonal",),
     )

@@ -27,4 +27,5 @@ def case() -> Case:
         order=1,
         reason="r and q inherit m = 2 from p, α = 4: (5.36) and order 1 by Prop. 5.4",
         pace=4,
+        families=("unstructured",),
     )

@@ -24,4 +24,5 @@ def case() -> Case:
         name="fixed-front-off-vertex",
         summary="zone [0, 1/3] that stays, front off the vertices",
         solution=fixed_front_on_vertex.at(Rational(1, 3)),
+        families=("unstructured",),
     )

@@ -44,4 +44,5 @@ def case() -> Case:
         order=1,
         reason="w and q smooth in space, u̇ bounded with one jump: u ∈ W^{1,∞}(0,T;H²), (5.36), order 1 by Prop. 5.4",
         pace=14,
+        families=("unstructured",),
     )

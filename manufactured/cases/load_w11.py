@@ -41,4 +41,5 @@ def case() -> Case:
         order=1,
         reason="u̇ bounded with values in H²: (5.36) needs no more of the load, order 1 by Prop. 5.4",
         pace=16,
+        families=("one-diagonal",),
     )

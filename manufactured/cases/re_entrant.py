@@ -70,4 +70,5 @@ def case(
         order=min(1.0, lam),
         reason="u(t) ∈ H^{1+s} for s < λ ≈ 0.5445 at the corner: that order on uniform meshes, 1 on graded ones",
         pace=1.5,
+        families=("unstructured", "graded"),
     )

@@ -47,4 +47,5 @@ def case() -> Case:
         regularity=Regularity(gap=5, pressure=3, moving=True),
         order=1,
         reason="α = 5 > 7/2 and m = 3 > 3/2 give (5.36): order 1 by Prop. 5.4, G only Lipschitz",
+        families=("one-diagonal",),
     )

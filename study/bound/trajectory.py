@@ -55,8 +55,6 @@ class DiscreteSolution:
 def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:
     """Problem 5.1 from the data alone, with the load (P f, ·)_V and u_0^h = Π^h u_0."""
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
-    # The times of the loads are nodes of u_h or lie halfway, where the bound asks for data again.
-    foresee(discretisation, step_size(data.body.T, steps) * np.arange(steps + 1))
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
     problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
     return DiscreteSolution(space, np.array([state.u for state in scheme.march(problem, steps)]), data.body.T)
@@ -103,7 +101,6 @@ class SmoothedInTime:
     def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
         J = prolongation(computed.space, fine)
         times = step_size(computed.T, computed.steps) * np.arange(computed.steps + 1)
-        foresee(fine, times)
         for time, node in zip(times.tolist(), computed.nodes, strict=True):
             yield time, J @ node
 
@@ -124,7 +121,6 @@ class Refined:
 
     def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
         data, V, steps = fine.data, fine.displacements, self.shorter * computed.steps
-        foresee(fine, step_size(computed.T, steps) * np.arange(steps + 1))
         stress = data.law.A.at(V.points)(data.initial(V.points))
         # The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0.
         start, _ = Signorini(fine.M, V.N)(V.functional(stress))
@@ -167,16 +163,6 @@ class Parabola:
         """ũ̇ at a or b."""
         difference = self.end - self.control if end else self.control - self.start
         return 2 * difference / (self.b - self.a)
-
-
-def foresee(discretisation: Discretisation, nodes: Array) -> None:
-    """The data will be asked for at the knots of the spline with nodes at these times (n,), and within its pieces.
-
-    Nothing depends on it but how long that takes.
-    """
-    knots = np.concatenate([nodes[:1], (nodes[:-1] + nodes[1:]) / 2, nodes[-1:]])
-    a, b = knots[:-1], knots[1:]
-    discretisation.loads.foresee(snapshots=[knots, (a + b) / 2, a + (b - a) / 4])
 
 
 def spline(nodes: Iterable[tuple[float, Array]]) -> Iterator[Parabola]:

@@ -114,7 +114,7 @@ def scheme_off(which: str, right_first: int, scheme: Tableau) -> Any:
         for n, state in enumerate(scheme.march(problem, steps)):
             yield replace(state, u=10 * state.u) if off and n == node(which, steps) else state
 
-    return SimpleNamespace(name=scheme.name, order=scheme.order, loaded=scheme.loaded, march=march)
+    return SimpleNamespace(name=scheme.name, order=scheme.order, march=march)
 
 
 def solved_once_by(wrong: Solver, which: str, refinement: float, setup: Experiment) -> Experiment:

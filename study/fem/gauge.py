@@ -21,9 +21,7 @@ from skfem import Mesh
 
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
-from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors, dyad, mapped
-from study.fem.ahead import RECENT, Ahead, block_length
 from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, amplitudes_of, energy
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
@@ -34,6 +32,8 @@ needs, as kinks may cross cells and points that share coordinates lower the degr
 dominates the cost. Every row of a rate table records what a plain rule raised by two would change."""
 FACET_POINTS, SOLID_FACET_POINTS = 8, 4
 """Gauss points on a contact facet in 2D, or on each side of a rough point of it, and in each direction of one in 3D."""
+RECENT = 4
+"""Times of which samples and loads stay in memory."""
 PARALLEL = 0.1
 """Sine of the angle below which two directions are too close for points to share coordinates along both."""
 
@@ -83,6 +83,8 @@ class Gauge:
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
         self._amplitudes = lru_cache(RECENT)(amplitudes_of(modes))
+        # Two trajectories that advance together, and the errors of both, ask for the same times.
+        self._samples, self._loads = lru_cache(RECENT)(self._sample), lru_cache(RECENT)(self._load)
         ends = np.cumsum([0, *(len(found.weights) for found in points)])
         split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
         self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
@@ -91,51 +93,33 @@ class Gauge:
         self._normal = space.normal_components(on)
         self._energy = energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
-        each = cells.count if isinstance(solution.law.G, Linear) else len(cells.weights)
-        length = block_length(max(len(self.A.matrix) * each, *(len(part.tensors) * part.count for part in modes)))
-        self._samples, self._loads = Ahead[Sample](length), Ahead[Array](length)
 
     def _on(self, face: Face, points: int) -> tuple[QuadraturePoints, Array]:
         """The points on the facets of a contact face, summed for each of their vertices."""
         rule = facet_rule(self.space.mesh, self.space.facets(face.part), face.part, face.rough, points)
         return QuadraturePoints.on_facets(rule, face.part, self.space.mesh)
 
-    def foresee(self, samples: Sequence[Array] = (), loads: Sequence[Array] = ()) -> None:
-        """Samples, and loads, will be asked for at increasing times (n,), or at several such in turns.
-
-        Nothing depends on it but how long they take.
-        """
-        self._samples.foresee(*samples)
-        self._loads.foresee(*loads)
-
     def means(self, time: float) -> Tensors:
-        """The cell means of ε(u(t)), (D, cells)."""
-        return self._means(self._amplitudes((time,), False))[..., 0]
-
-    def _means(self, strains: Amplitudes) -> Tensors:
-        """Those at n times, (D, cells, n)."""
-        return self._cells.strains(strains) / self._cells.viscous[:, None]
+        """Return the cell means of ε(u(t)), (D, cells)."""
+        return self._cells.strains(self._amplitudes(time, False)) / self._cells.viscous
 
     def sample(self, time: float) -> Sample:
-        """Means, oscillation and interpolant of u(t)."""
-        return self._samples(time, self._samples_at)
+        """Return means, oscillation and interpolant of u(t)."""
+        return self._samples(time)
 
-    def _samples_at(self, times: Array) -> list[Sample]:
-        strains = self._amplitudes(tuple(times), False)
-        means = self._means(strains)
-        # What rounding leaves of a strain that is constant on every cell may be negative.
-        oscillations = np.maximum(self._energy(strains) - self._constant_energy(means), 0.0)
-        interpolants = self.space.interpolate(self._nodes.displacement(times))
-        found = zip(times, one_by_one(means), oscillations, one_by_one(interpolants), strict=True)
-        return [Sample(float(time), mean, float(rest), nodal) for time, mean, rest, nodal in found]
+    def _sample(self, time: float) -> Sample:
+        means = self.means(time)
+        # The oscillation of a strain that is constant on every cell is rounding, which may be negative.
+        oscillation = max(self._energy(self._amplitudes(time, False)) - self._constant_energy(means), 0.0)
+        interpolant = self.space.interpolate(self._nodes.displacement(time))
+        return Sample(time, means, oscillation, interpolant)
 
-    def _constant_energy(self, strain: Tensors) -> Array:
-        """∫ A ε·ε of a strain that is constant on every cell; for (D, cells, n), (n,)."""
-        density = np.einsum("Ic...,Ic...->c...", mapped(self.A.matrix, strain), strain)
-        return np.asarray(self._cells.viscous @ density)
+    def _constant_energy(self, strain: Tensors) -> float:
+        """Return ∫ A ε·ε of a strain that is constant on every cell, (D, cells)."""
+        return float(self._cells.viscous @ np.einsum("Ic,Ic->c", mapped(self.A.matrix, strain), strain))
 
     def distance(self, sample: Sample, v: Array) -> float:
-        """‖u(t) − v‖_V for v ∈ V^h.
+        """Return ‖u(t) − v‖_V for v ∈ V^h.
 
         Raises:
             NormError: the norm is no finite number, which maxima over time would hide.
@@ -149,30 +133,23 @@ class Gauge:
         return found
 
     def load(self, time: float) -> Array:
-        """(f(t), v)_V = (σ(t), ε(v))_Q − ∫_{Γ3} σ_ν v_ν for v ∈ V^h, (n_dofs,).
+        """Return the load (f(t), v)_V = (σ(t), ε(v))_Q − ∫_{Γ3} σ_ν v_ν for v ∈ V^h, (n_dofs,).
 
         Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this serves solutions
         whose f_0 is not in L² as well.
         """
-        return self._loads(time, self._loads_at)
+        return self._loads(time)
 
-    def _loads_at(self, times: Array) -> list[Array]:
-        strains, rates = (self._amplitudes(tuple(times), rate) for rate in (False, True))
-        work = self.space.tested(self._cells(strains, rates))
-        work += self._contact_work(strains, rates)
-        return [*one_by_one(work)]
+    def _load(self, time: float) -> Array:
+        strains, rates = (self._amplitudes(time, rate) for rate in (False, True))
+        load = self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)
+        load.flags.writeable = False
+        return load
 
     def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
-        """∫_{Γ3} p v_ν with p = −σ_ν at n times, (n_dofs, n)."""
-        pressure = [-mapped(dyad(normal, normal), sums(strains, rates)) for normal, sums in self._faces]
-        return self._normal.T @ np.concatenate(pressure)
-
-
-def one_by_one(values: Array) -> Array:
-    """Values at n times, the last axis, so that those at one time lie together, (n, ...); they are asked for again."""
-    found = np.ascontiguousarray(np.moveaxis(values, -1, 0))
-    found.flags.writeable = False
-    return found
+        """Return ∫_{Γ3} p v_ν with p = −σ_ν for v ∈ V^h, (n_dofs,)."""
+        pressure = [-dyad(normal, normal) @ sums(strains, rates) for normal, sums in self._faces]
+        return np.asarray(self._normal.T @ np.concatenate(pressure))
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:

@@ -13,7 +13,6 @@ from skfem import Mesh
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, full, mandel, mapped
-from study.fem.ahead import in_blocks
 from study.fem.gauge import FACET_POINTS, rules
 from study.fem.mesh import barycentric_gradients
 from study.fem.quadrature import CellRule, facet_rule
@@ -22,10 +21,6 @@ from study.fem.space import Space
 INSTANTS = 32
 """Steps of the time grid on which the leading term is maximised. Its steepest fall beside a maximum, 15 % over T/16 in
 the case of a travelling patch, is 1 % over half a step if it is that of a parabola."""
-
-BLOCK = 1 << 12
-"""Cells whose energies are found together: where there are so many, what is left half-done of more does not stay in
-the cache."""
 
 
 def load_from_forces(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
@@ -84,33 +79,20 @@ class LeadingTerm:
         self.squares = {ends: mandel(l[:, None] * l) for ends, l in edges.items()}
         self.slopes = np.ascontiguousarray(np.moveaxis(barycentric_gradients(space.mesh), 0, -1))
 
-    def __call__(self, time: float) -> float:
-        return float(self._at(np.array([time]))[0])
-
     def largest(self) -> float:
-        """The maximum over [0, T], on times of its own: it does not know when the errors beside it were sampled."""
-        times = in_blocks(np.linspace(0.0, self.T, INSTANTS + 1), self.slopes.size * len(self.slopes))
-        return float(max(self._at(some).max() for some in times))
+        """Return the maximum over [0, T], sampled on times that do not depend on when errors are measured."""
+        return max(map(self, np.linspace(0.0, self.T, INSTANTS + 1).tolist()))
 
-    def _at(self, times: Array) -> Array:
-        """The values at n times, (n,)."""
-        strains = self.fields.strain_gradient(times)
-        blocks = [slice(first, first + BLOCK) for first in range(0, len(self.weights), BLOCK)]
-        return np.sqrt(sum(self._energy(cells, strains[:, :, cells]) for cells in blocks))
-
-    def _energy(self, cells: slice, strains: Array) -> Array:
-        """That of some cells at n times, (n,), from ∂_k ε at their centres, (D, d, cells, n)."""
-        hessian, slopes = _hessian(strains), self.slopes[:, :, cells, None]
-        V = np.zeros((*slopes.shape[:2], *hessian.shape[1:]))
+    def __call__(self, time: float) -> float:
+        hessian = _hessian(self.fields.strain_gradient(time))
+        V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))
         for (i, j), square in self.squares.items():
-            bend = np.einsum("Ikcn,Ic->kcn", hessian, square[:, cells]) / 2
-            V[i] += bend[:, None] * slopes[j]
-            V[j] += bend[:, None] * slopes[i]
+            bend = np.einsum("Ikc,Ic->kc", hessian, square) / 2
+            V[i] += bend[:, None] * self.slopes[j]
+            V[j] += bend[:, None] * self.slopes[i]
         edges = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
-        densities = [np.einsum("Icn,Icn->cn", mapped(self.A, e), e) for e in edges]
-        # Each time by itself, so that its sum does not depend on which others are found with it.
-        at_each_time = np.ascontiguousarray(sum(densities[1:], densities[0]).T)
-        return np.array([self.weights[cells] @ density for density in at_each_time])
+        density = sum(np.einsum("Ic,Ic->c", mapped(self.A, e), e) for e in edges)
+        return float(np.sqrt(self.weights @ density))
 
 
 def _hessian(strains: Array) -> Array:

@@ -25,22 +25,18 @@ from manufactured.tensors import Array, Tensors, mapped
 from study.fem.quadrature import CellRule, FacetRule
 
 Amplitudes = Array
-"""T_k(s_j, t) of all contributions to ε below each other at n times, (Σ K J, n)."""
+"""T_k(s_j, t) of all contributions to ε at one time, one after the other, (Σ K J,)."""
 MANY = 4
 """The matrix for the energy may take this many times the storage of the modes."""
 POINTS = 1 << 11
 """Points that are treated together, so that what a law leaves half-done at them stays in a cache."""
 
 
-def amplitudes_of(modes: Sequence[Modes]) -> Callable[[tuple[float, ...], bool], Amplitudes]:
-    """(times, whether of the rate) ↦ the amplitudes of some modes, of which it keeps nothing else."""
+def amplitudes_of(modes: Sequence[Modes]) -> Callable[[float, bool], Amplitudes]:
+    """Return the function of a time and of whether the rate is asked for that gives the amplitudes of all modes."""
+    # The function refers to no other part of the modes, which are large.
     each = [part.amplitudes for part in modes]
-
-    def amplitudes(times: tuple[float, ...], rate: bool) -> Amplitudes:
-        found = [of(np.array(times), rate).reshape(-1, len(times)) for of in each]
-        return found[0] if len(found) == 1 else np.concatenate(found)
-
-    return amplitudes
+    return lambda time, rate: np.concatenate([of(time, rate).ravel() for of in each])
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +73,7 @@ class QuadraturePoints:
 
 
 class StrainSums:
-    """Σ w_p ε(x_p, t), (D, sums, n), from the amplitudes at n times; w may be the rule's times a coefficient."""
+    """The sums Σ w_p ε(x_p, t), (D, sums), from the amplitudes; w may have a coefficient beside the rule's weights."""
 
     def __init__(self, modes: Sequence[Modes], points: QuadraturePoints, weights: Array) -> None:
         width = sum(len(part.tensors) * part.count for part in modes)
@@ -102,7 +98,7 @@ class StrainSums:
 
     def __call__(self, amplitudes: Amplitudes, C: Array | None = None) -> Tensors:
         """The sums, or those of C ε for a tensor C, Mandel (D, D)."""
-        sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1, amplitudes.shape[1])
+        sums = (self._matrix @ amplitudes).reshape(self._tensors.shape[1], -1)
         if C is None and self._plain:
             return sums
         return mapped(self._tensors if C is None else C @ self._tensors, sums)
@@ -133,7 +129,7 @@ def _blocks(
 
 
 class PointwiseSums:
-    """Σ w_p S(ε(x_p, t)), (m, sums, n), for a function S from strains (D, ...) to (m, ...), from the amplitudes.
+    """The sums Σ w_p S(ε(x_p, t)), (m, sums), for a function S from strains (D, p) to (m, p), from the amplitudes.
 
     Args:
         modes: the contributions to ε at the points.
@@ -151,9 +147,9 @@ class PointwiseSums:
 
     def __call__(self, amplitudes: Amplitudes, S: Callable[[Tensors], Array]) -> Array:
         found = [(piece.sums, piece.of_points(S(piece.strains(amplitudes)))) for piece in self._pieces]
-        total = np.zeros((len(found[0][1]), self._count, amplitudes.shape[1]))
+        total = np.zeros((len(found[0][1]), self._count))
         for sums, values in found:
-            # Of one piece no two are the same.
+            # The numbers of the sums of one piece are unique, so += adds each value.
             total[:, sums] += values
         return total
 
@@ -173,12 +169,12 @@ class _Piece:
         return cls(StrainSums.at_points(modes, len(sums)), met, incidence)
 
     def of_points(self, values: Array) -> Array:
-        """Sums of values (m, p, n), (m, sums, n)."""
-        return np.stack([self.weights @ row for row in values])
+        """Return the weighted sums, (m, sums), of values (m, p)."""
+        return np.asarray((self.weights @ values.T).T)
 
 
 class StressSums:
-    """Σ w_p σ(x_p, t), (D, sums, n), for σ = A ε(u̇) + G ε(u), (2.1), from the amplitudes of ε and ε̇ at n times.
+    """The sums Σ w_p σ(x_p, t), (D, sums), for σ = A ε(u̇) + G ε(u), (2.1), from the amplitudes of ε and ε̇.
 
     Attributes:
         viscous: Σ w_p α for A = α C.
@@ -202,8 +198,8 @@ class StressSums:
         return self.strains(rates, self._A.matrix) + self._elastic(strains)
 
 
-def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplitudes], Array]:
-    """∫_Ω α C ε·ε dx from the amplitudes at n times, (n,).
+def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplitudes], float]:
+    """Return the function that gives the energy ∫_Ω α C ε·ε dx from the amplitudes.
 
     Where many points share a place along the face, this is a quadratic form of the amplitudes. Where hardly any do, its
     matrix would be many times as large as the modes, and the density is summed point by point.
@@ -215,9 +211,9 @@ def energy(modes: Sequence[Modes], weights: Array, C: Array) -> Callable[[Amplit
     """
     if sum(len(part.tensors) ** 2 * part.count for part in modes) > MANY * sum(part.shapes.size for part in modes):
         total = PointwiseSums(modes, np.zeros(len(weights), dtype=int), weights, 1)
-        return lambda amplitudes: total(amplitudes, lambda strain: _density(C, strain))[0, 0]
+        return lambda amplitudes: float(total(amplitudes, lambda strain: _density(C, strain))[0, 0])
     form = _form(modes, weights, C)
-    return lambda amplitudes: np.einsum("wn,wn->n", amplitudes, form @ amplitudes)
+    return lambda amplitudes: float(amplitudes @ (form @ amplitudes))
 
 
 def _density(C: Array, strain: Tensors) -> Array:

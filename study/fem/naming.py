@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Any
 
 from manufactured.case import Case
-from manufactured.catalogue import catalogue
+from manufactured.catalogue import NAMES, named
 from manufactured.data import Data
 from manufactured.file_names import file_name_fault
 from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, rollers
@@ -34,10 +34,14 @@ def choose(kind: str, name: str, known: Sequence[Any]) -> Any:
     for item in known:
         if item.name == name:
             return item
-    names = [item.name for item in known]
+    raise unknown(kind, name, [item.name for item in known])
+
+
+def unknown(kind: str, name: str, names: Sequence[str]) -> UsageError:
+    """Return the refusal of a name that does not exist; it says the nearest name and lists all."""
     near = get_close_matches(name, names, n=1)
     meant = f"did you mean {near[0]}? All" if near else "known"
-    raise UsageError(f"unknown {kind} {name!r}; {meant}: {', '.join(names)}")
+    return UsageError(f"unknown {kind} {name!r}; {meant}: {', '.join(names)}")
 
 
 def family_named(name: str) -> MeshFamily:
@@ -54,7 +58,9 @@ def family_named(name: str) -> MeshFamily:
 @lru_cache
 def resolve(reference: str) -> Case:
     """The case behind a catalogue name or FILE.py:NAME, NAME a Case or a function making one; UsageError if none is."""
-    found = _from_file(reference) if _is_file(reference) else choose("case", reference, _cases(reference))
+    found = _from_file(reference) if _is_file(reference) else _case(reference)
+    if found is None:
+        raise unknown("case", reference, _case_names())
     if not isinstance(found, Case):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected a manufactured.Case")
     return found
@@ -67,15 +73,15 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     NAME is a ``manufactured.Data``, a Case, or a function making one; names are those of the catalogue and of
     ``manufactured.problems``.
     """
-    name = reference.rpartition(":")[2]
-    known = (*_cases(name), *problems())
-    found = _from_file(reference) if _is_file(reference) else choose("problem", reference, known)
+    found = _from_file(reference) if _is_file(reference) else _case(reference) or _open_problem(reference)
+    if found is None:
+        raise unknown("problem", reference, [*_case_names(), *(problem.name for problem in problems())])
     if isinstance(found, Case):
         return found.name, Data.of(found.solution), found
     data = found.data if isinstance(found, OpenProblem) else found
     if not isinstance(data, Data):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected manufactured.Data or a manufactured.Case")
-    name = found.name if isinstance(found, OpenProblem) else name
+    name = found.name if isinstance(found, OpenProblem) else reference.rpartition(":")[2]
     require_file_name("problem", name)
     return name, data, None
 
@@ -87,17 +93,28 @@ def require_file_name(kind: str, name: str) -> None:
         raise UsageError(f"the {kind} {shown!r} cannot be part of a file name, as {fault}: give it another name")
 
 
-def _cases(name: str) -> tuple[Case, ...]:
-    """The catalogue and the cases beside it; of rollers, of which every level has its own, those that a name means."""
+def _case(name: str) -> Case | None:
+    """Return the case with this name, in the catalogue or outside it; None if there is none."""
+    if name in NAMES:
+        return named(name)
+    return next((case for case in _outside_the_catalogue(name) if case.name == name), None)
+
+
+def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
+    """Return the cases outside the catalogue. Rollers belong to one level each: those of the level in the name."""
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0
-    return (*_kept(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
+    return (*multiscale(), natural_motion(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
 
 
-@lru_cache
-def _kept() -> tuple[Case, ...]:
-    """Those that are the same for every name: each of them is read off its formulas when it is made."""
-    return (*catalogue(), *multiscale(), natural_motion())
+def _case_names() -> list[str]:
+    """Return the names of all cases, without rollers, of which there is one for every level."""
+    return [*NAMES, *(case.name for case in _outside_the_catalogue(""))]
+
+
+def _open_problem(name: str) -> OpenProblem | None:
+    """Return the problem without a known solution with this name; None if there is none."""
+    return next((problem for problem in problems() if problem.name == name), None)
 
 
 def name_of(reference: str) -> str:

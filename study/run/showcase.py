@@ -18,7 +18,7 @@ from study.run import resources
 from study.solve.motion import Frame, Motion, von_mises
 from study.statements import pictures
 from study.statements.shared import estimates
-from study.statements.shared.scope import serving
+from study.statements.shared.scope import regular
 
 EVERY = 2
 """One of so many frames is shown."""
@@ -56,7 +56,7 @@ def affordable_family(case: Case, level: int) -> MeshFamily:
         UsageError: no mesh family serves the body, or there is not the memory for this level.
     """
     dim = case.solution.body.dim
-    family = pictures.FAMILY if dim == 2 else serving(case)[0]
+    family = pictures.FAMILY if dim == 2 else regular(case)
     resources.require(f"level {level}", estimates.displacement(dim, level, family.name), resources.available())
     return family
 

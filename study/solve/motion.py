@@ -74,7 +74,6 @@ class Motion:
         """
         space = Space(family(solution.body, level), solution.body)
         gauge = Gauge(solution, space)
-        gauge.foresee(loads=[BDF2.loaded(solution.body.T, steps)])
         problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
         cells = on_cells(space, solution.law)
         found = []

@@ -14,9 +14,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
 from operator import add, sub
-from typing import Any, Protocol, TypeVar
-
-import numpy as np
+from typing import Protocol, TypeVar
 
 from manufactured.tensors import Array
 from study.solve.steps import longest_step, require_unique, step_size
@@ -73,14 +71,10 @@ class Tableau:
         """The scheme that takes the step to t_n: this one as soon as it has its past."""
         return self.starting if self.starting and n < len(self.past) else self
 
-    def balanced(self, n: Array | int, k: float) -> Any:
+    def balanced(self, n: int, k: float) -> float:
         """t_{n−1+θ}, where in the step to t_n forces are in balance."""
         # Halfway this is what a spline through the nodes has as its knots, to the last bit.
         return (1 - self.theta) * ((n - 1) * k) + self.theta * (n * k)
-
-    def loaded(self, T: float, steps: int) -> Array:
-        """The times at which a march asks for the load, (steps,)."""
-        return np.asarray(self.balanced(np.arange(1, steps + 1), step_size(T, steps)))
 
     def longest(self, growth: float) -> float:
         """``longest_step`` of all steps, the first ones included."""

@@ -99,7 +99,6 @@ class BackwardEuler(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        setup.gauge.foresee(loads=[BACKWARD_EULER.loaded(setup.problem.T, FINEST)])
         return with_h(setup.space.h, dict(compared(setup.problem)))
 
 

@@ -23,7 +23,8 @@ from study.ledger.criterion import Observation
 from study.ledger.measures import BOUND, ROUNDING, Constant, largest
 from study.ledger.window import at_most
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.places import FIRST, different, material, place, space_of
+from study.statements.shared.places import LAWS, named, place, space_of
+from study.statements.shared.scope import REGULAR
 
 SCALES = (-3.0, 3.0)
 """Decimal logarithms of the sizes of generated tensors: both sides of any yield point."""
@@ -54,7 +55,7 @@ class OfLaws(ListedNumbers):
     """Every law of the catalogue on one mesh of its case's body."""
 
     def places(self, full: bool) -> list[Setting]:
-        return place(different(material), FIRST, (16,) if full else (8,), (4,) if full else (2,))
+        return place(named(*LAWS), REGULAR, (16,) if full else (8,), (4,) if full else (2,))
 
 
 class Viscosity(OfLaws):

@@ -22,7 +22,7 @@ from study.ledger.measures import every, largest
 from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.places import EVERY, LAST, different, place, shape, space_of
+from study.statements.shared.places import BODIES, EVERY, IRREGULAR, named, place, space_of
 
 SAMPLES = 40
 """Random members, extreme rays, strangers and smooth fields."""
@@ -49,8 +49,8 @@ class VertexConstraint(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = different(shape)
-        return place(bodies, EVERY, (8, 16), (2, 4)) if full else place(bodies, LAST, (8,), (2,))
+        bodies = named(*BODIES)
+        return place(bodies, EVERY, (8, 16), (2, 4)) if full else place(bodies, IRREGULAR, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, rng = space_of(setting), np.random.default_rng(SEED)
@@ -72,7 +72,7 @@ class Interpolant(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        return place(catalogue(), EVERY, (8, 16), (2, 4)) if full else place(different(shape), LAST, (8,), (2,))
+        return place(catalogue(), EVERY, (8, 16), (2, 4)) if full else place(named(*BODIES), IRREGULAR, (8,), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution

@@ -53,7 +53,8 @@ from study.ledger.window import above_nothing
 from study.solve.cholesky.factorisation import Cholesky
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import FIRST, named, place, space_of
+from study.statements.shared.places import named, place, space_of
+from study.statements.shared.scope import REGULAR
 
 TIMES = (0.23, 0.61, 0.79)
 """Fractions of T at which no case has an event (0.3 and 0.7 are where ``lift-and-land`` lifts and lands): before,
@@ -78,9 +79,9 @@ class Green(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         if full:
-            return place([case for case in catalogue() if square_integrable(case)], FIRST, (8, 16), (6,))
+            return place([case for case in catalogue() if square_integrable(case)], REGULAR, (8, 16), (6,))
         cases = named("full-contact", "no-contact", "fixed-front-off-vertex", "advance-recede", "yield-and-release")
-        return place(cases, FIRST, (4, 8))
+        return place(cases, REGULAR, (4, 8))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, case = space_of(setting), resolve(setting.case)

@@ -23,7 +23,8 @@ from study.ledger.measures import largest as largest_of
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
-from study.statements.shared.places import FIRST, different, material, place, shape, space_of
+from study.statements.shared.places import BODIES, BODIES_WITH_VISCOSITIES, named, place, space_of
+from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
 FALLING = at_most(1 + ROUNDING, "on every level")
@@ -54,8 +55,8 @@ class Korn(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = different(shape)
-        return place(bodies, FIRST, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, FIRST, (4, 8, 16))
+        bodies = named(*BODIES)
+        return place(bodies, REGULAR, (8, 16, 32, 64), (2, 4, 8)) if full else place(bodies, REGULAR, (4, 8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space = space_of(setting)
@@ -74,8 +75,8 @@ class Norms(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        cases = different(shape, lambda case: material(case)[0])
-        return place(cases, FIRST, (8, 16, 32), (2, 4, 8)) if full else place(cases, FIRST, (4, 8, 16))
+        cases = named(*BODIES_WITH_VISCOSITIES)
+        return place(cases, REGULAR, (8, 16, 32), (2, 4, 8)) if full else place(cases, REGULAR, (4, 8, 16))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, law = space_of(setting), resolve(setting.case).solution.law

@@ -117,8 +117,6 @@ class Landings(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, MIDPOINT, FINEST)
-        T = setup.problem.T
-        setup.gauge.foresee(loads=[scheme.loaded(T, count) for scheme in (BDF2, MIDPOINT) for count in COUNTS])
         rolled = replace(setup.problem, load=rolling(setup.space), u0=np.zeros(setup.space.dofs))
         found = {**two_errors(), **in_space(setup.problem, "own"), **in_space(rolled, "rolling")}
         return with_h(setup.space.h, found)

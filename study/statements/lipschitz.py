@@ -35,7 +35,8 @@ from study.solve.evolution import SemiDiscrete
 from study.statements.constitutive_law import derivative, points, tensors
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import largest, unloaded
-from study.statements.shared.places import EVERY, FIRST, different, material, place, shape, space_of
+from study.statements.shared.places import BODIES_WITH_LAWS, EVERY, named, place, space_of
+from study.statements.shared.scope import REGULAR
 
 STRAINS = (1e-2, 1.0, 1e2, 1e4)
 """Sizes of the strains of generated functions: both sides of any yield point."""
@@ -115,8 +116,8 @@ class Lipschitz(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        cases = different(shape, material)
-        return place(cases, EVERY, (8, 16, 32), (2, 4)) if full else place(cases, FIRST, (8, 16), (2,))
+        cases = named(*BODIES_WITH_LAWS)
+        return place(cases, EVERY, (8, 16, 32), (2, 4)) if full else place(cases, REGULAR, (8, 16), (2,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, law = space_of(setting), resolve(setting.case).solution.law

@@ -44,7 +44,8 @@ from study.solve.cholesky.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.instants import dual_norm
-from study.statements.shared.places import FIRST, named, place, space_of
+from study.statements.shared.places import named, place, space_of
+from study.statements.shared.scope import REGULAR
 
 # f ∈ W^{1,1}(0,T;V).
 
@@ -81,7 +82,6 @@ class LoadInTime(ListedNumbers):
         space, solution = space_of(setting), resolve(setting.case).solution
         gauge, riesz = Gauge(solution, space), Cholesky(unloaded(space, solution.law).M)
         times = np.linspace(0, solution.body.T, INTERVALS + 1)
-        gauge.foresee(loads=[times])
         loads = np.array([gauge.load(float(t)) for t in times])
         fine, half, coarse = (increments(loads[::step], riesz) for step in (1, 2, COARSER))
         size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
@@ -121,7 +121,7 @@ class TractionInTime(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         cases = [case for case in catalogue() if case.proposition == "Prop. 5.4"] if full else named("advance-recede")
-        return place([*cases, *named(UNBOUNDED)], FIRST, (8, 16, 32), (2, 4, 8))
+        return place([*cases, *named(UNBOUNDED)], REGULAR, (8, 16, 32), (2, 4, 8))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space = space_of(setting)

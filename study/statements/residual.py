@@ -58,7 +58,8 @@ from study.statements.green import (
 )
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.instants import midpoints
-from study.statements.shared.places import FIRST, LAST, named, place, space_of
+from study.statements.shared.places import IRREGULAR, named, place, space_of
+from study.statements.shared.scope import REGULAR
 
 FIELDS = 3
 """Smooth fields v."""
@@ -81,8 +82,8 @@ class Residual(ListedNumbers):
             cases = [case for case in catalogue() if square_integrable(case)]
             # In space what cells cut by a front leave depends on where it cuts them: by a factor of three on random
             # meshes of twelve cells.
-            return place(cases, LAST, (8, 16)) + place(cases, FIRST, (), (8, 15))
-        return place(named("full-contact", "fixed-front-off-vertex", "yield-and-release"), LAST, (8,))
+            return place(cases, IRREGULAR, (8, 16)) + place(cases, REGULAR, (), (8, 15))
+        return place(named("full-contact", "fixed-front-off-vertex", "yield-and-release"), IRREGULAR, (8,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, case = space_of(setting), resolve(setting.case)

@@ -42,7 +42,8 @@ from study.statements.constraint import with_trace
 from study.statements.lipschitz import STRAINS
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import FIRST, LAST, different, material, place, space_of
+from study.statements.shared.places import IRREGULAR, LAWS, named, place, space_of
+from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2.gaps import beyond
 
 PAIRS, CLIMBS = 8, 20
@@ -74,8 +75,10 @@ class Resolvent(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        laws = different(material)
-        return place(laws, LAST, (8,)) + place(laws, FIRST, (), (2,)) if full else place(laws[:1], LAST, (8,))
+        laws = named(*LAWS)
+        return (
+            place(laws, IRREGULAR, (8,)) + place(laws, REGULAR, (), (2,)) if full else place(laws[:1], IRREGULAR, (8,))
+        )
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, law = space_of(setting), resolve(setting.case).solution.law

@@ -41,7 +41,8 @@ from study.statements.admissibility import Rivals
 from study.statements.constraint import strangers
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import FIRST, LAST, different, place, shape, space_of
+from study.statements.shared.places import BODIES, IRREGULAR, named, place, space_of
+from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2.gaps import beyond
 
 COUNT = 12
@@ -65,10 +66,10 @@ class Separation(ListedNumbers):
     )
 
     def places(self, full: bool) -> list[Setting]:
-        bodies = different(shape)
+        bodies = named(*BODIES)
         if full:
-            return place(bodies, LAST, (8, 16)) + place(bodies, FIRST, (), (2, 4))
-        return place(bodies[:1], LAST, (8,))
+            return place(bodies, IRREGULAR, (8, 16)) + place(bodies, REGULAR, (), (2, 4))
+        return place(bodies[:1], IRREGULAR, (8,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution

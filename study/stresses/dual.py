@@ -98,7 +98,6 @@ class StressEvolution:
         compliance = np.linalg.inv(scheme.newest * viscous + tensor_at(law.G, points))
         memory = compliance @ viscous
         equilibrium = Equilibrium(self.space, compliance, self.solver)
-        self.loads.foresee([k * np.arange(1, round(self.T / k) + 1)])
 
         def step(n: int, past: Sequence[DualState]) -> DualState:
             known = scheme.known([state.strain for state in past])

@@ -12,15 +12,14 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from manufactured.body import Kind, Part
 from manufactured.data import Data, ForceInTime
-from manufactured.exact import ExactSolution, ForceModes
+from manufactured.exact import ForceModes
 from manufactured.tensors import Array, Points, Vectors
-from study.fem.ahead import Ahead, block_length
 from study.fem.moments import QuadraturePoints, StrainSums, amplitudes_of
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
 from study.stresses.bernstein import bernstein, triangle_mass
@@ -99,17 +98,6 @@ class ProjectedLoads:
         self._parts = [_Edges(data, space, part, edges) for part, edges in space.on(Kind.LOADED)]
         self._last: tuple[float, Loads] | None = None
 
-    def foresee(self, loads: Sequence[Array] = (), snapshots: Sequence[Array] = ()) -> None:
-        """Loads, and snapshots, will be asked for at increasing times (n,), or at several such in turns.
-
-        Nothing depends on it but how long they take.
-        """
-        # Without any, what finds them is not made.
-        if loads:
-            self._loads_ahead.foresee(*loads)
-        if snapshots:
-            self._snapshots_ahead.foresee(*snapshots)
-
     def __call__(self, time: float) -> Loads:
         if self._last is None or self._last[0] != time:
             self._last = time, self._loads(time)
@@ -143,67 +131,51 @@ class ProjectedLoads:
         return _AtPoints(self._blocks) if modes is None else _Sums(self._blocks, modes)
 
     @cached_property
-    def _loads_ahead(self) -> Ahead[Array]:
-        return Ahead(self._uncut.together)
-
-    @cached_property
-    def _forces(self) -> list[Callable[[Array], Array]]:
-        """Times (n,) ↦ f_0 at the points of each block, (2, thirds, q, n)."""
+    def _forces(self) -> list[ForceInTime]:
+        """For each block the function t ↦ f_0 at its points, (2, thirds, q)."""
         return [_force_at(self.data, block.rule.points) for block in self._blocks]
 
-    @cached_property
-    def _snapshots_ahead(self) -> Ahead[Snapshot]:
-        degree = self.space.degree
-        # P f_0 of one time is small beside what finds it, which has blocks of its own.
-        length = block_length(self.space.cells * degree * (degree + 1) // 2)
-        return Ahead(length if _several(self.data) else 1)
-
-    def _split(self, times: Array) -> _Split:
-        """f_0 on all thirds at some times (n,)."""
+    def _split(self, time: float) -> _Split:
+        """Return f_0 on all thirds, split into P f_0 and the rest."""
         lower, more = (degree * (degree + 1) // 2 for degree in (self.space.degree, self.space.degree + 1))
-        n, thirds = len(times), 3 * self.space.cells
-        found = _Split(np.empty((n, thirds, lower, 2)), np.empty((n, thirds)), np.empty((n, thirds, more, 2)))
-        for block, force in zip(self._blocks, self._forces, strict=True):
-            for whole, part in zip(found, block.split(force(times)), strict=True):
-                whole[:, block.cells] = part
-        for i, time in enumerate(times.tolist()):
-            for block in self._cut_at(time):
-                for whole, part in zip(found, block.split(block.force(time)[..., None]), strict=True):
-                    whole[i, block.cells] = part[0]
+        thirds = 3 * self.space.cells
+        found = _Split(np.empty((thirds, lower, 2)), np.empty(thirds), np.empty((thirds, more, 2)))
+        every = [(block, force(time)) for block, force in zip(self._blocks, self._forces, strict=True)]
+        # The thirds at the fronts of this time are evaluated again, by rules that are cut there.
+        every += [(block, block.force(time)) for block in self._cut_at(time)]
+        for block, force in every:
+            for whole, part in zip(found, block.split(force), strict=True):
+                whole[block.cells] = part
         return found
 
     def _loads(self, time: float) -> Loads:
         space = self.space
-        force = self._loads_ahead(time, self._uncut).copy()
+        force = self._uncut(time)
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
         for block in self._cut_at(time):
             force[block.cells] = block.projected(block.force(time))
         for part in self._parts:
-            surface[part.edges] = part.projected(part.load(np.array([time])))[0]
+            surface[part.edges] = part.projected(part.load(time))
         return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def at(self, time: float) -> Snapshot:
-        """P f_0, P f_2 and the norms of what P leaves out."""
-        return self._snapshots_ahead(time, self._snapshots)
-
-    def _snapshots(self, times: Array) -> list[Snapshot]:
-        space, n, inverse = self.space, len(times), np.linalg.inv(triangle_mass(self.space.degree))
-        found = self._split(times)
-        surface = np.zeros((n, space.mesh.facets.shape[1], space.degree + 1, 2))
-        on_edges = np.zeros(surface.shape[:2])
+        """Return P f_0, P f_2 and the norms of what P leaves out."""
+        space, found = self.space, self._split(time)
+        inverse = np.linalg.inv(triangle_mass(space.degree))
+        surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
+        on_edges = np.zeros(len(surface))
         for loaded in self._parts:
-            surface[:, loaded.edges], on_edges[:, loaded.edges] = loaded(times)
-        total = found.squares.reshape(n, -1, 3).sum(axis=2)
-        of_cells = found.moments.reshape(n, space.cells, 3, -1, 2).sum(axis=2)
-        low_order = (of_cells * (inverse @ of_cells)).sum(axis=(2, 3)) / space.volumes
+            surface[loaded.edges], on_edges[loaded.edges] = loaded.split(time)
+        total = found.squares.reshape(-1, 3).sum(axis=1)
+        of_cells = found.moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
+        low_order = (of_cells * (inverse @ of_cells)).sum(axis=(1, 2)) / space.volumes
         low, high = (np.sqrt(np.maximum(square, 0.0)) for square in (low_order, total - low_order))
-        force = found.force.reshape(n, space.cells, 3, -1, 2)
-        return [Snapshot(Loads(force[i], surface[i]), LeftOut(low[i], high[i], on_edges[i])) for i in range(n)]
+        return Snapshot(Loads(found.force.reshape(space.cells, 3, -1, 2), surface), LeftOut(low, high, on_edges))
 
 
 class _Split(NamedTuple):
-    """f_0 on some thirds: P f_0, (..., n, lower, 2), and for g = f_0 − P f_0 and the Bernstein polynomials B_α of the
-    cells of degree k: ‖g‖² on the thirds, (..., n), and ∫ g B_α, (..., n, more, 2)."""
+    """f_0 on some thirds: P f_0, (n, lower, 2), and for g = f_0 − P f_0 and the Bernstein polynomials B_α of degree k
+    of the cells: ‖g‖² on the thirds, (n,), and ∫ g B_α, (n, more, 2)."""
 
     force: Array
     squares: Array
@@ -243,58 +215,33 @@ class _Block:
         return self.projection @ force.transpose(1, 2, 0)
 
     def split(self, force: Vectors) -> _Split:
-        """f_0 at some times from its values at the points, (2, n, q, times) → (times, n, ...)."""
-        n, q, times = force.shape[1:]
-        values = force.transpose(1, 2, 3, 0).reshape(n, q, -1)
+        """Split f_0, given at the points, (2, n, q), into P f_0 and the rest."""
+        values = force.transpose(1, 2, 0)
         coefficients = self.projection @ values
         rest = values - self._shapes @ coefficients
         weighted = rest * self.rule.weights[..., None]
-        squares = np.einsum("nqx,nqx->nx", rest, weighted).reshape(n, times, 2).sum(axis=2)
-        force, moments = (
-            np.moveaxis(part.reshape(n, -1, times, 2), 2, 0) for part in (coefficients, self._whole @ weighted)
-        )
-        return _Split(force, squares.T, moments)
+        return _Split(coefficients, np.einsum("nqx,nqx->n", rest, weighted), self._whole @ weighted)
 
 
-def _force_at(data: Data, x: Points) -> Callable[[Array], Array]:
-    """Times (n,) ↦ f_0 at points (2, ...), (2, ..., n)."""
+def _force_at(data: Data, x: Points) -> ForceInTime:
+    """Return the function t ↦ f_0 at points (2, ...)."""
     if data.force_modes is None:
-        return _at_times(data, data.body_force(x))
+        return data.body_force(x)
     modes = data.force_modes(x.reshape(len(x), -1))
     parts = [
         (rate, amplitudes_of(part), StrainSums.at_points(part, x[0].size))
         for rate, part in ((True, modes.viscous), (False, modes.elastic))
     ]
-
-    def at(times: Array) -> Array:
-        found = sum(sums(amplitudes(tuple(times), rate)) for rate, amplitudes, sums in parts)
-        return np.reshape(found, (*x.shape, len(times)))
-
-    return at
-
-
-def _several(data: Data) -> bool:
-    """Whether the loads take several times at once, as those of an exact solution do."""
-    return isinstance(data.formulas_of, ExactSolution)
-
-
-def _at_times(data: Data, load: Callable[[Any], Array]) -> Callable[[Array], Array]:
-    """Times (n,) ↦ what a load is at each, (2, ..., n)."""
-    return load if _several(data) else lambda times: np.stack([load(time) for time in times.tolist()], axis=-1)
+    return lambda time: np.reshape(sum(sums(amplitudes(time, rate)) for rate, amplitudes, sums in parts), x.shape)
 
 
 class _AtPoints:
-    """Times (n,) ↦ P f_0 on the thirds of some blocks that cover all of them, n of (thirds, lower, 2), one by one."""
-
-    together = 1
+    """t ↦ P f_0 on the thirds of blocks that cover all of them, (thirds, lower, 2)."""
 
     def __init__(self, blocks: Sequence[_Block]) -> None:
         self._blocks = blocks
 
-    def __call__(self, times: Array) -> list[Array]:
-        return [self._at(time) for time in times]
-
-    def _at(self, time: float) -> Array:
+    def __call__(self, time: float) -> Array:
         found = np.empty((sum(len(block.cells) for block in self._blocks), self._blocks[0].projection.shape[1], 2))
         for block in self._blocks:
             found[block.cells] = block.projected(block.force(time))
@@ -302,12 +249,7 @@ class _AtPoints:
 
 
 class _Sums:
-    """The same for many times together: one matrix that acts on what f_0 is made of along the faces, for each of the
-    ``lower`` polynomials.
-
-    Attributes:
-        together: how many times are best found together.
-    """
+    """The same for an exact solution: for each of the ``lower`` polynomials one matrix that acts on the amplitudes."""
 
     def __init__(self, blocks: Sequence[_Block], modes: Callable[[Points], ForceModes]) -> None:
         points = QuadraturePoints.on_cells([block.rule for block in blocks])
@@ -319,15 +261,13 @@ class _Sums:
             (rate, amplitudes_of(part), [StrainSums(part, points, each) for each in weights.T])
             for rate, part in ((True, found.viscous), (False, found.elastic))
         ]
-        places = sum(len(part.tensors) * part.count for part in found.viscous)
-        self.together = block_length(max(places, 2 * weights.shape[1] * points.count))
 
-    def __call__(self, times: Array) -> list[Array]:
+    def __call__(self, time: float) -> Array:
         total = np.zeros(())
         for rate, amplitudes, sums in self._parts:
-            fields = amplitudes(tuple(times), rate)
+            fields = amplitudes(time, rate)
             total = total + np.array([each(fields) for each in sums])
-        return [*np.ascontiguousarray(np.transpose(total, (3, 2, 0, 1)))]
+        return np.ascontiguousarray(np.transpose(total, (2, 0, 1)))
 
 
 class _Edges:
@@ -339,20 +279,20 @@ class _Edges:
         rule = graded(GRADED_POINTS) if crossings else _divided(graded(EDGE_POINTS))
         self.edges, self.weights = edges, rule.weights
         self.shapes = bernstein(space.degree, rule.shapes)
-        self.load = _at_times(data, data.surface_load(part, part.point(rule.s)))
+        self.load = data.surface_load(part, part.point(rule.s))
         gram = np.einsum("anq,bnq,nq->nab", self.shapes, self.shapes, rule.weights)
         self.projection = np.einsum("nab,bnq,nq->naq", np.linalg.inv(gram), self.shapes, rule.weights)
 
     def projected(self, load: Vectors) -> Array:
-        """P f_2, (times, n, k + 1, 2), from f_2 at the points, (2, n, q, times)."""
-        return np.einsum("naq,dnqt->tnad", self.projection, load)
+        """Return P f_2, (n, k + 1, 2), from f_2 at the points, (2, n, q)."""
+        return np.einsum("naq,dnq->nad", self.projection, load)
 
-    def __call__(self, times: Array) -> tuple[Array, Array]:
-        """P f_2, and ‖f_2 − P f_2‖_e, (times, n)."""
-        values = self.load(times)
+    def split(self, time: float) -> tuple[Array, Array]:
+        """Return P f_2, (n, k + 1, 2), and ‖f_2 − P f_2‖_e, (n,)."""
+        values = self.load(time)
         coefficients = self.projected(values)
-        rest = values - np.einsum("tnad,anq->dnqt", coefficients, self.shapes)
-        return coefficients, np.sqrt(np.einsum("dnqt,dnqt,nq->tn", rest, rest, self.weights))
+        rest = values - np.einsum("nad,anq->dnq", coefficients, self.shapes)
+        return coefficients, np.sqrt(np.einsum("dnq,dnq,nq->n", rest, rest, self.weights))
 
 
 def _divided(rule: FacetRule) -> FacetRule:

@@ -12,7 +12,6 @@ from skfem.helpers import ddot, sym_grad, trace
 
 from manufactured import Body, BodyError, Kind, Part, box, catalogue, isotropic, polygon, unit_square
 from manufactured.tensors import mandel
-from study.fem import independent
 from study.fem.gauge import Gauge
 from study.fem.independent import LeadingTerm, load_from_forces
 from study.fem.mesh import (
@@ -315,11 +314,3 @@ def test_the_two_loads_and_the_two_interpolation_errors_of_a_solid_meet_under_re
     assert loads[1] < min(loads[0] / 2, 0.02)
     assert abs(shares[1] - 1) < 0.05
     assert abs(shares[1] - 1) < abs(shares[0] - 1) / 3
-
-
-def test_the_leading_term_of_all_cells_is_that_of_pieces_of_the_mesh_together(monkeypatch) -> None:
-    solution = {case.name: case for case in catalogue()}["cube-disc"].solution
-    term = LeadingTerm(solution, Space(OneDiagonal()(solution.body, 3), solution.body))
-    whole = term(0.4)
-    monkeypatch.setattr(independent, "BLOCK", 7)
-    assert term(0.4) == pytest.approx(whole, rel=1e-14)

@@ -2,25 +2,34 @@
 
 from __future__ import annotations
 
+import re
+import subprocess
+import sys
+from collections.abc import Callable, Hashable
 from dataclasses import replace
+from types import ModuleType
 
 import pytest
 
-from manufactured import catalogue
-from study.fem.mesh import FAMILIES, MeshError
+from manufactured import Case, catalogue, named
+from manufactured.catalogue import NAMES
+from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve
+from study.ledger.errors import UsageError
 from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.contact_work.judged_work import WorkOfContact
 from study.statements.enclosure.bound_rows import posed
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
+from study.statements.interpolation import TRACES
 from study.statements.landings import Landings
 from study.statements.pictures import Pictures
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.sweep import Rates, RateSetting
 from study.statements.rollers.judged_rollers import Rollers
 from study.statements.shared.base import Setting
+from study.statements.shared.places import BODIES, BODIES_WITH_LAWS, BODIES_WITH_VISCOSITIES, LAWS
 from study.statements.shared.scope import Levels
 from study.statements.thm_4_2.same_mesh import SameMesh
 
@@ -52,15 +61,84 @@ def test_the_full_study_uses_every_family_that_can_mesh_a_body_and_the_quick_one
     assert {setting.family for setting in rates("quick")} == {f.name for f in FAMILIES}
 
 
-def test_every_case_of_the_quick_study_is_on_one_family_and_a_twin_on_that_of_its_twin() -> None:
+def test_the_quick_study_measures_a_case_on_the_families_it_names_and_a_twin_on_those_of_its_twin() -> None:
     found: dict[str, set[str]] = {}
     for setting in rates("quick"):
         found.setdefault(setting.case, set()).add(setting.family)
-    refined = {case.name for case in catalogue() if case.solution.body.refine}
-    assert {name for name, families in found.items() if len(families) > 1} == refined
     for case in catalogue():
+        assert found[case.name] == set(case.families or [SCOPES["quick"].families_of(case)[0].name])
         if case.twin:
             assert found[case.name] == found[case.twin]
+
+
+@pytest.mark.parametrize("name", SCOPES)
+@pytest.mark.parametrize("position", [0, 4, len(NAMES)])
+def test_a_case_inserted_into_the_catalogue_changes_no_measurement_of_another_case(
+    name: str, position: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    inserted = ModuleType("inserted")
+    inserted.case = lambda: replace(named("advance-recede"), name="inserted")  # type: ignore[attr-defined]
+    more = (*NAMES[:position], "inserted", *NAMES[position:])
+    monkeypatch.setitem(sys.modules, "manufactured.cases.inserted", inserted)
+    for module in ("manufactured.catalogue", "study.fem.naming"):
+        monkeypatch.setattr(sys.modules[module], "NAMES", more)
+    jobs = Plan.of(replace(SCOPES[name], cases=more)).jobs
+    others = {job.identity for job in jobs if job.setting.case != "inserted"}
+    assert others == {job.identity for job in PLANS[name].jobs}
+    assert len(jobs) > len(others)
+
+
+@pytest.mark.parametrize("position", [0, len(FAMILIES)])
+def test_another_mesh_family_adds_measurements_and_changes_none(position: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    more = (*FAMILIES[:position], OneDiagonal(name="another"), *FAMILIES[position:])
+    before = {name: {job.identity for job in plan.jobs} for name, plan in PLANS.items()}
+    for module in ("study.statements.shared.scope", "study.fem.naming"):
+        monkeypatch.setattr(f"{module}.FAMILIES", more)
+    for name, scope in SCOPES.items():
+        after = {job.identity for job in Plan.of(scope).jobs}
+        assert before[name] <= after
+        assert all("another" in added for added in after - before[name])
+
+
+def test_a_case_that_names_a_family_that_cannot_mesh_its_body_is_refused() -> None:
+    hexagon = replace(resolve("hexagon"), families=("shaken",))
+    with pytest.raises(UsageError, match="hexagon: shaken meshes cannot fit its body; name one of unstructured"):
+        SCOPES["quick"].families_of(hexagon)
+
+
+def shape(case: Case) -> Hashable:
+    """The same for cases with the same Ω and Γ1."""
+    return tuple((part.kind, *part.corners.ravel()) for part in case.solution.body.parts)
+
+
+def law(case: Case) -> Hashable:
+    return repr(case.solution.law.A), repr(case.solution.law.G)
+
+
+@pytest.mark.parametrize(
+    ("representatives", "key"),
+    [
+        (BODIES, shape),
+        (LAWS, law),
+        (BODIES_WITH_LAWS, lambda case: (shape(case), law(case))),
+        (BODIES_WITH_VISCOSITIES, lambda case: (shape(case), repr(case.solution.law.A))),
+        (TRACES, lambda case: (shape(case), case.regularity.trace)),
+    ],
+)
+def test_lists_of_cases_that_stand_for_all_bodies_or_laws_have_each_of_them_once(
+    representatives: tuple[str, ...], key: Callable[[Case], Hashable]
+) -> None:
+    keys = [key(named(name)) for name in representatives]
+    assert len(set(keys)) == len(keys)
+    assert set(keys) == {key(case) for case in catalogue()}
+
+
+def test_a_case_is_made_without_making_any_other_case() -> None:
+    program = "import sys; from study.fem.naming import resolve; resolve('hexagon'); print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", program], check=True, capture_output=True, text=True).stdout.split()
+    assert "manufactured.cases.hexagon" in loaded
+    others = {f"manufactured.cases.{re.sub('[-.]', '_', name)}" for name in NAMES} - {"manufactured.cases.hexagon"}
+    assert not others.intersection(loaded)
 
 
 def test_both_formulations_are_compared_on_one_family_of_a_case_in_the_quick_study_and_on_all_in_the_full_one() -> None:
@@ -74,11 +152,11 @@ def test_both_formulations_are_compared_on_one_family_of_a_case_in_the_quick_stu
 
 
 def test_cases_with_levels_of_their_own_have_those_unless_levels_are_asked_for() -> None:
-    own = {name: levels.of(0) for name, levels in SCOPES["full"].own}
+    own = {name: levels.on_regular for name, levels in SCOPES["full"].own}
     for setting in rates("full"):
         assert setting.level in own.get(setting.case, (*range(6, 129),))
     asked = replace(SCOPES["full"], plane=Levels((4, 8)), own=())
-    assert asked.levels_of(resolve("layered")).of(0) == (4, 8)
+    assert asked.levels_of(resolve("layered")).on_regular == (4, 8)
 
 
 FULL_ONLY = {FullyDiscrete(), WorkOfContact(), Landings(), Rollers()}
@@ -142,7 +220,7 @@ def rough(name, *places):
     case = found[name]
     face, *others = case.solution.faces
     faces = replace(face, rough=places), *others
-    return replace(case, name="mine", solution=replace(case.solution, faces=faces))
+    return replace(case, name="mine", families=(), solution=replace(case.solution, faces=faces))
 
 
 across = rough("layered", 0.3)

@@ -342,7 +342,6 @@ def trajectory(case, scheme, steps: int, n: int = 8):
     solution = case.solution
     space = Space(Shaken()(solution.body, n), solution.body)
     gauge = Gauge(solution, space)
-    gauge.foresee(loads=[scheme.loaded(solution.body.T, steps)])
     problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
     return problem, np.array([state.u for state in scheme.march(problem, steps)])
 

@@ -77,7 +77,7 @@ class Task:
         return Gauge(self.solution, self.space)
 
     @cached_property
-    def _rates(self) -> tuple[Callable[[tuple[float, ...], bool], Amplitudes], StrainSums]:
+    def _rates(self) -> tuple[Callable[[float, bool], Amplitudes], StrainSums]:
         solution, mesh = self.solution, self.space.mesh
         points = QuadraturePoints.on_cells(rules(solution, mesh, self.gauge.degree, shared_lines(solution)))
         modes = solution.at(points.x).modes()
@@ -86,7 +86,7 @@ class Task:
     def initial_stress(self, time: float) -> Tensors:
         """Cell means of A ε(u̇), (D, cells)."""
         amplitudes, sums = self._rates
-        rates = sums(amplitudes((time,), True))[..., 0]
+        rates = sums(amplitudes(time, True))
         return np.asarray(self.solution.law.A.matrix @ rates / self.space.volumes)
 
     @cached_property

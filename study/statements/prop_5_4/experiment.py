@@ -4,15 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from manufactured.exact import ExactSolution
 from study.fem.gauge import Gauge
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete
-from study.solve.steps import step_size
 from study.solve.tableau import Tableau
 from study.statements.shared.base import Setting
 
@@ -41,12 +38,6 @@ class Experiment:
         """The experiment as the source has it: u_0^h = Π^h u_0, K^h = V^h ∩ K, the load of (3.7)."""
         space = Space(family(solution.body, level), solution.body)
         gauge = Gauge(solution, space)
-        T, nodes = solution.body.T, np.arange(steps + 1)
-        # Trajectories with k and k/2 are measured at the nodes of the second.
-        gauge.foresee(
-            samples=[step_size(T, steps) * nodes, step_size(T, steps) * (nodes[:-1] + 0.5)],
-            loads=[scheme.loaded(T, steps), scheme.loaded(T, 2 * steps)],
-        )
         u0 = gauge.sample(0.0).interpolant
         return cls(solution, space, gauge, SemiDiscrete.of(space, solution.law, gauge.load, u0), scheme, steps)
 

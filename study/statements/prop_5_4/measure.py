@@ -144,8 +144,6 @@ class Measurement:
         )
 
         def relative(steps: int) -> float:
-            for gauge in (experiment.gauge, finer):
-                gauge.foresee(loads=[MIDPOINT.loaded(problem.T, steps)])
             drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
             return (abs(raised - error) + drift) / error
 

@@ -37,8 +37,8 @@ class Rates(Statement):
             RateSetting(reference, family.name, n, scope.scheme, scope.steps(case, n))
             for reference, case in zip(scope.cases, scope.resolved(), strict=True)
             if case.proposition == self.label
-            for position, family in enumerate(scope.families_of(case))
-            for n in scope.levels_of(case).of(position)
+            for family in scope.families_of(case)
+            for n in scope.levels_on(case, family)
         ]
 
     def measure(self, setting: RateSetting) -> dict[str, Any]:

@@ -9,7 +9,6 @@ import numpy as np
 
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array
-from study.fem.ahead import in_blocks
 from study.fem.gauge import DEGREE, rules
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
@@ -31,30 +30,29 @@ class Velocity:
     def __init__(self, solution: ExactSolution, space: Space) -> None:
         self.space = space
         self._blocks = [
-            (rule, solution.at(rule.points), solution.law.at(rule.points[..., None]).A)
+            (rule, solution.at(rule.points), solution.law.at(rule.points).A)
             for rule in rules(solution, space.mesh, DEGREE)
         ]
         self._nodes = solution.at(space.mesh.p)
-        self._entries = max(space.E.shape[0] * rule.weights.shape[1] for rule, _, _ in self._blocks)
 
     def norm(self, times: Array) -> Array:
         """‖u̇(t)‖_V."""
-        return self._distances(times, lambda some: np.zeros((self.space.dofs, len(some))))
+        return self._distances(times, lambda time: np.zeros(self.space.dofs))
 
     def interpolation_error(self, times: Array) -> Array:
         """‖u̇(t) − Π^h u̇(t)‖_V."""
-        return self._distances(times, lambda some: self.space.interpolate(self._nodes.velocity(some)))
+        return self._distances(times, lambda time: self.space.interpolate(self._nodes.velocity(time)))
 
-    def _distances(self, times: Array, v: Callable[[Array], Array]) -> Array:
-        """‖u̇(t) − v(t)‖_V for v ∈ V^h, some of the times together."""
-        return np.sqrt(np.concatenate([self._squares(some, v(some)) for some in in_blocks(times, self._entries)]))
+    def _distances(self, times: Array, v: Callable[[float], Array]) -> Array:
+        """Return ‖u̇(t) − v(t)‖_V at some times, for v(t) ∈ V^h."""
+        return np.array([math.sqrt(self._square(time, v(time))) for time in times.tolist()])
 
-    def _squares(self, times: Array, v: Array) -> Array:
-        strain, total = self.space.strain(v), np.zeros(len(times))
+    def _square(self, time: float, v: Array) -> float:
+        """Return ‖u̇(t) − v‖_V² for v ∈ V^h."""
+        strain, total = self.space.strain(v), 0.0
         for rule, fields, A in self._blocks:
-            difference = fields.strain_rate(times) - strain[:, rule.cells, None]
-            density = np.einsum("Icqn,Icqn->cqn", A(difference), difference)
-            total += np.tensordot(rule.weights, density, axes=2)
+            difference = fields.strain_rate(time) - strain[:, rule.cells, None]
+            total += float(np.einsum("Icq,Icq,cq->", A(difference), difference, rule.weights))
         return total
 
 

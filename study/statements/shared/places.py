@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable
-from functools import cache, lru_cache
+from collections.abc import Iterable
+from functools import lru_cache
 
 from manufactured.body import Body
 from manufactured.case import Case
-from manufactured.catalogue import catalogue
 from study.fem.mesh import MeshError, MeshFamily, boundary_parts
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
@@ -28,21 +27,25 @@ def families(case: Case) -> list[str]:
 
 COARSEST = 16
 """Ends of parts lie on a grid coarser than this."""
-FIRST, LAST, EVERY = slice(1), slice(-1, None), slice(None)
-"""Which of the families that serve a body."""
+IRREGULAR = "graded", "unstructured", "shaken"
+"""In place of ``REGULAR`` where the mesh should have no symmetry: the first of these that can mesh the body."""
+EVERY = ()
+"""No preference: all families that can mesh the body."""
 
 
 def place(
-    cases: Iterable[Case], chosen: slice, levels: tuple[int, ...], levels_3d: tuple[int, ...] = ()
+    cases: Iterable[Case], preference: tuple[str, ...], levels: tuple[int, ...], levels_3d: tuple[int, ...] = ()
 ) -> list[Setting]:
-    """Each case on the chosen of the families that serve its body, on the levels for its dimension.
+    """Return settings for each case: one mesh family by preference, or every family, on the levels for its dimension.
 
     A level whose grid misses an end of a part is replaced by the next that does not.
     """
     found = []
     for case in cases:
         wanted = levels if case.solution.body.dim == 2 else levels_3d
-        for family in families(case)[chosen]:
+        serving = families(case)
+        preferred = [name for name in preference if name in serving][:1]
+        for family in preferred or serving:
             step = spacing(case.name, family)
             found += [Setting(case.name, family, n) for n in sorted({step * -(-level // step) for level in wanted})]
     return found
@@ -65,23 +68,74 @@ def fits(family: MeshFamily, body: Body, level: int) -> bool:
     return True
 
 
-def shape(case: Case) -> Hashable:
-    """The same for cases with the same Ω and Γ1."""
-    return tuple((part.kind, *part.corners.ravel()) for part in case.solution.body.parts)
-
-
-@cache
-def material(case: Case) -> tuple[str, str]:
-    """The same for cases with the same law: A and G in words."""
-    return repr(case.solution.law.A), repr(case.solution.law.G)
-
-
-def different(*keys: Callable[[Case], Hashable]) -> list[Case]:
-    """The first case of the catalogue for every value of some keys."""
-    found: dict[Hashable, Case] = {}
-    for case in catalogue():
-        found.setdefault(tuple(key(case) for key in keys), case)
-    return list(found.values())
+BODIES = (
+    "full-contact",
+    "rotated",
+    "corner",
+    "hexagon",
+    "cube-disc",
+    "cube-two-faces",
+    "re-entrant",
+    "junction",
+)
+"""One case for every body of the catalogue, with its Γ1."""
+LAWS = (
+    "full-contact",
+    "advance-recede",
+    "lift-and-land",
+    "yield-and-release",
+    "yield-on-a-part",
+    "anisotropic",
+    "heterogeneous",
+    "layered",
+    "corner",
+    "cube-disc",
+    "cube-two-faces",
+    "natural-front",
+    "layered-unmet",
+    "softening",
+    "double-well",
+)
+"""One case for every law of the catalogue."""
+BODIES_WITH_LAWS = (
+    "full-contact",
+    "advance-recede",
+    "lift-and-land",
+    "yield-and-release",
+    "yield-on-a-part",
+    "anisotropic",
+    "heterogeneous",
+    "layered",
+    "rotated",
+    "corner",
+    "hexagon",
+    "cube-disc",
+    "cube-two-faces",
+    "natural-front",
+    "layered-unmet",
+    "re-entrant",
+    "junction",
+    "softening",
+    "double-well",
+)
+"""One case for every pair of a body and a law of the catalogue."""
+BODIES_WITH_VISCOSITIES = (
+    "full-contact",
+    "advance-recede",
+    "lift-and-land",
+    "anisotropic",
+    "heterogeneous",
+    "layered",
+    "rotated",
+    "corner",
+    "hexagon",
+    "cube-disc",
+    "cube-two-faces",
+    "layered-unmet",
+    "re-entrant",
+    "junction",
+)
+"""One case for every pair of a body and a tensor A of the catalogue."""
 
 
 def named(*names: str) -> list[Case]:

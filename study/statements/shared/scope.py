@@ -8,10 +8,13 @@ from itertools import pairwise
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.fem.mesh import FAMILIES, MeshFamily
-from study.fem.naming import choose, resolve
+from study.fem.naming import choose, family_named, resolve
 from study.ledger.errors import UsageError
 from study.solve.steps import StepsError, rate_steps, require_steps
 from study.solve.tableau import SCHEMES
+
+REGULAR = "one-diagonal", "unstructured"
+"""Families in order of preference where one mesh for each case will do: structured meshes where there are any."""
 
 
 def serving(case: Case) -> list[MeshFamily]:
@@ -21,16 +24,23 @@ def serving(case: Case) -> list[MeshFamily]:
     raise UsageError(f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped")
 
 
+def regular(case: Case) -> MeshFamily:
+    """Return the first family of ``REGULAR`` that can mesh the body of a case; UsageError if no family can."""
+    served = {family.name: family for family in serving(case)}
+    return next(served[name] for name in REGULAR if name in served)
+
+
 @dataclass(frozen=True)
 class Levels:
-    """The levels for one kind of case: on every mesh family that is used, and finer ones on its first family only."""
+    """The levels for one kind of case: on every mesh family that is used, and finer ones on its regular meshes only."""
 
     all: tuple[int, ...]
     first: tuple[int, ...] = ()
 
-    def of(self, position: int) -> tuple[int, ...]:
-        """The levels on the family at a position."""
-        return self.all if position else (*self.all, *self.first)
+    @property
+    def on_regular(self) -> tuple[int, ...]:
+        """All levels: those of regular meshes."""
+        return (*self.all, *self.first)
 
 
 @dataclass(frozen=True)
@@ -42,9 +52,8 @@ class Scope:
         cases: references, catalogue names or FILE.py:NAME.
         plane, rough, solid: levels for plane cases with (5.36), for others, whose orders need more of them, and in 3D.
         equivalence, solid_equivalence: levels of Theorem 4.2 on one mesh, in 2D and 3D.
-        every_family: whether cases are measured on all mesh families that serve them. Otherwise plane cases with (5.36)
-            on one in turn, a twin on that of its twin, and others on the first, and on graded meshes beside it where
-            a body has points to refine to.
+        every_family: whether cases are measured on all mesh families that can mesh their bodies. Otherwise each case
+            is measured on the families that it names.
         scheme: name of the time scheme.
         k: time step at every level; without it each case's own.
         statements: whether all statements are measured, or only those that are measured on every case.
@@ -89,7 +98,7 @@ class Scope:
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
-        for levels in (kind.of(0) for kind in (self.plane, self.rough, self.solid)):
+        for levels in (kind.on_regular for kind in (self.plane, self.rough, self.solid)):
             if not levels or min(levels) < 2:
                 raise UsageError(f"levels must be 2 or more, got {' '.join(map(str, levels)) or 'none'}")
             if any(b <= a for a, b in pairwise(levels)):
@@ -99,14 +108,14 @@ class Scope:
         if len(set(names)) < len(names):
             raise UsageError(f"two cases have the same name among {', '.join(names)}; rename one")
         for case in self.resolved():
-            serving(case)
-            require_steps(self.steps(case, max(self.levels_of(case).of(0))))
+            self.families_of(case)
+            require_steps(self.steps(case, max(self.levels_of(case).on_regular)))
             self._require_unique(case)
 
     def _require_unique(self, case: Case) -> None:
         """Refuse time steps of a case whose law softens that need not have one solution."""
         solution = case.solution
-        steps = self.steps(case, min(self.levels_of(case).of(0)))
+        steps = self.steps(case, min(self.levels_of(case).on_regular))
         try:
             choose("scheme", self.scheme, SCHEMES).require_unique(solution.body.T / steps, solution.law.growth)
         except StepsError as error:
@@ -118,17 +127,25 @@ class Scope:
         return rate_steps(T, level, case.pace) if self.k is None else round(T / self.k)
 
     def families_of(self, case: Case) -> list[MeshFamily]:
-        """The mesh families a case is measured on, graded ones where there are."""
+        """Return the mesh families on which a case is measured.
+
+        Raises:
+            UsageError: the case names a family that does not exist or cannot mesh its body.
+        """
         families = serving(case)
         if self.every_family:
             return families
-        if case.solution.body.refine:
-            return [families[0], families[-1]]
-        # Where fronts may lie anywhere in a cell, as on random meshes, rough cases need finer levels.
-        if case.solution.body.dim == 3 or not case.regularity.satisfies_5_36:
-            return families[:1]
-        turn = [other.name for other in self.resolved()].index(case.twin or case.name)
-        return [families[turn % len(families)]]
+        named = [family_named(name) for name in case.families]
+        for family in named:
+            if not family.serves(case.solution.body):
+                known = ", ".join(other.name for other in families)
+                raise UsageError(f"{case.name}: {family.name} meshes cannot fit its body; name one of {known}")
+        return named or [regular(case)]
+
+    def levels_on(self, case: Case, family: MeshFamily) -> tuple[int, ...]:
+        """Return the levels of a case on a mesh family."""
+        levels = self.levels_of(case)
+        return levels.on_regular if family.name == regular(case).name else levels.all
 
     def levels_of(self, case: Case) -> Levels:
         """The levels of a case."""

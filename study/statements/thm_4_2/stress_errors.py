@@ -198,7 +198,6 @@ class Primal:
         assert isinstance(law.G, Linear)
         self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
         gauge = Gauge(solution, self.displacements)
-        gauge.foresee(loads=[BDF2.loaded(solution.body.T, steps)])
         problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
         self.states = islice(velocities(problem, BDF2, steps), 1, None)
 
