@@ -242,6 +242,13 @@ def start() -> tuple[float, float]:
     return found.intervals[0].at_a, math.sqrt(2 * EDGE**2 / 12)
 
 
+def unseen_start() -> tuple[float, float]:
+    """What samples of u_0 = (x_1⁵/5, 0) miss is added to what they see."""
+    d = discretised(u0=(x1**5 / 5, 0))
+    found = enclose(d, DiscreteSolution(*_at_rest(d)), SmoothedInTime())
+    return found.intervals[0].at_a - math.sqrt(float(found.initial.sum())), 2 * math.sqrt(2) * (EDGE / 2) ** 4
+
+
 def _at_rest(d: Discretisation):
     computed = compute(d, MIDPOINT, 2)
     return computed.space, computed.nodes, 1.0
@@ -273,6 +280,7 @@ TERMS: dict[str, Callable[[], tuple[float, float]]] = {
     "step by contact": stepped(contact=2.0),
     "step by the rest": stepped(rest=2.0),
     "start": start,
+    "unseen start": unseen_start,
 }
 
 
