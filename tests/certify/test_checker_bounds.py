@@ -121,6 +121,7 @@ def test_a_refined_mesh_is_the_same_body() -> None:
         p, q = mesh.place(a), mesh.place(b)
         assert fine.place(node) == ((p[0] + q[0]) / 2, (p[1] + q[1]) / 2)
     assert (len(fine.cells), len(fine.boundary)) == (8, 8)
+    assert [mesh.nodes_of(e) for e in ((0, 1), (3, 0))] == [(0, mesh.node[0, 1], 1), (3, mesh.node[0, 3], 0)]
     assert sum(Q(cell.det, fine.h**2) for cell in fine.cells) == sum(Q(cell.det, mesh.h**2) for cell in mesh.cells)
     assert all(cell.det > 0 for cell in fine.cells)
 
@@ -448,6 +449,7 @@ def test_a_force_that_no_traction_balances_is_left(element: checker.Element) -> 
     area = sum(Q(cell.det, 8) for cell in stresses.mesh.cells)
     assert 100 * area <= left**2 <= 100 * area * (1 + Q(1, 2**60))
     assert not any(any(one) for one in field)
+    assert no_stress(stresses, []) == no_stress(stresses, [[0] * 12] * 2)
     with pytest.raises(RefusedError, match="inner numbers have another size"):
         stresses.field({}, [0] * 17, force)
 
@@ -462,6 +464,15 @@ def test_what_is_not_balanced_is_rounded_up(element: checker.Element) -> None:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(checker, "GRID", 0)
         assert no_stress(stresses, [[1, *[0] * 11]])[1] >= value * Q(1, 2)
+
+
+def test_the_losses_of_all_cells_are_made_up_for(element: checker.Element, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Squares that the grid 2^0 rounds to 0 in both cells."""
+    stresses = stresses_on(QUADRANGLE, "clamped loaded contact clamped", element, 2)
+    monkeypatch.setattr(checker, "GRID", 0)
+    monkeypatch.setattr(checker, "linear_square", lambda _: 1)
+    exact = sum(Q(2, 24 * cell.det**3) for cell in stresses.mesh.cells) * Q(2, stresses.unit) ** 2
+    assert no_stress(stresses, [[1, *[0] * 11]] * 2)[1] ** 2 >= exact
 
 
 # Displacements
@@ -998,6 +1009,15 @@ def test_orders_are_enclosed(coarse: Enclosure, fine: Enclosure, low: int, high:
     assert span is not None
     assert low - Q(1, 2**55) < span[0] <= low
     assert high <= span[1] < high + Q(1, 2**55)
+
+
+@pytest.mark.parametrize(("E", "low", "high"), [(Q(3, 5), Q(-2, 3), Q(-1, 4)), (Q(5, 3), Q(1, 4), Q(2, 3))], ids=str)
+def test_ends_of_orders_are_quotients_of_the_right_ends(E: Q, low: Q, high: Q, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Logarithms that are known badly: of E/E' in ±[1/2, 1], of the cells in [3, 4]."""
+    sign = 1 if E > 1 else -1
+    ends = {E: tuple(sorted((sign * Q(1, 2), sign * Q(1)))), Q(4): (Q(3), Q(4))}
+    monkeypatch.setattr(checker, "logarithm", ends.__getitem__)
+    assert checker.order(proved(8, E, E), proved(32, 1, 1)) == (low, high)
 
 
 def test_no_order_without_two_meshes_and_positive_errors() -> None:
