@@ -72,8 +72,11 @@ def test_any_function_is_served_or_refused_by_a_sentence(outer: str) -> None:
         assert not (refused and {outer, inner} <= set(SERVED)) or "is not finite at" in refused
 
 
-@pytest.mark.parametrize("inner", SERVED)
-@pytest.mark.parametrize("outer", SERVED)
+PAIRS = [(outer, inner) for n, outer in enumerate(SERVED) for m, inner in enumerate(SERVED) if (n + m) % 4 == 0]
+"""A quarter of all pairs: each function with five others inside it, and inside five others."""
+
+
+@pytest.mark.parametrize(("outer", "inner"), PAIRS)
 def test_ranges_of_composed_functions_contain_their_values(outer: str, inner: str) -> None:
     formula = SERVED[outer](SERVED[inner](x1 * t + x2 / 3 + Rational(1, 7)))
     rng, count = np.random.default_rng(0), 30
