@@ -196,6 +196,16 @@ def test_the_distance_between_knots_is_the_largest_of_a_curve_that_is_zero_at_bo
     assert enclosing._largest_distance(d, piece, computed, J) == pytest.approx(d.norm(v) / 2, rel=1e-12)
 
 
+def test_the_distance_between_knots_counts_where_the_curve_is_largest_between_the_times_that_are_looked_at() -> None:
+    """ũ = (2θ − 3θ²/2) v and u_h = 0: 2/3 ‖v‖ at θ = 2/3, 5/8 ‖v‖ in the middle and 1/2 ‖v‖ at the end."""
+    d = Discretisation(Data.formulas(BODY, LAW, (0, 0), {}, (0, 0)), OneDiagonal()(BODY, 2))
+    computed = compute(d, MIDPOINT, 2)
+    v = np.random.default_rng(0).standard_normal(len(d.displacements.free))
+    piece = Parabola(0.0, 0.25, 0 * v, v, v / 2)
+    found = enclosing._largest_distance(d, piece, computed, prolongation(computed.space, d))
+    assert 2 / 3 * d.norm(v) <= found <= 3 / 4 * d.norm(v) * (1 + 1e-12)
+
+
 # ---- data that samples hardly see, from the data to the interval
 
 
