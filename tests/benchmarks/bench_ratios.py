@@ -18,7 +18,7 @@ from benchmarks.level import DIRECT, Place, Watched, compile_formulas, errors
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.solve import signorini
-from study.solve.cholesky.factorisation import Cholesky
+from study.solve.factorisation import Cholesky
 from study.solve.steps import rate_steps
 
 LEVELS = [int(n) for n in os.environ.get("BENCH_LEVELS", "256 512").split()]

@@ -15,7 +15,7 @@ from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
-from study.solve.solver_choice import aim, free_vertices
+from study.solve.solver_choice import multigrid_tolerance
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 
@@ -38,9 +38,9 @@ class Solver:
     bare: Callable[[Watched], Callable[[Array], Array]]
 
 
-DIRECT = Solver(on=lambda space: Signorini, bare=lambda watched: watched.contact.factor)
+DIRECT = Solver(on=lambda space: partial(Signorini, x=space.free_points), bare=lambda watched: watched.contact.factor)
 MULTIGRID = Solver(
-    on=lambda space: partial(Multigrid, x=free_vertices(space), tolerance=aim(space.dim, space.dofs)),
+    on=lambda space: partial(Multigrid, x=space.free_points, tolerance=multigrid_tolerance(space.dim, space.dofs)),
     # Without constraints: the same hierarchy, the same tolerance.
     bare=lambda watched: watched.make(watched.S, watched.N[:0]),
 )

@@ -8,14 +8,14 @@ import scipy.sparse as sps
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse.linalg import splu
+from study.solve.cholesky.analysis import Analysis
+from study.solve.cholesky.dissection import LEAF
 
 from manufactured import Kind, catalogue, polygon
 from study.fem.material import form
 from study.fem.mesh import CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
-from study.solve.cholesky.analysis import Analysis
-from study.solve.cholesky.dissection import LEAF
-from study.solve.cholesky.factorisation import Cholesky
+from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 
 CASES = {case.name: case for case in catalogue()}
@@ -99,7 +99,7 @@ def test_the_factor_solves(matrices: Matrices, monkeypatch: pytest.MonkeyPatch) 
     S, _ = matrices
     b = np.random.default_rng(1).standard_normal(S.shape[0])
     assert close(Cholesky(S)(b), np.linalg.solve(S.toarray(), b), 1e-11)
-    monkeypatch.setattr("study.solve.cholesky.factorisation.PANEL", 1000)
+    monkeypatch.setattr("study.solve.factorisation.PANEL", 1000)
     factor = Cholesky(S)
     assert len(factor.panels) > 1
     assert close(factor(b), np.linalg.solve(S.toarray(), b), 1e-11)
@@ -112,7 +112,7 @@ def test_fronts_of_any_size_are_eliminated_by_blas_or_by_compiled_code(
     S, N = matrices
     last = np.unique(N.nonzero()[1])
     usual = Cholesky(S, last)
-    monkeypatch.setattr("study.solve.cholesky.factorisation.SMALL", small)
+    monkeypatch.setattr("study.solve.factorisation.SMALL", small)
     other = Cholesky(S, last)
     for one, two in zip(usual.panels, other.panels, strict=True):
         assert all(map(np.array_equal, one[:3], two[:3]))
@@ -124,7 +124,7 @@ def test_fronts_of_any_size_are_eliminated_by_blas_or_by_compiled_code(
 def test_a_matrix_that_is_not_positive_definite_is_refused(
     small: int, at: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("study.solve.cholesky.factorisation.SMALL", small)
+    monkeypatch.setattr("study.solve.factorisation.SMALL", small)
     diagonal = np.full(400, 2.0)
     diagonal[at] = -1.0
     path = sps.diags_array([np.full(399, -0.5), diagonal, np.full(399, -0.5)], offsets=[-1, 0, 1])
