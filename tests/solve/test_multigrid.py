@@ -10,7 +10,6 @@ import scipy.sparse as sps
 from hypothesis import given
 from hypothesis import strategies as st
 from scipy.sparse.linalg import LinearOperator, cg
-from study.solve.vertices import local_bases, rigid_motions
 
 from manufactured import Kind, catalogue, polygon
 from study.fem.gauge import Gauge
@@ -18,7 +17,7 @@ from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
-from study.solve.multigrid import COARSEST, Multigrid, MultigridError
+from study.solve.multigrid import COARSEST, Multigrid, MultigridError, local_bases, rigid_motions
 from study.solve.signorini import Signorini
 from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
 from study.solve.tableau import MIDPOINT
