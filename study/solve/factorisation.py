@@ -88,9 +88,10 @@ def minimum_degree(S: sps.csc_array) -> Integers:
 def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
     """The unknowns in an order of elimination with little fill, by geometric nested dissection, (n,).
 
-    A part is cut at the median of its longest coordinate axis. The points of its lower half that are joined to the
-    upper half separate the halves: they are eliminated after both. The halves are divided in the same way (A. George,
-    Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973) 345–363).
+    A part is cut at the median of its longest coordinate axis. The points of one half that are joined to the other
+    half separate the halves: of the two such sets, the smaller one is eliminated after both halves. The halves are
+    divided in the same way (A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10
+    (1973) 345–363).
 
     Each point gets a key with one ternary digit for each division: 0 for the lower half, 1 for the upper half, 2 for
     the separator, which is not divided again. Points with equal keys form a part; sorted keys are the order.
@@ -114,8 +115,12 @@ def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
         medians = y[np.lexsort((y, key[inside]))][starts + sizes // 2]
         half = np.zeros(count, dtype=np.int64)
         half[inside] = y >= np.repeat(medians, sizes)
+        cut = half[one] < half[other]
+        sides = np.zeros((2, count), dtype=bool)
+        sides[0, one[cut]] = sides[1, other[cut]] = True
+        smaller = np.add.reduceat(sides[:, inside], starts, axis=1, dtype=np.int64).argmin(axis=0)
         separating = np.zeros(count, dtype=bool)
-        separating[one[half[one] < half[other]]] = True
+        separating[inside] = sides[np.repeat(smaller, sizes), inside]
         key = 3 * key + np.where(separating, 2, half)
         inside = inside[~separating[inside]]
     return np.argsort(np.repeat(key, several), kind="stable")
