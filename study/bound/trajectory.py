@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from typing import Protocol
 
 import numpy as np
@@ -123,7 +124,7 @@ class Refined:
         data, V, steps = fine.data, fine.displacements, self.shorter * computed.steps
         stress = data.law.A.at(V.points)(data.initial(V.points))
         # The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0.
-        start, _ = Signorini(fine.M, V.N)(V.functional(stress))
+        start, _ = Signorini(fine.M, V.N, V.free_points)(V.functional(stress))
         for state in MIDPOINT.march(quadratic_problem(fine, start), steps):
             yield state.time, state.u
 
@@ -140,6 +141,7 @@ def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete
         load=discretisation.load,
         u0=u0,
         T=discretisation.data.body.T,
+        solver=partial(Signorini, x=V.free_points),
         growth=discretisation.data.law.growth,
     )
 

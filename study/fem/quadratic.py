@@ -31,6 +31,11 @@ class Quadratic(Displacements):
         """Three vertices, three edges, (6, cells)."""
         return np.vstack([self.mesh.t, self.mesh.p.shape[1] + self.mesh.t2f])
 
+    @property
+    def nodes(self) -> Points:
+        """The vertices, then the midpoints of the edges, (2, count)."""
+        return np.hstack([self.mesh.p, self.mesh.p[:, self.mesh.facets].mean(axis=1)])
+
     def on_edges(self, edges: Array) -> Array:
         """Scalar coefficients of the traces on edges in the order of B_α, from the first vertex, (3, n)."""
         ends = self.mesh.facets[:, edges]

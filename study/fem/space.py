@@ -19,7 +19,7 @@ import scipy.sparse as sps
 from skfem import Mesh
 
 from manufactured.body import Body, Kind, Part
-from manufactured.tensors import Array, Tensors, Vectors, basis
+from manufactured.tensors import Array, Points, Tensors, Vectors, basis
 from study.fem.mesh import MeshedBody, barycentric_gradients
 from study.fem.mesh import size as mesh_size
 
@@ -66,6 +66,16 @@ class Displacements(MeshedBody, ABC):
     @property
     def dofs(self) -> int:
         return len(self.free)
+
+    @property
+    def nodes(self) -> Points:
+        """The points of the scalar basis functions, (d, count)."""
+        return self.mesh.p
+
+    @property
+    def free_points(self) -> Points:
+        """The points of the free basis functions, in the order of the unknowns, (d, dofs/d)."""
+        return self.nodes[:, self.free[:: self.dim] // self.dim]
 
     def coefficients(self, v: Array) -> Array:
         """All coefficients of a function, zero on Γ1: (dofs,) → (count, d)."""

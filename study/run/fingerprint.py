@@ -27,7 +27,7 @@ from study.run.code import code_of, code_of_all
 from study.statements.enclosure.bound_rows import posed
 from study.statements.shared.base import Setting, Statement
 
-PACKAGES = ("numpy", "scipy", "numba", "scikit-fem", "pyamg", "clarabel", "sympy")
+PACKAGES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
 """Distributions that compute."""
 
 

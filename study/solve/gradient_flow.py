@@ -29,8 +29,8 @@ from functools import cached_property
 import numpy as np
 
 from manufactured.tensors import Array
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
+from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 
 TOUCHING = 1e-12

@@ -1,17 +1,19 @@
-"""One contact solve: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ 0}, by condensation.
+"""One contact step: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ 0}, by condensation on the contact unknowns.
 
-Optimality: S u + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0. Only the m rows of N are constrained, so with
-the compliance W = N S⁻¹ Nᵀ, formed once, the multipliers solve the small complementarity problem
+The optimality conditions are S u + Nᵀλ = b, N u ≤ 0, λ ≥ 0 and λ·N u = 0. Only the m rows of N are constrained. With
+the compliance W = N S⁻¹ Nᵀ, computed once, the multipliers therefore solve the small complementarity problem
 
     g = N S⁻¹ b − W λ ≤ 0,   λ ≥ 0,   λ·g = 0,
 
-by a primal–dual active set (M. Hintermüller, K. Ito, K. Kunisch, The primal-dual active set
-strategy as a semismooth Newton method, SIAM J. Optim. 13 (2003) 865–888), and u = S⁻¹(b − Nᵀλ).
+by a primal–dual active set method (M. Hintermüller, K. Ito, K. Kunisch, The primal-dual active set strategy as a
+semismooth Newton method, SIAM J. Optim. 13 (2003) 865–888). Then u = S⁻¹(b − Nᵀλ).
 
-The unknowns with entries in N are eliminated last. With S = LLᵀ in that order Y = L⁻¹Nᵀ vanishes
-but for the rows of these unknowns, where it is a solve with the trailing block of L, the Cholesky
-factor of the Schur complement; W = YᵀY. A step is y = L⁻¹b, N S⁻¹ b = Yᵀy, u = L⁻ᵀ(y − Yλ): exact
-to round-off, one pass forward and one backward through L.
+The contact unknowns, those with entries in N, are eliminated last. With S = LLᵀ in that order, Y = L⁻¹Nᵀ has nonzero
+rows only for them, and there Y solves a system with the trailing block of L, the Cholesky factor of the Schur
+complement. A step is y = L⁻¹b, N S⁻¹ b = Yᵀy, the multipliers, and u = L⁻ᵀ(y − Yλ): one forward and one backward
+substitution. W = YᵀY.
+
+Large problems in space are solved by multigrid instead (``study.solve.solver_choice``).
 """
 
 from __future__ import annotations
@@ -24,8 +26,8 @@ from scipy.linalg import cholesky, solve_triangular
 from scipy.linalg.lapack import dpotrs
 from scipy.optimize import nnls
 
-from manufactured.tensors import Array
-from study.solve.cholesky.factorisation import Cholesky
+from manufactured.tensors import Array, Points
+from study.solve.factorisation import Cholesky
 
 
 class ContactSolver(Protocol):
@@ -35,36 +37,45 @@ class ContactSolver(Protocol):
 
 
 class Signorini:
-    """The contact solve with a fixed S and N; remembers the last active set as its next guess."""
+    """The contact solve with a fixed S and N. It remembers the last active set as the first guess of the next solve.
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
-        constrained = np.unique(N.nonzero()[1])
-        self.factor, self.N = Cholesky(S, constrained), N
-        self.end = slice(S.shape[0] - len(constrained), None)
-        columns = sps.csc_array(N)[:, self.factor.order[self.end]].toarray().T
+    Args:
+        S: symmetric positive definite, (n, n).
+        N: the constraints N v ≤ 0, linearly independent rows, (m, n).
+        x: points of the unknowns, for the order of elimination (see ``Cholesky``), (d, p).
+
+    Raises:
+        LinAlgError: S is not positive definite.
+    """
+
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
+        contact = np.unique(N.nonzero()[1])
+        self.N = N
+        self.factor = Cholesky(S, contact, x)
+        self.contact = slice(S.shape[0] - len(contact), None)
+        columns = sps.csc_array(N)[:, self.factor.order[self.contact]].toarray().T
         self.Y = solve_triangular(self.factor.trailing, columns, lower=True)
         self.W = self.Y.T @ self.Y
         self.active = np.zeros(N.shape[0], dtype=bool)
-        self.block: tuple[bytes, Array, Array] | None = None
+        self._factored: tuple[bytes, Array, Array] | None = None
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
         """u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,); for several b, (k, n) and (k, m)."""
         y = self.factor.forward(b)
-        gaps = y[..., self.end] @ self.Y
+        gaps = y[..., self.contact] @ self.Y
         single = b.ndim == 1
         multipliers = self.complementarity(gaps) if single else np.array([self.complementarity(gap) for gap in gaps])
-        y[..., self.end] -= multipliers @ self.Y.T
+        y[..., self.contact] -= multipliers @ self.Y.T
         return self.factor.backward(y), multipliers
 
     def gap(self, b: Array) -> Array:
         """N S⁻¹ b, (m,); for several b, (k, m)."""
-        return self.factor.forward(b)[..., self.end] @ self.Y
+        return self.factor.forward(b)[..., self.contact] @ self.Y
 
     def complementarity(self, gap: Array) -> Array:
         """λ ≥ 0 with gap − Wλ ≤ 0 and λ·(gap − Wλ) = 0, (m,)."""
         active = self.active
         visited: set[bytes] = set()
-        # Most steps keep the active set of the step before, and have so few constraints that calls take the time.
         while (key := active.tobytes()) not in visited:
             visited.add(key)
             multipliers = self.multipliers_on(active, gap)
@@ -73,21 +84,20 @@ class Signorini:
                 self.active = active
                 return multipliers
             active = following
-        # The active sets cycle, which needs a W that is not an M-matrix inverse: finish with the
-        # finite method of Lawson and Hanson on the equivalent least squares problem.
+        # The active sets cycle. Lawson and Hanson's method for the equivalent least squares problem is always finite.
         L = cholesky(self.W, lower=True)
         multipliers, _ = nnls(L.T, solve_triangular(L, gap, lower=True))
         self.active = multipliers > 0
         return self.multipliers_on(self.active, gap)
 
     def multipliers_on(self, active: Array, gap: Array) -> Array:
-        """λ with (gap − Wλ) = 0 on the active set and λ = 0 elsewhere; factors W there when the set is a new one."""
-        if self.block is None or self.block[0] != active.tobytes():
+        """λ with gap − Wλ = 0 on the active set and λ = 0 elsewhere; factorises W there for a new set, (m,)."""
+        if self._factored is None or self._factored[0] != active.tobytes():
             where = np.flatnonzero(active)
-            self.block = active.tobytes(), where, cholesky(self.W[np.ix_(where, where)], lower=True)
-        _, where, factor = self.block
+            self._factored = active.tobytes(), where, cholesky(self.W[np.ix_(where, where)], lower=True)
+        _, where, factor = self._factored
         multipliers = np.zeros(len(gap))
         if len(where):
-            # LAPACK itself, as SciPy's function around it looks at its arguments for longer than this takes.
+            # LAPACK directly: the checks of SciPy's cho_solve take longer than the solve.
             multipliers[where], _ = dpotrs(factor, gap[where], lower=True)
         return multipliers

@@ -1,4 +1,4 @@
-"""Which contact solver is used on a space, by its dimension and size, and to what residual."""
+"""Which contact solver is used on a space, by its dimension and number of unknowns, and to what residual."""
 
 from __future__ import annotations
 
@@ -8,43 +8,36 @@ from functools import partial
 
 import scipy.sparse as sps
 
-from manufactured.tensors import Points
-from study.fem.space import Space
+from study.fem.space import Displacements
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
 
-FACTORED = {2: math.inf, 3: 120_000}
-"""Unknowns up to which S is factorised, by dimension. In the plane L has O(n log n) entries, and a level takes more
-than ten times as long by multigrid (`make bench-growth` has both). In space it has O(n^{4/3}) entries, made by O(n²)
-operations: at about the limit multigrid takes as long, and a third of the memory."""
+FACTORED = {2: math.inf, 3: 15_000}
+"""Largest number of unknowns for which S is factorised, by dimension. In the plane L has O(n log n) entries, and
+multigrid takes ten times as long. In space L has O(n^{4/3}) entries and takes O(n²) operations."""
 ROUNDING = 1e-10
-"""Relative residual that a factorisation may leave."""
+"""Relative residual allowed after a factorisation."""
 SHARE = 0.01
-"""Error that multigrid may leave, relative to the discretisation error, by the estimate in ``residual``."""
+"""Error allowed to multigrid, relative to the discretisation error, by the estimate in ``residual``."""
 
 
-def residual(dim: int, dofs: int) -> float:
-    """The relative residual ‖S u + Nᵀλ − b‖/‖b‖ asked of the contact solver for so many unknowns.
-
-    A residual ρ leaves at most cond(S)^{1/2} ρ of the solution in the norm of S, and cond(S)^{1/2} grows like 1/h, h
-    in units of the body; the discretisation error is of order h. With ρ = ϑ h², h = (d/dofs)^{1/d}, the former is
-    at most ϑ times the latter, up to constants that tests measure.
-    """
-    return ROUNDING if dofs <= FACTORED[dim] else 2 * aim(dim, dofs)
+def contact_solver(space: Displacements) -> Callable[[sps.csc_array, sps.csr_array], ContactSolver]:
+    """(S, N) ↦ the contact solver for matrices on a space, chosen by its dimension and number of unknowns."""
+    if space.dofs <= FACTORED[space.dim]:
+        return partial(Signorini, x=space.free_points)
+    return partial(Multigrid, x=space.free_points, tolerance=multigrid_tolerance(space.dim, space.dofs))
 
 
-def aim(dim: int, dofs: int) -> float:
-    """The relative residual at which multigrid stops: half of what is asked, so that rounding does not decide."""
+def multigrid_tolerance(dim: int, dofs: int) -> float:
+    """The relative residual at which multigrid stops: half of the allowed one, so that rounding does not decide."""
     return SHARE / 2 * (dim / dofs) ** (2 / dim)
 
 
-def contact_solver(space: Space) -> Callable[[sps.csc_array, sps.csr_array], ContactSolver]:
-    """(S, N) ↦ the contact solver for matrices on a space."""
-    if space.dofs <= FACTORED[space.dim]:
-        return Signorini
-    return partial(Multigrid, x=free_vertices(space), tolerance=aim(space.dim, space.dofs))
+def residual(dim: int, dofs: int) -> float:
+    """The largest relative residual ‖S u + Nᵀλ − b‖/‖b‖ allowed to the contact solver for so many unknowns.
 
-
-def free_vertices(space: Space) -> Points:
-    """The vertices off Γ1, in the order of the unknowns, (d, n_dofs/d)."""
-    return space.mesh.p[:, space.free[:: space.dim] // space.dim]
+    A residual ρ leaves at most cond(S)^{1/2} ρ of the solution in the norm of S, and cond(S)^{1/2} grows like 1/h, h
+    in units of the body; the discretisation error is of order h. With ρ = ϑ h², h = (d/dofs)^{1/d}, the error of the
+    solver is at most ϑ times the discretisation error, up to constants that tests measure.
+    """
+    return ROUNDING if dofs <= FACTORED[dim] else 2 * multigrid_tolerance(dim, dofs)

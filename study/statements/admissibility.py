@@ -18,8 +18,8 @@ from study.fem.material import on_cells
 from study.fem.space import Space
 from study.ledger.measures import largest
 from study.ledger.window import above_nothing, at_most
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
+from study.solve.factorisation import Cholesky
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SEED, ListedNumbers, Setting, grid, with_h

@@ -37,8 +37,8 @@ from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.measures import ENOUGH, between_levels, largest, order
 from study.ledger.window import STEEPER, above_nothing, around, between
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
+from study.solve.factorisation import Cholesky
 from study.solve.paths import furthest, path
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h

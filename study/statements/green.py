@@ -50,7 +50,7 @@ from study.ledger.criterion import judge
 from study.ledger.measures import finest, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import above_nothing
-from study.solve.cholesky.factorisation import Cholesky
+from study.solve.factorisation import Cholesky
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.places import named, place, space_of

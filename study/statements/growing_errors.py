@@ -35,8 +35,8 @@ from manufactured.symbols import s, t
 from study.fem.naming import family_named, resolve
 from study.ledger.measures import every, largest
 from study.ledger.window import above_nothing, around, at_least
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
+from study.solve.factorisation import Cholesky
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT

@@ -30,8 +30,8 @@ from study.fem.space import Space
 from study.ledger.measures import BOUND, ROUNDING, Constant, finest
 from study.ledger.measures import largest as largest_of
 from study.ledger.window import at_least, at_most
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
+from study.solve.factorisation import Cholesky
 from study.statements.constitutive_law import derivative, points, tensors
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import largest, unloaded

@@ -40,7 +40,7 @@ from study.ledger.criterion import Criterion, Measured, Observation, judge
 from study.ledger.measures import ENOUGH, ROUNDING, change, every, exactly
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around
-from study.solve.cholesky.factorisation import Cholesky
+from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.instants import dual_norm

@@ -26,8 +26,8 @@ from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.measures import ROUNDING, every, largest
 from study.ledger.window import Window, above_nothing, at_most
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
+from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.energies import Energies

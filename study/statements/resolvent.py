@@ -34,8 +34,8 @@ from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.measures import ROUNDING, every, largest
 from study.ledger.window import Window, above_nothing, at_most
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
+from study.solve.factorisation import Cholesky
 from study.solve.fixed_point import fixed_point
 from study.solve.signorini import Signorini
 from study.statements.constraint import with_trace

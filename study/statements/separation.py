@@ -34,8 +34,8 @@ from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.measures import every, largest
 from study.ledger.window import above_nothing, around
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import SemiDiscrete
+from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.statements.admissibility import Rivals
 from study.statements.constraint import strangers

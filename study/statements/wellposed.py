@@ -14,8 +14,8 @@ from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.measures import every, finest, largest
 from study.ledger.window import Window, above_nothing, around
-from study.solve.cholesky.factorisation import Cholesky
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
+from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.prop_5_4.experiment import Experiment

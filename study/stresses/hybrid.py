@@ -56,7 +56,7 @@ class Equilibrium:
     Args:
         space: the stresses.
         compliance: C⁻¹ in Mandel form, (3, 3), or at the points, (cells, Q, 3, 3).
-        solver: (S, N) ↦ the contact solve.
+        solver: (S, N, points of the unknowns) ↦ the contact solve.
     """
 
     def __init__(self, space: StressSpace, compliance: Array, solver: type[Signorini] = Signorini) -> None:
@@ -76,7 +76,9 @@ class Equilibrium:
         S = sps.csc_array(full[self.free][:, self.free])
         self.S = sps.csc_array((S + S.T) / 2)
         self._at_contact = sps.csr_array(self.S)[self._normal]
-        self.solve = solver(self.S, self.N)
+        each = 2 * (space.degree + 1)
+        midpoints = space.mesh.p[:, space.mesh.facets].mean(axis=1)
+        self.solve = solver(self.S, self.N, midpoints[:, self.free[::each] // each])
 
     def _number(self) -> None:
         """Numbers of the unknown moments: edge by edge, polynomial by polynomial, two components."""

@@ -18,7 +18,7 @@ from benchmarks.level import DIRECT, Place, Watched, compile_formulas, errors
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.solve import signorini
-from study.solve.cholesky.factorisation import Cholesky
+from study.solve.factorisation import Cholesky
 from study.solve.steps import rate_steps
 
 LEVELS = [int(n) for n in os.environ.get("BENCH_LEVELS", "256 512").split()]
@@ -48,18 +48,18 @@ def describe(benchmark: Any, quantity: str, place: Place, dofs: int, **counts: f
 
 def bench_factorisation(benchmark: Any, watched: tuple[Place, Watched]) -> None:
     place, seen = watched
-    last = seen.contact.factor.order[seen.contact.end]
+    last = seen.contact.factor.order[seen.contact.contact]
     describe(benchmark, "factorisation", place, seen.S.shape[0])
-    benchmark.pedantic(Cholesky, args=(seen.S, last), rounds=3)
+    benchmark.pedantic(Cholesky, args=(seen.S, last, seen.points), rounds=3)
 
 
 def bench_condensation(benchmark: Any, watched: tuple[Place, Watched], monkeypatch: pytest.MonkeyPatch) -> None:
     """The contact solver as it is made, but for the factorisation, which is at hand."""
     place, seen = watched
     factor = seen.contact.factor
-    monkeypatch.setattr(signorini, "Cholesky", lambda S, last: factor)
+    monkeypatch.setattr(signorini, "Cholesky", lambda S, last, x: factor)
     describe(benchmark, "condensation", place, seen.S.shape[0])
-    benchmark.pedantic(signorini.Signorini, args=(seen.S, seen.N), rounds=5)
+    benchmark.pedantic(signorini.Signorini, args=(seen.S, seen.N, seen.points), rounds=5)
 
 
 def bench_solve(benchmark: Any, watched: tuple[Place, Watched]) -> None:

@@ -82,7 +82,7 @@ class Level:
 
 
 LEVELS = (
-    *(Level("advance-recede", n, "direct") for n in (128, 256, 512, 1024)),
+    *(Level("advance-recede", n, "direct") for n in (128, 256, 512)),
     *(Level("advance-recede", n, "multigrid") for n in (128, 256)),
     *(Level("cube-disc", n, "direct") for n in (12, 18, 24, 32)),
     *(Level("cube-disc", n, "multigrid") for n in (12, 24, 32, 48)),

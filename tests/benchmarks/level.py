@@ -10,12 +10,12 @@ from typing import Any
 
 import scipy.sparse as sps
 
-from manufactured.tensors import Array
+from manufactured.tensors import Array, Points
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
-from study.solve.solver_choice import aim, free_vertices
+from study.solve.solver_choice import multigrid_tolerance
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4.experiment import Experiment
 
@@ -38,9 +38,9 @@ class Solver:
     bare: Callable[[Watched], Callable[[Array], Array]]
 
 
-DIRECT = Solver(on=lambda space: Signorini, bare=lambda watched: watched.contact.factor)
+DIRECT = Solver(on=lambda space: partial(Signorini, x=space.free_points), bare=lambda watched: watched.contact.factor)
 MULTIGRID = Solver(
-    on=lambda space: partial(Multigrid, x=free_vertices(space), tolerance=aim(space.dim, space.dofs)),
+    on=lambda space: partial(Multigrid, x=space.free_points, tolerance=multigrid_tolerance(space.dim, space.dofs)),
     # Without constraints: the same hierarchy, the same tolerance.
     bare=lambda watched: watched.make(watched.S, watched.N[:0]),
 )
@@ -54,12 +54,14 @@ class Watched:
         made: how often a solver was made for a matrix.
         make: (S, N) ↦ the solver, on the space of the level.
         S, N: what it was last made for.
+        points: those of the unknowns, (d, n/d).
         contact: the solver made.
         setup_seconds: what making it took.
         rights: the first ``keep`` right sides.
     """
 
     make: Make
+    points: Points
 
     def __init__(self, solver: Solver, keep: int) -> None:
         self.solver, self.keep = solver, keep
@@ -67,7 +69,7 @@ class Watched:
         self.rights: list[Array] = []
 
     def on(self, space: Space) -> Make:
-        self.make = self.solver.on(space)
+        self.make, self.points = self.solver.on(space), space.free_points
         return self._watch
 
     def _watch(self, S: sps.csc_array, N: sps.csr_array) -> ContactSolver:

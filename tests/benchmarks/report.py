@@ -19,7 +19,7 @@ from study.ledger.files import write_text
 
 ROOT = Path(__file__).parents[2]
 RESULTS = ROOT / "results" / "benchmarks"
-LIBRARIES = ("numpy", "scipy", "numba", "pyamg", "scikit-fem", "sympy", "pytest-benchmark")
+LIBRARIES = ("numpy", "scipy", "pyamg", "scikit-fem", "sympy", "pytest-benchmark")
 
 
 def machine() -> dict[str, Any]:

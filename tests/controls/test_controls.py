@@ -299,12 +299,11 @@ from study.solve.tableau import BACKWARD_EULER
             {
                 "signorini",
                 "multigrid",
-                "vertices",
                 "solver_choice",
                 "evolution",
                 "tableau",
                 "fixed_point",
-                "cholesky",
+                "factorisation",
             },
         ),
         (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem", "stress_programme"}),

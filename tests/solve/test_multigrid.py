@@ -17,11 +17,10 @@ from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
-from study.solve.multigrid import COARSEST, Multigrid, MultigridError
+from study.solve.multigrid import COARSEST, Multigrid, MultigridError, local_bases, rigid_motions
 from study.solve.signorini import Signorini
-from study.solve.solver_choice import FACTORED, SHARE, contact_solver, free_vertices, residual
+from study.solve.solver_choice import FACTORED, SHARE, contact_solver, residual
 from study.solve.tableau import MIDPOINT
-from study.solve.vertices import local_bases, rigid_motions
 
 CASES = {case.name: case for case in catalogue()}
 EXACT = 1e-10
@@ -57,7 +56,7 @@ def setting(request):
     body = CASES[name].solution.body
     space = Space(family(body, n), body)
     assert space.dofs > COARSEST * space.dim
-    return of_a_step(name, space), space.N, free_vertices(space)
+    return of_a_step(name, space), space.N, space.free_points
 
 
 def test_multigrid_finds_the_exact_solution(setting) -> None:
@@ -92,7 +91,7 @@ def test_oblique_normals_at_one_vertex_bound_both() -> None:
     (corner,) = np.intersect1d(first, second)
     rows = np.flatnonzero(np.concatenate([first, second]) == corner)
     b = N[rows].T @ np.ones(2) + 0.01 * (S @ np.ones(S.shape[0]))
-    (u, multipliers), (v, others) = Multigrid(S, N, free_vertices(space), EXACT)(b), Signorini(S, N)(b)
+    (u, multipliers), (v, others) = Multigrid(S, N, space.free_points, EXACT)(b), Signorini(S, N)(b)
     assert (multipliers[rows] > 0).all()
     assert np.allclose(u, v, rtol=0, atol=1e-8 * abs(v).max())
     assert np.allclose(multipliers, others, rtol=0, atol=1e-7 * others.max())
@@ -168,7 +167,7 @@ def iterations(name: str, n: int, every: int | None) -> int:
     """Conjugate gradients from 1 to 1e-8 where none, some or all unknowns of N are held."""
     body = CASES[name].solution.body
     space = Space(OneDiagonal()(body, n), body)
-    solve = holding(of_a_step(name, space), space.N, free_vertices(space), every)
+    solve = holding(of_a_step(name, space), space.N, space.free_points, every)
     b, count = solve.free * np.random.default_rng(2).standard_normal(space.dofs), []
     preconditioner = LinearOperator(solve.cut.shape, matvec=solve.cycle, dtype=float)
     cg(solve.cut, b, rtol=1e-8, M=preconditioner, callback=count.append)

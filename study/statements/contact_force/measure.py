@@ -96,7 +96,7 @@ class Forces:
             for face, (_, vertices) in zip(setup.solution.faces, space.contact, strict=True)
         ]
         rows = [slice(*pair) for pair in pairwise(ends)]
-        return cls(space, faces, rows, Signorini(setup.problem.M, space.N).W)
+        return cls(space, faces, rows, Signorini(setup.problem.M, space.N, space.free_points).W)
 
     def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
         """The squares of ``ERRORS``, with λ (n, m), summed over n times, and those of the exact quantities, (3,)."""

@@ -1,5 +1,6 @@
 """The condensed contact solve of this study."""
 
+from functools import partial
 from importlib.metadata import version
 from time import perf_counter
 
@@ -8,6 +9,7 @@ from problem import Answer, main
 from scipy import sparse as sps
 
 from study.solve.evolution import SemiDiscrete
+from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 
 
@@ -21,6 +23,7 @@ def solve(given):
         load=lambda t: given.loads[round(t / given.k) - 1],
         u0=given.u0,
         T=steps * given.k,
+        solver=partial(Signorini, x=given.p[:, given.free[::2] // 2]),
     )
     start = perf_counter()
     states = list(BACKWARD_EULER.march(problem, steps))

@@ -1,0 +1,126 @@
+"""The sparse Cholesky factorisation S = Pᵀ L Lᵀ P of a symmetric positive definite matrix, by SciPy's SuperLU."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import scipy.sparse as sps
+from numpy.typing import NDArray
+from scipy.sparse.linalg import SuperLU, splu
+
+from manufactured.tensors import Array, Points
+
+Integers = NDArray[np.int64]
+
+LEAF = 32
+"""Points in a part that nested dissection does not divide any further."""
+
+
+class Cholesky:
+    """S = Pᵀ L Lᵀ P with an order P that keeps L sparse and puts the unknowns ``last`` at the end.
+
+    The trailing block of L is the Cholesky factor of the Schur complement of S on the unknowns ``last``.
+
+    Without pivoting SuperLU computes S = L₁ U with U = D L₁ᵀ, so that L = L₁ D^{1/2}. SuperLU has no function for one
+    triangular solve with L₁. Given L itself, however, it finds the trivial factors L and D^{1/2}, and its solves with
+    this matrix and with its transpose are the forward and the backward substitution.
+
+    Args:
+        S: symmetric positive definite, (n, n).
+        last: unknowns to be eliminated last, (c,).
+        x: coordinates of the points to which the unknowns belong, n/p consecutive unknowns for each, (d, p). They give
+            an order by nested dissection. Without them S is factorised in a minimum degree order first, to know that
+            order: for small matrices only.
+
+    Attributes:
+        order: the unknowns in the order of elimination, (n,).
+        trailing: the block of L on the unknowns ``last``, in the order ``order[-c:]``, (c, c).
+
+    Raises:
+        LinAlgError: S is not positive definite.
+    """
+
+    def __init__(self, S: sps.csc_array, last: Sequence[int] | Integers = (), x: Points | None = None) -> None:
+        order = minimum_degree(S) if x is None else nested_dissection(S, x)
+        at_end = np.zeros(len(order), dtype=bool)
+        at_end[np.asarray(last, dtype=np.int64)] = True
+        self.order = np.concatenate([order[~at_end[order]], order[at_end[order]]])
+        factors = superlu(S[self.order][:, self.order])
+        pivots = factors.U.diagonal()
+        if not ((pivots > 0).all() and np.array_equal(factors.perm_r, np.arange(len(order)))):
+            raise np.linalg.LinAlgError("the matrix is not positive definite, so it has no Cholesky factor")
+        L = sps.csc_array(factors.L @ sps.diags_array(np.sqrt(pivots)))
+        count = len(order) - len(last)
+        self.trailing = L[count:, count:].toarray()
+        self._triangular = superlu(L)
+
+    def __call__(self, b: Array) -> Array:
+        """S⁻¹ b, (n,), or for several b, (m, n)."""
+        return self.backward(self.forward(b))
+
+    def forward(self, b: Array) -> Array:
+        """y = L⁻¹ P b, (n,) or (m, n)."""
+        return np.asarray(self._triangular.solve(b[..., self.order].T).T)
+
+    def backward(self, y: Array) -> Array:
+        """Pᵀ L⁻ᵀ y, (n,) or (m, n)."""
+        u = np.empty_like(y)
+        u[..., self.order] = self._triangular.solve(y.T, "T").T
+        return u
+
+
+def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
+    """The factors of a matrix with a symmetric pattern, without pivoting, in its own order unless another is named."""
+    # No other value of ``relax`` than SciPy's: with 40, SciPy 1.17 writes beyond its arrays.
+    try:
+        options = {"SymmetricMode": True}
+        return splu(sps.csc_matrix(matrix), permc_spec=permc_spec, diag_pivot_thresh=0.0, options=options)
+    except RuntimeError as error:
+        raise np.linalg.LinAlgError(f"the matrix is not positive definite: {error}") from error
+
+
+def minimum_degree(S: sps.csc_array) -> Integers:
+    """SuperLU's minimum degree order of the unknowns, (n,)."""
+    return np.argsort(superlu(S, "MMD_AT_PLUS_A").perm_c)
+
+
+def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
+    """The unknowns in an order of elimination with little fill, by geometric nested dissection, (n,).
+
+    A part is cut at the median of its longest coordinate axis. The points of one half that are joined to the other
+    half separate the halves: of the two such sets, the smaller one is eliminated after both halves. The halves are
+    divided in the same way (A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10
+    (1973) 345–363).
+
+    Each point gets a key with one ternary digit for each division: 0 for the lower half, 1 for the upper half, 2 for
+    the separator, which is not divided again. Points with equal keys form a part; sorted keys are the order.
+
+    Args:
+        S: a matrix with a symmetric pattern, (n, n).
+        x: the points, n/p consecutive unknowns for each, (d, p).
+    """
+    count = x.shape[1]
+    several = S.shape[0] // count
+    one, other = (places // several for places in S.tocoo().coords)
+    key, inside = np.zeros(count, dtype=np.int64), np.arange(count)
+    for _ in range(max(int(np.ceil(np.log2(count / LEAF))), 0)):
+        joined = key[one] == key[other]
+        one, other = one[joined], other[joined]
+        inside = inside[np.argsort(key[inside], kind="stable")]
+        starts = np.flatnonzero(np.diff(key[inside], prepend=-1))
+        sizes = np.diff(starts, append=len(inside))
+        extents = np.maximum.reduceat(x[:, inside], starts, axis=1) - np.minimum.reduceat(x[:, inside], starts, axis=1)
+        y = x[np.repeat(extents.argmax(axis=0), sizes), inside]
+        medians = y[np.lexsort((y, key[inside]))][starts + sizes // 2]
+        half = np.zeros(count, dtype=np.int64)
+        half[inside] = y >= np.repeat(medians, sizes)
+        cut = half[one] < half[other]
+        sides = np.zeros((2, count), dtype=bool)
+        sides[0, one[cut]] = sides[1, other[cut]] = True
+        smaller = np.add.reduceat(sides[:, inside], starts, axis=1, dtype=np.int64).argmin(axis=0)
+        separating = np.zeros(count, dtype=bool)
+        separating[inside] = sides[np.repeat(smaller, sizes), inside]
+        key = 3 * key + np.where(separating, 2, half)
+        inside = inside[~separating[inside]]
+    return np.argsort(np.repeat(key, several), kind="stable")
