@@ -259,9 +259,17 @@ SQUARE = unit_square()
             ),
             "varies in x",
         ),
+        (
+            Data.formulas(
+                SQUARE,
+                KelvinVoigt(isotropic(1, 1), Linear(isotropic(1, 1).matrix, layers((1.0, 0.0), 0.5, 2.0)), "layers of G"),
+                f0=(0, 0),
+            ),
+            "varies in x",
+        ),
         (Data.formulas(SQUARE, LAW, f0=(0, pos(x1 - 0.4, 1)), lines=(((1.0, 0.0), 0.4),)), "graded rules"),
     ],
-    ids=["values", "atan", "nonlinear", "layers", "lines"],
+    ids=["values", "atan", "nonlinear", "layers", "layers of G", "lines"],
 )
 def test_what_is_sampled_is_called_estimated_with_the_reason(data: Data, reason: str) -> None:
     evidence = Discretisation(data, OneDiagonal()(data.body, 4)).sampling
