@@ -1,21 +1,70 @@
-"""``study rates``: orders of a published or foreign error table."""
+"""``study rates``: observed orders of any table of errors."""
 
 from __future__ import annotations
 
 import argparse
 import json
+import sys
+from pathlib import Path
 
-from study.cli.exits import FAILED, OK
-from study.ledger.published import as_json, as_text, read_table, report
-from study.ledger.verdict import HOLDS
+from study.ledger.files import write_text
+from study.orders import OrderError, observed_orders
+from study.orders.columns import choose
+from study.orders.reading import MAX_BYTES, read_tables
+from study.orders.report import Found, as_json, as_junit, as_markdown, as_text, exit_code
 
 
 def do_rates(options: argparse.Namespace) -> int:
     """``study rates``."""
-    h, columns = read_table(options.file)
-    found = [report(name, h, errors, options.expected) for name, errors in columns.items()]
-    if options.json:
-        print(json.dumps([as_json(column) for column in found], indent=2))
-    else:
-        print("\n".join(as_text(column) for column in found))
-    return OK if all(column.verdict in (None, HOLDS) for column in found) else FAILED
+    expected, at_least = _wishes(options.expected, "--expected"), _wishes(options.at_least, "--at-least")
+    columns = options.columns.split(",") if options.columns else None
+    if options.dim is not None and not 1 <= options.dim <= 3:
+        raise OrderError(f"--dim must be 1, 2 or 3, got {options.dim}")
+    found: list[Found] = []
+    try:
+        for table in read_tables(_read(options.file)):
+            series = choose(table, options.dim, options.size, options.ratio, columns)
+            reports = []
+            for name, errors in series.errors.items():
+                wanted, least = _of(expected, name), _of(at_least, name)
+                reports.append(observed_orders(series.h, errors, wanted, least, options.tolerance, name))
+            found.append((series, reports))
+    except OrderError as error:
+        raise OrderError(f"{options.file}: {error}") from None
+    names = {column.name for _, reports in found for column in reports}
+    for name in {*expected, *at_least} - {"", *names}:
+        raise OrderError(f"an order is expected of {name}, but the columns of errors are {', '.join(sorted(names))}")
+    print(json.dumps(as_json(found), indent=2) if options.json else as_text(found))
+    if options.junit:
+        write_text(options.junit, as_junit(found))
+    if options.markdown:
+        write_text(options.markdown, as_markdown(found) + "\n")
+    return exit_code(found)
+
+
+def _read(file: Path) -> bytes:
+    """The bytes of a file, of a pipe, or of standard input for ``-``."""
+    if str(file) == "-":
+        return sys.stdin.buffer.read(MAX_BYTES + 1)
+    if file.is_dir():
+        raise OrderError("it is a directory; expected a file with a table of errors")
+    if not file.exists():
+        raise OrderError("there is no file of this name")
+    with file.open("rb") as stream:
+        return stream.read(MAX_BYTES + 1)
+
+
+def _wishes(text: str | None, option: str) -> dict[str, float]:
+    """``2`` or ``L2=2,H1=1`` as name ↦ order; the empty name stands for all columns."""
+    wishes = {}
+    for part in text.split(",") if text else []:
+        name, _, value = part.rpartition("=")
+        try:
+            wishes[name.strip()] = float(value)
+        except ValueError:
+            raise OrderError(f"{option} {text}: expected a number, or NAME=NUMBER,NAME=NUMBER") from None
+    return wishes
+
+
+def _of(wishes: dict[str, float], name: str) -> float | None:
+    return wishes.get(name, wishes.get(""))

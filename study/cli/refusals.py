@@ -17,11 +17,11 @@ from study.ledger.datafiles import DataError
 from study.ledger.errors import UsageError
 from study.ledger.files import StoreError
 from study.ledger.orders import RatesError
-from study.ledger.published import TableError
+from study.orders import OrderError
 from study.run.execute import JobsError
 
 OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
-OF_FILES = (DataError, RatesError, StoreError, TableError)
+OF_FILES = (DataError, OrderError, RatesError, StoreError)
 REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, UsageError)
 """Errors that say what was given, what was expected and how to mend it."""
 
