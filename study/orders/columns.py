@@ -32,6 +32,9 @@ _OTHER = (
 
 def role(name: str) -> str:
     """size, count, total, step, level, order, error, other, or unknown."""
+    if name.strip(" $") == "T":
+        # A temperature; time is t.
+        return "unknown"
     text = re.sub(r"\[.*?\]|\((?:k?m|s|ms|sec|seconds|cm|mm)\)", " ", name)
     text = text.replace("\\Delta", "Δ").replace("\\tau", "τ").replace("\\", " ").replace("#", " n ")
     text = re.sub(r"[$*`'\"_{}^-]+", " ", text).lower()
@@ -83,8 +86,10 @@ def choose(table: RawTable, dim: int | None = None, size: str | None = None, rat
     roles = {name: role(table.names[k]) for k, name in enumerate(names)}
     for name in names:
         numbers = values[name]
-        if roles[name] == "unknown" and (reason := _is_counter(numbers)):
+        if roles[name] == "unknown" and all(cell.strip().isdigit() for cell in cells[name]) and (reason := _is_counter(numbers)):
             roles[name] = reason
+        if roles[name] == "count" and numbers in ([float(k + j) for k in range(len(numbers))] for j in (0, 1)):
+            roles[name] = "other" if any(role(other) in ("size", "count", "total") for other in names if other != name) else "count"
         if re.fullmatch(r".+ N", table.names[names.index(name)], re.IGNORECASE) and numbers == values[names[0]]:
             roles[name] = "count" if name == names[0] else "other"
     sizes, words, size_name = _sizes(names, values, roles, dim, size, ratio, len(table.rows))

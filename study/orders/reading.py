@@ -189,15 +189,15 @@ def _separator(lines: list[Line]) -> str | None:
             cells = [cell for cell, *_ in _split(line.text, separator)]
             while cells and not cells[-1]:
                 cells.pop()
-            for cell in cells:
-                if len(cell) > MAX_CELL:
-                    raise OrderError(f"line {line.number} has a cell of {len(cell)} characters; {EXAMPLE}")
             numbers = sum(map(_is_number, cells[:50]))
             filled = numbers + sum(map(_is_missing, cells[:50]))
             if numbers >= 2 or (numbers == 1 and filled >= 2):
                 score += filled / len(cells[:50])
         if score > most + 1e-9:
             best, most = separator, score
+    for line in lines if best else []:
+        if len(line.text) > MAX_CELL and (longest := max(len(cell) for cell, *_ in _split(line.text, str(best)))) > MAX_CELL:
+            raise OrderError(f"line {line.number} has a cell of {longest} characters; {EXAMPLE}")
     return best
 
 
@@ -515,7 +515,7 @@ def _key_values(lines: list[Line]) -> list[RawTable]:
     numbers: list[int] = []
     for line in lines:
         for found in _KEY_VALUE.finditer(line.text):
-            key, value = found["key"].strip(" \t|*-"), found["value"].strip("*|`")
+            key, value = found["key"].strip(" \t*-"), found["value"].strip("*|`")
             if not (_is_number(value) or _is_missing(value)):
                 continue
             if not records or key in records[-1]:

@@ -96,8 +96,9 @@ def extrapolated_order(h: ArrayLike, errors: ArrayLike) -> float:
 
 def limit_and_order(h: ArrayLike, errors: ArrayLike) -> tuple[float, float]:
     """a and p of e = a + C h^p through three levels; NaN if no positive p fits."""
-    (h1, h2, h3), (e1, e2, e3) = np.asarray(h, dtype=float)[-3:], np.asarray(errors, dtype=float)[-3:]
-    if not (e1 - e2) * (e2 - e3) > 0:
+    h1, h2, h3 = map(float, np.asarray(h, dtype=float)[-3:])
+    e1, e2, e3 = map(float, np.asarray(errors, dtype=float)[-3:])
+    if not (e1 > e2 > e3 or e1 < e2 < e3) or max(e1, e3) > 1e200 or max(h1 / h2, h2 / h3) > 1e5:
         return math.nan, math.nan
     low, high = 1e-3, 50.0
 
