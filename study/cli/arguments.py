@@ -63,6 +63,7 @@ def parser() -> argparse.ArgumentParser:
     rates.add_argument("--in", dest="size", metavar="NAME", help="column of sizes, for example dt")
     rates.add_argument("--dim", type=int, metavar="D", help="dimension, where sizes are counts of cells or unknowns")
     rates.add_argument("--ratio", type=_finite, metavar="R", help="ratio of mesh sizes from row to row")
+    rates.add_argument("--values", action="store_true", help="columns are values, no errors: grid convergence index")
     rates.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
     rates.add_argument("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table")
     _json(rates)

@@ -5,13 +5,16 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from dataclasses import asdict
 from pathlib import Path
 
+from study.cli.exits import OK
 from study.ledger.files import write_text
 from study.orders import OrderError, observed_orders
 from study.orders.columns import choose
 from study.orders.reading import MAX_BYTES, read_tables
 from study.orders.report import Found, as_json, as_junit, as_markdown, as_text, exit_code
+from study.orders.values import GridConvergence, grid_convergence
 
 
 def do_rates(options: argparse.Namespace) -> int:
@@ -21,9 +24,15 @@ def do_rates(options: argparse.Namespace) -> int:
     if options.dim is not None and not 1 <= options.dim <= 3:
         raise OrderError(f"--dim must be 1, 2 or 3, got {options.dim}")
     found: list[Found] = []
+    indices: dict[str, GridConvergence] = {}
+    if options.values and (expected or at_least):
+        raise OrderError("--values has no errors to judge: leave out --expected and --at-least")
     try:
         for table in read_tables(_read(options.file)):
-            series = choose(table, options.dim, options.size, options.ratio, columns)
+            series = choose(table, options.dim, options.size, options.ratio, columns, signed=options.values)
+            if options.values:
+                indices |= {name: grid_convergence(series.h, values) for name, values in series.errors.items()}
+                continue
             reports = []
             for name, errors in series.errors.items():
                 wanted, least = _of(expected, name), _of(at_least, name)
@@ -31,6 +40,9 @@ def do_rates(options: argparse.Namespace) -> int:
             found.append((series, reports))
     except OrderError as error:
         raise OrderError(f"{options.file}: {error}") from None
+    if options.values:
+        print(_values(indices, options.json))
+        return OK
     names = {column.name for _, reports in found for column in reports}
     for name in {*expected, *at_least} - {"", *names}:
         raise OrderError(f"an order is expected of {name}, but the columns of errors are {', '.join(sorted(names))}")
@@ -40,6 +52,22 @@ def do_rates(options: argparse.Namespace) -> int:
     if options.markdown:
         write_text(options.markdown, as_markdown(found) + "\n")
     return exit_code(found)
+
+
+def _values(indices: dict[str, GridConvergence], as_json: bool) -> str:
+    """Order, extrapolated value and grid convergence index of each quantity."""
+    if as_json:
+        entries = [{"name": name} | asdict(found) for name, found in indices.items()]
+        return json.dumps(
+            [{key: None if value != value else value for key, value in e.items()} for e in entries], indent=2
+        )
+    lines = []
+    for name, found in indices.items():
+        line = f"{name}: {found.kind}"
+        if found.extrapolated == found.extrapolated:
+            line += f", order {found.order:.2f}, extrapolated {found.extrapolated:.6g}, GCI {found.index:.2%} on the finest mesh"
+        lines.append(line)
+    return "\n".join(lines)
 
 
 def _read(file: Path) -> bytes:

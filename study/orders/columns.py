@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -44,7 +45,9 @@ def role(name: str) -> str:
             return kind
     if re.search(_ORDER, text) and not re.search(_METHOD, text):
         return "order"
-    if re.search(r"\[(?:s|ms|sec|MB|GB|kB)\]|\((?:s|sec|MB|GB)\)", name) or (re.search(_OTHER, text) and not re.search(_ERROR, text)):
+    if re.search(r"\[(?:s|ms|sec|MB|GB|kB)\]|\((?:s|sec|MB|GB)\)", name) or (
+        re.search(_OTHER, text) and not re.search(_ERROR, text)
+    ):
         return "other"
     return "error" if re.search(_ERROR, text) else "unknown"
 
@@ -68,7 +71,7 @@ class Series:
 
 
 def choose(table: RawTable, dim: int | None = None, size: str | None = None, ratio: float | None = None,
-           columns: list[str] | None = None) -> Series:  # fmt: skip
+           columns: list[str] | None = None, signed: bool = False) -> Series:  # fmt: skip
     """Sizes and errors of a table.
 
     Parameters:
@@ -76,6 +79,7 @@ def choose(table: RawTable, dim: int | None = None, size: str | None = None, rat
         size: name of the column of sizes.
         ratio: ratio of consecutive mesh sizes, coarse to fine, for tables without a size.
         columns: names of the columns of errors to take.
+        signed: whether values below zero are allowed.
 
     Raises:
         OrderError: no size, more than one reading of it, no errors, or a cell that is no positive number.
@@ -86,10 +90,18 @@ def choose(table: RawTable, dim: int | None = None, size: str | None = None, rat
     roles = {name: role(table.names[k]) for k, name in enumerate(names)}
     for name in names:
         numbers = values[name]
-        if roles[name] == "unknown" and all(cell.strip().isdigit() for cell in cells[name]) and (reason := _is_counter(numbers)):
+        if (
+            roles[name] == "unknown"
+            and all(cell.strip().isdigit() for cell in cells[name])
+            and (reason := _is_counter(numbers))
+        ):
             roles[name] = reason
         if roles[name] == "count" and numbers in ([float(k + j) for k in range(len(numbers))] for j in (0, 1)):
-            roles[name] = "other" if any(role(other) in ("size", "count", "total") for other in names if other != name) else "count"
+            roles[name] = (
+                "other"
+                if any(role(other) in ("size", "count", "total") for other in names if other != name)
+                else "count"
+            )
         if re.fullmatch(r".+ N", table.names[names.index(name)], re.IGNORECASE) and numbers == values[names[0]]:
             roles[name] = "count" if name == names[0] else "other"
     sizes, words, size_name = _sizes(names, values, roles, dim, size, ratio, len(table.rows))
@@ -106,7 +118,7 @@ def choose(table: RawTable, dim: int | None = None, size: str | None = None, rat
         if not wanted:
             ignored[name or "(no name)"] = roles[name] if text else "text"
             continue
-        errors[name] = _checked(name, cells[name], table.lines)
+        errors[name] = _checked(name, cells[name], table.lines, signed)
     if columns is not None and (unknown := [name for name in columns if name not in names]):
         raise OrderError(f"there is no column {', '.join(unknown)}; there are {', '.join(filter(None, names))}")
     if not errors:
@@ -155,10 +167,16 @@ def _sizes(names: list[str], values: dict[str, list[float | None]], roles: dict[
             raise OrderError(f"--in {chosen}: there is no such column; there are {', '.join(filter(None, names))}")
         kind = roles[name] if roles[name] in ("size", "count", "total", "step") else "size"
         return _convert(name, values[name], kind, dim)
-    if names[:1] == [""] and roles[""] == "other" and not any(role in ("size", "count", "total", "step") for role in roles.values()):
+    if (
+        names[:1] == [""]
+        and roles[""] == "other"
+        and not any(role in ("size", "count", "total", "step") for role in roles.values())
+    ):
         if not all(value == k or value == k + 1 for k, value in enumerate(values[""])):
             first = values[""][0]
-            raise OrderError(f"the sizes {first:g}, … have no name: give --in n if they count cells per side, --in h if they are lengths")
+            raise OrderError(
+                f"the sizes {first:g}, … have no name: give --in n if they count cells per side, --in h if they are lengths"
+            )
     for kind in ("size", "count", "total", "step"):
         found = [name for name in names if roles[name] == kind and len(set(values[name])) > 1]
         if len(found) > 1 and kind == "size" and len(set(map(str.lower, found))) < len(found):
@@ -167,7 +185,9 @@ def _sizes(names: list[str], values: dict[str, list[float | None]], roles: dict[
             return _convert(found[0], values[found[0]], kind, dim)
     levels = [name for name in names if roles[name] == "level"]
     if levels:
-        raise OrderError(f"the only size is the level in column {levels[0]}: give --ratio 2 if each level halves the mesh size")
+        raise OrderError(
+            f"the only size is the level in column {levels[0]}: give --ratio 2 if each level halves the mesh size"
+        )
     return None, "", ""
 
 
@@ -179,7 +199,7 @@ def _convert(name: str, numbers: list[float | None], kind: str, dim: int | None)
         return found, f"{'Δt' if kind == 'step' else 'h'} from column {label}", name
     if any(value <= 0 for value in found):
         return [math.nan if value <= 0 else 1 / value for value in found], label, name
-    growth = [max(b / a, a / b) for a, b in zip(found, found[1:], strict=False)]
+    growth = [max(b / a, a / b) for a, b in pairwise(found)]
     if dim is None and (kind == "total" or (growth and min(growth) >= 3.5)):
         raise OrderError(
             f"column {label} is a count: h = 1/{label} if it counts cells along one side (--dim 1), h = {label}^(-1/2) if it "
@@ -198,7 +218,7 @@ def _printed_ratio(names: list[str], values: dict[str, list[float | None]], erro
                    roles: dict[str, str]) -> float | None:  # fmt: skip
     """The ratio of mesh sizes with which the orders printed beside the errors were computed; None if there is none."""
     logs = []
-    for error, order in zip(names, names[1:], strict=False):
+    for error, order in pairwise(names):
         if error not in errors or roles[order] != "order":
             continue
         for k in range(1, len(errors[error])):
@@ -209,12 +229,14 @@ def _printed_ratio(names: list[str], values: dict[str, list[float | None]], erro
         return None
     middle = math.exp(float(np.median([change / p for change, p in logs])))
     for ratio in (2.0, math.sqrt(2), 1.5, 3.0, 4.0, 10.0):
-        if abs(middle - ratio) < 0.03 * ratio and all(abs(change / math.log(ratio) - p) < 0.02 + 0.01 * abs(p) for change, p in logs):
+        if abs(middle - ratio) < 0.03 * ratio and all(
+            abs(change / math.log(ratio) - p) < 0.02 + 0.01 * abs(p) for change, p in logs
+        ):
             return ratio
     return None
 
 
-def _checked(name: str, cells: list[str], lines: list[int]) -> list[float]:
+def _checked(name: str, cells: list[str], lines: list[int], signed: bool) -> list[float]:
     """The numbers of a column of errors; infinite where the text says nan."""
     found = []
     for cell, line in zip(cells, lines, strict=True):
@@ -222,7 +244,7 @@ def _checked(name: str, cells: list[str], lines: list[int]) -> list[float]:
         if value is None or (math.isnan(value) and "nan" not in cell.lower()):
             what = f"is '{cell}', not a number" if value is None else "is missing"
             raise OrderError(f"line {line}: the entry of {name} {what}")
-        if value < 0:
+        if value < 0 and not signed:
             raise OrderError(f"line {line}: {name} = {cell}, but errors must not be negative: give absolute values")
         found.append(math.inf if math.isnan(value) else value)
     return found

@@ -21,7 +21,9 @@ MAX_BYTES = 8_000_000
 MAX_ROWS = 100_000
 MAX_CELL = 2_000
 UNNAMED = ""
-EXAMPLE = "expected a header such as 'h error' and one line for each mesh, for example 'h,error', '0.5,0.1', '0.25,0.025'"
+EXAMPLE = (
+    "expected a header such as 'h error' and one line for each mesh, for example 'h,error', '0.5,0.1', '0.25,0.025'"
+)
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,9 @@ def decode(data: bytes) -> str:
         OrderError: more than 8 MB, or bytes that are no text.
     """
     if len(data) > MAX_BYTES:
-        raise OrderError(f"it has more than {MAX_BYTES // 10**6} MB: a table of errors has one line for each mesh; {EXAMPLE}")
+        raise OrderError(
+            f"it has more than {MAX_BYTES // 10**6} MB: a table of errors has one line for each mesh; {EXAMPLE}"
+        )
     if data.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         encoding = "utf-16"
     elif len(data) > 3 and data[1::2].count(0) > 0.4 * len(data):
@@ -77,7 +81,9 @@ def decode(data: bytes) -> str:
         if odd is None:
             return text
         line = text[: text.index(odd)].count("\n") + 1
-        raise OrderError(f"line {line} contains the byte {ord(odd):#04x}: a binary file? Save the table as text in UTF-8")
+        raise OrderError(
+            f"line {line} contains the byte {ord(odd):#04x}: a binary file? Save the table as text in UTF-8"
+        )
     raise OrderError("it is not text: save the table as text in UTF-8")
 
 
@@ -103,10 +109,16 @@ def _short(text: str, width: int = 60) -> str:
     return text if len(text) <= width else text[: width - 1] + "…"
 
 
-_RULE = re.compile(r"(?:[\s|+:=_#*~.─━═┼╪┌┐└┘├┤┬┴╞╡╤╧╭╮╯╰╌╍-]|\\[a-z]+rule(?:\[.*?\]|\{.*?\}|\(.*?\))*|\\hline)*(?:\\\\)?")
-_LATEX_LINE = re.compile(r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep|multicolumn\{\d+\}\{[^}]*\}\{[^}]*\}\s*$)")
+_RULE = re.compile(
+    r"(?:[\s|+:=_#*~.─━═┼╪┌┐└┘├┤┬┴╞╡╤╧╭╮╯╰╌╍-]|\\[a-z]+rule(?:\[.*?\]|\{.*?\}|\(.*?\))*|\\hline)*(?:\\\\)?"
+)
+_LATEX_LINE = re.compile(
+    r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep|multicolumn\{\d+\}\{[^}]*\}\{[^}]*\}\s*$)"
+)
 _LATEX_END = re.compile(r"\\\\(?:\[.*?\])?\s*(?:\\[a-z]+(?:\{.*?\}|\[.*?\])*\s*)*$|\\tabularnewline.*$")
-_LATEX_START = re.compile(r"^\s*(?:\\(?:hline|[a-z]+rule|rowcolor\{.*?\}|c(?:mid)?(?:rule|line)(?:\(.*?\))?\{.*?\}|addlinespace)\s*)+")
+_LATEX_START = re.compile(
+    r"^\s*(?:\\(?:hline|[a-z]+rule|rowcolor\{.*?\}|c(?:mid)?(?:rule|line)(?:\(.*?\))?\{.*?\}|addlinespace)\s*)+"
+)
 
 
 def _lines(text: str) -> list[Line]:
@@ -128,7 +140,9 @@ def _lines(text: str) -> list[Line]:
         comment = re.match(r"\s*(?:#+|%+|//|!)[ \t]*(?=[^\d.\s]|\s*[\d.])", line)
         found.append(Line(number, line[comment.end() :] if comment else line, comment is not None))
         if len(found) > MAX_ROWS:
-            raise OrderError(f"it has more than {MAX_ROWS} lines: a table of errors has one line for each mesh; {EXAMPLE}")
+            raise OrderError(
+                f"it has more than {MAX_ROWS} lines: a table of errors has one line for each mesh; {EXAMPLE}"
+            )
     return found
 
 
@@ -196,7 +210,10 @@ def _separator(lines: list[Line]) -> str | None:
         if score > most + 1e-9:
             best, most = separator, score
     for line in lines if best else []:
-        if len(line.text) > MAX_CELL and (longest := max(len(cell) for cell, *_ in _split(line.text, str(best)))) > MAX_CELL:
+        if (
+            len(line.text) > MAX_CELL
+            and (longest := max(len(cell) for cell, *_ in _split(line.text, str(best)))) > MAX_CELL
+        ):
             raise OrderError(f"line {line.number} has a cell of {longest} characters; {EXAMPLE}")
     return best
 
@@ -290,9 +307,7 @@ def _table(
             f"{others}: add a header such as '{(separator if separator != ' ' else ' ').join(['h', *['error'] * (width - 1)])}'"
         )
     caption = " ".join(lines[i].text.strip() for i in above if i not in used)
-    return [
-        RawTable(_FORMS[separator], names, rows, [lines[i].number for i in block], _short(caption, 100), notes)
-    ]
+    return [RawTable(_FORMS[separator], names, rows, [lines[i].number for i in block], _short(caption, 100), notes)]
 
 
 def _aligned(lines: list[Line], split: list[Split], block: list[int], separator: str) -> tuple[list[list[str]], int]:
@@ -315,7 +330,9 @@ def _aligned(lines: list[Line], split: list[Split], block: list[int], separator:
             rows.append(texts + [""] * (width - len(texts)))
         else:
             hint = "; decimal commas? Then separate columns by semicolons" if separator == "," else ""
-            raise OrderError(f"line {lines[i].number}: {len(cells)} entries, expected {width}: '{_short(lines[i].text.strip())}'{hint}")
+            raise OrderError(
+                f"line {lines[i].number}: {len(cells)} entries, expected {width}: '{_short(lines[i].text.strip())}'{hint}"
+            )
     return rows, width
 
 
@@ -332,7 +349,13 @@ def _place(cells: Split, model: Split) -> list[str] | None:
 
 
 def _header(
-    lines: list[Line], split: list[Split], above: list[int], rows: list[list[str]], width: int, separator: str, cells: list[Split]
+    lines: list[Line],
+    split: list[Split],
+    above: list[int],
+    rows: list[list[str]],
+    width: int,
+    separator: str,
+    cells: list[Split],
 ) -> tuple[list[str], list[int]]:
     """Names of the columns and the lines they stand in; no names if no line fits."""
     for i in reversed(above):
@@ -418,13 +441,17 @@ def _transposed(lines: list[Line], split: list[Split], separator: str) -> list[R
         texts = [cell for cell, *_ in cells]
         while texts and not texts[-1] and separator != "|":
             texts.pop()
-        first = next((k for k, cell in enumerate(texts) if k and (_is_number(cell) or (cell and _is_missing(cell)))), None)
+        first = next(
+            (k for k, cell in enumerate(texts) if k and (_is_number(cell) or (cell and _is_missing(cell)))), None
+        )
         if first is None or line.is_comment or _is_number(texts[0]) or (separator != " " and first > 2):
             continue
         values = texts[first:]
         if sum(map(_is_number, values)) >= 2 and all(_is_number(cell) or _is_missing(cell) for cell in values):
             labelled.append((" ".join(texts[:first]).strip(), values, line.number))
-    if not labelled or any(_is_row(line, cells, separator, 0) and _is_number(cells[0][0]) for line, cells in zip(lines, split, strict=True)):
+    if not labelled or any(
+        _is_row(line, cells, separator, 0) and _is_number(cells[0][0]) for line, cells in zip(lines, split, strict=True)
+    ):
         return []
     width = max(len(values) for _, values, _ in labelled)
     if any(_SIZE_LABEL.fullmatch(label) for label, *_ in labelled):
@@ -433,7 +460,9 @@ def _transposed(lines: list[Line], split: list[Split], separator: str) -> list[R
     if any(len(values) != width for _, values, _ in labelled):
         return []
     first_line = labelled[0][2]
-    header = next((cells for line, cells in zip(reversed(lines), reversed(split), strict=True) if line.number < first_line), None)
+    header = next(
+        (cells for line, cells in zip(reversed(lines), reversed(split), strict=True) if line.number < first_line), None
+    )
     named = [_NAMED_SIZE.fullmatch(cell.strip("$ ")) for cell, *_ in header] if header else []
     if header and any(named) and all(found is None or to_number(found["value"]) is not None for found in named):
         places = [k - (len(named) - width) for k, found in enumerate(named) if found]
@@ -462,7 +491,9 @@ def _from_columns(form: str, columns: dict[str, list[str]], line: int) -> RawTab
 
 # Lists, pairs and lines with names.
 
-_LIST = re.compile(r"(?P<name>[^\[\](){}=:\n]{1,80}?)[ \t]*[=:][ \t]*(?:\w[\w.]{0,40}\()?[\[({](?P<values>[^\[\](){}]*)[\])}]")
+_LIST = re.compile(
+    r"(?P<name>[^\[\](){}=:\n]{1,80}?)[ \t]*[=:][ \t]*(?:\w[\w.]{0,40}\()?[\[({](?P<values>[^\[\](){}]*)[\])}]"
+)
 
 
 def _lists(lines: list[Line]) -> list[RawTable]:
@@ -485,7 +516,9 @@ def _lists(lines: list[Line]) -> list[RawTable]:
     return [_from_columns("lists", columns, lines[0].number)]
 
 
-_PAIR = re.compile(r"(?<![\w.])(?P<size>\d[\d.]*(?:[eE][-+]?\d+)?)\s*:\s*(?P<value>[-+]?[\d.]+(?:[eEdD][-+]?\d+)?)(?![\w:])")
+_PAIR = re.compile(
+    r"(?<![\w.])(?P<size>\d[\d.]*(?:[eE][-+]?\d+)?)\s*:\s*(?P<value>[-+]?[\d.]+(?:[eEdD][-+]?\d+)?)(?![\w:])"
+)
 
 
 def _labelled_pairs(lines: list[Line]) -> list[RawTable]:
@@ -500,7 +533,9 @@ def _labelled_pairs(lines: list[Line]) -> list[RawTable]:
         label = line.text[: pairs[0].start()].strip(" \t,:;-{(=") or f"errors {len(columns) + 1}"
         here = [found["size"] for found in pairs]
         if sizes and here != sizes:
-            raise OrderError(f"line {line.number} has the sizes {', '.join(here)}, line {number} has {', '.join(sizes)}; expected the same")
+            raise OrderError(
+                f"line {line.number} has the sizes {', '.join(here)}, line {number} has {', '.join(sizes)}; expected the same"
+            )
         sizes, number = here, line.number
         columns[label] = [found["value"] for found in pairs]
     return [_from_columns("size: error pairs", {UNNAMED: sizes} | columns, number)] if columns else []
@@ -544,7 +579,9 @@ def _without_units(table: RawTable) -> RawTable:
     comma = uses_decimal_commas(cells)
     if comma is None:
         cell = next(cell for cell in cells if "," in cell)
-        raise OrderError(f"'{cell}' may be {cell.replace(',', '.')} or {cell.replace(',', '')}: write it without a comma")
+        raise OrderError(
+            f"'{cell}' may be {cell.replace(',', '.')} or {cell.replace(',', '')}: write it without a comma"
+        )
     columns = []
     for column in zip(*table.rows, strict=True):
         found = [UNIT.fullmatch(cell) for cell in column if not _is_missing(cell)]

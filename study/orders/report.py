@@ -22,7 +22,9 @@ def exit_code(found: Many[Found]) -> int:
     if FAILS in verdicts or HIGHER in verdicts:
         return 1
     judged = [verdict for verdict in verdicts if verdict not in (None, SKIPPED)]
-    asked = any(column.expected is not None or column.at_least is not None for _, columns in found for column in columns)
+    asked = any(
+        column.expected is not None or column.at_least is not None for _, columns in found for column in columns
+    )
     return 3 if UNDECIDED in judged or (asked and not judged) else 0
 
 
@@ -32,16 +34,29 @@ def as_text(found: Many[Found]) -> str:
     every = [column for _, columns in found for column in columns]
     for column in every[:MOST_COLUMNS]:
         verdict = f"{column.verdict}: " if column.verdict else ""
-        lines += textwrap.wrap(f"{column.name}: {verdict}{column.sentence}{_wanted(column)}", 80, subsequent_indent="    ")
+        lines += textwrap.wrap(
+            f"{column.name}: {verdict}{column.sentence}{_wanted(column)}", 80, subsequent_indent="    "
+        )
     if len(every) > MOST_COLUMNS:
-        counts = {word: sum(column.verdict == word for column in every) for word in (HOLDS, FAILS, HIGHER, UNDECIDED, SKIPPED)}
-        lines.append(f"and {len(every) - MOST_COLUMNS} more columns; all: " + ", ".join(f"{n} {w}" for w, n in counts.items() if n))
+        counts = {
+            word: sum(column.verdict == word for column in every) for word in (HOLDS, FAILS, HIGHER, UNDECIDED, SKIPPED)
+        }
+        lines.append(
+            f"and {len(every) - MOST_COLUMNS} more columns; all: "
+            + ", ".join(f"{n} {w}" for w, n in counts.items() if n)
+        )
     for series, columns in found:
-        lines += ["", *textwrap.wrap(series.caption, 80), *textwrap.wrap(_shortened(series), 80, subsequent_indent="    ")]
+        lines += [
+            "",
+            *textwrap.wrap(series.caption, 80),
+            *textwrap.wrap(_shortened(series), 80, subsequent_indent="    "),
+        ]
         for column in columns[:MOST_COLUMNS]:
             lines += ["", column.name[:80], f"  {'h':>12} {'error':>12} {'order':>8}"]
             orders = ("", *(f"{order:.3f}" for order in column.orders))
-            rows = [f"  {h:12.5g} {e:12.5g} {order:>8}" for h, e, order in zip(column.h, column.errors, orders, strict=True)]
+            rows = [
+                f"  {h:12.5g} {e:12.5g} {order:>8}" for h, e, order in zip(column.h, column.errors, orders, strict=True)
+            ]
             skipped = [f"  … {len(rows) - MOST_ROWS} rows left out"] if len(rows) > MOST_ROWS else []
             lines += [*rows[:4], *skipped, *rows[4 - MOST_ROWS :]] if skipped else rows
     return "\n".join(lines)
@@ -66,13 +81,22 @@ def as_json(found: Many[Found]) -> list[dict[str, Any]]:
             above = column.expected
             reasons = [
                 f"above the expected {above:g} by more than {column.tolerance:g}"
-                if above is not None and order > above + column.tolerance and column.kind in ("higher than expected", "converges")
+                if above is not None
+                and order > above + column.tolerance
+                and column.kind in ("higher than expected", "converges")
                 else None
                 for order in column.orders
             ]
             judged = column.h[column.first] if column.last - column.first > 2 else None
             extra = {"asymptotic_from": judged, "too_good": reasons}
-            extra |= {"table": {"caption": series.caption, "form": series.form, "size": series.size, "ignored": series.ignored}}
+            extra |= {
+                "table": {
+                    "caption": series.caption,
+                    "form": series.form,
+                    "size": series.size,
+                    "ignored": series.ignored,
+                }
+            }
             result.append(_finite(asdict(column)) | extra)
     return result
 

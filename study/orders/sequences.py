@@ -176,7 +176,13 @@ def _diagnose(h: Array, e: Array, window: tuple[float, float] | None, t: float) 
     n = len(e)
     if not np.isfinite(e).all():
         where = h[np.flatnonzero(~np.isfinite(e))[0]]
-        return 0, n, "not finite", f"the error is not finite for h = {where:.5g}: the computation broke down there", FAILS
+        return (
+            0,
+            n,
+            "not finite",
+            f"the error is not finite for h = {where:.5g}: the computation broke down there",
+            FAILS,
+        )
     if not e.any():
         return 0, n, "exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED
     zero = np.flatnonzero(e == 0)
