@@ -65,7 +65,7 @@ def _values(indices: dict[str, GridConvergence], as_json: bool) -> str:
     for name, found in indices.items():
         line = f"{name}: {found.kind}"
         if found.extrapolated == found.extrapolated:
-            line += f", order {found.order:.2f}, extrapolated {found.extrapolated:.6g}, GCI {found.index:.2%} on the finest mesh"
+            line += f", order {found.order:.2f}, extrapolated {found.extrapolated:.6g}, GCI {found.index:.2%} on the finest mesh"  # noqa: E501
         lines.append(line)
     return "\n".join(lines)
 

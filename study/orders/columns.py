@@ -13,7 +13,7 @@ from study.orders.errors import OrderError
 from study.orders.numbers import to_number
 from study.orders.reading import RawTable
 
-_SIZE = r"h|h ?max|h ?min|d[xyz]|δ ?[xyz]|delta ?[xyz]|(?:mesh|grid|cell|element) ?(?:size|width|spacing)|spacing|resolution (?:k?m|deg)|1/n"
+_SIZE = r"h|h ?max|h ?min|d[xyz]|δ ?[xyz]|delta ?[xyz]|(?:mesh|grid|cell|element) ?(?:size|width|spacing)|spacing|resolution (?:k?m|deg)|1/n"  # noqa: E501
 _COUNT = r"n|n ?[xyz]|1/h|resolution|cells per (?:side|unit length|direction)"
 _TOTAL = (
     r"(?:n |n|number of |no of |total )?(?:(?:active )?cells|elements|elems?|dofs?|unknowns|nodes|points|vertices|"
@@ -21,12 +21,12 @@ _TOTAL = (
 )
 _STEP = r"dt|δ ?t|delta ?t|tau|τ|time ?step(?: size)?|step ?size"
 _LEVEL = r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine"
-_ORDER = r"\b(?:e?oc|eoc|orders?|rates?|roc|ooc|slope|ratio|reduction|log2|ordnung|ordre|konvergenzrate)\b|^(?:p|q|r|conv|red)$"
+_ORDER = r"\b(?:e?oc|eoc|orders?|rates?|roc|ooc|slope|ratio|reduction|log2|ordnung|ordre|konvergenzrate)\b|^(?:p|q|r|conv|red)$"  # noqa: E501
 _METHOD = r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|sixth) orders?$"
 _ERROR = r"err|fehler|erreur|norm|l ?(?:1|2|inf|∞)\b|h ?[12]\b|linf|l∞|rmse|mae|\|"
 _OTHER = (
-    r"\b(?:time|times|cpu|wall|runtime|elapsed|seconds|mem|memory|cond|condition|kappa|nnz|iter|iters|iteration|iterations|"
-    r"its|niter|newton|cg|gmres|degree|deg|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|row|id|seed|"
+    r"\b(?:time|times|cpu|wall|runtime|elapsed|seconds|mem|memory|cond|condition|kappa|nnz|iter|iters|iteration|iterations|"  # noqa: E501
+    r"its|niter|newton|cg|gmres|degree|deg|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|row|id|seed|"  # noqa: E501
     r"steps?|expected|theory|cells|dofs?|ndofs?|elements|nodes|points|step|mesh|grid)\b|^(?:t|i|j|k|#|no|nr|)$"
 )
 
@@ -96,7 +96,7 @@ def choose(table: RawTable, dim: int | None = None, size: str | None = None, rat
             and (reason := _is_counter(numbers))
         ):
             roles[name] = reason
-        if roles[name] == "count" and numbers in ([float(k + j) for k in range(len(numbers))] for j in (0, 1)):
+        if roles[name] == "count" and numbers in [list(map(float, range(j, j + len(numbers)))) for j in (0, 1)]:
             roles[name] = (
                 "other"
                 if any(role(other) in ("size", "count", "total") for other in names if other != name)
@@ -127,7 +127,7 @@ def choose(table: RawTable, dim: int | None = None, size: str | None = None, rat
         ratio = _printed_ratio(names, values, errors, roles)
         if ratio is None:
             raise OrderError(
-                f"no column is a mesh size; seen: {', '.join(filter(None, names))}. Give --ratio 2 if each mesh is twice as "
+                f"no column is a mesh size; seen: {', '.join(filter(None, names))}. Give --ratio 2 if each mesh is twice as "  # noqa: E501
                 "fine as the one above, or --in NAME for the column of sizes"
             )
         sizes, words = _from_ratio(ratio, len(table.rows)), f"ratio {ratio:g}, which follows from the printed orders"
@@ -138,7 +138,7 @@ def choose(table: RawTable, dim: int | None = None, size: str | None = None, rat
         if value in sizes[:k]:
             raise OrderError(
                 f"line {table.lines[k]}: {size_name} = {cells[size_name][k]} stands in line "
-                f"{table.lines[sizes.index(value)]} already, expected another size on every mesh: remove one of the rows"
+                f"{table.lines[sizes.index(value)]} already, expected another size on every mesh: remove one of the rows"  # noqa: E501
             )
     return Series(sizes, errors, words, ignored, table.caption, table.form)
 
@@ -175,7 +175,7 @@ def _sizes(names: list[str], values: dict[str, list[float | None]], roles: dict[
         if not all(value == k or value == k + 1 for k, value in enumerate(values[""])):
             first = values[""][0]
             raise OrderError(
-                f"the sizes {first:g}, … have no name: give --in n if they count cells per side, --in h if they are lengths"
+                f"the sizes {first:g}, … have no name: give --in n if they count cells per side, --in h if they are lengths"  # noqa: E501
             )
     for kind in ("size", "count", "total", "step"):
         found = [name for name in names if roles[name] == kind and len(set(values[name])) > 1]
@@ -202,7 +202,7 @@ def _convert(name: str, numbers: list[float | None], kind: str, dim: int | None)
     growth = [max(b / a, a / b) for a, b in pairwise(found)]
     if dim is None and (kind == "total" or (growth and min(growth) >= 3.5)):
         raise OrderError(
-            f"column {label} is a count: h = 1/{label} if it counts cells along one side (--dim 1), h = {label}^(-1/2) if it "
+            f"column {label} is a count: h = 1/{label} if it counts cells along one side (--dim 1), h = {label}^(-1/2) if it "  # noqa: E501
             f"counts all cells or unknowns in the plane (--dim 2), {label}^(-1/3) in space (--dim 3); give --dim"
         )
     power = dim or 1

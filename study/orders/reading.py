@@ -124,7 +124,8 @@ _LATEX_START = re.compile(
 def _lines(text: str) -> list[Line]:
     """The lines with content, without colours, quote marks, rules and LaTeX commands that draw."""
     text = re.sub(r"\x1b\[[0-9;]*[A-Za-z]", "", text)
-    text = text.translate(str.maketrans({"│": "|", "┃": "|", "║": "|", "┆": "|", "\u200b": None, "\ufeff": None}))
+    signs: dict[str, str | int | None] = {"│": "|", "┃": "|", "║": "|", "┆": "|", "\u200b": None, "\ufeff": None}
+    text = text.translate(str.maketrans(signs))
     raw = re.split(r"\r\n|\r|\n", text)
     quoted = sum(line.lstrip().startswith("> ") for line in raw)
     found = []
@@ -165,7 +166,7 @@ def _split(line: str, separator: str) -> Split:
             cells = line.strip().split(separator)
     elif separator == "|":
         norms: list[str] = []
-        protected = _NORM.sub(lambda found: norms.append(found[0]) or f"\0{len(norms) - 1}\0", line)  # type: ignore[func-returns-value]
+        protected = _NORM.sub(lambda found: norms.append(found[0]) or f"\0{len(norms) - 1}\0", line)  # type: ignore[func-returns-value]  # noqa: E501
         if norms and protected.strip("\0 0123456789"):
             cells = re.sub(r"^\s*\||\|\s*$", "", protected).split("|")
             cells = [re.sub("\0(\\d+)\0", lambda found: norms[int(found[1])], cell) for cell in cells]
@@ -304,7 +305,7 @@ def _table(
         others = f"; the line above is '{_short(lines[above[-1]].text.strip())}'" if above else ""
         raise OrderError(
             f"line {lines[block[0]].number}, '{first}', has {width} numbers, but no line above names {width} columns"
-            f"{others}: add a header such as '{(separator if separator != ' ' else ' ').join(['h', *['error'] * (width - 1)])}'"
+            f"{others}: add a header such as '{(separator if separator != ' ' else ' ').join(['h', *['error'] * (width - 1)])}'"  # noqa: E501
         )
     caption = " ".join(lines[i].text.strip() for i in above if i not in used)
     return [RawTable(_FORMS[separator], names, rows, [lines[i].number for i in block], _short(caption, 100), notes)]
@@ -331,7 +332,7 @@ def _aligned(lines: list[Line], split: list[Split], block: list[int], separator:
         else:
             hint = "; decimal commas? Then separate columns by semicolons" if separator == "," else ""
             raise OrderError(
-                f"line {lines[i].number}: {len(cells)} entries, expected {width}: '{_short(lines[i].text.strip())}'{hint}"
+                f"line {lines[i].number}: {len(cells)} entries, expected {width}: '{_short(lines[i].text.strip())}'{hint}"  # noqa: E501
             )
     return rows, width
 
@@ -383,7 +384,7 @@ def _names(text: str, cells: Split, rows: list[list[str]], width: int, separator
             return re.split(r"\s{2,}", text.strip())
         words = text.split()
         return words if len(words) == width and separator != "," else None
-    indexed = [to_number(row[0]) for row in rows] in ([float(i + k) for i in range(len(rows))] for k in (0, 1))
+    indexed = [to_number(row[0]) for row in rows] in [list(map(float, range(k, k + len(rows)))) for k in (0, 1)]
     primary = [k for k in range(width) if not _is_missing(rows[0][k])]
     wide = re.split(r"\s{2,}|\t", text.strip())
     for words in (wide, texts):
@@ -428,7 +429,7 @@ def _grouped(group: Split, cells: Split, text: str, names: list[str], separator:
 # Transposed tables: one line for each quantity.
 
 _SIZE_LABEL = re.compile(
-    r"(?i)\W*(?:h|h_?max|dx|dy|Δx|\\?delta[ _]?x|mesh[ _-]?(?:size|width)|n|nx|cells|elements|n?dofs?|dt|Δt|tau|τ|resolution|"
+    r"(?i)\W*(?:h|h_?max|dx|dy|Δx|\\?delta[ _]?x|mesh[ _-]?(?:size|width)|n|nx|cells|elements|n?dofs?|dt|Δt|tau|τ|resolution|"  # noqa: E501
     r"number of (?:cells|elements|dofs|points|unknowns))\W*(?:\[.*\]|\(.*\))?\W*"
 )
 _NAMED_SIZE = re.compile(r"(?P<name>[^\W\d][\w ]*|Δx|Δt)\s*=\s*(?P<value>.+)")
@@ -534,7 +535,7 @@ def _labelled_pairs(lines: list[Line]) -> list[RawTable]:
         here = [found["size"] for found in pairs]
         if sizes and here != sizes:
             raise OrderError(
-                f"line {line.number} has the sizes {', '.join(here)}, line {number} has {', '.join(sizes)}; expected the same"
+                f"line {line.number} has the sizes {', '.join(here)}, line {number} has {', '.join(sizes)}; expected the same"  # noqa: E501
             )
         sizes, number = here, line.number
         columns[label] = [found["value"] for found in pairs]

@@ -88,7 +88,7 @@ def as_json(found: Many[Found]) -> list[dict[str, Any]]:
                 for order in column.orders
             ]
             judged = column.h[column.first] if column.last - column.first > 2 else None
-            extra = {"asymptotic_from": judged, "too_good": reasons}
+            extra: dict[str, Any] = {"asymptotic_from": judged, "too_good": reasons}
             extra |= {
                 "table": {
                     "caption": series.caption,

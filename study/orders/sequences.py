@@ -35,7 +35,7 @@ class Sequence:
         first, last: range of the judged levels, as for a slice.
         kind: diagnosis in a word or two. sentence: the same as a sentence.
         expected, at_least, tolerance: what was asked for.
-        verdict: holds, fails, undecided, higher (than expected), skipped (exactly zero), or None without an expectation.
+        verdict: holds, fails, undecided, higher (than expected), skipped (exactly zero), or None without an expectation.  # noqa: E501
     """
 
     name: str

@@ -19,7 +19,7 @@ class GridConvergence:
 
     Attributes:
         kind: monotone, oscillating, diverging or equal values.
-        order: apparent order. extrapolated: value for h → 0. index: grid convergence index of the finest mesh, relative.
+        order: apparent order. extrapolated: value for h → 0. index: grid convergence index of the finest mesh, relative.  # noqa: E501
     """
 
     kind: str
