@@ -56,8 +56,10 @@ def parser() -> argparse.ArgumentParser:
     _spread(seeds)
     rates = add("rates", "rates", "observed orders of any table of errors")
     rates.add_argument("file", type=Path, metavar="FILE", help="a table in nearly any form; - is standard input")
-    rates.add_argument("--expected", metavar="P|NAME=P,...", help="judge the orders against this one, two-sided")
-    rates.add_argument("--at-least", metavar="P|NAME=P,...", help="judge the orders against a least one")
+    rates.add_argument(
+        "--expected", type=_orders, metavar="P|NAME=P,...", help="judge the orders against this one, two-sided"
+    )
+    rates.add_argument("--at-least", type=_orders, metavar="P|NAME=P,...", help="judge the orders against a least one")
     rates.add_argument("--tolerance", type=_finite, default=0.15, metavar="T", help="of --expected (default 0.15)")
     rates.add_argument("--columns", metavar="NAME,...", help="columns of errors (default: all that are found)")
     rates.add_argument("--in", dest="size", metavar="NAME", help="column of sizes, for example dt")
@@ -165,6 +167,14 @@ def _out(command: argparse.ArgumentParser, default: str = "results", *also: str)
 
 def _json(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", action="store_true", help="as JSON")
+
+
+def _orders(text: str) -> float | dict[str, float]:
+    """``2``, or ``L2=2,H1=1`` as name ↦ order."""
+    if "=" not in text:
+        return _finite(text)
+    pairs = [part.rpartition("=") for part in text.split(",")]
+    return {name.strip(): _finite(value) for name, _, value in pairs}
 
 
 def _finite(text: str) -> float:

@@ -19,7 +19,7 @@ from study.orders.values import GridConvergence, grid_convergence
 
 def do_rates(options: argparse.Namespace) -> int:
     """``study rates``."""
-    expected, at_least = _wishes(options.expected, "--expected"), _wishes(options.at_least, "--at-least")
+    expected, at_least = _wishes(options.expected), _wishes(options.at_least)
     columns = options.columns.split(",") if options.columns else None
     if options.dim is not None and not 1 <= options.dim <= 3:
         raise OrderError(f"--dim must be 1, 2 or 3, got {options.dim}")
@@ -82,16 +82,9 @@ def _read(file: Path) -> bytes:
         return stream.read(MAX_BYTES + 1)
 
 
-def _wishes(text: str | None, option: str) -> dict[str, float]:
-    """``2`` or ``L2=2,H1=1`` as name ↦ order; the empty name stands for all columns."""
-    wishes = {}
-    for part in text.split(",") if text else []:
-        name, _, value = part.rpartition("=")
-        try:
-            wishes[name.strip()] = float(value)
-        except ValueError:
-            raise OrderError(f"{option} {text}: expected a number, or NAME=NUMBER,NAME=NUMBER") from None
-    return wishes
+def _wishes(wanted: float | dict[str, float] | None) -> dict[str, float]:
+    """Name ↦ order; the empty name stands for all columns."""
+    return wanted if isinstance(wanted, dict) else {} if wanted is None else {"": wanted}
 
 
 def _of(wishes: dict[str, float], name: str) -> float | None:

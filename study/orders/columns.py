@@ -25,8 +25,8 @@ _ORDER = r"\b(?:e?oc|eoc|orders?|rates?|roc|ooc|slope|ratio|reduction|log2|ordnu
 _METHOD = r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|sixth) orders?$"
 _ERROR = r"err|fehler|erreur|norm|l ?(?:1|2|inf|∞)\b|h ?[12]\b|linf|l∞|rmse|mae|\|"
 _OTHER = (
-    r"\b(?:time|times|cpu|wall|runtime|elapsed|seconds|mem|memory|cond|condition|kappa|nnz|iter|iters|iteration|iterations|"  # noqa: E501
-    r"its|niter|newton|cg|gmres|degree|deg|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|row|id|seed|"  # noqa: E501
+    r"\b(?:time|times|cpu|wall|runtime|elapsed|seconds|mem|memory|cond|condition|kappa|nnz|iter|iters|iteration|iterations|"
+    r"its|niter|newton|cg|gmres|degree|deg|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|row|id|seed|"
     r"steps?|expected|theory|cells|dofs?|ndofs?|elements|nodes|points|step|mesh|grid)\b|^(?:t|i|j|k|#|no|nr|)$"
 )
 
@@ -171,12 +171,12 @@ def _sizes(names: list[str], values: dict[str, list[float | None]], roles: dict[
         names[:1] == [""]
         and roles[""] == "other"
         and not any(role in ("size", "count", "total", "step") for role in roles.values())
+        and not all(value == k or value == k + 1 for k, value in enumerate(values[""]))
     ):
-        if not all(value == k or value == k + 1 for k, value in enumerate(values[""])):
-            first = values[""][0]
-            raise OrderError(
-                f"the sizes {first:g}, … have no name: give --in n if they count cells per side, --in h if they are lengths"  # noqa: E501
-            )
+        first = values[""][0]
+        raise OrderError(
+            f"the sizes {first:g}, … have no name: give --in n if they count cells per side, --in h if they are lengths"
+        )
     for kind in ("size", "count", "total", "step"):
         found = [name for name in names if roles[name] == kind and len(set(values[name])) > 1]
         if len(found) > 1 and kind == "size" and len(set(map(str.lower, found))) < len(found):

@@ -166,7 +166,7 @@ def _split(line: str, separator: str) -> Split:
             cells = line.strip().split(separator)
     elif separator == "|":
         norms: list[str] = []
-        protected = _NORM.sub(lambda found: norms.append(found[0]) or f"\0{len(norms) - 1}\0", line)  # type: ignore[func-returns-value]  # noqa: E501
+        protected = _NORM.sub(lambda found: norms.append(found[0]) or f"\0{len(norms) - 1}\0", line)  # type: ignore[func-returns-value]
         if norms and protected.strip("\0 0123456789"):
             cells = re.sub(r"^\s*\||\|\s*$", "", protected).split("|")
             cells = [re.sub("\0(\\d+)\0", lambda found: norms[int(found[1])], cell) for cell in cells]

@@ -33,9 +33,9 @@ class Sequence:
         extrapolated: order extrapolated from the three finest judged levels; NaN without three.
         limit: a of a + C h^p through the last three judged levels; NaN if there is no such fit.
         first, last: range of the judged levels, as for a slice.
-        kind: diagnosis in a word or two. sentence: the same as a sentence.
+        kind, sentence: the diagnosis in a word or two, and as a sentence.
+        verdict: holds, fails, undecided, higher (than expected), skipped (exactly zero); None without an expectation.
         expected, at_least, tolerance: what was asked for.
-        verdict: holds, fails, undecided, higher (than expected), skipped (exactly zero), or None without an expectation.  # noqa: E501
     """
 
     name: str

@@ -19,7 +19,9 @@ class GridConvergence:
 
     Attributes:
         kind: monotone, oscillating, diverging or equal values.
-        order: apparent order. extrapolated: value for h → 0. index: grid convergence index of the finest mesh, relative.  # noqa: E501
+        order: apparent order.
+        extrapolated: value for h → 0.
+        index: grid convergence index of the finest mesh, relative.
     """
 
     kind: str
