@@ -55,9 +55,20 @@ def parser() -> argparse.ArgumentParser:
     seeds.add_argument("--seeds", type=int, metavar="N", help="at most so many fresh ones")
     seeds.add_argument("--seed", type=int, metavar="N", help="measure this one again, add nothing")
     _spread(seeds)
-    rates = add("rates", "rates", "orders of a published or foreign error table")
-    rates.add_argument("file", type=Path, metavar="FILE.csv", help="columns h or n, and one or more of errors")
-    rates.add_argument("--expected", type=_finite, metavar="P", help="judge the orders against this one")
+    rates = add("rates", "rates", "observed orders of any table of errors")
+    rates.add_argument("file", type=Path, metavar="FILE", help="a table in nearly any form; - is standard input")
+    rates.add_argument(
+        "--expected", type=_orders, metavar="P|NAME=P,...", help="judge the orders against this one, two-sided"
+    )
+    rates.add_argument("--at-least", type=_orders, metavar="P|NAME=P,...", help="judge the orders against a least one")
+    rates.add_argument("--tolerance", type=_finite, default=0.15, metavar="T", help="of --expected (default 0.15)")
+    rates.add_argument("--columns", metavar="NAME,...", help="columns of errors (default: all that are found)")
+    rates.add_argument("--in", dest="size", metavar="NAME", help="column of sizes, for example dt")
+    rates.add_argument("--dim", type=int, metavar="D", help="dimension, where sizes are counts of cells or unknowns")
+    rates.add_argument("--ratio", type=_finite, metavar="R", help="ratio of mesh sizes from row to row")
+    rates.add_argument("--values", action="store_true", help="columns are values, no errors: grid convergence index")
+    rates.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
+    rates.add_argument("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table")
     _json(rates)
     _bound(add("bound", "bound", "enclose the error of a computed displacement, exact solution or not"))
     certify = "bounds of errors as a theorem, with a certificate that a program of its own checks"
@@ -173,6 +184,14 @@ def _out(command: argparse.ArgumentParser, default: str = "results", *also: str)
 
 def _json(command: argparse.ArgumentParser) -> None:
     command.add_argument("--json", action="store_true", help="as JSON")
+
+
+def _orders(text: str) -> float | dict[str, float]:
+    """``2``, or ``L2=2,H1=1`` as name ↦ order."""
+    if "=" not in text:
+        return _finite(text)
+    pairs = [part.rpartition("=") for part in text.split(",")]
+    return {name.strip(): _finite(value) for name, _, value in pairs}
 
 
 def _finite(text: str) -> float:

@@ -18,10 +18,10 @@ from study.ledger.datafiles import DataError
 from study.ledger.errors import JobsError, UsageError
 from study.ledger.files import StoreError, disk_full
 from study.ledger.orders import RatesError
-from study.ledger.published import TableError
+from study.orders import OrderError
 
 OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
-OF_FILES = (DataError, RatesError, StoreError, TableError)
+OF_FILES = (DataError, OrderError, RatesError, StoreError)
 REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, NormError, UsageError)
 """Errors that say what was given, what was expected and how to mend it."""
 

@@ -262,7 +262,9 @@ SQUARE = unit_square()
         (
             Data.formulas(
                 SQUARE,
-                KelvinVoigt(isotropic(1, 1), Linear(isotropic(1, 1).matrix, layers((1.0, 0.0), 0.5, 2.0)), "layers of G"),
+                KelvinVoigt(
+                    isotropic(1, 1), Linear(isotropic(1, 1).matrix, layers((1.0, 0.0), 0.5, 2.0)), "layers of G"
+                ),
                 f0=(0, 0),
             ),
             "varies in x",

@@ -1,0 +1,92 @@
+"""Numbers as people write them: 1.2D-3, 1,5e-3, 1.2×10⁻³, 1/8, 5 %, −0.5, 1 024, $\\num{1e-3}$."""
+
+from __future__ import annotations
+
+import math
+import re
+
+MISSING = re.compile(r"(?i)(?:[-–—−_*.…~/\\]*|n/?a|none|null|missing)")
+"""A cell without a number: empty, dashes, n/a."""
+THOUSANDS = re.compile(r"[-+]?[1-9]\d{0,2}(?:,\d{3})+(?:\.\d*)?")
+DECIMAL_COMMA = re.compile(r"[-+−]?\d*,\d+(?:[eEdD][-+−]?\d+)?\s*%?")
+UNIT = re.compile(r"(?P<number>.*[\d.])\s*(?P<unit>[kcmnµu]?m|[mµu]?s|min|[kMG]i?B|°|deg|[kM]?Pa|N)")
+
+_DASHES = str.maketrans("−–‐‑⁻", "-----", "\u00a0\u202f\u2009`$")
+_SUPERSCRIPTS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
+_SUPERSCRIPT = re.compile(r"[⁺⁻]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+_LATEX = re.compile(r"\\(?:num|mathbf|textbf|bf|boldsymbol|mathrm|text|underline)\s*\{(.*)\}")
+_LATEX_FRACTION = re.compile(r"\\[dt]?frac\s*\{([^{}]*)\}\s*\{([^{}]*)\}")
+_TIMES_TEN = re.compile(r"\s*(?:×|\\times|\\cdot|·|\*|(?<=\d)\s*[xX])\s*10\s*(?:\^|\*\*)\s*[{(]?\s*([-+]?\d+)\s*[})]?")
+_POWER = re.compile(r"(\d+(?:\.\d*)?)\s*(?:\^|\*\*)\s*[{(]?\s*([-+]?\d+)\s*[})]?")
+_FORTRAN = re.compile(r"(?<=[\d.])[dDqQ](?=[-+]?\d)")
+_NO_LETTER = re.compile(r"([-+]?\d*\.\d+)([-+]\d{3})")
+_GROUPED = re.compile(r"[-+]?\d{1,3}(?:[ '’]\d{3})+(?:\.\d*)?")
+_REMARK = re.compile(r"(.*[\d.%])\s*(?:\([^()]*\)|±.*|\+/-.*|\\pm.*)")
+
+
+def to_number(cell: str, decimal_comma: bool = False) -> float | None:
+    """The number in a cell; NaN for a missing one, None for text.
+
+    Parameters:
+        cell: the text, with blanks around it or not.
+        decimal_comma: whether ``1,5`` is 1.5 and ``1.024`` is 1024.
+    """
+    try:
+        # Most cells are plain; 1,5 is none.
+        return float(cell)
+    except ValueError:
+        pass
+    if len(cell) > 100:
+        return None
+    text = _SUPERSCRIPT.sub(lambda found: "^" + found[0].translate(_SUPERSCRIPTS), cell)
+    text = text.translate(_DASHES).strip().strip("*'\"").strip()
+    if MISSING.fullmatch(text):
+        return math.nan
+    text = _LATEX_FRACTION.sub(r"\1/\2", text).replace("{,}", ",").replace("\\,", "").replace("∞", "inf")
+    while found := _LATEX.fullmatch(text):
+        text = found[1].strip()
+    if decimal_comma:
+        text = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", text).replace(",", ".")
+    if found := _REMARK.fullmatch(text):
+        text = found[1].strip()
+    scale = 1.0
+    if text.endswith("%"):
+        text, scale = text.rstrip("%").rstrip("\\ "), 0.01
+    if THOUSANDS.fullmatch(text):
+        text = text.replace(",", "")
+    if _GROUPED.fullmatch(text):
+        text = re.sub(r"[ '’]", "", text)
+    value = _fraction(_TIMES_TEN.sub(r"e\1", text))
+    return None if value is None else scale * value
+
+
+def _fraction(text: str) -> float | None:
+    numerator, slash, denominator = text.partition("/")
+    above, below = _plain(numerator), _plain(denominator) if slash else 1.0
+    return None if above is None or below in (None, 0.0) else above / below  # type: ignore[operator]
+
+
+def _plain(text: str) -> float | None:
+    text = text.strip()
+    if found := _POWER.fullmatch(text):
+        try:
+            return math.pow(float(found[1]), int(found[2]))
+        except (OverflowError, ValueError):
+            return None
+    text = _FORTRAN.sub("e", text)
+    if found := _NO_LETTER.fullmatch(text):
+        text = f"{found[1]}e{found[2]}"
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def uses_decimal_commas(cells: list[str]) -> bool | None:
+    """Whether commas in these cells are decimal ones; None if 1,024 may be 1.024 as well as 1024."""
+    commas = [cell for cell in map(str.strip, cells) if "," in cell]
+    if any(DECIMAL_COMMA.fullmatch(cell) and not THOUSANDS.fullmatch(cell) for cell in commas):
+        return True
+    grouped = any(THOUSANDS.fullmatch(cell) for cell in commas)
+    # Commas are thousands if points are decimal.
+    return None if grouped and not any(re.search(r"\d\.\d|\.\d", cell) for cell in cells) else False

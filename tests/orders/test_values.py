@@ -1,0 +1,72 @@
+"""The worked examples of Celik et al. (2008), and the library."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from study.orders import assert_order, check_orders
+from study.orders.values import grid_convergence
+
+
+@pytest.mark.parametrize(
+    ("cells", "values", "kind", "order", "extrapolated", "index"),
+    [
+        ((18000, 8000, 4500), (6.063, 5.972, 5.863), "monotone", 1.53, 6.1685, 0.022),
+        ((18000, 4500, 980), (10.7880, 10.7250, 10.6050), "monotone", 0.75, 10.8801, 0.011),
+        ((18000, 4500, 980), (6.0042, 5.9624, 6.0909), "oscillating", 1.51, 6.0269, 0.005),
+    ],
+)
+def test_published_examples(cells, values, kind, order, extrapolated, index) -> None:
+    found = grid_convergence(np.array(cells) ** -0.5, values)
+    assert found.kind == kind
+    assert found.order == pytest.approx(order, abs=0.01)
+    assert found.extrapolated == pytest.approx(extrapolated, abs=1e-3)
+    assert found.index == pytest.approx(index, abs=6e-4)
+
+
+def test_values_that_diverge_and_values_that_are_equal() -> None:
+    assert grid_convergence([4, 2, 1], [1.0, 1.1, 1.5]).kind == "diverging"
+    assert grid_convergence([4, 2, 1], [1.0, 1.1, 1.1]).kind == "equal values"
+
+
+def test_a_broken_solver_fails_the_assertion() -> None:
+    h = [0.5, 0.25, 0.125, 0.0625]
+    assert assert_order(h, np.square(h), expected=2).order == pytest.approx(2)
+    with pytest.raises(AssertionError, match="fails"):
+        assert_order(h, h, expected=2)
+    found = check_orders(h, {"L2": np.square(h), "H1": h}, expected={"L2": 2, "H1": 1})
+    assert [column.verdict for column in found.values()] == ["holds", "holds"]
+    assert "<table>" in found["L2"]._repr_html_()
+
+
+PROJECT = """
+def test_order(convergence_orders):
+    convergence_orders("L2", [0.5, 0.25, 0.125], {errors}, expected=2)
+"""
+
+
+@pytest.mark.parametrize(("errors", "code"), [([1, 0.25, 0.0625], 0), ([1, 0.5, 0.25], 1)])
+def test_the_plugin_turns_red_when_a_solver_loses_its_order(errors, code, tmp_path) -> None:
+    import subprocess
+    import sys
+    from pathlib import Path
+
+    (tmp_path / "test_it.py").write_text(PROJECT.format(errors=errors))
+    root = str(Path(__file__).parents[2])
+    command = [
+        sys.executable,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "pytest_convergence_orders",
+        "--rootdir",
+        str(tmp_path),
+        "test_it.py",
+    ]
+    done = subprocess.run(
+        command, cwd=tmp_path, env={"PYTHONPATH": root, "PATH": ""}, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == code, done.stdout + done.stderr
+    assert "observed orders" in done.stdout
