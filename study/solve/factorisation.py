@@ -51,6 +51,8 @@ class Cholesky:
         if not ((pivots > 0).all() and np.array_equal(factors.perm_r, np.arange(len(order)))):
             raise np.linalg.LinAlgError("the matrix is not positive definite, so it has no Cholesky factor")
         L = sps.csc_array(factors.L @ sps.diags_array(np.sqrt(pivots)))
+        # Free L₁ and U before the next matrix is made: they take most of the memory.
+        del factors
         count = len(order) - len(last)
         self.trailing = L[count:, count:].toarray()
         self._triangular = superlu(L)

@@ -4,7 +4,7 @@ The estimates are a base plus what grows with the level n, which is the factor o
 numbers in the plane, n⁴ in space, n³ where multigrid takes its place. Constants are rounded up from peaks of the
 resident size with one thread, here in MiB beyond the base:
 
-    displacement   n = 96: 81; n = 128: 139, criss-cross 275, unstructured 366, shaken 417; n = 256: 547, shaken 1605,
+    displacement   n = 96: 81; n = 128: 139, criss-cross 275, unstructured 366, shaken 417; n = 256: 827, shaken 1542,
                    with two steps, so that hardly any amplitudes are kept ahead of their time;
                    in space n = 12: 60, 24: 1440, shaken n = 12: 390, 18: 1220; by multigrid n = 36: 2250, 48: 4100,
                    shaken 6300 and 15000, since no two cells share points of quadrature, 2500 and 5900 of it without
@@ -45,7 +45,7 @@ def displacement(dim: int, n: int, family: str) -> float:
     # Where all cells are alike, they share most of what is kept of them.
     alike = family in ("one-diagonal", "criss-cross")
     if dim == 2:
-        return BASE + AHEAD * min(1, n / FULL) + (1.1 if alike else 3.2) * KIB * n**2 * log2(n) * cells(family)
+        return BASE + AHEAD * min(1, n / FULL) + (1.6 if alike else 3.2) * KIB * n**2 * log2(n) * cells(family)
     if dim * (n + 1) ** dim > FACTORED[dim]:
         return BASE + (50 if alike else 144) * KIB * n**3
     return BASE + (6 if alike else 21) * KIB * n**4
