@@ -140,10 +140,10 @@ def forces_times(factor: float, S: sps.csc_array, N: sps.csr_array) -> ContactSo
 
 
 class Distant(Signorini):
-    """Contact at a distance of a thousandth from the foundation: v_ν ≤ −10⁻³ in place of v_ν ≤ 0."""
+    """Contact at a distance of 0.03 from the foundation: v_ν ≤ −0.03 in place of v_ν ≤ 0."""
 
     def complementarity(self, gap: Array) -> Array:
-        return super().complementarity(gap + 1e-3)
+        return super().complementarity(gap + 0.03)
 
 
 def distant(setup: Experiment) -> Experiment:
