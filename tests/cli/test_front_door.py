@@ -18,7 +18,6 @@ from manufactured import BodyError, Data, FormulaError, KelvinVoigt, Kind, LawEr
 from manufactured.jet import Jet
 from manufactured.symbols import pos, s, t
 from study.bound.ranges import Boxes
-from study.bound.univariate import RangeError
 from study.cli.arguments import FAMILIES as FAMILY_NAMES
 from study.cli.arguments import SCHEMES as SCHEME_NAMES
 from study.cli.arguments import TOLERANCE, parser
@@ -127,9 +126,10 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(
     assert len(told.splitlines()) == 1
 
 
-def test_a_kink_in_the_data_of_a_bound_is_answered_with_pos_where_it_costs_the_guarantee() -> None:
-    with pytest.raises(RangeError, match=r"known are powers and .*; instead of Max\(0, s\) write pos\(s, 1\)"):
-        Boxes({s: (np.zeros(1), np.ones(1))}, (s,), 1)(2 * sp.Max(s, 0))
+def test_a_kink_in_the_data_of_a_bound_has_the_ranges_of_pos() -> None:
+    ranges = [Boxes({s: (np.zeros(1), np.ones(1))}, (s,), 1)(kink) for kink in (2 * sp.Max(s, 0), 2 * pos(s, 1))]
+    assert (ranges[0].low == ranges[1].low).all()
+    assert (ranges[0].high == ranges[1].high).all()
 
 
 @pytest.mark.parametrize(
