@@ -11,7 +11,7 @@ import scipy.sparse as sps
 from scipy.linalg import cho_solve, cholesky, solve_triangular
 from scipy.optimize import nnls
 
-from manufactured.tensors import Array, Tensors
+from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
 from study.ledger.measures import largest
 from study.ledger.window import above_nothing, at_most
@@ -80,8 +80,8 @@ def apart(setup: Experiment, other: SemiDiscrete) -> float:
 class RandomStarts(Signorini):
     """The contact solve from a random active set, a new one every time."""
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
-        super().__init__(S, N)
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
+        super().__init__(S, N, x)
         self.rng = np.random.default_rng(SEED)
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
@@ -95,7 +95,7 @@ class LeastSquares:
     Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23.
     """
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
         self.N, self.L = N, cholesky(S.toarray(), lower=True)
         self.columns = solve_triangular(self.L, N.T.toarray(), lower=True)
 
@@ -107,7 +107,7 @@ class LeastSquares:
 class InteriorPoint:
     """The contact solve as a quadratic programme in all unknowns, by Clarabel."""
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
         rows, self.q = N.shape[0], np.zeros(N.shape[1])
         self.unit = float(abs(S.diagonal()).max())
         P, cones = sps.csc_matrix(sps.triu(S / self.unit)), [clarabel.NonnegativeConeT(rows)]

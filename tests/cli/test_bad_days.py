@@ -221,8 +221,8 @@ def test_a_full_disk_behind_another_error_is_called_a_full_disk(
     ("command", "code", "says"),
     [
         ("cases", 0, "full-contact"),
-        ("rates examples/errors.csv", 0, "fitted order"),
-        ("rates none.csv", 2, "study: there is no file none.csv"),
+        ("rates examples/errors.csv", 0, "converges with order"),
+        ("rates none.csv", 2, "study: none.csv: there is no file of this name"),
         ("check", 2, "study: python -OO removes docstrings, and pyamg, which this command needs, cannot be imported"),
         ("run --case corner", 2, "run python or python -O"),
     ],

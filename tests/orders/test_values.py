@@ -59,8 +59,6 @@ def test_the_plugin_turns_red_when_a_solver_loses_its_order(errors, code, tmp_pa
         "-m",
         "pytest",
         "-q",
-        "-p",
-        "pytest_convergence_orders",
         "--rootdir",
         str(tmp_path),
         "test_it.py",

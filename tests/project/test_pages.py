@@ -29,6 +29,7 @@ EXCLUDED = {
     "python -m pip install '.[study]'": "make study installs it so, with pins",
     "pip install '.[study": "the environment of the tests has Dask and everything else",
     "make full": "half an hour: the nightly workflow runs it",
+    "make again": "a minute: the nightly workflow runs it, and tests/cli/test_again.py the command behind it",
     "make seeds": "an hour: the nightly workflow runs it",
     "make mutants": "some hours; whoever changes code that judges or bounds runs it",
     "make codes": "half an hour, and codes that are optional: CI runs two of them by make codes-check",
