@@ -90,7 +90,7 @@ def contact_in_places(setup: Experiment) -> Experiment:
 class EveryOther(Signorini):
     """Half of the rows of N, with no force at the others."""
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
         super().__init__(S, N[::2])
         self.count = N.shape[0]
 

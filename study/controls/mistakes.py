@@ -247,8 +247,8 @@ def at_the_end_of_the_step(stresses: Function) -> Function:
 class OneSearch(Signorini):
     """The contact solve from a random active set, which stops after the first step."""
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
-        super().__init__(S, N)
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
+        super().__init__(S, N, x)
         self.rng = np.random.default_rng(0)
 
     def complementarity(self, gap: Array) -> Array:
