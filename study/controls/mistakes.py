@@ -368,6 +368,19 @@ def halved_first(pointwise: Function) -> Function:
     return found
 
 
+def rival_is_the_run(name: str) -> Callable[[Any], Any]:
+    """Return the replacement of ``rivals`` in which the problem itself stands for one of its rivals."""
+    return partial(_make_rivals, name)
+
+
+def _make_rivals(name: str, rivals: Any) -> Any:
+    return partial(_rivals_with_the_run, name, rivals)
+
+
+def _rivals_with_the_run(name: str, rivals: Any, problem: Any) -> Any:
+    return {**rivals(problem), name: problem}
+
+
 def rival(name: str, solver: type[Signorini]) -> Callable[[Any], Any]:
     """Another solver in the place of one of the rivals."""
     return partial(_rival, name, solver)

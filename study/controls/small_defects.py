@@ -53,8 +53,8 @@ class WorkOnFaces(Gauge):
     """Gives ∫_{Γ3} p v_ν alone for a load."""
 
     def load(self, time: float) -> Array:
-        strains, rates = (self._amplitudes((time,), rate) for rate in (False, True))
-        return self._contact_work(strains, rates)[:, 0]
+        strains, rates = (self._amplitudes(time, rate) for rate in (False, True))
+        return self._contact_work(strains, rates)
 
 
 def contact_load(setup: Experiment) -> Callable[[float], Array]:
