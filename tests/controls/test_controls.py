@@ -150,7 +150,12 @@ def test_a_mistake_in_the_code_is_undone() -> None:
 
 @pytest.mark.parametrize(("setting", "same"), [(FULL, True), (MOVING, False)], ids=["closed", "open"])
 def test_a_flipped_normal_does_more_than_drop_the_constraint_where_a_gap_is_open(setting, same: bool) -> None:
-    assert alike(rows(setting, defects.normal_flipped), rows(setting, defects.contact_dropped)) is same
+    # The residuals of two exact solves are rounding, and differ.
+    flipped, dropped = (
+        [row for row in rows(setting, defect) if row.key != "residual"]
+        for defect in (defects.normal_flipped, defects.contact_dropped)
+    )
+    assert alike(flipped, dropped) is same
 
 
 def test_no_defect_of_a_setting_serves_twice() -> None:
