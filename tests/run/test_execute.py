@@ -249,7 +249,7 @@ def test_a_job_that_no_worker_has_the_memory_for_is_refused_with_what_it_needs_a
 def test_a_level_beyond_the_memory_is_refused_by_the_command_before_a_mesh_is_made(tmp_path, capsys) -> None:
     out = tmp_path / "r"
     assert main(["run", "--case", "full-contact", "--levels", "8", "100000", "--out", str(out)]) == 2
-    assert "rates__full-contact__shaken__midpoint__100000 needs about" in capsys.readouterr().err
+    assert "rates__full-contact__criss-cross__midpoint__100000 needs about" in capsys.readouterr().err
     assert not out.exists()
 
 
