@@ -341,7 +341,7 @@ def test_every_file_is_compared_or_named(committed: Path, capsys: pytest.Capture
     named = {word.rstrip(";") for word in told.partition("not checked")[2].split()}
     in_part = {word.rstrip(";") for word in told.partition("checked in part")[2].partition("not checked")[0].split()}
     everything = {path.name for path in committed.rglob("*") if path.is_file() and path.name != ".lock"}
-    assert {"kind.dat", "growth.csv", "hexagon.gif", "problem.svg", "mutants.csv", "random.csv"} <= named
+    assert {"kind.dat", "growth.csv", "hexagon.gif", "problem.svg", "survivors.csv", "random.csv"} <= named
     assert in_part == {*in_part, "controls.csv", "sensitivity.csv", "provenance.json", "classes.csv", "errors.csv"}
     compared = everything - named - in_part
     assert {"claims.csv", "rates.csv", "hexagon.json", "seeds.csv", "drawn.csv", "ledger.svg", "growth.txt"} <= compared
