@@ -28,8 +28,8 @@ from study.run.store import Store
 
 NO_DEFECT = "none"
 SAME = 1e-3
-"""Two defects are one mistake if their numbers in a setting agree to this relative tolerance. In rows that hold, of which
-some are about rounding, absolute differences of this size do not count either."""
+"""Two defects are one mistake if their numbers in a setting agree to this relative tolerance. In rows that hold,
+of which some are about rounding, absolute differences of this size do not count either."""
 
 
 @dataclass(frozen=True)
