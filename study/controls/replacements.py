@@ -104,13 +104,13 @@ squared = result(lambda value: value**2)
 squared_each = result(lambda errors: {name: error**2 for name, error in errors.items()})
 
 
-# Contact solvers: functions of (S, N) that give b ↦ (u, λ).
+# Contact solvers: functions of (S, N), and of the points of the unknowns if these are given, with b ↦ (u, λ).
 
 
 def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
     """The forces come from ``rule``, a function of the solver and of the gaps without contact forces."""
 
-    def solver(S: Any, N: Any) -> Any:
+    def solver(S: Any, N: Any, *points: Any) -> Any:
         made = Signorini(S, N)
         return overridden(made, complementarity=lambda gap: rule(made, gap))
 
@@ -120,7 +120,7 @@ def contact(rule: Callable[[Signorini, Any], Any]) -> Replacement:
 def solution(change: Callable[[Signorini, Any], Any]) -> Replacement:
     """Displacement and forces come from ``change``, a function of the correct solver and of b."""
 
-    def solver(S: Any, N: Any) -> Any:
+    def solver(S: Any, N: Any, *points: Any) -> Any:
         made = Signorini(S, N)
         return lambda b: change(made, b)
 
@@ -156,7 +156,7 @@ no_multipliers = solution(lambda solver, b: (solver.factor(b), np.zeros(0)))
 def in_places(right: Any) -> Any:
     """v_ν ≤ 0 at every other vertex of Γ3 only."""
 
-    def solver(S: Any, N: Any) -> Any:
+    def solver(S: Any, N: Any, *points: Any) -> Any:
         made, forces = Signorini(S, N[::2]), np.zeros(N.shape[0])
 
         def solve(b: Any) -> Any:
@@ -176,7 +176,7 @@ def springs(right: Any) -> Any:
 class RandomSearch(Signorini):
     """The contact solve from a random active set, which stops after the first iteration."""
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, *points: Any) -> None:
         super().__init__(S, N)
         self.rng = np.random.default_rng(0)
 
@@ -190,7 +190,7 @@ def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
     def change(setup: Any) -> Any:
         call = node(which, int(part * setup.steps))
 
-        def solver(S: Any, N: Any) -> Any:
+        def solver(S: Any, N: Any, *points: Any) -> Any:
             solve, other, calls = Signorini(S, N), wrong(Signorini)(S, N), count(1)
             return lambda b: (other if next(calls) == call else solve)(b)
 

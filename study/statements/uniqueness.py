@@ -80,7 +80,7 @@ def apart(setup: Experiment, other: SemiDiscrete) -> float:
 class RandomStarts(Signorini):
     """The contact solve from a random active set, a new one every time."""
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, *points: Array) -> None:
         super().__init__(S, N)
         self.rng = np.random.default_rng(SEED)
 
@@ -95,7 +95,7 @@ class LeastSquares:
     Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23.
     """
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, *points: Array) -> None:
         self.N, self.L = N, cholesky(S.toarray(), lower=True)
         self.columns = solve_triangular(self.L, N.T.toarray(), lower=True)
 
@@ -107,7 +107,7 @@ class LeastSquares:
 class InteriorPoint:
     """The contact solve as a quadratic programme in all unknowns, by Clarabel."""
 
-    def __init__(self, S: sps.csc_array, N: sps.csr_array) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, *points: Array) -> None:
         rows, self.q = N.shape[0], np.zeros(N.shape[1])
         self.unit = float(abs(S.diagonal()).max())
         P, cones = sps.csc_matrix(sps.triu(S / self.unit)), [clarabel.NonnegativeConeT(rows)]
