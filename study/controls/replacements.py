@@ -874,6 +874,11 @@ def rival(name: str, solver: Any) -> Replacement:
     return lambda rivals: {**rivals, name: solver}
 
 
+def same_problem(name: str) -> Replacement:
+    """The problem itself in the place of one of its rivals."""
+    return lambda rivals: lambda problem: {**rivals(problem), name: problem}
+
+
 def rival_stress_off(stresses: Function) -> Function:
     """A stress that is off by a thousandth in one step, by all solvers but the usual one."""
     return lambda setup: [
