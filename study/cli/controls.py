@@ -6,7 +6,7 @@ import argparse
 
 from study.cli.common import check_jobs, progress_bar
 from study.cli.exits import FAILED, OK
-from study.controls import register
+from study.controls import table
 from study.controls.run_controls import controls_text, run_controls, settings, write_controls
 from study.run.processes import Processes
 from study.run.store import Store
@@ -17,7 +17,7 @@ def do_controls(options: argparse.Namespace) -> int:
     check_jobs(options.jobs)
     store = Store(options.out)
     store.check()
-    chosen = register.CONTROLS
+    chosen = table.CONTROLS
     with Processes(options.jobs) as executor, store.locked():
         with progress_bar(len(settings(chosen)) + len(chosen)) as bar:
             bar.set_description(f"{len(chosen)} defects")

@@ -1,33 +1,97 @@
-"""One deliberate defect: what is wrong, where, and which row of the ledger must fail."""
+"""A deliberate defect: what is wrong, where the wrong piece goes, and which rows of the ledger must fail."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Generic
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from copy import copy
+from dataclasses import dataclass, fields, is_dataclass, replace
+from functools import reduce
+from importlib import import_module
+from types import SimpleNamespace
+from typing import Any
+from unittest.mock import patch
 
-from study.controls.baselines import Baseline, S
+from study.controls.baselines import Baseline
+
+Replacement = Callable[[Any], Any]
+"""The correct piece ↦ the wrong one."""
 
 
-@dataclass(frozen=True)
-class Control(Generic[S]):
+@dataclass(frozen=True, eq=False)
+class Control:
     """One deliberate defect.
 
     Attributes:
         name: of the defect.
         what: is wrong, in a line.
         setting: where it is measured.
-        defect: turns what would be measured there into what is measured.
-        caught_by: the key of the row that must fail, or of several rows that all must fail.
+        place: which piece is replaced. "fem.gauge:Gauge.distance" is looked up in a module of ``study`` while the
+            setting is measured, "green:work_on" in one of ``study.statements``. "problem.solver" is an attribute of
+            what is measured, "" all of it.
+        replacement: gives the wrong piece from the correct one.
+        rows: the key of the row that must fail, or of several rows that all must fail.
+        others: further defects at the same time, as (place, replacement).
     """
 
     name: str
     what: str
-    setting: Baseline[S]
-    defect: Callable[[S], S]
-    caught_by: str | tuple[str, ...]
+    setting: Baseline[Any]
+    place: str
+    replacement: Replacement
+    rows: str | tuple[str, ...]
+    others: tuple[tuple[str, Replacement], ...] = ()
 
     @property
-    def rows(self) -> tuple[str, ...]:
+    def keys(self) -> tuple[str, ...]:
         """The keys of the rows that must fail."""
-        return (self.caught_by,) if isinstance(self.caught_by, str) else self.caught_by
+        return (self.rows,) if isinstance(self.rows, str) else self.rows
+
+    @property
+    def changes(self) -> tuple[tuple[str, Replacement], ...]:
+        """All (place, replacement)."""
+        return ((self.place, self.replacement), *self.others)
+
+    def __call__(self, measured: Any) -> Any:
+        """Replace the attributes of what is measured."""
+        inside = [change for change in self.changes if ":" not in change[0]]
+        return reduce(lambda found, change: replaced(found, *change), inside, measured)
+
+    @contextmanager
+    def patched(self) -> Iterator[None]:
+        """Replace what is looked up in modules for the time of the context."""
+        with ExitStack() as stack:
+            for place, replacement in self.changes:
+                if ":" in place:
+                    module, _, path = place.partition(":")
+                    *inside, name = path.split(".")
+                    package = "study" if "." in module else "study.statements"
+                    owner = reduce(getattr, inside, import_module(f"{package}.{module}"))
+                    stack.enter_context(patch.object(owner, name, replacement(vars(owner)[name])))
+            yield
+
+
+def replaced(whole: Any, place: str, replacement: Replacement) -> Any:
+    """A copy of an object with one attribute replaced, "problem.load" for that of an attribute."""
+    if not place:
+        return replacement(whole)
+    name, _, rest = place.partition(".")
+    value = replaced(getattr(whole, name), rest, replacement)
+    if is_dataclass(whole) and not isinstance(whole, type) and name in {field.name for field in fields(whole)}:
+        return replace(whole, **{name: value})
+    return overridden(copy(whole), **{name: value})
+
+
+def overridden(whole: Any, **attributes: Any) -> Any:
+    """The object itself with attributes or methods that stand before those of its class."""
+    vars(whole).update(attributes)
+    return whole
+
+
+def within(place: str, replacement: Replacement) -> Replacement:
+    """Replace an attribute of every ``Experiment`` that a module makes."""
+
+    def changed(make: Callable[..., Any]) -> Callable[..., Any]:
+        return lambda *given: replaced(make(*given), place, replacement)
+
+    return lambda experiment: SimpleNamespace(of=changed(experiment.of), at=changed(experiment.at))

@@ -16,9 +16,9 @@ import pandas as pd
 from tabulate import tabulate
 from threadpoolctl import threadpool_limits
 
-from study.controls.baselines import Baseline, S
+from study.controls import table
+from study.controls.baselines import Baseline
 from study.controls.control import Control
-from study.controls.slips import made
 from study.ledger.files import write_text
 from study.ledger.rounding import cell
 from study.ledger.terminal import is_narrow
@@ -27,9 +27,9 @@ from study.run.fingerprint import of_everything
 from study.run.store import Store
 
 NO_DEFECT = "none"
-SAME, ROUNDING = 1e-3, 1e-6
-"""Two defects whose numbers in a setting all agree to this relative tolerance are one mistake. Differences below
-``ROUNDING`` do not count, since some rows are about rounding."""
+SAME = 1e-3
+"""Two defects are one mistake if their numbers in a setting agree to this relative tolerance. In rows that hold,
+of which some are about rounding, absolute differences of this size do not count either."""
 
 
 @dataclass(frozen=True)
@@ -59,14 +59,14 @@ class Outcome:
         return not self.besides and (self.row.verdict == HOLDS if self.caught is None else self.caught)
 
     @classmethod
-    def of_control(cls, control: Control[Any], verdicts: list[Verdict], besides: str = "") -> Outcome:
+    def of_control(cls, control: Control, verdicts: list[Verdict], besides: str = "") -> Outcome:
         """Whether a defect is caught by the rows that are there for it: another one may fail for another reason.
 
         Raises:
             KeyError: the setting has no row with the key that the control gives.
         """
         by_key = {verdict.key: verdict for verdict in verdicts}
-        named = [by_key[key] for key in control.rows]
+        named = [by_key[key] for key in control.keys]
         shown = next((verdict for verdict in named if verdict.verdict != FAILS), named[0])
         return cls(control.name, control.what, str(control.setting), shown, shown.verdict == FAILS, besides)
 
@@ -84,18 +84,13 @@ class Outcome:
         return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None, besides)
 
 
-def unchanged(measured: S) -> S:
-    """No defect."""
-    return measured
-
-
-def settings(controls: Sequence[Control[Any]]) -> list[Baseline[Any]]:
+def settings(controls: Sequence[Control]) -> list[Baseline[Any]]:
     """Where the controls are measured: the baselines, each once."""
     return list(dict.fromkeys(control.setting for control in controls))
 
 
 def run_controls(
-    controls: Sequence[Control[Any]], executor: Executor, store: Store, notify: Callable[[], object]
+    controls: Sequence[Control], executor: Executor, store: Store, notify: Callable[[], object]
 ) -> list[Outcome]:
     """Findings of the baselines, one per setting, and of the controls, in this order.
 
@@ -103,16 +98,15 @@ def run_controls(
     baseline or of a control.
     """
     places = settings(controls)
-    measured: list[tuple[str, Baseline[Any], Callable[[Any], Any]]] = [(str(p), p, unchanged) for p in places]
-    measured += [(control.name, control.setting, control.defect) for control in controls]
+    measured = [(place, "") for place in places] + [(control.setting, control.name) for control in controls]
     keys = [_key(*one) for one in measured]
     found: dict[str, list[Verdict]] = {}
     running: dict[Future[list[Verdict]], str] = {}
     made_by = of_everything()
-    for key, (_, setting, defect) in zip(keys, measured, strict=True):
+    for key, (setting, name) in zip(keys, measured, strict=True):
         kept = store.load(key, made_by)
         if kept is None:
-            running[executor.submit(work, setting, defect)] = key
+            running[executor.submit(work_by_name, setting, name)] = key
         else:
             found[key] = [Verdict(**row) for row in kept["rows"]]
             notify()
@@ -130,10 +124,10 @@ def run_controls(
 
 
 def outcomes(
-    sound: Mapping[Baseline[Any], list[Verdict]], defective: Sequence[tuple[Control[Any], list[Verdict]]]
+    sound: Mapping[Baseline[Any], list[Verdict]], defective: Sequence[tuple[Control, list[Verdict]]]
 ) -> list[Outcome]:
     """What is found, from the rows of every setting and those of every control."""
-    named = {key for control, _ in defective for key in control.rows}
+    named = {key for control, _ in defective for key in control.keys}
     besides: dict[str, str] = {}
     for (one, first), (other, second) in combinations(defective, 2):
         if one.setting == other.setting and alike(first, second):
@@ -148,21 +142,33 @@ def alike(first: list[Verdict], second: list[Verdict]) -> bool:
     """Whether two defects show the same in every row, but for rounding."""
     if [verdict.verdict for verdict in first] != [verdict.verdict for verdict in second]:
         return False
-    one, other = ([verdict.observed for verdict in rows] for rows in (first, second))
-    return np.allclose(one, other, rtol=SAME, atol=ROUNDING)
+    one, other = (np.array([verdict.observed for verdict in rows]) for rows in (first, second))
+    rounding = np.array([0.0 if verdict.verdict == FAILS else SAME for verdict in first])
+    return bool(np.isclose(one, other, rtol=SAME, atol=rounding).all())
 
 
-def _key(name: str, setting: Baseline[Any], defect: Callable[[Any], Any]) -> str:
-    """The name of a file among finished work; settings that are called alike, or defects, are told apart by value."""
-    value = repr((name, setting, getattr(defect, "__qualname__", type(defect).__qualname__)))
-    words = re.sub(r"[^\w.]+", "-", name).strip("-")
-    return f"control__{words}__{sha256(value.encode()).hexdigest()[:8]}"
+def _key(setting: Baseline[Any], name: str) -> str:
+    """The name of a file among finished work; settings that are called alike are told apart by value."""
+    words = re.sub(r"[^\w.]+", "-", name or str(setting)).strip("-")
+    return f"control__{words}__{sha256(repr((name, setting)).encode()).hexdigest()[:8]}"
 
 
-def work(setting: Baseline[S], defect: Callable[[S], S]) -> list[Verdict]:
-    """The rows of a setting with a defect, with one thread: the processes share the cores already."""
-    with threadpool_limits(1), made(defect):
-        return setting.verdicts(defect)
+def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
+    """The rows of a setting with the defect of this name in the table, "" for none: functions in the table stay there.
+
+    One thread, as the processes share the cores already.
+    """
+    named = [one for one in table.CONTROLS if one.name == name and one.setting == setting]
+    with threadpool_limits(1):
+        return work(setting, named[0] if name else None)
+
+
+def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict]:
+    """The rows of a setting with a defect, or without one."""
+    if control is None:
+        return setting.verdicts(lambda measured: measured)
+    with control.patched():
+        return setting.verdicts(control)
 
 
 def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -11,12 +11,11 @@ import numpy as np
 from manufactured.body import Kind
 from manufactured.law import Linear
 from manufactured.tensors import Array, identity
-from study.controls.defects import Altered
+from study.controls.control import Replacement, replaced
+from study.controls.replacements import forces_times, solving
 from study.fem.gauge import Gauge
 from study.fem.independent import work_on
 from study.fem.material import means
-from study.solve.evolution import SemiDiscrete
-from study.solve.signorini import Signorini
 from study.statements.prop_5_4.experiment import Experiment
 
 
@@ -32,8 +31,8 @@ def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callabl
     """F + δ times a part of F."""
 
     def apply(setup: Experiment, amount: float) -> Experiment:
-        load, part = setup.problem.load, more(setup)
-        return replace(setup, problem=replace(setup.problem, load=lambda time: load(time) + amount * part(time)))
+        part = more(setup)
+        return _replaced(setup, "problem.load", lambda load: lambda time: load(time) + amount * part(time))
 
     return apply
 
@@ -49,39 +48,31 @@ def body_force(setup: Experiment) -> Callable[[float], Array]:
     return lambda time: load(time) - surface(time)
 
 
-class WorkOnFaces(Gauge):
-    """Gives ∫_{Γ3} p v_ν alone for a load."""
-
-    def load(self, time: float) -> Array:
-        strains, rates = (self._amplitudes(time, rate) for rate in (False, True))
-        return self._contact_work(strains, rates)
-
-
 def contact_load(setup: Experiment) -> Callable[[float], Array]:
     """t ↦ ∫_{Γ3} σ_ν v_ν, which Green's formula takes from (σ, ε(v))_Q."""
-    return cache(WorkOnFaces(setup.solution, setup.space).load)
+    gauge = Gauge(setup.solution, setup.space)
+    amplitudes = gauge._amplitudes
+    return cache(lambda time: gauge._contact_work(*(amplitudes(time, rate) for rate in (False, True))))
 
 
 def slow_clock(setup: Experiment, amount: float) -> Experiment:
     """F((1 − δ) t) in place of F(t)."""
-    load = setup.gauge.load
-    return replace(setup, problem=replace(setup.problem, load=lambda time: load((1 - amount) * time)))
+    return _replaced(setup, "problem.load", lambda load: lambda time: load((1 - amount) * time))
 
 
 def wrong_start(setup: Experiment, amount: float) -> Experiment:
     """(1 + δ) Π^h u_0."""
-    return replace(setup, problem=replace(setup.problem, u0=(1 + amount) * setup.problem.u0))
+    return _replaced(setup, "problem.u0", lambda u0: (1 + amount) * u0)
 
 
 def wrong_forces(setup: Experiment, amount: float) -> Experiment:
     """(1 + δ) λ beside the right u^h."""
+    return _replaced(setup, "problem.solver", forces_times(1 + amount))
 
-    class Wrong(Signorini):
-        def __call__(self, b: Array) -> tuple[Array, Array]:
-            u, multipliers = super().__call__(b)
-            return u, (1 + amount) * multipliers
 
-    return replace(setup, problem=replace(setup.problem, solver=Wrong))
+def _replaced(setup: Experiment, place: str, replacement: Replacement) -> Experiment:
+    changed: Experiment = replaced(setup, place, replacement)
+    return changed
 
 
 def shear(tensor: Linear) -> Array:
@@ -101,11 +92,8 @@ def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callab
     def apply(setup: Experiment, amount: float) -> Experiment:
         law: Linear = getattr(setup.solution.law, tensor)
         wrong = amount * setup.space.form(part(law), means(setup.space, law.factor))
-
-        def alter(problem: SemiDiscrete) -> SemiDiscrete:
-            return replace(problem, **{matrix: getattr(problem, matrix) + wrong})
-
-        return replace(setup, scheme=Altered(setup.scheme, alter))
+        altered = solving(lambda problem: replaced(problem, matrix, lambda right: right + wrong))
+        return _replaced(setup, "scheme", altered)
 
     return apply
 
@@ -126,13 +114,7 @@ DEFECTS = (
 )
 
 
-@dataclass(frozen=True)
-class OfAmount:
-    """One of ``DEFECTS`` by its name, of a fixed amount, as a control has it."""
-
-    name: str
-    amount: float
-
-    def __call__(self, setup: Experiment) -> Experiment:
-        found = next(defect for defect in DEFECTS if defect.name == self.name)
-        return found.apply(setup, self.amount)
+def by_amount(name: str, amount: float) -> Replacement:
+    """One of ``DEFECTS`` by its name, of a fixed amount."""
+    (defect,) = (each for each in DEFECTS if each.name == name)
+    return lambda setup: defect.apply(setup, amount)

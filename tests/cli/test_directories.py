@@ -18,7 +18,7 @@ from study.cli import run
 from study.cli.arguments import parser
 from study.cli.main import CLOSED, INTERRUPTED, main
 from study.controls.baselines import Sweep
-from study.controls.register import Control
+from study.controls.control import Control
 from study.controls.run_controls import run_controls
 from study.ledger.datafiles import made_by
 from study.ledger.files import StoreError, write_text
@@ -175,15 +175,16 @@ def doubled(setup: Any) -> Any:
 def test_controls_resume_with_what_is_not_done(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(Sweep, "verdicts", verdicts)
     setting, store = Sweep(str(tmp_path)), Store(tmp_path / "out")
-    controls = [Control(name, "what", setting, doubled, "order") for name in ("one", "two")]
+    controls = [Control(name, "what", setting, "", doubled, "order") for name in ("one", "two")]
+    # Settings that are called alike are not mistaken for one another.
+    twice = [*controls, Control("one", "what", replace(setting, families=("shaken",)), "", doubled, "order")]
+    monkeypatch.setattr("study.controls.table.CONTROLS", twice)
     with Processes(1) as executor:
         first = run_controls(controls[:1], executor, store, lambda: None)
         again = run_controls(controls, executor, store, lambda: None)
     assert (tmp_path / "calls").read_text() == "..."
     assert again[:2] == first
     assert [outcome.caught for outcome in again] == [None, True, True]
-    # Settings that are called alike are not mistaken for one another.
-    twice = [*controls, Control("one", "what", replace(setting, families=("shaken",)), doubled, "order")]
     with Processes(1) as executor:
         assert len(run_controls(twice, executor, store, lambda: None)) == 5
     assert (tmp_path / "calls").read_text() == "....."

@@ -7,10 +7,10 @@ measures, a step of continuous integration beside this suite.
 from __future__ import annotations
 
 import copy
-import pickle
 import re
 import subprocess
 import sys
+from dataclasses import replace
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -20,32 +20,38 @@ import pytest
 
 from manufactured import examine
 from study.cli.main import main
-from study.controls import defects
 from study.controls.baselines import Equivalence, Sweep, turned
 from study.controls.control import Control
-from study.controls.of_rates import FULL, MOVING, ORDER
-from study.controls.of_statements import ELASTICITY, MEMBERS
-from study.controls.of_stresses import ALONE
-from study.controls.register import CONTROLS
-from study.controls.run_controls import NO_DEFECT, Outcome, alike, controls_text, outcomes, settings, unchanged, work
+from study.controls.replacements import no_contact
+from study.controls.run_controls import NO_DEFECT, Outcome, alike, controls_text, outcomes, settings, work
+from study.controls.table import CONTROLS, ELASTICITY, FULL, MEMBERS, MOVING
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.ledger.datafiles import read_claims
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import around
+from study.solve.tableau import MIDPOINT
+from study.statements.prop_5_4.experiment import Experiment
 from study.statements.prop_5_4.judge import FirstOrder
 from study.statements.prop_5_4.measure import Measurement
 from study.statements.shared.base import Setting
 from study.statements.thm_4_2.gaps import compare, gaps, magnitudes
 from study.statements.thm_4_2.stands_alone import Derived, Independence, Sides, StandsAlone, independence
 
-HARMLESS = Control("harmless", "a copy in place of the original", Equivalence("no-contact"), copy.copy, ALONE)
+HARMLESS = Control(
+    "harmless", "a copy in place of the original", Equivalence("no-contact"), "", copy.copy, "alone-stress"
+)
 """No defect at all, which nobody can catch."""
 
 
 @cache
-def rows(setting, defect=unchanged) -> list[Verdict]:
-    return work(setting, defect)
+def rows(setting, control=None) -> list[Verdict]:
+    return work(setting, control)
+
+
+def named(name: str) -> Control:
+    (found,) = (control for control in CONTROLS if control.name == name)
+    return found
 
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -114,7 +120,7 @@ def test_every_kind_of_row_that_is_claimed_is_named_by_a_control_or_by_a_test() 
     claims, caught = read_claims(RESULTS), pd.read_csv(RESULTS / "data" / "controls.csv", keep_default_na=False)
     claimed = claims[claims["verdict"] != REPORTED]
     labels = dict(zip(caught["defect"], caught["label"], strict=True))
-    named = {(labels[control.name], key) for control in CONTROLS for key in control.rows}
+    named = {(labels[control.name], key) for control in CONTROLS for key in control.keys}
     kinds = set(claimed[["label", "key"]].itertuples(index=False, name=None))
     assert kinds - named - set(BY_TESTS) == set()
     assert set(BY_TESTS) <= kinds - named
@@ -135,31 +141,28 @@ def test_there_are_sixty_controls_or_more_with_names_of_their_own() -> None:
     assert len({control.name for control in CONTROLS}) == len(CONTROLS) >= 60
 
 
-@pytest.mark.parametrize("control", CONTROLS, ids=lambda control: control.name)
-def test_a_control_can_be_sent_to_another_process(control: Control) -> None:
-    assert pickle.loads(pickle.dumps(control)).caught_by == control.caught_by
-
-
 def test_a_mistake_in_the_code_is_undone() -> None:
-    slip = next(control.defect for control in CONTROLS if control.name == "blind: quadrature")
     right = Measurement.quadrature_change
-    with slip.made():
+    with named("blind: quadrature").patched():
         assert Measurement.quadrature_change is not right
     assert Measurement.quadrature_change is right
+
+
+def test_an_attribute_of_what_is_measured_is_replaced_in_a_copy() -> None:
+    setup = Experiment.at(Setting("full-contact", "one-diagonal", 4), MIDPOINT, 8)
+    wrong = named("few steps")(named("load too large")(named("size of a mesh")(setup)))
+    assert (wrong.steps, setup.steps) == (1, 8)
+    assert wrong.problem.load(0.5) == pytest.approx(1.1 * setup.problem.load(0.5))
+    assert (wrong.space.h, setup.space.h) == (pytest.approx(1 / 3), 0.25)
 
 
 @pytest.mark.parametrize(("setting", "same"), [(FULL, True), (MOVING, False)], ids=["closed", "open"])
 def test_a_flipped_normal_does_more_than_drop_the_constraint_where_a_gap_is_open(setting, same: bool) -> None:
     # The residuals of two exact solves are rounding, and differ.
-    flipped, dropped = (
-        [row for row in rows(setting, defect) if row.key != "residual"]
-        for defect in (defects.normal_flipped, defects.contact_dropped)
-    )
-    assert alike(flipped, dropped) is same
-
-
-def test_no_defect_of_a_setting_serves_twice() -> None:
-    assert len({(control.setting, control.defect) for control in CONTROLS}) == len(CONTROLS)
+    flipped = replace(named("normal flipped"), setting=setting)
+    dropped = Control("dropped", "V^h", setting, "problem", no_contact, "order")
+    found = [[row for row in rows(setting, wrong) if row.key != "residual"] for wrong in (flipped, dropped)]
+    assert alike(*found) is same
 
 
 def verdict(key: str, state: str, observed: float = 0.5) -> Verdict:
@@ -167,7 +170,7 @@ def verdict(key: str, state: str, observed: float = 0.5) -> Verdict:
 
 
 def test_the_named_row_is_shown_and_any_other_one_that_fails_counts_as_well() -> None:
-    control = Control("wrong", "something", Sweep("full-contact"), copy.copy, "named")
+    control = Control("wrong", "something", Sweep("full-contact"), "", copy.copy, "named")
     by_name = Outcome.of_control(control, [verdict("other", FAILS), verdict("named", FAILS)])
     by_other = Outcome.of_control(control, [verdict("other", FAILS), verdict("named", HOLDS)])
     by_none = Outcome.of_control(control, [verdict("other", UNDECIDED), verdict("named", HOLDS)])
@@ -202,7 +205,7 @@ def test_a_row_that_no_defect_is_there_for_and_a_name_of_two_rows_are_not_in_ord
 def test_a_defect_that_shows_what_another_one_shows_is_the_same_mistake() -> None:
     places = Sweep("full-contact"), Sweep("no-contact")
     names = (("first", 0), ("again", 0), ("elsewhere", 1), ("other", 0))
-    controls = [Control(name, "something", places[place], copy.copy, "named") for name, place in names]
+    controls = [Control(name, "something", places[place], "", copy.copy, "named") for name, place in names]
     shown = [[verdict("named", FAILS, observed)] for observed in (0.5, 0.5004, 0.5, 0.6)]
     found = outcomes({places[0]: [verdict("named", HOLDS)]}, list(zip(controls, shown, strict=True)))
     assert [(one.defect, one.passes) for one in found] == [
@@ -212,7 +215,7 @@ def test_a_defect_that_shows_what_another_one_shows_is_the_same_mistake() -> Non
 
 
 def run(monkeypatch, tmp_path, *controls: Control) -> int:
-    monkeypatch.setattr("study.controls.register.CONTROLS", controls)
+    monkeypatch.setattr("study.controls.table.CONTROLS", controls)
     return main(["controls", "--jobs", "1", "--out", str(tmp_path)])
 
 
@@ -232,7 +235,7 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
     assert table["caught"].tolist() == ["", "", *["yes"] * 5]
     assert table["verdict"].tolist() == [HOLDS, HOLDS, *[FAILS] * 5]
     words = {v.key: v.quantity for c in chosen for v in rows(c.setting)}
-    assert table["quantity"].tolist()[2:] == [words[c.rows[0]] for c in chosen]
+    assert table["quantity"].tolist()[2:] == [words[c.keys[0]] for c in chosen]
     doubled = table["observed"][table["defect"] == "G doubled"].astype(float)
     assert doubled.tolist() == [pytest.approx(2)]
     for control in chosen:
@@ -248,8 +251,7 @@ def test_a_harmless_defect_is_not_caught_and_the_command_fails(monkeypatch, tmp_
 
 def test_a_defect_that_is_caught_where_the_baseline_does_not_hold_proves_nothing(monkeypatch, tmp_path) -> None:
     """Two levels leave an order undecided."""
-    (dropped,) = [c for c in CONTROLS if c.name == "contact dropped"]
-    short = Control("short", "too few levels", Sweep("full-contact", levels=(4, 8)), dropped.defect, ORDER)
+    short = replace(named("contact dropped"), name="short", setting=Sweep("full-contact", levels=(4, 8)))
     assert run(monkeypatch, tmp_path, short) == 1
 
 
@@ -274,7 +276,7 @@ def test_what_a_run_computes_with_knows_no_defect() -> None:
         "import study.run.plan, study.run.execute, study.run.collect, study.run.judgement, study.present.tables"
     )
     assert "study.statements.prop_5_4.measure" in loaded
-    assert "study.controls.defects" not in loaded
+    assert not [name for name in loaded if name.startswith("study.controls")]
 
 
 SPACE = """
@@ -362,8 +364,8 @@ def test_all_of_a_mistake_must_show(shown: float, expected: str) -> None:
 
 def test_derived_stresses_agree_with_their_displacements_perfectly() -> None:
     """Which is why agreement alone is no evidence, and perfect agreement is none at all."""
-    control = next(c for c in CONTROLS if c.name == "stress from displacement")
-    agreement = [v for v in rows(control.setting, control.defect) if v.key in ("displacement", "stress")]
+    control = named("stress from displacement")
+    agreement = [v for v in rows(control.setting, control) if v.key in ("displacement", "stress")]
     assert [v.verdict for v in agreement] == [FAILS, FAILS]
     assert max(v.observed for v in agreement) == 0
 

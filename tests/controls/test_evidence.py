@@ -1,6 +1,6 @@
 """Evidence that becomes too small is noticed: each weakened line of the measuring code leaves a control uncaught.
 
-Without the inaccuracies of ``study.controls.evidence`` every row holds, whether the evidence is weakened or not.
+Without the inaccuracies of ``study.controls.table`` every row holds, whether the evidence is weakened or not.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from unittest.mock import patch
 import numpy as np
 import pytest
 
-from study.controls.register import CONTROLS
-from study.controls.run_controls import unchanged, work
+from study.controls.run_controls import work
+from study.controls.table import CONTROLS
 from study.ledger.verdict import FAILS, HOLDS
 from study.solve.paths import furthest
 from study.solve.tableau import MIDPOINT
@@ -483,8 +483,8 @@ ELSEWHERE = (
 def caught(name: str) -> bool:
     """Whether all rows that a control names fail."""
     control = BY_NAME[name]
-    found = {verdict.key: verdict.verdict for verdict in work(control.setting, control.defect)}
-    return all(found[key] == FAILS for key in control.rows)
+    found = {verdict.key: verdict.verdict for verdict in work(control.setting, control)}
+    return all(found[key] == FAILS for key in control.keys)
 
 
 @pytest.mark.parametrize(
@@ -512,9 +512,9 @@ def test_ten_weakened_lines_at_once_are_noticed_by_many_controls_and_no_row_of_t
         for each in chosen:
             stack.enter_context(each.patch())
         uncaught = {name for name in noticing if not caught(name)}
-        rows = {key for name in uncaught for key in BY_NAME[name].rows}
+        rows = {key for name in uncaught for key in BY_NAME[name].keys}
         moving = BY_NAME["residual: sign"].setting
-        assert {verdict.verdict for verdict in work(moving, unchanged)} == {HOLDS}
+        assert {verdict.verdict for verdict in work(moving)} == {HOLDS}
     assert len(chosen) == 10
     assert len(uncaught) >= 10
     assert rows >= {"residual", "time-share", "discrete-time-share", "quadrature", "clamped"}
@@ -533,7 +533,7 @@ def test_the_supremum_of_two_trajectories_is_over_all_nodes() -> None:
 def test_a_solution_with_pulling_forces_has_a_residual_of_known_size() -> None:
     """The forces of a body that is held are right in all but their sign: what pulls, over the largest force."""
     control = BY_NAME["residual: sign"]
-    setup = control.defect(Experiment.at(Setting("advance-recede", "one-diagonal", 8), MIDPOINT, 8))
+    setup = control(Experiment.at(Setting("advance-recede", "one-diagonal", 8), MIDPOINT, 8))
     forces = [state.multipliers for state in setup.scheme.march(setup.problem, 2 * setup.steps)][1:]
     expected = max(max(-each.min(), 0.0) / abs(each).max() for each in forces)
     assert measure(setup).residual == pytest.approx(expected, rel=1e-9)
