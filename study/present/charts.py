@@ -467,5 +467,5 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
         ],
         [solvers, [*parts.values(), LegendEntry("slope 1", line.style)]],
         "Cost of a level: seconds for all of it, for a factorisation and for a time step, and peak memory per unknown, "
-        f"against the number of unknowns; the thin line has slope 1. What to see: {'; '.join(seen)}.",
+        f"against the number of unknowns; the grey line has slope 1. What to see: {'; '.join(seen)}.",
     )

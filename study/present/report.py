@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from base64 import b64encode
-from collections.abc import Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
@@ -22,14 +21,13 @@ from study.ledger.packing import short
 from study.ledger.rounding import significant
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.present import palette
-from study.present.body import ARROW, THICKNESS, View, colour_limit, magnification, shade
+from study.present.body import ARROW, THICKNESS, BodyScale, shade
 from study.present.chart import Array, Axis, Chart, Subplot
 from study.present.charts import collapsed_chart, convergence_chart, enclosure_charts, finest_orders
 from study.present.notation import typeset, typeset_svg
 from study.present.palette import BLACK, DARK, Style, family_styles
-from study.present.picture import FaceHistory, Picture, over_time
+from study.present.picture import FaceHistory, over_time, with_every_shape
 from study.present.tables import (
-    Column,
     Table,
     bounds_table,
     controls_table,
@@ -115,23 +113,6 @@ LETTERS = {
 
 
 @dataclass(frozen=True)
-class Rows:
-    """A table of texts; ``letters`` names the explanation of its symbols."""
-
-    caption: str
-    columns: list[Column]
-    cells: list[list[str]]
-    letters: str = ""
-
-    @classmethod
-    def of(cls, table: Table, caption: str, case: str | None = None, without: Sequence[str] = ()) -> Rows:
-        """Returns the rows of a table of the study, of one case or of all cases, without some columns."""
-        shown = table.cells if case is None else table.cells[table.cells["case"] == case]
-        columns = [column for column in table.columns if column.name not in without]
-        return cls(caption, columns, shown[[column.name for column in columns]].to_numpy().tolist(), table.name)
-
-
-@dataclass(frozen=True)
 class LedgerGroup:
     """A statement: its rows of the ledger, with the columns ``LEDGER``, and the files that judge it."""
 
@@ -157,7 +138,7 @@ class CasePage:
     strip: tuple[float, list[tuple[float, str]]]
     charts: list[Markup]
     film: dict[str, Any]
-    tables: list[Rows]
+    tables: list[tuple[str, Table]]
 
 
 def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
@@ -174,7 +155,7 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
     loader = PackageLoader("study.present", "page")
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
     environment.filters |= {"typeset": typeset, "number": significant}
-    claims, rates, controls = read_claims(directory), read_rates(directory), controls_table(directory)
+    claims, rates = read_claims(directory), read_rates(directory)
     smooth = rates[rates["claim"] == "Prop. 5.4"]
     groups, cases = _ledger_groups(directory, provenance), case_pages(directory, claims, rates)
     page = environment.get_template("page.html").render(
@@ -193,8 +174,8 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         cases=cases,
         names={case.name for case in cases},
         families=family_styles(rates["family"]),
-        bounds=Rows.of(bounds_table(directory), "Enclosures of errors, of cases and of problems without a solution"),
-        controls=controls and Rows.of(controls, "Deliberate defects and the row of the ledger that has to fail"),
+        bounds=bounds_table(directory),
+        controls=controls_table(directory),
         provenance=provenance,
         files=_files(directory),
     )
@@ -210,16 +191,17 @@ def _ledger_groups(directory: Path, provenance: dict[str, Any]) -> list[LedgerGr
     ]
 
 
-def _files(directory: Path) -> Rows:
+def _files(directory: Path) -> Table:
     """Returns the data files behind the page with their hashes."""
     data = directory / "data"
-    cells = []
-    for path in sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json")]):
-        content = path.read_bytes()
-        name, size = path.relative_to(data).as_posix(), significant(len(content) / 1000)
-        cells.append([name, size, sha256(content).hexdigest()])
+    paths = sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json")])
+    contents = {path.relative_to(data).as_posix(): path.read_bytes() for path in paths}
+    rows = [
+        {"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()}
+        for name, content in contents.items()
+    ]
     columns = [*names(file="file"), *numbers(size="kB"), *names(sha="SHA-256")]
-    return Rows("The data files behind this page", columns, cells)
+    return Table("files", columns, pd.DataFrame(rows))
 
 
 def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[CasePage]:
@@ -239,7 +221,7 @@ def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> li
         orders = sorted(found.values())
         charts = [convergence_chart(errors, expected)] if len(errors) else []
         charts += [chart for _, chart in enclosure_charts(bounds)]
-        rows = [Rows.of(table, caption, name, without) for table, caption, without in tables]
+        mine = [(caption, table.of_case(name, without)) for table, caption, without in tables]
         facts = {
             "summary": fact["summary"],
             "law": fact["law"],
@@ -258,7 +240,7 @@ def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> li
             strip=(_strip(expected), [(_strip(order), styles[family].colour) for family, order in found.items()]),
             charts=list(map(svg_chart, charts)),
             film=read_film(directory, name),
-            tables=[table for table in rows if table.cells],
+            tables=[(caption, table) for caption, table in mine if table.rows],
         )
         pages.append(page)
     return pages
@@ -273,8 +255,9 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
 
     ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z; ``shades``: of the
     stress τ of each cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` is the factor of displacements,
-    ``arrow`` and ``foundation`` are fractions of the body's longest side, ``view`` has the rows of the projection, two
-    in the plane and three in space.
+    ``size`` the body's longest side, of which ``arrow`` and ``foundation`` are fractions, ``room`` has the limits of
+    the drawing, ``highest`` and ``widest`` are the largest pressure and gap, and ``view`` has the rows of the
+    projection, two in the plane and three in space.
 
     Raises:
         DataError: there is no such file, it is no picture, or it was written by an older version, without motion.
@@ -284,26 +267,29 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
         raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
     try:
         record = json.loads(path.read_text(encoding="utf-8"))
-        (displacement, von_mises), picture = over_time(record), Picture.of(record)
+        (displacement, von_mises), picture = over_time(record), with_every_shape(record)
     except (KeyError, TypeError, ValueError) as error:
         raise DataError(
             f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
             "version wrote it, make it anew with the same `study run`"
         ) from error
-    stress = von_mises.values
-    brightest = colour_limit(stress)
+    scale = BodyScale.of(picture)
     return {
         "times": picture.times.tolist(),
         "vertices": picture.vertices.tolist(),
         "cells": picture.cells.T.ravel().tolist(),
         "unit": displacement.unit,
         "displacement": _base64(displacement.multiples.astype("<i2")),
-        "shades": _base64(np.round(255 * shade(stress / brightest)).astype(np.uint8)),
-        "brightest": brightest,
-        "magnification": magnification(picture.vertices, displacement.values),
+        "shades": _base64(np.round(255 * shade(von_mises.values / scale.stress)).astype(np.uint8)),
+        "brightest": scale.stress,
+        "magnification": scale.magnification,
+        "size": scale.size,
+        "room": scale.limits.tolist(),
+        "highest": scale.pressure,
+        "widest": scale.gap,
         "arrow": ARROW,
         "foundation": THICKNESS,
-        "view": View.of(picture).axes.tolist(),
+        "view": scale.view.axes.tolist(),
         "faces": [
             *(
                 _common(face)

@@ -115,21 +115,6 @@ function deformed(film, n) {
   return project(film, film.vertices.map((rest, i) => rest.map((x, j) => x + factor * film.displacement[(dim * n + i) * count + j])));
 }
 
-/** Room for every time and, in the plane, for arrows of full length. */
-function roomOf(film) {
-  const room = [[Infinity, -Infinity], [Infinity, -Infinity]];
-  const widen = (points) => room.forEach((ends, i) => {
-    ends[0] = Math.min(ends[0], ...points[i]);
-    ends[1] = Math.max(ends[1], ...points[i]);
-  });
-  widen(film.rest);
-  film.times.forEach((_, n) => widen(deformed(film, n)));
-  for (const face of film.faces.filter(({ zone }) => zone)) {
-    widen(project(film, face.x.map((values, i) => values.map((x) => x + film.arrow * film.size * face.normal[i]))));
-  }
-  return room.map(([low, high]) => [low - 0.02 * film.size, high + 0.02 * film.size]);
-}
-
 /** Edges of one triangle only, and those at which a surface bends: the two ends and the triangles of each. */
 function outlineOf(film) {
   const edges = new Map(), corners = (c) => film.cells.slice(3 * c, 3 * c + 3);
@@ -454,19 +439,15 @@ const touching = (face, n) => face.pressure[n].filter((pressure) => pressure > f
 
 const bytes = (text) => Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
 
-/** The data of a case, with what is drawn at every time: the outline of the mesh, the room that is needed. */
+/** The data of a case, with the outline of the mesh, which is drawn at every time. */
 function read(section) {
   // The overview shows a case whose data stand in its own section.
   const held = section.dataset.from ? document.querySelector(`.film[data-case="${CSS.escape(section.dataset.from)}"]`) : section;
   const film = JSON.parse(held.querySelector("script").textContent);
   film.displacement = new Int16Array(bytes(film.displacement).buffer);
   film.shades = bytes(film.shades);
-  film.size = Math.max(...film.vertices.map((values) => Math.max(...values) - Math.min(...values)));
   film.rest = project(film, film.vertices);
   film.outline = outlineOf(film);
-  film.room = roomOf(film);
-  film.highest = largest(...film.faces.map((face) => face.pressure));
-  film.widest = largest(...film.faces.map((face) => face.gap));
   for (const face of film.faces.filter(({ zone }) => zone)) {
     // Vertices on the clamped part are no contact vertices: the zone may reach farther than they do.
     const ends = face.zone.intervals.flat(2).concat(face.s);
