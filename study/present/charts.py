@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import cycle
 
@@ -25,6 +25,7 @@ from study.present.chart import (
     linear_axis,
     log_axis,
 )
+from study.present.notation import counted
 from study.present.palette import (
     BLACK,
     BLUE,
@@ -199,12 +200,16 @@ def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
     if on_graded:
         seen.append(f"meshes graded towards a singularity reach the order {spread(on_graded)}")
     caption = (
-        f"The error max_t ‖u − u^h‖_V of all {rates['case'].nunique()} cases of {rates['claim'].iloc[0]} against the "
+        f"The error max_t ‖u − u^h‖_V of {_all_cases(cases)} of {rates['claim'].iloc[0]} against the "
         "mesh size h, on every mesh family; the triangles have the expected orders, which are written above them. "
         f"What to see: {'; '.join(seen)}."
     )
     summary = "error of every case against the mesh size, both logarithmic"
     return Chart(summary, subplots, [_family_legend(styles)], caption, columns)
+
+
+def _all_cases(cases: Collection[str]) -> str:
+    return f"{'all ' if len(cases) > 1 else ''}{counted(len(cases), 'case')}"
 
 
 def collapsed_chart(rates: pd.DataFrame) -> Chart:
@@ -220,7 +225,7 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
         scaled.append(Curve(h, errors, styles[str(family)]))
         relative.append(Curve(h, errors / h, styles[str(family)]))
         last.setdefault(str(family), []).append(float(relative[-1].y[-1]))
-    ends, cases = np.array([rates["h"].min(), rates["h"].max()]), rates["case"].nunique()
+    ends, cases = np.array([rates["h"].min(), rates["h"].max()]), rates["case"].unique()
     line = Curve(ends, ends, Style(GREY))
     values = np.concatenate([curve.y for curve in relative])
     x, legend = log_axis("mesh size", ends, symbol="h"), [*_family_legend(styles), LegendEntry("C h", line.style)]
@@ -233,7 +238,7 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
             Subplot("", x, linear_axis("error / (C h)", values), relative, rules=(1.0,)),
         ],
         [legend[::2], legend[1::2]],
-        f"The errors max_t ‖u − u^h‖_V of all {cases} cases of Prop. 5.4 on all mesh families, each divided by its "
+        f"The errors max_t ‖u − u^h‖_V of {_all_cases(cases)} of Prop. 5.4 on all mesh families, each divided by its "
         "constant C. C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh, which "
         "follows from second derivatives of u; nothing is fitted. What to see: all fall on the line C h; error / (C h) "
         f"lies between {values.min():.2f} and {values.max():.2f}, on the finest meshes of a case in {finest_meshes}. "
@@ -413,12 +418,13 @@ def codes_chart(codes: Codes) -> Chart:
             Subplot("", x, share, curves["share"], rules=(1.0,)),
         ],
         [legend[::2], legend[1::2]],
-        f"{len(rows)} runs of {rows['code'].nunique()} contact codes, each with stated parameters on one case and mesh "
-        "family. Above: the order of ‖u − u^h‖_V between the two finest meshes. Below: the distance from the solution "
-        "in K^h over the discretisation error. Both against the error of the pressure on the finest mesh, over that of "
-        f"the solution in K^h. What to see: of {len(bad)} runs whose contact stagnates or is wrong though their order "
-        f"in V is 1 ± {tolerance}, the error of the pressure is up to {bad['excess'].max():.0f} times what linear "
-        "elements leave; an order in V does not see it.",
+        f"{counted(len(rows), 'run')} of {counted(rows['code'].nunique(), 'contact code')}, each with stated "
+        "parameters on one case and mesh family. Above: the order of ‖u − u^h‖_V between the two finest meshes. Below: "
+        "the distance from the solution in K^h over the discretisation error. Both against the error of the pressure "
+        "on the finest mesh, over that of the solution in K^h. What to see: of "
+        f"{counted(len(bad), 'run')} whose contact stagnates or is wrong though their order in V is 1 ± {tolerance}, "
+        f"the error of the pressure is up to {bad['excess'].max():.0f} times what linear elements leave; an order in V "
+        "does not see it.",
     )
 
 
@@ -443,7 +449,7 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
         for column, part in parts.items():
             seconds.append(Curve(dofs, rows[column].to_numpy(), Style(colour, marker, part.style.stroke)))
         memory.append(Curve(dofs, (rows["peak_bytes"] / rows["dofs"] / kib).to_numpy(), style))
-        solvers.append(LegendEntry(f"{name} ({len(rows)} meshes)", style))
+        solvers.append(LegendEntry(f"{name} ({len(rows)} {'mesh' if len(rows) == 1 else 'meshes'})", style))
         last = rows.iloc[-1]
         text = (
             f"{name}: {last['level_seconds']:.3g} s and {last['peak_bytes'] / kib**3:.2g} GiB for {last['dofs']:.0f} "

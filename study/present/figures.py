@@ -24,6 +24,7 @@ from study.present import body, charts, contact
 from study.present.body import GAP
 from study.present.chart import Array, Chart, draw_chart
 from study.present.drawing import COLUMN, PAGE, Drawing, dots, draw_figures, draw_one, entry, legend
+from study.present.notation import counted
 from study.present.palette import BLACK, BLUE, DARK, FOUNDATION, FOUNDATION_EDGE, GREEN, GREY, RAMPS, VERMILLION, Style
 from study.present.picture import Energy, Picture, read_pictures
 
@@ -171,7 +172,7 @@ def caption_effectivity(known: pd.DataFrame) -> str:
     """Returns the caption of ``draw_effectivity``."""
     plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
     wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
-    seen = [f"{wrong or 'no'} bounds on the wrong side of the error"]
+    seen = [f"{counted(wrong, 'bound') if wrong else 'no bounds'} on the wrong side of the error"]
     if len(plain):
         medians = [f"{rows['upper'].median():.3g} with {scheme}" for scheme, rows in plain.groupby("scheme")]
         seen.append(
@@ -185,7 +186,7 @@ def caption_effectivity(known: pd.DataFrame) -> str:
             f"{enclosed['upper'].max():.3g} times the error"
         )
     return (
-        f"Effectivity of the bounds for {known['case'].nunique()} cases whose error is known, the worst "
+        f"Effectivity of the bounds for {counted(known['case'].nunique(), 'case')} whose error is known, the worst "
         f"over the second half of time; a larger marker is a finer mesh. What to see: {'; '.join(seen)}."
     )
 

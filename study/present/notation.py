@@ -101,6 +101,11 @@ def prose(text: str) -> str:
     return "".join(_PROSE.get(c) or (c if is_latin(c) else rf"\texttt{{U+{ord(c):04X}}}") for c in text)
 
 
+def counted(number: int, noun: str) -> str:
+    """Returns a number with its noun in the singular or the plural: 1 case, 2 cases."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def folding(width: float) -> str:
     """Returns the alignment of a column that folds its text at a fraction of the width of the line."""
     return rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}"

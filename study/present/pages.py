@@ -30,7 +30,7 @@ from study.present.article import two_digits_up
 from study.present.drawing import in_style
 from study.present.full_run import FullRun
 from study.present.marks import END, markdown, put
-from study.present.notation import typeset
+from study.present.notation import counted, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import with_every_shape
 from study.present.show import write_gif
@@ -113,7 +113,7 @@ def results(data: FullRun) -> str:
 def _prop_5_4(data: FullRun) -> list[str]:
     fitted = data.rows("Prop. 5.4", "order-fitted")
     return [
-        f"Proposition 5.4: errors consistent with O(h) on these meshes, in {fitted['case'].nunique()} cases",
+        f"Proposition 5.4: errors consistent with O(h) on these meshes, in {counted(fitted['case'].nunique(), 'case')}",
         "order 1",
         # A fit is judged by its value, which lies inside its interval.
         f"fitted orders {_outwards(fitted['observed'].min(), fitted['observed'].max())}, level by level "
@@ -128,7 +128,7 @@ def _prop_5_3(data: FullRun) -> list[str]:
     limit, steeper = (above(100 * data.rows("Prop. 5.3", key)["high"].max(), 0) for key in ("limit", "limit-steeper"))
     return [
         f"Proposition 5.3: errors consistent with convergence to solutions that are not smooth, in "
-        f"{seen['case'].nunique()} cases",
+        f"{counted(seen['case'].nunique(), 'case')}",
         f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
         f"a positive limit is at most {limit} % of the errors on the two finest meshes if the order is the predicted "
         f"one, {steeper} % if it is larger by {STEEPER:g}; orders {_range(seen)}",
@@ -151,9 +151,10 @@ def _own_space(data: FullRun) -> list[str]:
     found = data.rows(label, "order-stress")
     regular = found["case"].map(data.cases["proved_order"]) == 1
     seen, others = found[regular], found[~regular]
+    number = counted(seen["case"].nunique(), "case")
     rest = f"; {_range(others)} in {others['case'].nunique()} that is less regular" if len(others) else ""
     return [
-        f"Theorem 4.2, by stresses that know no displacement: they converge to σ, in {seen['case'].nunique()} cases",
+        f"Theorem 4.2, by stresses that know no displacement: they converge to σ, in {number}",
         "at least 3/2, by regularity, at most 2",
         f"orders {_range(seen)}{rest}",
         _verdict(data, label, set(seen["case"])),
@@ -176,7 +177,7 @@ def _regularity(data: FullRun) -> list[str]:
     return [
         "beyond the paper: is the smoothness (5.36) that the proof of order 1 assumes needed?",
         f"that of the trace is not: proved in the plane; without that of u̇ order {proved.min():.3g} is proved",
-        f"orders {_range(missing)} in {len(missing)} cases that miss one of them",
+        f"orders {_range(missing)} in {counted(len(missing), 'case')} that miss one of them",
         REPORTED,
     ]
 
@@ -187,7 +188,7 @@ def _work(data: FullRun) -> list[str]:
     return [
         "beyond the paper: contact at every scale, with a trace that has no bound: the root of the work of contact",
         "order 1, on grids, where it can be seen",
-        f"orders {_range(seen)} in {seen['case'].nunique()} cases",
+        f"orders {_range(seen)} in {counted(seen['case'].nunique(), 'case')}",
         _verdict(data, label),
     ]
 
@@ -241,19 +242,21 @@ def _seeds(data: FullRun) -> list[str]:
 def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:
     """Returns how many rows of a statement have each verdict, of all cases or of some."""
     rows = data.claims[data.claims["label"] == label]
-    return _counted(rows if among is None else rows[rows["case"].isin(among)])
+    return _row_counts(rows if among is None else rows[rows["case"].isin(among)])
 
 
 def _weighed(data: FullRun, label: str, keys: tuple[str, ...]) -> str:
     """Returns how many rows that test a claim have each verdict, and how many other rows."""
     rows = data.claims[data.claims["label"] == label]
     tests = rows["key"].isin(keys)
-    return f"{_counted(rows[tests])}; beside them, on what was solved, {_counted(rows[~tests])}"
+    return f"{_row_counts(rows[tests])}; beside them, on what was solved, {_row_counts(rows[~tests])}"
 
 
-def _counted(rows: pd.DataFrame) -> str:
+def _row_counts(rows: pd.DataFrame) -> str:
     counts = count_verdicts(rows)
-    return ", ".join(f"{name} ({count} rows)" for name, count in counts.items() if count and name != REPORTED)
+    return ", ".join(
+        f"{name} ({counted(count, 'row')})" for name, count in counts.items() if count and name != REPORTED
+    )
 
 
 def _range(rows: pd.DataFrame) -> str:

@@ -250,7 +250,7 @@ def test_an_upper_bound_below_the_error_is_counted(alone: Path) -> None:
     assert "no bounds on the wrong side of the error" in named(alone, "effectivity").caption
     path = alone / "data" / "bounds.csv"
     pd.read_csv(path).assign(upper=0.9).to_csv(path, index=False)
-    assert "1 bounds on the wrong side of the error" in named(alone, "effectivity").caption
+    assert "1 bound on the wrong side of the error" in named(alone, "effectivity").caption
 
 
 def test_bounds_of_unknown_errors_alone_make_no_effectivity(alone: Path) -> None:
