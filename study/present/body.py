@@ -19,7 +19,7 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from study.present.drawing import COLUMN, dots, entry, legend
-from study.present.palette import BLACK, BLUE, FOUNDATION, FOUNDATION_EDGE, RAMPS, VERMILLION
+from study.present.palette import BLACK, BLUE, FOUNDATION, FOUNDATION_EDGE, OUTLINE, RAMPS, VERMILLION
 from study.present.picture import Array, Picture, Segment, Shape
 
 DISPLACEMENT = 0.12
@@ -279,7 +279,7 @@ def draw_keys(
     bar = figure.colorbar(scale.stress_colours, ax=panels, extend="max", ticks=ends, format="%.3g", **layout)
     bar.set_label(r"von Mises stress $\sqrt{3/2}\,|\mathrm{dev}\,\sigma|$")
     bar.outline.set_linewidth(0.4)
-    handles: list[Artist] = [entry(rf"body, displacement $\times\,{scale.magnification:.2g}$", color="0.35", lw=0.6)]
+    handles: list[Artist] = [entry(rf"body, displacement $\times\,{scale.magnification:.2g}$", color=OUTLINE, lw=0.6)]
     if picture.polygons:
         bar = figure.colorbar(scale.pressure_colours, ax=panels, **layout)
         bar.set_label(r"contact pressure $p^h$ on $\Gamma_3$")

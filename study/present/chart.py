@@ -21,7 +21,7 @@ from matplotlib.ticker import FixedFormatter, FixedLocator, LogLocator, MaxNLoca
 from numpy.typing import ArrayLike, NDArray
 
 from study.present.drawing import COLUMN, entry, legend, mathtext
-from study.present.palette import GREY, Style
+from study.present.palette import GREY, OUTLINE, TRIANGLE, Style
 
 Array = NDArray[np.float64]
 MARGIN = 0.06
@@ -234,7 +234,7 @@ def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
         axes.fill_between(band.x, band.low, band.high, color=band.colour, alpha=_BAND, lw=0)
     if subplot.triangle:
         triangle = subplot.triangle
-        axes.fill(*triangle.corners.T, facecolor="0.93", edgecolor="0.35", lw=0.6, zorder=1.5)
+        axes.fill(*triangle.corners.T, facecolor=TRIANGLE, edgecolor=OUTLINE, lw=0.6, zorder=1.5)
         (x0, y0), (x1, y1), _ = triangle.corners
         text: dict[str, Any] = {"textcoords": "offset points", "fontsize": 7}
         axes.annotate(triangle.beside, (x0, np.sqrt(y0 * y1)), (-2, 0), ha="right", va="center", **text)

@@ -19,7 +19,7 @@ from matplotlib.tri import Triangulation
 
 from study.present.body import ROUND_OFF, ramp
 from study.present.drawing import COLUMN, dots, entry, legend
-from study.present.palette import BLACK, BLUE, GREEN, GREY, PURPLE, RIM, SKY, VERMILLION
+from study.present.palette import BLACK, BLUE, GREEN, GREY, PURPLE, RIM, SKY, SURFACE, VERMILLION
 from study.present.picture import (
     Array,
     Picture,
@@ -281,7 +281,7 @@ def draw_maps(picture: Picture) -> Figure:
     _label_maps(panels, picture)
     figure.suptitle(picture.heading)
     marks = dots("computed", mfc="white", mec=RIM, mew=0.4, ms=2.6)
-    legend(figure, [entry("exact", color="0.6", lw=4), marks, entry("exact front", **FRONT)], columns=3)
+    legend(figure, [entry("exact", color=SURFACE, lw=4), marks, entry("exact front", **FRONT)], columns=3)
     return figure
 
 

@@ -10,7 +10,9 @@ from typing import Literal
 # Okabe and Ito, Color Universal Design (2008); their yellow is too light for lines.
 BLUE, VERMILLION, GREEN, PURPLE = "#0072B2", "#D55E00", "#009E73", "#CC79A7"
 ORANGE, SKY, BLACK = "#E69F00", "#56B4E9", "#000000"
-GREY, DARK, RIM, FOUNDATION, FOUNDATION_EDGE = "#8C8C8C", "#4D4D4D", "0.4", "0.82", "0.25"
+GREY, DARK = "#8C8C8C", "#4D4D4D"
+OUTLINE, RIM, SURFACE = "0.35", "0.4", "0.6"
+FOUNDATION, FOUNDATION_EDGE, TRIANGLE = "0.82", "0.25", "0.93"
 COLOURS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
 """Colours of lines, in the order in which they are taken."""
 

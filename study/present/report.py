@@ -26,7 +26,7 @@ from study.present.chart import Array, Axis, Chart, Subplot
 from study.present.charts import collapsed_chart, convergence_chart, enclosure_charts, finest_orders
 from study.present.notation import typeset, typeset_svg
 from study.present.palette import BLACK, DARK, Style, family_styles
-from study.present.picture import FaceHistory, over_time, with_every_shape
+from study.present.picture import FaceHistory, Polygon, Segment, over_time, with_every_shape
 from study.present.tables import (
     Table,
     bounds_table,
@@ -290,35 +290,7 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
         "arrow": ARROW,
         "foundation": THICKNESS,
         "view": scale.view.axes.tolist(),
-        "faces": [
-            *(
-                _common(face)
-                | {
-                    "zone": {"times": face.zone_times.tolist(), "intervals": face.zone},
-                    "line": {
-                        "s": short(face.line),
-                        "gap": short(face.line_gap),
-                        "pressure": short(face.line_pressure),
-                    },
-                }
-                for face in picture.segments
-            ),
-            *(
-                _common(face)
-                | {
-                    "gap_exact": short(face.gap_exact),
-                    "pressure_exact": short(face.pressure_exact),
-                    "nodes": face.nodes.tolist(),
-                    "cells": face.facets.cells.tolist(),
-                    # The points at the corners of each facet, edge or quarter, one after the other.
-                    "facets": face.facets.corners.T.ravel().tolist(),
-                    "edges": face.facets.edges.T.ravel().tolist(),
-                    "quarters": face.facets.quarters.T.ravel().tolist(),
-                    "level": short(face.level),
-                }
-                for face in picture.polygons
-            ),
-        ],
+        "faces": list(map(_face, picture.faces)),
     }
 
 
@@ -326,9 +298,19 @@ def _base64(values: NDArray[Any]) -> str:
     return b64encode(values.tobytes()).decode("ascii")
 
 
-def _common(face: FaceHistory) -> dict[str, Any]:
-    series = {name: short(getattr(face, name)) for name in ("s", "x", "gap", "pressure")}
-    return {"face": face.number, "normal": face.normal.tolist(), **series, "touches": face.contact_threshold}
+def _face(face: FaceHistory) -> dict[str, Any]:
+    """Returns a contact face for the script of the page."""
+    record = {name: short(getattr(face, name)) for name in ("s", "x", "gap", "pressure")}
+    record |= {"face": face.number, "normal": face.normal.tolist(), "touches": face.contact_threshold}
+    if isinstance(face, Segment):
+        line = {"s": short(face.line), "gap": short(face.line_gap), "pressure": short(face.line_pressure)}
+        return record | {"zone": {"times": face.zone_times.tolist(), "intervals": face.zone}, "line": line}
+    assert isinstance(face, Polygon)
+    record |= {name: short(getattr(face, name)) for name in ("gap_exact", "pressure_exact", "level")}
+    record |= {"nodes": face.nodes.tolist(), "cells": face.facets.cells.tolist()}
+    # The points at the corners of each facet, edge or quarter, one after the other.
+    parts = {"facets": face.facets.corners, "edges": face.facets.edges, "quarters": face.facets.quarters}
+    return record | {name: corners.T.ravel().tolist() for name, corners in parts.items()}
 
 
 # Charts as SVG, much smaller than those of Matplotlib: the page has about 50 charts in 6 MB.
