@@ -3,7 +3,7 @@
 import re
 import unicodedata
 
-from study.present.report.svg_chart import typeset
+from study.present.notation import typeset
 
 RAISED = str.maketrans("²³", "23")
 WORDS = ("Re", "cos", "sin")

@@ -17,9 +17,9 @@ from sphinx.application import Sphinx
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.ledger.datafiles import read_csv
-from study.present.figures.drawing import in_style
-from study.present.picture.picture import with_every_shape
-from study.present.show.showing import write_gif
+from study.present.drawing import in_style
+from study.present.picture import with_every_shape
+from study.present.show import write_gif
 
 HEAD = """Every exact solution of the catalogue in motion, computed on one mesh with n cells along a unit length: the
 body, its displacement times the factor in the legend, with the pressure of the foundation, and beside it the pressure

@@ -21,8 +21,7 @@ from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import write_text
 from study.ledger.rounding import up
 from study.ledger.terminal import folded
-from study.present.figures import draw_one
-from study.present.figures.adapted_mesh import AdaptedMesh, drawing
+from study.present.figures import AdaptedMesh, adapted_mesh, draw_one
 from study.run.fingerprint import of_problem
 from study.run.resources import GIB, available
 from study.run.store import Store
@@ -62,7 +61,7 @@ def do_adapt(options: argparse.Namespace) -> int:
             stage = following
         shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, _uniform(store.directory))
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(kept)))]
-        written += draw_one(store.directory, drawing(name, shown))
+        written += draw_one(store.directory, adapted_mesh(name, shown))
     print(folded(f"written: {listed(written)}"))
     print("\n" + "\n".join(adaptive.text(name, rows, options.adapt, stopped, kept[-1]["sentences"])) + "\n")
     return OK if reached and all(one["inside"] for one in kept if case) else FAILED

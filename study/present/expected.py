@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from study.present.article.source import FullRun
-from study.present.badges import badges
+from study.present.drawing import caption_text
 from study.present.figures import drawings
-from study.present.figures.drawing import caption_text
-from study.present.pages import refreshed
+from study.present.full_run import FullRun
+from study.present.pages import badges, refreshed
 from study.present.tables import texts
 
 TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "make pages"

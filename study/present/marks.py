@@ -8,9 +8,9 @@ END = "<!-- end -->"
 
 
 def put(text: str, name: str, table: str) -> str:
-    """The text of a page with a table, or a few words, between the marks of a name; as it is if it has none.
+    """Returns a page with a table, or a few words, between the marks of a name; unchanged if it has no such marks.
 
-    A table begins on a line of its own, words stay in their sentence.
+    A table begins on its own line, words stay in their sentence.
     """
     head, mark, rest = text.partition(f"<!-- {name} -->")
     _, end, tail = rest.partition(END)
@@ -19,6 +19,6 @@ def put(text: str, name: str, table: str) -> str:
 
 
 def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table."""
+    """Returns a table."""
     lines = [header, ["---"] * len(header), *rows]
     return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)

@@ -1,4 +1,4 @@
-"""How a run ended: rates and ledger in a terminal's width, from the data files, and verdicts as JUnit XML."""
+"""The outcome of a run: rates and ledger for a terminal, from the data files, and verdicts as JUnit XML."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ from study.ledger.files import write_text
 from study.ledger.rounding import cell, significant
 from study.ledger.terminal import is_narrow, width
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, VERDICTS, Verdict
+from study.present.notation import counted
 
 
 def rates_text(directory: Path) -> str:
-    """A row per case and mesh family from ``rates.csv``, as wide as the terminal, at most 110 columns.
+    """Returns a row per case and mesh family from ``rates.csv``, as wide as the terminal, at most 110 columns.
 
-    The finest level n and its error, the order of the discrete error between the two finest levels, the largest time
-    share of all levels, and the orders from level to level, the last ones if not all fit.
+    It has the finest level n and its error, the order of the discrete error between the two finest levels, the largest
+    time share of all levels, and the orders from level to level, the last ones if not all fit.
     """
     rates = read_rates(directory)
     schemes = rates["scheme"].nunique() > 1
@@ -37,9 +38,9 @@ def rates_text(directory: Path) -> str:
 
 
 def ledger_text(claims: pd.DataFrame) -> str:
-    """A row per statement of the ledger, as wide as ``rates_text``, then every row that does not hold.
+    """Returns a row per statement of the ledger, as wide as ``rates_text``, then every row that does not hold.
 
-    In how many cases a statement was looked at, and how many rows it has by verdict.
+    A statement has the number of its cases, and the numbers of its rows by verdict.
     """
     rows = [
         [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
@@ -51,14 +52,14 @@ def ledger_text(claims: pd.DataFrame) -> str:
         lines += _finding(row)
     count = count_verdicts(claims)
     lines.append(
-        f"{len(claims)} rows: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
+        f"{counted(len(claims), 'row')}: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
         f"{count[REPORTED]} reported without a claim"
     )
     return "\n".join(lines) + "\n"
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:
-    """One test case per verdict; fails is a failure, undecided and reported are skipped."""
+    """Writes one test case per verdict; fails is a failure, undecided and reported are skipped."""
     count = Counter(verdict.verdict for verdict in verdicts)
     skipped = len(verdicts) - count[HOLDS] - count[FAILS]
     totals = {"tests": str(len(verdicts)), "failures": str(count[FAILS]), "skipped": str(skipped)}
@@ -91,7 +92,7 @@ def _rates_row(series: pd.DataFrame, schemes: bool, shown: int) -> list[str]:
 
 
 def _finding(row: pd.Series) -> list[str]:
-    """A verdict that is not a pass, with its quantity, folded to the width."""
+    """Returns the lines of a verdict that is not a pass, with its quantity, folded to the width."""
     expected, _, why = str(row["expected"]).partition(BECAUSE)
     observed = f"{cell(row['observed'])} in [{cell(row['low'])}, {cell(row['high'])}]"
     where = f"{row['label']}, {row['case']}" if row["case"] else str(row["label"])
@@ -101,7 +102,7 @@ def _finding(row: pd.Series) -> list[str]:
 
 
 def _aligned(head: Sequence[str], rows: Sequence[Sequence[str]], widths: Sequence[int], numbers: slice) -> str:
-    """Columns two spaces apart, longer cells folded, numbers on the right."""
+    """Returns columns two spaces apart, with longer cells folded and numbers on the right."""
     sides = ["left"] * len(head)
     sides[numbers] = ["right"] * len(sides[numbers])
     return str(

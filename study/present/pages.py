@@ -1,4 +1,4 @@
-"""The tables of the README and of the documentation that come from the data.
+"""The tables and badges of README and documentation that come from the data.
 
 python -m study.present.pages results README.md docs/explanation/results.md …
 """
@@ -9,7 +9,12 @@ import json
 import math
 import re
 import sys
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import groupby
 from pathlib import Path
+from xml.sax.saxutils import escape
 
 import pandas as pd
 
@@ -17,22 +22,72 @@ from study.ledger.chance import PROMISE
 from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, raised
 from study.ledger.files import write_text
+from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.rounding import above, below, up
-from study.ledger.verdict import REPORTED
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.ledger.window import STEEPER
-from study.present.article.source import FullRun
-from study.present.badges import write_badges
-from study.present.figures.drawing import in_style
-from study.present.formulas import lines as of_formulas
+from study.present.article import two_digits_up
+from study.present.drawing import in_style
+from study.present.full_run import FullRun
 from study.present.marks import END, markdown, put
-from study.present.picture.picture import with_every_shape
-from study.present.report.svg_chart import typeset
-from study.present.show.animation import write_gif
+from study.present.notation import counted, typeset
+from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
+from study.present.picture import with_every_shape
+from study.present.show import write_gif
 from study.present.windows import Change, added, changes
+
+FILM, FILM_DPI = "hexagon", 75
+"""The case on the first screen of the README, and dots per inch of its film."""
+ORDERS, CONVERGENCE = ("order", "order-fitted", "order-finest"), ("falling", "limit", "order", "order-graded")
+"""Keys of the rows that test a proposition itself; the other rows check the discrete solution."""
+
+
+def main() -> None:
+    """Writes tables, badges and the film of the first screen: ``python -m study.present.pages RESULTS PAGE …``."""
+    directory, *pages = map(Path, sys.argv[1:])
+    data = FullRun.read(directory)
+    if data is None:
+        raise DataError(f"{directory} is not that of a full run: `make full`, `make controls` and `make seeds` make it")
+    film, picture = directory / "figures" / f"{FILM}.gif", directory / "data" / "pictures" / f"{FILM}.json"
+    with in_style():
+        write_gif(film, with_every_shape(json.loads(picture.read_text(encoding="utf-8"))), lambda: None, FILM_DPI)
+    write_badges(directory / "badges", data, Path("pyproject.toml"))
+    for page in pages:
+        print(f"{page}: {'changed' if refresh(page, data) else 'up to date'}")
+
+
+def refresh(page: Path, data: FullRun) -> bool:
+    """Writes the tables of a page again; returns whether the page changed.
+
+    Raises:
+        DataError: the page has no marks.
+    """
+    before = page.read_text(encoding="utf-8")
+    text = refreshed(page, data)
+    write_text(page, text)
+    return text != before
+
+
+def refreshed(page: Path, data: FullRun) -> str:
+    """Returns the text of a page with its tables, between ``<!-- NAME -->`` and ``<!-- end -->``, from the data.
+
+    Raises:
+        DataError: the page has no marks.
+    """
+    text = page.read_text(encoding="utf-8")
+    for table in (headline, results, statements, formulas, cases, codes, marches, windows, new_windows):
+        if f"<!-- {table.__name__} -->" in text:
+            text = put(text, table.__name__, table(data))
+    if END not in text:
+        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements, cases, codes, …")
+    return text
+
+
+# Results: claim, prediction, observation, verdict
 
 
 def headline(data: FullRun) -> str:
-    """What is claimed and seen, and the code that says how, in Markdown; DataError if rows lack."""
+    """Returns claims, observations and links to the code behind them, in Markdown; DataError if rows are missing."""
     told = {
         "statements/prop_5_4/": _prop_5_4,
         "statements/prop_5_3.py": _prop_5_3,
@@ -40,15 +95,15 @@ def headline(data: FullRun) -> str:
         "statements/enclosure/": _bound,
         "controls/alarms.py": _seeds,
     }
-    rows = [(path, row(data)) for path, row in told.items()]
-    return markdown(
-        ["claim", "observed", "how"],
-        [[claim, seen, f"[{verdict}](study/{path})"] for path, (claim, _, seen, verdict) in rows],
-    )
+    lines = []
+    for path, row in told.items():
+        claim, _, seen, verdict = row(data)
+        lines.append([claim, seen, f"[{verdict}](study/{path})"])
+    return markdown(["claim", "observed", "how"], lines)
 
 
 def results(data: FullRun) -> str:
-    """What is claimed, predicted and seen, rounded outwards, and the verdict, in Markdown; DataError if rows lack."""
+    """Returns claims, predictions, observations rounded outwards, and verdicts, in Markdown; DataError as above."""
     beyond = _regularity, _work, _rollers, _time
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, *beyond, _defects, _seeds)
     lines = [[_literal(cell) for cell in row(data)] for row in rows]
@@ -58,9 +113,9 @@ def results(data: FullRun) -> str:
 def _prop_5_4(data: FullRun) -> list[str]:
     fitted = data.rows("Prop. 5.4", "order-fitted")
     return [
-        f"Proposition 5.4: errors consistent with O(h) on these meshes, in {fitted['case'].nunique()} cases",
+        f"Proposition 5.4: errors consistent with O(h) on these meshes, in {counted(fitted['case'].nunique(), 'case')}",
         "order 1",
-        # The ends of a fit are those of its interval, in which its value is judged.
+        # A fit is judged by its value, which lies inside its interval.
         f"fitted orders {_outwards(fitted['observed'].min(), fitted['observed'].max())}, level by level "
         + _range(data.rows("Prop. 5.4", "order")),
         _weighed(data, "Prop. 5.4", ORDERS),
@@ -73,7 +128,7 @@ def _prop_5_3(data: FullRun) -> list[str]:
     limit, steeper = (above(100 * data.rows("Prop. 5.3", key)["high"].max(), 0) for key in ("limit", "limit-steeper"))
     return [
         f"Proposition 5.3: errors consistent with convergence to solutions that are not smooth, in "
-        f"{seen['case'].nunique()} cases",
+        f"{counted(seen['case'].nunique(), 'case')}",
         f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
         f"a positive limit is at most {limit} % of the errors on the two finest meshes if the order is the predicted "
         f"one, {steeper} % if it is larger by {STEEPER:g}; orders {_range(seen)}",
@@ -82,8 +137,7 @@ def _prop_5_3(data: FullRun) -> list[str]:
 
 
 def _same_mesh(data: FullRun) -> list[str]:
-    # Powers of ten, rounded up when they were measured: rounding up once more would give 1.1e-05 for 1e-5.
-    allowed, seen = (f"{data.equivalence[name].max():g}" for name in ("stress_bound", "stress_gap"))
+    allowed, seen = (f"{two_digits_up(data.equivalence[name].max()):.2g}" for name in ("stress_bound", "stress_gap"))
     return [
         "Theorem 4.2: displacements and stresses solve the same problem (same mesh, two solvers)",
         f"equal up to what the solver leaves open, at most {allowed} by its duality gap",
@@ -97,9 +151,10 @@ def _own_space(data: FullRun) -> list[str]:
     found = data.rows(label, "order-stress")
     regular = found["case"].map(data.cases["proved_order"]) == 1
     seen, others = found[regular], found[~regular]
+    number = counted(seen["case"].nunique(), "case")
     rest = f"; {_range(others)} in {others['case'].nunique()} that is less regular" if len(others) else ""
     return [
-        f"Theorem 4.2, by stresses that know no displacement: they converge to σ, in {seen['case'].nunique()} cases",
+        f"Theorem 4.2, by stresses that know no displacement: they converge to σ, in {number}",
         "at least 3/2, by regularity, at most 2",
         f"orders {_range(seen)}{rest}",
         _verdict(data, label, set(seen["case"])),
@@ -122,7 +177,7 @@ def _regularity(data: FullRun) -> list[str]:
     return [
         "beyond the paper: is the smoothness (5.36) that the proof of order 1 assumes needed?",
         f"that of the trace is not: proved in the plane; without that of u̇ order {proved.min():.3g} is proved",
-        f"orders {_range(missing)} in {len(missing)} cases that miss one of them",
+        f"orders {_range(missing)} in {counted(len(missing), 'case')} that miss one of them",
         REPORTED,
     ]
 
@@ -133,7 +188,7 @@ def _work(data: FullRun) -> list[str]:
     return [
         "beyond the paper: contact at every scale, with a trace that has no bound: the root of the work of contact",
         "order 1, on grids, where it can be seen",
-        f"orders {_range(seen)} in {seen['case'].nunique()} cases",
+        f"orders {_range(seen)} in {counted(seen['case'].nunique(), 'case')}",
         _verdict(data, label),
     ]
 
@@ -165,53 +220,47 @@ def _time(data: FullRun) -> list[str]:
 
 def _defects(data: FullRun) -> list[str]:
     found, injected = caught(data.controls)
-    verdict = "holds" if found == injected else "fails"
+    verdict = HOLDS if found == injected else FAILS
     claim = "deliberate defects, injected one at a time"
     return [claim, "each is caught by a row", f"{found} of {injected}", verdict]
 
 
 def _seeds(data: FullRun) -> list[str]:
     found = raised(data.seeds)
+    tails = f"by the tails of all rows at most {found.by_tail:.2%}"
     return [
         f"false alarms by chance: all {found.rows} rows that are claimed on random meshes, on those of {found.seeds} "
         "seeds drawn afresh",
         f"at most {PROMISE:.0%} of seeds turn the ledger red",
         f"on {found.red} of them a row failed: {found.low:.1%} … {found.high:.1%} of all seeds, at 95%; "
-        f"{_tails(found.by_tail)}; a row that costs little failed on {found.light_red} of {found.light_seeds}",
+        f"{'too few for the tails of all rows' if math.isnan(found.by_tail) else tails}; a row that costs little "
+        f"failed on {found.light_red} of {found.light_seeds}",
         found.verdict,
     ]
 
 
-def _tails(rate: float) -> str:
-    """What the tails of all rows together let one expect, if they are known."""
-    return "too few for the tails of all rows" if math.isnan(rate) else f"by the tails of all rows at most {rate:.2%}"
-
-
 def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:
-    """How many rows of a statement have each verdict, of all cases or of some."""
-    mine = data.claims[data.claims["label"] == label]
-    return _counted(mine if among is None else mine[mine["case"].isin(among)])
-
-
-ORDERS, CONVERGENCE = ("order", "order-fitted", "order-finest"), ("falling", "limit", "order", "order-graded")
-"""Keys of the rows that bear on what a proposition claims; the others show that they are about what was solved."""
+    """Returns how many rows of a statement have each verdict, of all cases or of some."""
+    rows = data.claims[data.claims["label"] == label]
+    return _row_counts(rows if among is None else rows[rows["case"].isin(among)])
 
 
 def _weighed(data: FullRun, label: str, keys: tuple[str, ...]) -> str:
-    """How many rows that bear on a claim have each verdict, and how many beside them."""
-    mine = data.claims[data.claims["label"] == label]
-    bears = mine["key"].isin(keys)
-    about, beside = (_counted(rows) for rows in (mine[bears], mine[~bears]))
-    return f"{about}; beside them, on what was solved, {beside}"
+    """Returns how many rows that test a claim have each verdict, and how many other rows."""
+    rows = data.claims[data.claims["label"] == label]
+    tests = rows["key"].isin(keys)
+    return f"{_row_counts(rows[tests])}; beside them, on what was solved, {_row_counts(rows[~tests])}"
 
 
-def _counted(rows: pd.DataFrame) -> str:
+def _row_counts(rows: pd.DataFrame) -> str:
     counts = count_verdicts(rows)
-    return ", ".join(f"{name} ({count} rows)" for name, count in counts.items() if count and name != REPORTED)
+    return ", ".join(
+        f"{name} ({counted(count, 'row')})" for name, count in counts.items() if count and name != REPORTED
+    )
 
 
 def _range(rows: pd.DataFrame) -> str:
-    """From the least to the largest value, rounded outwards."""
+    """Returns the least and the largest value, rounded outwards."""
     return _outwards(rows["low"].min(), rows["high"].max())
 
 
@@ -219,77 +268,81 @@ def _outwards(low: float, high: float) -> str:
     return f"{below(low, 2)} … {above(high, 2)}"
 
 
-def refresh(page: Path, data: FullRun) -> bool:
-    """Writes the tables of a page again (``refreshed``); returns whether the page changed.
-
-    Raises:
-        DataError: the page has no marks.
-    """
-    before = page.read_text(encoding="utf-8")
-    text = refreshed(page, data)
-    write_text(page, text)
-    return text != before
-
-
-def refreshed(page: Path, data: FullRun) -> str:
-    """Returns the text of a page with its tables, between ``<!-- NAME -->`` and ``<!-- end -->``, from the data.
-
-    Raises:
-        DataError: the page has no marks.
-    """
-    text = page.read_text(encoding="utf-8")
-    tables = headline, results, statements, formulas, cases, codes, marches, windows, new_windows
-    for table in tables:
-        if f"<!-- {table.__name__} -->" in text:
-            text = put(text, table.__name__, table(data))
-    if END not in text:
-        raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements, cases, codes, …")
-    return text
-
-
-FILM, SMALL = "hexagon", 75
-"""The case on the first screen, and dots per inch of its film."""
+# Lists: statements, numbered formulas, other codes, changed windows
 
 
 def statements(data: FullRun) -> str:
-    """Every statement with its verdicts, the file of the code that judges it and its data, in Markdown."""
+    """Returns every statement with its verdicts, the file of the code that judges it and its data, in Markdown."""
     lines = []
     for label, claim, rows in by_claim(data.claims):
-        counts = ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
         code = ", ".join(
             f"[`{path}`](../../{path}{'__init__.py' if path.endswith('/') else ''})" for path in where["code"]
         )
-        found = ", ".join(f"`{name}`" for name in where["data"])
-        lines.append([_literal(label), _literal(claim), counts, f"{code}: {found}"])
+        files = ", ".join(f"`{name}`" for name in where["data"])
+        lines.append([_literal(label), _literal(claim), _verdicts(rows), f"{code}: {files}"])
     return markdown(["statement", "says", "verdicts", "code: data"], lines)
 
 
+def _verdicts(rows: pd.DataFrame) -> str:
+    return ", ".join(f"{count} {name}" for name, count in count_verdicts(rows).items() if count)
+
+
 def formulas(data: FullRun) -> str:
-    """Every numbered formula and statement of the source with its rows, or why it has none, in Markdown."""
-    found = [[numbers, _literal(says), _literal(made)] for numbers, says, made in of_formulas(data.claims)]
-    return markdown(["number", "says", "rows, or why there are none"], found)
+    """Returns every numbered formula and statement of the source with its rows or why it has none, in Markdown."""
+    lines = [[numbers, _literal(says), _literal(rows)] for numbers, says, rows in numbered_lines(data.claims)]
+    return markdown(["number", "says", "rows, or why there are none"], lines)
+
+
+def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
+    """Yields numbers, what they say, and rows or reason, in the order of the source; equal neighbours share a line.
+
+    Raises:
+        DataError: a number has neither rows nor a reason.
+    """
+    found = numbered_entries(claims)
+    if lacking := [number for number in NUMBERED if not found[number]]:
+        raise DataError(f"claims.csv has neither rows nor a reason for {', '.join(lacking)}: judge again, or say why")
+    for entries, group in groupby(NUMBERED, found.__getitem__):
+        numbers = list(group)
+        says, rows = ("; ".join(dict.fromkeys(parts)) for parts in zip(*entries, strict=True))
+        yield numbers[0] if len(numbers) == 1 else f"{numbers[0]}–{numbers[-1]}", says, rows
+
+
+def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
+    """Returns number ↦ (what it says, its rows or the reason) of each statement of the ledger that names the number."""
+    found: dict[str, list[tuple[str, str]]] = {number: [] for number in NUMBERED}
+    without = claims["label"].isin((NO_ROW, NOT_TESTED))
+    entries = [
+        (named(label), claim, f"{label}: {_verdicts(rows)}")
+        for label, claim, rows in by_claim(claims[~without & (claims["label"] != "slips")])
+    ]
+    for row in claims[without].to_dict("records"):
+        entries.append((named(str(row["case"])), str(row["quantity"]), str(row["expected"])))
+    for numbers, says, rows in entries:
+        for number in numbers & found.keys():
+            found[number].append((says, rows))
+    return found
 
 
 def cases(data: FullRun) -> str:
-    """How many cases there are, to stand in a sentence."""
+    """Returns the number of cases, for a sentence."""
     return str(len(data.cases))
 
 
 def codes(data: FullRun) -> str:
-    """Other people's contact codes with their parameters: classes and the worst of each, in Markdown."""
-    return _judged(data.codes)
+    """Returns other people's contact codes with their parameters: classes and the worst of each, in Markdown."""
+    return _codes_table(data.codes)
 
 
 def marches(data: FullRun) -> str:
-    """The same of those that went through time by the midpoint rule."""
-    return _judged(data.marches)
+    """Returns the same table for codes that went through time by the midpoint rule."""
+    return _codes_table(data.marches)
 
 
-def _judged(found: Codes | None) -> str:
+def _codes_table(found: Codes | None) -> str:
     if found is None:
         raise DataError(f"results of other codes are missing: make them with `{MADE}`")
-    header = ["code", "parameters", "class (series of meshes)", "order in V", "distance / error"]
     lines = [
         [
             f"{row['code']} {row['version']}",
@@ -302,31 +355,26 @@ def _judged(found: Codes | None) -> str:
         ]
         for row in found.rows().to_dict("records")
     ]
+    header = ["code", "parameters", "class (series of meshes)", "order in V", "distance / error"]
     return markdown([*header, _literal("pressure / that of K^h"), "scales"], lines)
 
 
 def windows(data: FullRun) -> str:
-    """The windows that are not what they were, in Markdown; DataError if one changed for no reason that is stated."""
-    found = changes(_earlier(data), data.claims)
-    alike: dict[tuple[str, str, str], list[Change]] = {}
-    for change in found:
-        alike.setdefault((change.before, change.today, change.why), []).append(change)
-    return markdown(
-        ["rows", "then", "today", "why"],
-        [
-            [", ".join(map(_rows, group)), *map(_literal, (before, today, why))]
-            for (before, today, why), group in alike.items()
-        ],
-    )
+    """Returns the windows that changed, in Markdown; DataError if a window changed without a stated reason."""
+    alike: dict[tuple[str, str, str], list[str]] = {}
+    for change in changes(_earlier(data), data.claims):
+        alike.setdefault((change.before, change.today, change.why), []).append(_changed(change))
+    lines = [[", ".join(rows), *map(_literal, texts)] for texts, rows in alike.items()]
+    return markdown(["rows", "then", "today", "why"], lines)
 
 
 def new_windows(data: FullRun) -> str:
-    """Rows that are claimed today and were not known then, in Markdown."""
-    lines = [[_rows(one), _literal(one.today), _literal(one.why)] for one in added(_earlier(data), data.claims)]
+    """Returns rows that are claimed today and were not known then, in Markdown."""
+    lines = [[_changed(one), _literal(one.today), _literal(one.why)] for one in added(_earlier(data), data.claims)]
     return markdown(["rows", "window", "why"], lines)
 
 
-def _rows(change: Change) -> str:
+def _changed(change: Change) -> str:
     return f"{_literal(change.label)} *{change.key}* ({change.rows})"
 
 
@@ -337,22 +385,57 @@ def _earlier(data: FullRun) -> pd.DataFrame:
 
 
 def _literal(text: str) -> str:
-    """A text with its scripts raised and lowered, and nothing in it that is taken for emphasis."""
+    """Returns a text with its scripts raised and lowered, and nothing in it that Markdown takes for emphasis."""
     return re.sub(r"([*_])", r"\\\1", typeset(text))
 
 
-def main() -> None:
-    """``python -m study.present.pages RESULTS PAGE …``: the tables; badges and film of the first screen."""
-    directory, *pages = map(Path, sys.argv[1:])
-    data = FullRun.read(directory)
-    if data is None:
-        raise DataError(f"{directory} is not that of a full run: `make full`, `make controls` and `make seeds` make it")
-    film, picture = directory / "figures" / f"{FILM}.gif", directory / "data" / "pictures" / f"{FILM}.json"
-    with in_style():
-        write_gif(film, with_every_shape(json.loads(picture.read_text(encoding="utf-8"))), lambda: None, SMALL)
-    write_badges(directory / "badges", data, Path("pyproject.toml"))
-    for page in pages:
-        print(f"{page}: {'changed' if refresh(page, data) else 'up to date'}")
+# Badges
+
+
+@dataclass(frozen=True)
+class Badge:
+    """A small picture above the README: a name, what is said of it, and the colour behind the text."""
+
+    name: str
+    says: str
+    colour: str
+
+    def svg(self) -> str:
+        """Returns the badge as a picture; letters are fitted into the width that they have on average."""
+        margin, height = 6, 20
+        left, right = (round(6.4 * len(text)) + 2 * margin for text in (self.name, self.says))
+        name, says = escape(self.name), escape(self.says)
+        return f"""\
+<svg xmlns="http://www.w3.org/2000/svg" width="{left + right}" height="{height}" role="img">
+<title>{name}: {says}</title>
+<rect width="{left + right}" height="{height}" rx="3" fill="{DARK}"/>
+<path d="M{left} 0h{right - 3}a3 3 0 0 1 3 3v{height - 6}a3 3 0 0 1 -3 3h-{right - 3}z" fill="{self.colour}"/>
+<g fill="#fff" text-anchor="middle" font-family="DejaVu Sans,Verdana,sans-serif" font-size="11">
+<text x="{left / 2:g}" y="14" textLength="{left - 2 * margin}">{name}</text>
+<text x="{left + right / 2:g}" y="14" textLength="{right - 2 * margin}">{says}</text>
+</g>
+</svg>
+"""
+
+
+def badges(data: FullRun, project: Path) -> dict[str, Badge]:
+    """Returns file name ↦ badge: verdicts of the ledger, caught defects, and what ``pyproject.toml`` states."""
+    stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
+    count, (found, injected) = count_verdicts(data.claims), caught(data.controls)
+    ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN
+    rows = f"{count[HOLDS]} rows hold, {count[UNDECIDED]} undecided, {count[FAILS]} fail"
+    defects = GREEN if found == injected else VERMILLION
+    return {
+        "ledger.svg": Badge("ledger", rows, ledger),
+        "defects.svg": Badge("injected defects", f"{found} of {injected} caught", defects),
+        "python.svg": Badge("Python", str(stated["requires-python"]).replace(">=", "≥ "), BLUE),
+        "licence.svg": Badge("licence", str(stated["license"]), BLUE),
+    }
+
+
+def write_badges(directory: Path, data: FullRun, project: Path) -> list[Path]:
+    """Writes all badges into a directory; returns their files."""
+    return [write_text(directory / name, badge.svg()) for name, badge in badges(data, project).items()]
 
 
 if __name__ == "__main__":

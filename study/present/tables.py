@@ -1,13 +1,12 @@
 """Tables from the data files: rates, ledger, equivalence, stresses, bounds and defects as CSV, Markdown and LaTeX.
 
-The files show numbers to four significant digits and all hold the same text, so that they agree digit for digit;
-orders have three decimals.
+Numbers have four significant digits and orders three decimals; the three files of a table contain the same texts.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,23 +15,23 @@ import pandas as pd
 from study.ledger.datafiles import read_claims, read_csv, read_rates, with_order
 from study.ledger.files import write_text
 from study.ledger.rounding import cell
-from study.present.article.fragments import article
-from study.present.latex import encode, folding, longtable, prose
+from study.present.article import article
+from study.present.notation import encode, folding, longtable, prose
 
 ORDER = "{:.3f}"
 
 
 def write_tables(directory: Path) -> list[Path]:
-    """Write every table as csv, md and tex under ``directory/tables``, and what the article takes from a full run.
+    """Writes every table as csv, md and tex under ``directory/tables``, and the inputs of the article for a full run.
 
     Raises:
-        DataError: a data file is missing or lacks a column; nothing is written then.
+        DataError: a data file is missing or lacks a column; then nothing is written.
     """
     return [write_text(path, text) for path, text in texts(directory).items()]
 
 
 def texts(directory: Path) -> dict[Path, str]:
-    """What ``write_tables`` writes: path ↦ text; DataError as there."""
+    """Returns path ↦ text of the files that ``write_tables`` writes; raises DataError as there."""
     makers = rates_table, ledger_table, equivalence_table, stress_table, bounds_table
     of_controls = controls_table(directory), sensitivity_table(directory)
     made = [*(make(directory) for make in makers), *filter(None, of_controls)]
@@ -42,9 +41,14 @@ def texts(directory: Path) -> dict[Path, str]:
 
 @dataclass(frozen=True)
 class Column:
-    """A column of a table: its name in the CSV file, its heading in the others, how LaTeX aligns it.
+    """A column of a table.
 
-    LaTeX must not look for mathematics in identifiers, ``names``; ``form`` is that of numbers without four digits.
+    Attributes:
+        name: in the CSV file.
+        heading: in the other files.
+        alignment: in LaTeX.
+        names: whether the cells are identifiers, in which LaTeX must not look for mathematics.
+        form: the format of numbers that are not shown to four digits.
     """
 
     name: str
@@ -54,87 +58,83 @@ class Column:
     form: str = ""
 
     def text(self, value: Hashable) -> str:
-        """The text of a cell of this column."""
+        """Returns the text of a cell of this column."""
         return self.form.format(value) if self.form and not pd.isna(value) else cell(value)
 
     def latex(self, text: str) -> str:
-        """The text of a cell as LaTeX."""
+        """Returns the text of a cell as LaTeX."""
         return prose(text) if self.names else encode(text)
 
 
 def words(**headings: str) -> list[Column]:
-    """Columns of prose."""
+    """Returns columns of prose."""
     return [Column(name, heading, "l") for name, heading in headings.items()]
 
 
 def names(**headings: str) -> list[Column]:
-    """Columns of identifiers."""
+    """Returns columns of identifiers."""
     return [Column(name, heading, "l", names=True) for name, heading in headings.items()]
 
 
 def numbers(form: str = "", **headings: str) -> list[Column]:
-    """Columns of numbers."""
+    """Returns columns of numbers."""
     return [Column(name, heading, form=form) for name, heading in headings.items()]
 
 
 @dataclass(frozen=True)
 class Table:
-    """A table of text cells; LaTeX puts the first ``grouped`` columns on lines of their own above their rows."""
+    """A table of text cells, shown below a heading for each group, which has the first ``grouped`` columns."""
 
     name: str
     columns: Sequence[Column]
     cells: pd.DataFrame
-    grouped: int
+    grouped: int = 0
 
     @classmethod
-    def of(cls, name: str, columns: Sequence[Column], frame: pd.DataFrame, grouped: int) -> Table:
-        """From data that have these columns."""
+    def of(cls, name: str, columns: Sequence[Column], frame: pd.DataFrame, grouped: int = 0) -> Table:
+        """Returns a table of data that have these columns."""
         text = {column.name: [column.text(value) for value in frame[column.name]] for column in columns}
         return cls(name, columns, pd.DataFrame(text, dtype=str), grouped)
 
+    @property
+    def rows(self) -> list[list[str]]:
+        """The cells of all columns."""
+        return self.cells[[column.name for column in self.columns]].to_numpy().tolist()
+
+    def of_case(self, case: str, without: Sequence[str]) -> Table:
+        """Returns the rows of one case, without some columns."""
+        columns = [column for column in self.columns if column.name not in without]
+        return Table(self.name, columns, self.cells[self.cells["case"] == case])
+
     def texts(self, directory: Path) -> dict[Path, str]:
-        """The three files."""
-        forms = {"csv": self.cells.to_csv(index=False, lineterminator="\n"), "md": self.markdown(), "tex": self.latex()}
-        return {directory / f"{self.name}.{form}": text for form, text in forms.items()}
-
-    def markdown(self) -> str:
-        """A pipe table below a heading for each group; characters with a meaning in Markdown are escaped."""
-        rest = self.columns[self.grouped :]
+        """Returns path ↦ text of the CSV, Markdown and LaTeX files."""
+        keys, rest = self.columns[: self.grouped], self.columns[self.grouped :]
         rule = ["--:" if column.alignment == "r" else ":--" for column in rest]
-        lines = []
-        for values, rows in self._groups():
+        lines, groups = [], []
+        for values, frame in self.cells.groupby([column.name for column in keys], sort=False):
+            rows = frame[[column.name for column in rest]].to_numpy().tolist()
             lines += [f"## {_plain(', '.join(filter(None, values)))}", ""]
-            table = [
-                [_plain(column.heading) for column in rest],
-                rule,
-                *([_plain(cell) for cell in row] for row in rows),
-            ]
+            table = [map(_plain, [column.heading for column in rest]), rule, *(map(_plain, row) for row in rows)]
             lines += [*("| " + " | ".join(line) + " |" for line in table), ""]
-        return "\n".join(lines)
-
-    def _groups(self) -> Iterator[tuple[tuple[str, ...], list[list[str]]]]:
-        """The values of the first columns with the cells of the others, in the order of the data."""
-        keys, rest = self.columns[: self.grouped], self.columns[self.grouped :]
-        for values, rows in self.cells.groupby([column.name for column in keys], sort=False):
-            yield values, rows[[column.name for column in rest]].to_numpy().tolist()
-
-    def latex(self) -> str:
-        """A longtable with booktabs rules."""
-        keys, rest = self.columns[: self.grouped], self.columns[self.grouped :]
-        groups: list[tuple[str, list[list[str]]]] = []
-        for values, rows in self._groups():
             title = ", ".join(column.latex(value) for column, value in zip(keys, values, strict=True) if value)
-            groups.append((title, [[c.latex(cell) for c, cell in zip(rest, row, strict=True)] for row in rows]))
-        return longtable([encode(column.heading) for column in rest], [column.alignment for column in rest], groups)
+            latex = [[column.latex(text) for column, text in zip(rest, row, strict=True)] for row in rows]
+            groups.append((title, latex))
+        headings, alignments = [encode(column.heading) for column in rest], [column.alignment for column in rest]
+        forms = {
+            "csv": self.cells.to_csv(index=False, lineterminator="\n"),
+            "md": "\n".join(lines),
+            "tex": longtable(headings, alignments, groups),
+        }
+        return {directory / f"{self.name}.{form}": text for form, text in forms.items()}
 
 
 def _plain(text: str) -> str:
-    """A text without meaning in Markdown."""
+    """Returns a text in which no character has a meaning in Markdown."""
     return re.sub(r"([\\|*_<#])", r"\\\1", text)
 
 
 def rates_table(directory: Path) -> Table:
-    """Per claim, case, family and scheme, from ``rates.csv``: the error of every level and what qualifies it."""
+    """Returns the errors of every level, grouped by claim, case, family and scheme, from ``rates.csv``."""
     rates = read_rates(directory)
     columns = [
         *words(claim="claim"),
@@ -149,7 +149,7 @@ def rates_table(directory: Path) -> Table:
 
 
 def ledger_table(directory: Path) -> Table:
-    """Every verdict with its expectation and interval, grouped by statement, from ``claims.csv``."""
+    """Returns every verdict with its expectation and interval, grouped by statement, from ``claims.csv``."""
     columns = [
         *words(label="statement", statement="what it says"),
         Column("case", "case", folding(0.17), names=True),
@@ -162,7 +162,7 @@ def ledger_table(directory: Path) -> Table:
 
 
 def equivalence_table(directory: Path) -> Table:
-    """How far Problem 3.2 is from Problem 3.1, grouped by case and form, from ``equivalence.csv``."""
+    """Returns the distance of Problems 3.2 and 3.1, grouped by case and form, from ``equivalence.csv``."""
     columns = [
         *names(case="case"),
         *words(form="form of Problem 3.2"),
@@ -174,7 +174,7 @@ def equivalence_table(directory: Path) -> Table:
 
 
 def bounds_table(directory: Path) -> Table:
-    """How close the bounds are, grouped by kind and case, from ``bounds.csv``."""
+    """Returns the bounds and their ratios to the error, grouped by kind and case, from ``bounds.csv``."""
     columns = [
         *words(trajectory="kind"),
         *names(case="case", family="meshes", scheme="scheme"),
@@ -186,9 +186,9 @@ def bounds_table(directory: Path) -> Table:
 
 
 def controls_table(directory: Path) -> Table | None:
-    """Every deliberate defect and the row that has to fail, grouped by statement, from ``controls.csv``.
+    """Returns every deliberate defect and the row that has to fail, grouped by statement, from ``controls.csv``.
 
-    None where nobody has measured.
+    None if there is no such file.
     """
     if not (directory / "data" / "controls.csv").is_file():
         return None
@@ -206,7 +206,7 @@ def controls_table(directory: Path) -> Table | None:
 
 
 def sensitivity_table(directory: Path) -> Table | None:
-    """The smallest defects that a row sees, in per cent, from ``sensitivity.csv``; none before `study sensitivity`."""
+    """Returns the smallest defects that a row sees, in per cent, from ``sensitivity.csv``; None without the file."""
     if not (directory / "data" / "sensitivity.csv").is_file():
         return None
     columns = [*names(case="case", family="meshes"), *words(defect="what is wrong"), *numbers(level="level")]
@@ -216,7 +216,7 @@ def sensitivity_table(directory: Path) -> Table | None:
 
 
 def stress_table(directory: Path) -> Table:
-    """Problem 3.2 on its own stress space, grouped by case and mesh family, from ``stresses.csv``; time in per cent."""
+    """Returns the errors of Problem 3.2 on its own stress space, grouped by case and mesh family."""
     first = [
         *names(case="case", family="meshes"),
         *numbers(level="level", steps="steps", unknowns="unknowns", stress="‖σ − σ^h‖_Q"),

@@ -1,7 +1,7 @@
-"""Every window of the ledger that is not what it was at the end of the first round, and why.
+"""The windows of the ledger that changed since the end of the first round, and why.
 
 ``results/history/windows.csv`` has the windows of the rows that were claimed then. A window that changed without a
-reason in ``WHY``, and a row that is claimed no longer, is an error: nothing is loosened unseen.
+reason in ``WHY``, or a row that is no longer claimed, is an error, so that no window is loosened unseen.
 """
 
 from __future__ import annotations
@@ -41,12 +41,12 @@ WHY: dict[tuple[str, str], str] = {
     (OWN_SPACE, "admissible"): ELSEWHERE,
     (OWN_SPACE, "time-share"): "narrower, and of quadrature, too: f_0 is integrated by a finer rule in the companion",
 }
-"""Reasons by label and key, for what is not only a low end."""
+"""The reasons by label and key, unless only the low end changed from 0 to the smallest positive value."""
 
 
 @dataclass(frozen=True)
 class Change:
-    """Rows of one label and key whose window changed alike."""
+    """A number of rows of one label and key with the same change of their window."""
 
     label: str
     key: str
@@ -57,7 +57,7 @@ class Change:
 
 
 def earlier(directory: Path) -> pd.DataFrame | None:
-    """The rows that were claimed then: label, key, case, family, then_low, then_high; None without a record."""
+    """Returns the rows that were claimed then: label, key, case, family, then_low, then_high; None without a record."""
     path = directory / "history" / "windows.csv"
     if not path.is_file():
         return None
@@ -69,13 +69,13 @@ def earlier(directory: Path) -> pd.DataFrame | None:
 
 
 def changes(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
-    """What changed since, in the order of the ledger; DataError if something has no reason."""
+    """Returns the changes, in the order of the ledger; raises DataError if a change has no reason."""
     both = then.merge(claims.fillna({"family": ""}), on=PLACE, how="left", validate="one_to_one")
     return [Change(*found, rows) for found, rows in Counter(_differences(both)).items()]
 
 
 def added(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
-    """Labels and keys that are claimed today and were not known then."""
+    """Returns labels and keys that are claimed today and were not known then."""
     known = set(then[["label", "key"]].itertuples(index=False, name=None))
     claimed = claims[claims["verdict"] != REPORTED]
     found = []

@@ -16,7 +16,7 @@ import pytest
 from study.fem.naming import family_named, resolve
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
-from study.present.charts.codes_chart import codes_chart
+from study.present.charts import codes_chart
 from study.run.task_data import frozen
 from study.run.task_files import write_task
 from study.statements.other_codes.tasks import Task

@@ -14,8 +14,8 @@ from study.cli.main import main
 from study.fem.naming import family_named, resolve_data
 from study.ledger.datafiles import DataError
 from study.ledger.errors import UsageError
+from study.present.drawing import Drawing
 from study.present.figures import draw_one
-from study.present.figures.drawing import Drawing
 
 UNUSABLE = {
     "../evil": r"it contains '/'",

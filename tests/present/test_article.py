@@ -18,8 +18,8 @@ from study.ledger.files import write_text
 from study.ledger.margin import used, worst
 from study.ledger.verdict import FAILS, HOLDS
 from study.ledger.window import Window, around, at_least, at_most, between
-from study.present.article.fragments import article, window_ends
-from study.present.article.source import FullRun
+from study.present.article import article, window_ends
+from study.present.full_run import FullRun
 
 ROOT = Path(__file__).parents[2]
 PAPER, RESULTS = ROOT / "paper", ROOT / "results"

@@ -18,14 +18,11 @@ from numpy.typing import NDArray
 from test_presentation import CASES, write_data
 
 from study.ledger.datafiles import DataError, read_rates
-from study.present.figures import drawings
-from study.present.figures.contact_maps import caption_fronts, caption_maps, draw_fronts, draw_maps
-from study.present.figures.deformed_body import caption_body, draw_body
-from study.present.figures.deformed_mesh import SHADES, BodyScale, cell_shades
-from study.present.figures.drawing import COLUMN, PAGE, STYLE, Drawing, in_style, mathtext
-from study.present.figures.energy import caption_energy
-from study.present.picture.picture import Picture, read_pictures
-from study.present.picture.view import BRIGHTEST
+from study.present.body import BRIGHTEST, SHADES, BodyScale, caption_body, cell_shades, draw_body
+from study.present.contact import caption_fronts, caption_maps, draw_fronts, draw_maps
+from study.present.drawing import COLUMN, PAGE, STYLE, Drawing, in_style, mathtext
+from study.present.figures import caption_energy, drawings
+from study.present.picture import Picture, read_pictures
 from study.present.tables import controls_table, write_tables
 
 Array = NDArray[np.float64]
@@ -103,7 +100,8 @@ def test_the_style_is_free_of_latex_in_serif_letters_and_colours_that_every_eye_
     style = mpl.rc_params_from_file(STYLE, use_default_template=False)
     assert not style.get("text.usetex", False)
     assert (style["font.family"], style["mathtext.fontset"]) == (["STIXGeneral"], "stix")
-    assert {entry["color"] for entry in style["axes.prop_cycle"]} == OKABE_ITO
+    with in_style():
+        assert {entry["color"] for entry in mpl.rcParams["axes.prop_cycle"]} == OKABE_ITO
     assert min(value for name, value in style.items() if name.endswith("size") and "font" in name) >= SMALLEST
 
 
@@ -252,7 +250,7 @@ def test_an_upper_bound_below_the_error_is_counted(alone: Path) -> None:
     assert "no bounds on the wrong side of the error" in named(alone, "effectivity").caption
     path = alone / "data" / "bounds.csv"
     pd.read_csv(path).assign(upper=0.9).to_csv(path, index=False)
-    assert "1 bounds on the wrong side of the error" in named(alone, "effectivity").caption
+    assert "1 bound on the wrong side of the error" in named(alone, "effectivity").caption
 
 
 def test_bounds_of_unknown_errors_alone_make_no_effectivity(alone: Path) -> None:

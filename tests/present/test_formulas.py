@@ -10,7 +10,7 @@ import pytest
 from study.ledger.datafiles import DataError
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.verdict import HOLDS
-from study.present.formulas import entries, lines
+from study.present.pages import numbered_entries, numbered_lines
 from study.statements import STATEMENTS
 from study.statements.pictures import Pictures
 from study.statements.unmeasured import Listed, WithoutRow
@@ -31,14 +31,14 @@ CLAIMS = ledger()
 
 
 def test_none_is_missing() -> None:
-    found = entries(CLAIMS)
+    found = numbered_entries(CLAIMS)
     assert [number for number in NUMBERED if not found[number]] == []
 
 
 def test_all_are_in_the_table_in_the_order_of_the_source() -> None:
-    first = [numbers.partition("–")[0] for numbers, _, _ in lines(CLAIMS)]
+    first = [numbers.partition("–")[0] for numbers, _, _ in numbered_lines(CLAIMS)]
     assert first == sorted(first, key=NUMBERED.index)
-    together = ", ".join(numbers for numbers, _, _ in lines(CLAIMS))
+    together = ", ".join(numbers for numbers, _, _ in numbered_lines(CLAIMS))
     assert named(together.replace("Problem 3.1–Problem 3.2", "Problem 3.1, 3.2")) == set(NUMBERED)
 
 
@@ -50,7 +50,7 @@ def test_a_label_names_nothing_that_the_source_does_not_have(label: str) -> None
 
 def test_a_formula_without_rows_or_reason_is_an_error() -> None:
     with pytest.raises(DataError, match=r"neither rows nor a reason for \(5\.11\), \(5\.12\), \(5\.13\)"):
-        list(lines(CLAIMS[~CLAIMS["label"].str.contains(r"(5.11)", regex=False)]))
+        list(numbered_lines(CLAIMS[~CLAIMS["label"].str.contains(r"(5.11)", regex=False)]))
 
 
 def test_a_line_without_a_row_is_not_about_a_formula_that_has_one() -> None:

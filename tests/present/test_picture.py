@@ -9,10 +9,16 @@ import numpy as np
 import pytest
 from test_presentation import write_data
 
-from study.present.picture.faces import FaceHistory
-from study.present.picture.picture import Picture, read_pictures
-from study.present.picture.view import DISPLACEMENT, View, magnification
-from study.present.picture.zone_history import caps, exact_zone, misplaced_length, misplaced_nodes, strands
+from study.present.body import DISPLACEMENT, View, magnification
+from study.present.picture import (
+    FaceHistory,
+    Picture,
+    caps,
+    misplaced_length,
+    misplaced_nodes,
+    read_pictures,
+    strands,
+)
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +85,7 @@ def test_a_zone_that_should_not_be_there_counts_with_its_length(picture: Picture
 def test_the_exact_zone_between_known_times_lies_between(picture: Picture) -> None:
     (face,) = picture.faces
     early, late = (face.zone[n][0][1] for n in (10, 11))
-    ((_, front),) = exact_zone(face, float(face.zone_times[10:12].mean()))
+    ((_, front),) = face.exact_zone(float(face.zone_times[10:12].mean()))
     assert front == pytest.approx((early + late) / 2)
 
 

@@ -27,7 +27,7 @@ from study.ledger.files import StoreError, write_text, write_whole
 from study.ledger.packing import FINE, Packed
 from study.present import outcome
 from study.present.figures import draw_figures, drawings
-from study.present.latex import encode
+from study.present.notation import encode
 from study.present.outcome import rates_text
 from study.present.tables import write_tables
 from study.solve.motion import Motion

@@ -20,11 +20,9 @@ from study.fem.naming import resolve
 from study.ledger.datafiles import DataError
 from study.ledger.packing import FINE, STEPS, Packed
 from study.ledger.verdict import HOLDS, REPORTED
-from study.present.picture.faces import values
-from study.present.picture.picture import Picture
-from study.present.report import write_report
-from study.present.report.letters import LETTERS, MEANINGS
-from study.present.report.svg_chart import typeset, typeset_svg
+from study.present.notation import typeset, typeset_svg
+from study.present.picture import Picture, read_values
+from study.present.report import LETTERS, MEANINGS, write_report
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
 from study.run.code import ROOT
 from study.run.provenance import read_provenance, sources
@@ -248,8 +246,8 @@ def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Pa
     record = json.loads((directory / "data" / "pictures" / f"{SOLID}.json").read_text())
     for shown, face in zip(film["faces"], record["faces"], strict=True):
         for name in ("s", "x", "gap", "gap_exact", "pressure", "pressure_exact"):
-            np.testing.assert_allclose(shown[name], values(face[name]), rtol=6e-4)
-        np.testing.assert_array_equal(np.sign(shown["level"]), np.sign(values(face["level_exact"])))
+            np.testing.assert_allclose(shown[name], read_values(face[name]), rtol=6e-4)
+        np.testing.assert_array_equal(np.sign(shown["level"]), np.sign(read_values(face["level_exact"])))
         corners = np.reshape(film["cells"], (-1, 3))[shown["cells"]].ravel()
         np.testing.assert_array_equal(np.array(face["nodes"])[shown["facets"]], corners)
         assert max(shown["edges"]) < len(face["nodes"])

@@ -18,12 +18,10 @@ from study.cli.main import main
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
 from study.ledger.packing import STEPS
-from study.present.charts.palette import VERMILLION
-from study.present.figures.drawing import in_style
-from study.present.picture.picture import Picture, with_every_shape
-from study.present.show import Shown, count_images, draw_show
-from study.present.show.showing import MOMENTS, draw_storyboard, write_mp4
-from study.present.show.vtk import mesh_of
+from study.present.drawing import in_style
+from study.present.palette import VERMILLION
+from study.present.picture import Picture, with_every_shape
+from study.present.show import MOMENTS, Shown, count_images, draw_show, draw_storyboard, mesh_of, write_mp4
 from study.run.showcase import EVERY, mesh_series, solve_showcase
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures

@@ -12,10 +12,9 @@ import pytest
 from pages import README, ROOT, SITE, Page
 
 from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
-from study.present.article.source import FullRun
-from study.present.badges import badges, write_badges
-from study.present.charts.palette import VERMILLION
-from study.present.pages import main, refresh, results
+from study.present.full_run import FullRun
+from study.present.pages import badges, main, refresh, results, write_badges
+from study.present.palette import VERMILLION
 from study.statements.prop_5_3 import LIMIT
 from study.statements.prop_5_4.from_rates import Turned
 from study.statements.prop_5_4.judge import NOT_AT_START

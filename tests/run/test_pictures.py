@@ -16,7 +16,7 @@ from study.fem.mesh import MeshError, Skin, Unstructured, boundary_parts
 from study.fem.naming import resolve
 from study.ledger.facets import Facets
 from study.ledger.packing import FINE, STEPS
-from study.present.picture.picture import Picture
+from study.present.picture import Picture
 from study.run.plan import Plan, full, quick
 from study.solve.motion import Motion
 from study.statements import pictures

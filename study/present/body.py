@@ -1,0 +1,342 @@
+"""The deforming body on its foundation: projection, scales, and the figure of a body at some times."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from matplotlib import patches
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import PathCollection
+from matplotlib.colors import Colormap, LinearSegmentedColormap, Normalize, PowerNorm
+from matplotlib.figure import Figure
+from matplotlib.path import Path
+from numpy.typing import NDArray
+
+from study.present.drawing import COLUMN, dots, entry, legend
+from study.present.palette import BLACK, BLUE, FOUNDATION, FOUNDATION_EDGE, OUTLINE, RAMPS, VERMILLION
+from study.present.picture import Array, Picture, Segment, Shape
+
+DISPLACEMENT = 0.12
+"""The largest drawn displacement, as a fraction of the longest side of the body."""
+ARROW = 0.2
+"""The arrow of the largest pressure and the depth of the largest gap, as fractions of the longest side."""
+THICKNESS = 0.05
+"""The thickness of the foundation, as a fraction of the longest side."""
+BRIGHTEST = 0.95
+"""Stresses above this quantile share the last colour: peaks at fronts and corners would leave the rest alike."""
+OBLIQUE = np.array([0.35, 0.55, 0.25])
+"""Added to the direction of view of a solid, so that three sides of a box are seen."""
+ROUND_OFF = 1e-9
+"""Gaps and pressures below this count as zero; where they are not zero they are of order one."""
+SHADES = 16
+"""The number of colours of stress and of pressure."""
+MOST_ARROWS = 16
+"""The approximate largest number of arrows on a face."""
+GAP: dict[str, Any] = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
+
+
+def colour_limit(stresses: Array) -> float:
+    """Returns the stress above which all stresses have the last colour."""
+    return float(np.quantile(stresses, BRIGHTEST)) or float(np.max(stresses)) or 1.0
+
+
+def shade(shares: Array) -> Array:
+    """Returns the place of stresses in their colours, from their fractions of the limit.
+
+    The root makes small stresses visible where loads are large.
+    """
+    return np.asarray(np.sqrt(np.clip(shares, 0, 1)))
+
+
+def ramp(name: str, shades: int = 256) -> Colormap:
+    """Returns the colours of a quantity, from zero to its largest value."""
+    return LinearSegmentedColormap.from_list(name, RAMPS[name], shades)
+
+
+def magnification(vertices: Array, displacements: Iterable[Array]) -> float:
+    """Returns the factor of displacements, rounded down to two digits so that it can be stated.
+
+    Parameters:
+        vertices, displacements: (d, vertices) each.
+    """
+    largest = max(float(np.linalg.norm(displacement, axis=0).max()) for displacement in displacements)
+    if largest == 0:
+        return 1.0
+    exact = DISPLACEMENT * float(np.ptp(vertices, axis=1).max()) / largest
+    unit = 10.0 ** (math.floor(math.log10(exact)) - 1)
+    return float(f"{math.floor(exact / unit) * unit:.2g}")
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """A parallel projection.
+
+    Attributes:
+        axes: orthonormal rows, (d, d): the directions to the right, upwards and, in space, to the eye.
+    """
+
+    axes: Array
+
+    @classmethod
+    def of(cls, picture: Picture) -> View:
+        """Returns the identity in the plane; a solid is seen obliquely, from above and outside its contact faces.
+
+        The direction to the eye is the sum of the normals with every component increased in absolute value. The third
+        axis is upright. A body on a floor is turned upside down, since a body seen from below looks hollow.
+        """
+        if len(picture.vertices) == 2:
+            return cls(np.eye(2))
+        normal = np.sum([face.normal for face in picture.faces], axis=0)
+        side = np.where(normal > 0, 1, -1)
+        towards = side * (abs(normal) + OBLIQUE)
+        towards /= np.linalg.norm(towards)
+        right = np.cross([0, 0, side[2]], towards)
+        right /= np.linalg.norm(right)
+        return cls(np.array([right, np.cross(towards, right), towards]))
+
+    def flat(self, x: Array) -> Array:
+        """Returns points in the drawing, (d, n) → (2, n)."""
+        return self.axes[:2] @ x
+
+    def order(self, x: Array, cells: NDArray[np.int64], shades: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Returns the triangles that face the eye, the farthest first (painter's algorithm); x are vertices, (d, n).
+
+        In the plane, where no triangle hides another, all of them, sorted by shade.
+        """
+        if len(x) == 2:
+            return np.argsort(shades, kind="stable")
+        a, b, c = (self.flat(x)[:, corner] for corner in cells)
+        (p, q), (r, s) = b - a, c - a
+        facing = np.flatnonzero(p * s - q * r > 0)
+        depth = (self.axes[2] @ x)[cells].mean(axis=0)
+        return facing[np.argsort(depth[facing], kind="stable")]
+
+
+@dataclass(frozen=True, eq=False)
+class BodyScale:
+    """The common scale of all times of a picture.
+
+    Attributes:
+        view: the projection.
+        size: the longest side of the body.
+        magnification: the factor of displacements.
+        limits: of the drawing, (2, 2): to the right and upwards.
+        pressure, gap: the largest values shown.
+        stress: the limit of the colours.
+    """
+
+    view: View
+    size: float
+    magnification: float
+    limits: Array
+    pressure: float
+    gap: float
+    stress: float
+
+    @classmethod
+    def of(cls, picture: Picture) -> BodyScale:
+        """Returns a scale with room for every shape and for arrows of full length."""
+        view = View.of(picture)
+        factor = magnification(picture.vertices, [shape.displacement for shape in picture.shapes])
+        points = [picture.vertices] + [picture.vertices + factor * shape.displacement for shape in picture.shapes]
+        points += [face.x + ARROW * picture.size * face.normal[:, None] for face in picture.segments]
+        drawn = view.flat(np.hstack(points))
+        margin = 0.02 * picture.size * np.array([-1, 1])
+        at, faces = picture.instants, picture.faces
+        return cls(
+            view=view,
+            size=picture.size,
+            magnification=factor,
+            limits=np.column_stack([drawn.min(axis=1), drawn.max(axis=1)]) + margin,
+            pressure=max((float(face.pressure[at].max()) for face in faces), default=0.0),
+            gap=max((float(face.gap[at].max()) for face in faces), default=0.0),
+            stress=colour_limit(np.array([shape.von_mises for shape in picture.shapes])),
+        )
+
+    @property
+    def aspect(self) -> float:
+        """Height over width."""
+        return float(np.ptp(self.limits[1]) / np.ptp(self.limits[0]))
+
+    @property
+    def stress_colours(self) -> ScalarMappable:
+        """The colours from 0 to the limit, placed as by ``shade``."""
+        return ScalarMappable(PowerNorm(0.5, 0, self.stress), ramp("stress", SHADES))
+
+    @property
+    def pressure_colours(self) -> ScalarMappable:
+        """The colours from 0 to the largest pressure."""
+        return ScalarMappable(Normalize(0, self.pressure or 1.0), ramp("pressure", SHADES))
+
+
+def draw_deformed_mesh(axes: Axes, picture: Picture, shape: Shape, scale: BodyScale, width: float) -> None:
+    """Draws one shape with its pressure, in the plane with the foundation, in axes ``width`` inches wide."""
+    instant = picture.nearest(shape.time)
+    moved = picture.vertices + scale.magnification * shape.displacement
+    shades, colours = cell_shades(picture, shape, scale)
+    order = scale.view.order(moved, picture.cells, shades)
+    flat = scale.view.flat(moved)
+    # A cell is about this many points wide; thicker lines would fill fine meshes.
+    cell = 72 * width / math.sqrt(len(order) / 2)
+    axes.add_collection(_triangles(flat.T[picture.cells.T], order, shades, colours, cell), autolim=False)
+    for face in picture.segments:
+        _draw_foundation(axes, face, instant, scale)
+    for polygon in picture.polygons:
+        # Only faces that are seen.
+        if scale.view.axes[2] @ polygon.normal > 0:
+            touching = flat[:, polygon.nodes[polygon.touching[instant]]]
+            axes.plot(*touching, "o", color=BLACK, ms=min(cell / 6, 2.0), mew=0, zorder=3)
+    axes.set(xlim=scale.limits[0], ylim=scale.limits[1], aspect="equal")
+    axes.axis("off")
+
+
+def cell_shades(picture: Picture, shape: Shape, scale: BodyScale) -> tuple[NDArray[np.int64], Array]:
+    """Returns a number for each cell, (cells,), and the colours of these numbers: of stresses, then of pressures.
+
+    A facet of a contact face has the mean pressure of its corners.
+    """
+
+    def steps(shares: Array) -> NDArray[np.int64]:
+        return np.clip(shares * SHADES, 0, SHADES - 1).astype(np.int64)
+
+    numbers = steps(shade(shape.von_mises / scale.stress))
+    for face in picture.polygons:
+        pressure = face.pressure[picture.nearest(shape.time)][face.facets.corners].mean(axis=0)
+        numbers[face.facets.cells] = SHADES + steps(pressure / (scale.pressure or 1.0))
+    every = np.arange(SHADES)
+    return numbers, np.concatenate([scale.stress_colours.cmap(every), scale.pressure_colours.cmap(every)])
+
+
+def _triangles(
+    corners: Array, order: NDArray[np.int64], shades: NDArray[np.int64], colours: Array, cell: float
+) -> PathCollection:
+    """Returns triangles with the given corners, (cells, 3, 2), in the given order."""
+    # One path for neighbouring cells of one shade: a path for each cell takes three times as long to write.
+    runs = np.split(order, np.flatnonzero(np.diff(shades[order])) + 1)
+    closed = [np.concatenate([corners[run], corners[run, :1]], axis=1).reshape(-1, 2) for run in runs]
+    triangle = [Path.MOVETO, Path.LINETO, Path.LINETO, Path.CLOSEPOLY]
+    return PathCollection(
+        [Path(points, np.tile(triangle, len(points) // 4)) for points in closed],
+        facecolors=colours[[shades[run[0]] for run in runs]],
+        edgecolors=(0, 0, 0, 0.4),
+        linewidths=min(0.3, 0.04 * cell),
+        zorder=2,
+    )
+
+
+def _draw_foundation(axes: Axes, face: Segment, instant: int, scale: BodyScale) -> None:
+    """Draws the foundation, a thick line where the body lies on it, arrows of the pressure, and the gap.
+
+    The gap hangs below the surface, to its own scale: next to large displacements it would not be seen.
+    """
+    ends = face.x[:, [face.s.argmin(), face.s.argmax()]]
+    depth = THICKNESS * scale.size * face.normal[:, None]
+    ground = np.hstack([ends, ends[:, ::-1] + depth]).T
+    axes.add_patch(patches.Polygon(ground, facecolor=FOUNDATION, edgecolor="none", zorder=0.5))
+    axes.plot(*ends, color=FOUNDATION_EDGE, lw=0.6, solid_capstyle="butt", zorder=2.5)
+    if scale.gap > ROUND_OFF:
+        depth = ARROW * scale.size * face.gap[instant].clip(0) / scale.gap * face.normal[:, None]
+        axes.add_patch(patches.Polygon(np.hstack([face.x, (face.x + depth)[:, ::-1]]).T, **GAP, zorder=0.6))
+    for interval in face.computed_zone(instant):
+        axes.plot(*face.point(np.array(interval)), color=BLACK, lw=1.8, solid_capstyle="butt", zorder=2.6)
+    every = max(1, round(len(face.s) / MOST_ARROWS))
+    shown = np.flatnonzero(face.touching[instant])
+    shown = shown[shown % every == 0]
+    arrows = -face.normal[:, None] * ARROW * scale.size * face.pressure[instant, shown] / (scale.pressure or 1.0)
+    style: dict[str, Any] = {"angles": "xy", "scale_units": "xy", "scale": 1, "pivot": "tip", "units": "xy"}
+    axes.quiver(*face.x[:, shown], *arrows, color=VERMILLION, width=0.012 * scale.size, minlength=0, zorder=3, **style)
+
+
+def draw_shapes(
+    figure: Figure, panels: Sequence[Axes], picture: Picture, width: float, columns: int, **layout: Any
+) -> None:
+    """Draws each shape in its own axes, ``width`` inches wide, with colour bars and a legend in some columns."""
+    scale = BodyScale.of(picture)
+    for axes, shape in zip(panels, picture.shapes, strict=True):
+        draw_deformed_mesh(axes, picture, shape, scale, width)
+        axes.set_title(f"$t={shape.time:.3g}$")
+    draw_keys(figure, list(panels), picture, scale, columns, **layout)
+    figure.suptitle(picture.heading)
+
+
+def draw_keys(
+    figure: Figure,
+    panels: list[Axes],
+    picture: Picture,
+    scale: BodyScale,
+    columns: int,
+    more: Sequence[Artist] = (),
+    **layout: Any,
+) -> None:
+    """Adds a legend, with ``more`` entries, and the colours of the stress and, for a solid, of the pressure."""
+    ends = [0, scale.stress / 4, scale.stress]
+    bar = figure.colorbar(scale.stress_colours, ax=panels, extend="max", ticks=ends, format="%.3g", **layout)
+    bar.set_label(r"von Mises stress $\sqrt{3/2}\,|\mathrm{dev}\,\sigma|$")
+    bar.outline.set_linewidth(0.4)
+    handles: list[Artist] = [entry(rf"body, displacement $\times\,{scale.magnification:.2g}$", color=OUTLINE, lw=0.6)]
+    if picture.polygons:
+        bar = figure.colorbar(scale.pressure_colours, ax=panels, **layout)
+        bar.set_label(r"contact pressure $p^h$ on $\Gamma_3$")
+        handles.append(dots("vertices in contact", color=BLACK, ms=2, mew=0))
+    else:
+        arrow: dict[str, Any] = {"color": VERMILLION, "marker": r"$\uparrow$", "ms": 6, "mew": 0.2}
+        handles += [
+            patches.Patch(facecolor=FOUNDATION, edgecolor=FOUNDATION_EDGE, label="foundation"),
+            dots(f"contact pressure, at most {scale.pressure:.3g}", **arrow),
+            entry("computed contact zone", color=BLACK, lw=1.8),
+        ]
+        if scale.gap > ROUND_OFF:
+            handles.append(patches.Patch(**GAP, label=f"gap, at most {scale.gap:.3g}"))
+    legend(figure, [*handles, *more], columns=columns)
+
+
+def draw_body(picture: Picture) -> Figure:
+    """Draws the magnified deformed mesh at the times of the shapes, coloured by its von Mises stress.
+
+    In the plane the foundation of each face is the undeformed line of its nodes, with the outer side grey; arrows are
+    the pressure of the foundation on the body, and the gap hangs below, each to one scale. A solid is seen through its
+    foundation, and the pressure colours its contact faces.
+    """
+    count, bars = len(picture.shapes), 2 if picture.polygons else 1
+    aspect = BodyScale.of(picture).aspect
+    figure = Figure(figsize=(COLUMN, 0.7 + 0.45 * bars + (COLUMN - 0.1) / count * aspect))
+    panels = figure.subplots(1, count, squeeze=False)[0]
+    layout: dict[str, Any] = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.7, "pad": 0.02}
+    draw_shapes(figure, panels, picture, COLUMN / count, 2, **layout)
+    return figure
+
+
+def caption_body(picture: Picture) -> str:
+    """Returns the caption of ``draw_body``."""
+    scale = BodyScale.of(picture)
+    shape = max(picture.shapes, key=lambda shape: float(shape.von_mises.max()))
+    touching = [sum(int(face.touching[instant].sum()) for face in picture.faces) for instant in picture.instants]
+    vertices = sum(face.pressure.shape[1] for face in picture.faces)
+    if picture.polygons:
+        drawn = (
+            "the body is turned and seen through its foundation, and Γ3 is coloured by the contact pressure, at most "
+            f"{scale.pressure:.3g}"
+        )
+        seen, deviator = "Γ3 is flat and there is pressure, elsewhere it has come off and there is none", ""
+    else:
+        gap = scale.gap if scale.gap > ROUND_OFF else 0.0
+        drawn = (
+            f"arrows are the contact pressure, at most {scale.pressure:.3g}; what hangs below the foundation is the "
+            f"gap, at most {gap:.3g} and drawn to a scale of its own"
+        )
+        seen = "the body lies on the foundation and there is pressure, elsewhere it has come off and there is none"
+        deviator = ", dev σ the deviator in the plane"
+    return (
+        f"The deformed body at t = {picture.times_shown} ({picture.place}): displacements times "
+        f"{scale.magnification:.2g}, cells coloured by the von Mises stress √(3/2) |dev σ| of the computed "
+        f"stress A ε(δu) + G ε(u){deviator}; {drawn}. What to see: where there is "
+        f"contact ({', '.join(map(str, touching))} of {vertices} vertices of Γ3), {seen}. The largest von Mises stress "
+        f"is {shape.von_mises.max():.3g}, at t = {shape.time:.3g}; colours go with the root of the stress, one "
+        f"cell in {1 / (1 - BRIGHTEST):.0f} lies beyond their end, {scale.stress:.3g}."
+    )

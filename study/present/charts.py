@@ -1,0 +1,477 @@
+"""The charts of the study: what they show, computed from the data files, and their captions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from contextlib import suppress
+from itertools import cycle
+
+import numpy as np
+import pandas as pd
+
+from study.ledger.codes import GRADES, Codes
+from study.ledger.orders import RatesError, fit, orders
+from study.ledger.rounding import interval
+from study.present.chart import (
+    Array,
+    Axis,
+    Band,
+    Chart,
+    Curve,
+    LegendEntry,
+    SlopeTriangle,
+    Subplot,
+    linear_axis,
+    log_axis,
+)
+from study.present.notation import counted
+from study.present.palette import (
+    BLACK,
+    BLUE,
+    COLOURS,
+    DARK,
+    GREEN,
+    GREY,
+    ORANGE,
+    VERMILLION,
+    Stroke,
+    Style,
+    family_styles,
+)
+
+NEGLIGIBLE = 1e-3
+"""Values below this fraction of the smallest error are not shown, as they would flatten the errors."""
+MOST_COLUMNS = 5
+"""The largest number of columns of a grid of subplots."""
+
+
+def by_family(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
+    """Yields the rows of each mesh family, from the coarsest level to the finest."""
+    for family, rows in rates.groupby("family", sort=False):
+        yield str(family), rows.sort_values("level")
+
+
+def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
+    """Returns family ↦ the order of ``error`` over the last refinements, or over as many as there are.
+
+    Families with a single level, or with errors that have no order, are left out. Over two refinements a fixed front,
+    or a jump of the material, has the same place in the cells of both meshes.
+    """
+    found = {}
+    for family, rows in by_family(rates):
+        ends = rows.tail(refinements + 1).iloc[[0, -1]]
+        if len(rows) > 1:
+            with suppress(RatesError):
+                found[family] = float(orders(ends["h"].to_numpy(), ends["error"].to_numpy())[0])
+    return found
+
+
+def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
+    """Returns the orders over the last refinement: of all families that are not graded, and of graded ones."""
+    found = finest_orders(rates, refinements=1)
+    graded = [found.pop("graded")] if "graded" in found else []
+    return list(found.values()), graded
+
+
+def spread(values: Sequence[float]) -> str:
+    """Returns the smallest and the largest value as a text, or the only value."""
+    low, high = (f"{value:.3g}" for value in (min(values), max(values)))
+    return low if low == high else f"{low} … {high}"
+
+
+def slope_triangle(curves: Sequence[Curve], slope: float, decades: float, small: bool = False) -> SlopeTriangle | None:
+    """Returns a triangle above the left end of the curves, which increasing curves leave free.
+
+    Parameters:
+        slope: the expected slope.
+        decades: the height of the axes, from which distances are taken.
+        small: in a small chart the slope stands above the triangle, where there is room.
+
+    Returns:
+        None without an expected slope, or if every curve has a single point.
+    """
+    if math.isnan(slope) or max(len(curve.x) for curve in curves) < 2:
+        return None
+    left = min(math.log10(curve.x.min()) for curve in curves)
+    width = max(math.log10(curve.x.max()) for curve in curves) - left
+    start, end = left + 0.09 * width, left + 0.37 * width
+    base = -math.inf
+    for curve in curves:
+        order = np.argsort(curve.x)
+        x, y = np.log10(curve.x[order]), np.log10(curve.y[order])
+        at = np.concatenate([x[(x > start) & (x < end)], np.clip([start, end], x[0], x[-1])])
+        base = max(base, float((np.interp(at, x, y) - slope * (at - start)).max()))
+    base += 0.07 * decades
+    top = base + slope * (end - start)
+    texts = ("", f"{slope:.3g}") if small else (f"{slope:.3g}", "1")
+    corners = 10 ** np.array([[start, base], [end, top], [start, top]])
+    return SlopeTriangle(corners, *texts, top=float(10 ** (top + (0.16 if small else 0.07) * decades)))
+
+
+def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
+    """Returns the errors of one case: error, discrete error, and ``time_share`` × ``error`` on every mesh family.
+
+    Parameters:
+        rates: the rows of one case in ``rates.csv``.
+        order: the expected order, the slope of the triangle.
+    """
+    styles = family_styles(rates["family"])
+    errors, parts = _error_curves(rates, styles), []
+    for family, rows in by_family(rates):
+        h, style = rows["h"].to_numpy(), styles[family]
+        in_time = (rows["time_share"] * rows["error"]).to_numpy()
+        parts.append(Curve(h, in_time, Style(style.colour, stroke="dotted")))
+        parts.append(Curve(h, rows["discrete_error"].to_numpy(), Style(style.colour, style.marker, "dashed", True)))
+    values = pd.concat([rates["error"], rates["discrete_error"], rates["time_share"] * rates["error"]])
+    values = values[values >= NEGLIGIBLE * rates["error"].min()]
+    triangle = slope_triangle(errors, order, math.log10(values.max() / values.min()))
+    tops = [triangle.top] if triangle else []
+    x, y = log_axis("mesh size", rates["h"], symbol="h"), log_axis("maximum over time in ‖·‖_V", values, tops)
+    subplot = Subplot(str(rates["case"].iloc[0]), x, y, [*parts, *errors], triangle=triangle)
+    kinds = [
+        LegendEntry("error ‖u − u^h‖_V", Style(DARK, "o")),
+        LegendEntry("discrete error ‖Π^h u − u^h‖_V", Style(DARK, "o", "dashed", hollow=True)),
+        LegendEntry("share of time discretisation", Style(DARK, stroke="dotted")),
+    ]
+
+    finest = [rows.iloc[-1] for _, rows in by_family(rates)]
+    last, graded = last_orders(rates)
+    closer = [row["error"] / row["discrete_error"] for row in finest if row["discrete_error"] > 0]
+    seen = []
+    if last:
+        seen.append(f"on the two finest meshes of a family the order is {spread(last)}, expected {order:.3g}")
+    if graded:
+        seen.append(f"meshes graded towards the singularity reach the order {spread(graded)}")
+    if closer:
+        seen.append(f"on the finest meshes u^h is {spread(closer)} times closer to Π^h u than to u")
+    share = 100 * rates["time_share"].max()
+    seen.append(f"discretisation in time contributes at most {share:.2g} % of the error on any mesh")
+    caption = (
+        f"Convergence of {rates['case'].iloc[0]} on the mesh families {', '.join(rates['family'].unique())}: the "
+        "largest error over time in the norm of V (filled markers), the discrete error ‖Π^h u − u^h‖_V (open) and what "
+        "discretisation in time contributes (dotted) against the mesh size h; the triangle has the expected slope. "
+        f"What to see: {'; '.join(seen)}. What is below {NEGLIGIBLE:g} of the smallest error is not shown."
+    )
+    summary = "errors against the mesh size, both logarithmic"
+    return Chart(summary, [subplot], [_family_legend(styles), kinds], caption)
+
+
+def _error_curves(rates: pd.DataFrame, styles: Mapping[str, Style]) -> list[Curve]:
+    return [Curve(rows["h"].to_numpy(), rows["error"].to_numpy(), styles[name]) for name, rows in by_family(rates)]
+
+
+def _family_legend(styles: Mapping[str, Style]) -> list[LegendEntry]:
+    return [LegendEntry(family, style) for family, style in styles.items()]
+
+
+def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
+    """Returns the errors of all cases, one subplot each; ``expected`` gives the order of each case.
+
+    All subplots share the horizontal axis, those of one row also the vertical axis.
+    """
+    cases = list(dict.fromkeys(rates["case"]))
+    # Near the square root, with few places left empty.
+    nearest = math.ceil(math.sqrt(len(cases)))
+    columns = min((min(nearest, MOST_COLUMNS), min(nearest + 1, MOST_COLUMNS)), key=lambda n: -len(cases) % n)
+    styles, subplots = family_styles(rates["family"]), []
+    x = log_axis("mesh size", rates["h"], symbol="h", least=2)
+    for start in range(0, len(cases), columns):
+        row = cases[start : start + columns]
+        errors = rates.loc[rates["case"].isin(row), "error"]
+        decades = math.log10(errors.max() / errors.min())
+        curves = {case: _error_curves(rates[rates["case"] == case], styles) for case in row}
+        triangles = {case: slope_triangle(curves[case], expected[case], decades, small=True) for case in row}
+        y = log_axis("max_t ‖u − u^h‖_V", errors, [one.top for one in triangles.values() if one], least=2)
+        subplots += [Subplot(case, x, y, curves[case], triangle=triangles[case]) for case in row]
+
+    differences, on_graded = [], []
+    for case, of_case in rates.groupby("case", sort=False):
+        last, graded = last_orders(of_case)
+        differences += [(order - expected[str(case)], str(case)) for order in last]
+        on_graded += graded
+    seen = ["single levels show no order"]
+    if differences:
+        (low, lowest), (high, highest) = min(differences), max(differences)
+        seen = [
+            "whether the curves run parallel to their triangles; the last order differs from the expected one by "
+            f"{low:+.2g} ({lowest}) to {high:+.2g} ({highest})"
+        ]
+    if on_graded:
+        seen.append(f"meshes graded towards a singularity reach the order {spread(on_graded)}")
+    caption = (
+        f"The error max_t ‖u − u^h‖_V of {_all_cases(cases)} of {rates['claim'].iloc[0]} against the "
+        "mesh size h, on every mesh family; the triangles have the expected orders, which are written above them. "
+        f"What to see: {'; '.join(seen)}."
+    )
+    summary = "error of every case against the mesh size, both logarithmic"
+    return Chart(summary, subplots, [_family_legend(styles)], caption, columns)
+
+
+def _all_cases(cases: Collection[str]) -> str:
+    return f"{'all ' if len(cases) > 1 else ''}{counted(len(cases), 'case')}"
+
+
+def collapsed_chart(rates: pd.DataFrame) -> Chart:
+    """Returns error/C and error/(C h) of all cases, with C h the leading term of ‖u − Π^h u‖_V on the finest mesh.
+
+    C comes from second derivatives of u, (5.23), not from the errors: nothing is fitted.
+    """
+    styles = family_styles(rates["family"])
+    scaled, relative, last = [], [], dict[str, list[float]]()
+    for (_, family), rows in rates.sort_values("level").groupby(["case", "family"], sort=False):
+        h, finest = rows["h"].to_numpy(), rows.iloc[-1]
+        errors = rows["error"].to_numpy() * finest["h"] / finest["predicted_interpolation"]
+        scaled.append(Curve(h, errors, styles[str(family)]))
+        relative.append(Curve(h, errors / h, styles[str(family)]))
+        last.setdefault(str(family), []).append(float(relative[-1].y[-1]))
+    ends, cases = np.array([rates["h"].min(), rates["h"].max()]), rates["case"].unique()
+    line = Curve(ends, ends, Style(GREY))
+    values = np.concatenate([curve.y for curve in relative])
+    x, legend = log_axis("mesh size", ends, symbol="h"), [*_family_legend(styles), LegendEntry("C h", line.style)]
+    finest_meshes = ", ".join(f"{min(ratios):.2f} … {max(ratios):.2f} ({family})" for family, ratios in last.items())
+    y = log_axis("error / C", ends, *(curve.y for curve in scaled))
+    return Chart(
+        "errors of all cases over their constants against the mesh size",
+        [
+            Subplot("", x, y, [line, *scaled]),
+            Subplot("", x, linear_axis("error / (C h)", values), relative, rules=(1.0,)),
+        ],
+        [legend[::2], legend[1::2]],
+        f"The errors max_t ‖u − u^h‖_V of {_all_cases(cases)} of Prop. 5.4 on all mesh families, each divided by its "
+        "constant C. C h is the leading term of the interpolation error ‖u − Π^h u‖_V on the finest mesh, which "
+        "follows from second derivatives of u; nothing is fitted. What to see: all fall on the line C h; error / (C h) "
+        f"lies between {values.min():.2f} and {values.max():.2f}, on the finest meshes of a case in {finest_meshes}. "
+        "It tends to 1 where u^h is superclose to Π^h u, and to less where u^h is nearer to u than Π^h u is.",
+    )
+
+
+def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:
+    """Yields case and chart for every case and mesh family with an enclosure in ``enclosures.csv``."""
+    enclosed = series[series["trajectory"] == "enclosure"]
+    for (case, family), rows in enclosed.groupby(["case", "family"], sort=False):
+        yield str(case), enclosure_chart(rows, f"{case}, {family}")
+
+
+def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
+    """Returns the bands [d − y, d + y] of every level over time and, below, their ends divided by the error.
+
+    Parameters:
+        series: rows of ``enclosures.csv`` or of ``study bound``: ``level``, ``time``, ``distance`` d, ``bound`` y and,
+            where they are known, ``error`` and ``plain``, the bound from u_h alone. Where the error is unknown, d
+            takes its place.
+    """
+    known = bool(series["error"].notna().all())
+    ends = series.assign(
+        lower=(series["distance"] - series["bound"]).clip(lower=0),
+        upper=series["distance"] + series["bound"],
+        middle=series["error" if known else "distance"],
+    )
+    time, name = linear_axis("time", ends["time"], symbol="t"), "error" if known else "‖ũ − u_h‖_V"
+    floor, highest = float(ends["upper"].min()) / 3, [ends[each] for each in ("upper", "plain") if each in ends]
+    errors = Axis("‖u(t) − u_h(t)‖_V", floor, log_axis("", floor, *(each.max() for each in highest)).high, "log")
+    bands, curves, ratios, levels, last = [], [], [], [], []
+    for (level, rows), colour in zip(ends.groupby("level"), cycle(COLOURS), strict=False):
+        t, low, high = (rows[column].to_numpy() for column in ("time", "lower", "upper"))
+        bands.append(Band(t, low.clip(min=floor), high, colour))
+        if "plain" in rows:
+            curves.append(Curve(t, rows["plain"].to_numpy(), Style(colour, stroke="dotted")))
+        middle = rows["middle"].to_numpy()
+        curves.append(Curve(t, middle, Style(colour)))
+        ratios += [Curve(t, end / middle, Style(colour)) for end in (low, high)]
+        levels.append(LegendEntry(f"n = {level}", Style(colour, stroke="band")))
+        final = int(np.argmax(t))
+        last.append(f"{interval(low[final], high[final], 3)} with n = {level}")
+    lines = [LegendEntry(name, Style(BLACK))]
+    if "plain" in series:
+        lines.append(LegendEntry("bound from u_h alone", Style(BLACK, stroke="dotted")))
+
+    line = "the error itself" if known else "the distance to a more accurate displacement ũ"
+    inside = ends[(ends["error"] - ends["distance"]).abs() <= ends["bound"]]
+    seen = f"the error lies in its band at {len(inside)} of {len(ends)} times; " if known else ""
+    return Chart(
+        "error over time between its bounds, logarithmic",
+        [
+            Subplot(title, time, errors, curves, bands),
+            Subplot("", time, Axis(f"ends over {name}", 0.0, 2.0), ratios, rules=[1.0]),
+        ],
+        [levels, lines],
+        f"Enclosure of the error ‖u(t) − u_h(t)‖_V over time ({title}): bands enclose the error, "
+        f"lines are {line}; below, the ends of the bands divided by it. What to see: {seen}at the last time the bands "
+        f"are {', '.join(last)}.",
+    )
+
+
+def work_chart(statements: pd.DataFrame) -> Chart | None:
+    """Returns the root of the work of contact with the error and the excess over the linear problem.
+
+    From ``statements.csv``; None if it has no rows of this statement.
+    """
+    strokes: dict[str, Stroke] = {"work": "solid", "error": "dotted", "excess": "dashed"}
+    rows = statements[(statements["label"] == "beyond: work of contact") & statements["quantity"].isin(strokes)]
+    if rows.empty:
+        return None
+    styles, subplots = family_styles(rows["family"]), []
+    decades = float(np.log10(rows["value"].max() / rows["value"].min()))
+    found: dict[str, list[float]] = {name: [] for name in strokes}
+    for case, of_case in rows.groupby("case", sort=False):
+        curves = []
+        for (family, quantity), unsorted in of_case.groupby(["family", "quantity"], sort=False):
+            table, family_style = unsorted.sort_values("level"), styles[str(family)]
+            h, values = table["h"].to_numpy(), table["value"].to_numpy()
+            stroke, hollow = strokes[str(quantity)], quantity != "work"
+            curves.append(Curve(h, values, Style(family_style.colour, family_style.marker, stroke, hollow)))
+            if family == "one-diagonal" and len(table) > 1:
+                found[str(quantity)] += [float(order) for order in orders(h[-3:], values[-3:])]
+        # The subplots share axes on which every case has room.
+        triangle = slope_triangle(curves, 1.0, decades)
+        y = log_axis("", rows["value"], [triangle.top] if triangle else [])
+        x = log_axis("mesh size", rows["h"], symbol="h", least=2)
+        subplots.append(Subplot(str(case), x, y, curves, triangle=triangle))
+    seen = "single levels show no order"
+    if found["work"]:
+        seen = (
+            f"on the finest meshes with one diagonal the order of the work is {spread(found['work'])}, while the "
+            f"error, for which the trains are hardly resolved, has {spread(found['error'])}; on irregular meshes the "
+            "work scatters about the same line"
+        )
+    kinds = [
+        LegendEntry("work ‖R‖^{1/2}", Style(DARK, "o")),
+        LegendEntry("error ‖u − u^h‖_V", Style(DARK, "o", "dotted", hollow=True)),
+        LegendEntry("excess ‖u^h − u^h_{lin}‖_V", Style(DARK, "o", "dashed", hollow=True)),
+    ]
+    return Chart(
+        "work of contact, error and excess against the mesh size, all logarithmic",
+        subplots,
+        [_family_legend(styles), kinds],
+        "The root of the work of contact (filled markers), the error (dotted) and the excess of u^h over the solution "
+        "of the linear problem with the exact pressure as traction (dashed) against the mesh size h, for zones with "
+        f"patches of seven widths; the triangle has the slope 1. What to see: {seen}.",
+        columns=2,
+    )
+
+
+def rollers_chart(statements: pd.DataFrame) -> Chart | None:
+    """Returns the excess of contact over the linear problem where a narrow patch rolls along Γ3.
+
+    On every mesh family, of shaken meshes the mean and the range; from ``statements.csv``. Each level has a roller of
+    its own width. None if there are no such rows.
+    """
+    chosen = statements["label"].eq("beyond: rollers") & statements["quantity"].eq("excess")
+    rows = statements[chosen & statements["case"].str.fullmatch(r"roller-\d+")]
+    if rows.empty:
+        return None
+    rows = rows.assign(family=rows["family"].where(~rows["family"].str.match("shaken"), "shaken"))
+    styles, curves, bands, found = family_styles(rows["family"]), [], [], []
+    for family, of_family in rows.groupby("family", sort=False):
+        levels, style = of_family.groupby("level"), styles[str(family)]
+        table = levels["value"].agg(["mean", "min", "max"]).assign(h=levels["h"].mean())
+        h, mean, low, high = table.sort_values("h", ascending=False)[["h", "mean", "min", "max"]].to_numpy().T
+        curves.append(Curve(h, mean, style))
+        if family == "shaken":
+            bands.append(Band(h, low, high, style.colour))
+        if len(h) > 1:
+            found.append(f"{fit(h, mean).order:.2f} ({family})")
+    triangle = slope_triangle(curves, 0.5, math.log10(rows["value"].max() / rows["value"].min()))
+    lowest = min(curves, key=lambda curve: float(curve.y.min()))
+    ends = np.array([lowest.x.min(), lowest.x.max()])
+    linear = Curve(ends, 0.8 * float((lowest.y / lowest.x).min()) * ends, Style(GREY, stroke="dotted"))
+    x = log_axis("mesh size", rows["h"], symbol="h")
+    y = log_axis("excess max_t ‖u^h − u^h_{lin}‖_V", rows["value"], linear.y.min(), [triangle.top] if triangle else [])
+    seen = f"orders over all levels are {', '.join(found)}" if found else "single levels show no order"
+    return Chart(
+        "excess of contact over the linear problem against the mesh size, both logarithmic",
+        [Subplot("", x, y, [*curves, linear], bands, triangle)],
+        [_family_legend(styles), [LegendEntry("slope 1", linear.style)]],
+        "The excess max_t ‖u^h − u^h_{lin}‖_V over the solution of the linear problem with the exact pressure as "
+        "traction against the mesh size h, for a roller of the width 2h; of shaken meshes the mean, and the range as a "
+        f"band. The triangle has the slope ½, the dotted line the slope 1. What to see: {seen}.",
+    )
+
+
+def codes_chart(codes: Codes) -> Chart:
+    """Returns order in V and distance from the right solution against the error of the pressure, for contact codes.
+
+    Each point is a code with its parameters on one case and mesh family, on the finest mesh.
+    """
+    tolerance, rounding = 0.15, 1e-11
+    rows = codes.series().dropna(subset=["order_in_v", "share", "excess"])
+    rows = rows.assign(share=rows["share"].clip(lower=rounding))
+    colours = dict(zip(GRADES, (BLUE, GREEN, ORANGE, VERMILLION, GREY), strict=True))
+    markers = dict(zip(GRADES, ("o", "s", "D", "X", "h"), strict=True))
+    curves: dict[str, list[Curve]] = {"order_in_v": [], "share": []}
+    legend = []
+    for grade in [grade for grade in GRADES if (rows["class"] == grade).any()]:
+        style = Style(colours[grade], markers[grade], hollow=True)
+        legend.append(LegendEntry(grade, style))
+        for column, points in curves.items():
+            places = rows.loc[rows["class"] == grade, ["excess", column]].to_numpy()
+            points += [Curve(place[:1], place[1:], style) for place in places]
+    passing = rows[abs(rows["order_in_v"] - 1) <= tolerance]
+    bad = passing[passing["class"].isin(["stagnates", "wrong"])]
+    x = log_axis("error of the pressure / that of the solution in K^h", rows["excess"])
+    order, share = linear_axis("order in V", rows["order_in_v"]), log_axis("distance / error", rows["share"])
+    return Chart(
+        "order in V and distance from the right solution against the error of the pressure, for all contact codes",
+        [
+            Subplot("", x, order, curves["order_in_v"], rules=(1.0,)),
+            Subplot("", x, share, curves["share"], rules=(1.0,)),
+        ],
+        [legend[::2], legend[1::2]],
+        f"{counted(len(rows), 'run')} of {counted(rows['code'].nunique(), 'contact code')}, each with stated "
+        "parameters on one case and mesh family. Above: the order of ‖u − u^h‖_V between the two finest meshes. Below: "
+        "the distance from the solution in K^h over the discretisation error. Both against the error of the pressure "
+        "on the finest mesh, over that of the solution in K^h. What to see: of "
+        f"{counted(len(bad), 'run')} whose contact stagnates or is wrong though their order in V is 1 ± {tolerance}, "
+        f"the error of the pressure is up to {bad['excess'].max():.0f} times what linear elements leave; an order in V "
+        "does not see it.",
+    )
+
+
+def growth_chart(growth: pd.DataFrame) -> Chart:
+    """Returns the cost of a level against the number of unknowns: seconds above, memory per unknown below.
+
+    From ``benchmarks/growth.csv``, with a colour for every ``dim`` and ``solver``.
+    """
+    kib = 1024
+    parts: dict[str, LegendEntry] = {
+        "level_seconds": LegendEntry("a level: all steps", Style(DARK)),
+        "factor_seconds": LegendEntry("once: factorising or coarsening", Style(DARK, stroke="dashed")),
+        "step_seconds": LegendEntry("one step in time", Style(DARK, stroke="dotted")),
+    }
+    seconds: list[Curve] = []
+    memory: list[Curve] = []
+    solvers, seen = [], []
+    looks = cycle(zip(COLOURS, "os^DvP", strict=True))
+    for ((dim, solver), unsorted), (colour, marker) in zip(growth.groupby(["dim", "solver"], sort=False), looks):  # noqa: B905
+        rows, style, name = unsorted.sort_values("dofs"), Style(colour, marker), f"{dim}D, {solver}"
+        dofs = rows["dofs"].to_numpy(dtype=float)
+        for column, part in parts.items():
+            seconds.append(Curve(dofs, rows[column].to_numpy(), Style(colour, marker, part.style.stroke)))
+        memory.append(Curve(dofs, (rows["peak_bytes"] / rows["dofs"] / kib).to_numpy(), style))
+        solvers.append(LegendEntry(f"{name} ({len(rows)} {'mesh' if len(rows) == 1 else 'meshes'})", style))
+        last = rows.iloc[-1]
+        text = (
+            f"{name}: {last['level_seconds']:.3g} s and {last['peak_bytes'] / kib**3:.2g} GiB for {last['dofs']:.0f} "
+            "unknowns"
+        )
+        if dofs[-1] > dofs[0]:
+            exponent, _ = np.polyfit(np.log(dofs), np.log(rows["level_seconds"]), 1)
+            text += f", time growing like unknowns^{exponent:.2f}"
+        seen.append(text)
+    # The line of slope 1 starts above the curves.
+    ends = np.array([growth["dofs"].min(), growth["dofs"].max()], dtype=float)
+    first = growth["dofs"] == ends[0]
+    line = Curve(ends, 1.6 * float((growth["level_seconds"] / growth["dofs"])[first].max()) * ends, Style(GREY))
+    positive: list[Array] = [curve.y[curve.y > 0] for curve in [*seconds, line]]
+    x = log_axis("unknowns", ends, least=2)
+    return Chart(
+        "seconds and memory per unknown against the number of unknowns, all logarithmic",
+        [
+            Subplot("", x, log_axis("seconds", *positive, least=2), [*seconds, line]),
+            Subplot("", x, log_axis("KiB per unknown", *(curve.y for curve in memory), least=2), memory),
+        ],
+        [solvers, [*parts.values(), LegendEntry("slope 1", line.style)]],
+        "Cost of a level: seconds for all of it, for a factorisation and for a time step, and peak memory per unknown, "
+        f"against the number of unknowns; the grey line has slope 1. What to see: {'; '.join(seen)}.",
+    )

@@ -1,0 +1,356 @@
+"""Contact zone, gap and pressure on the faces of Γ3: lines in the plane, maps seen from inside the body in space."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from itertools import cycle
+from typing import Any
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.colors import BoundaryNorm
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
+
+from study.present.body import ROUND_OFF, ramp
+from study.present.drawing import COLUMN, dots, entry, legend
+from study.present.palette import BLACK, BLUE, GREEN, GREY, PURPLE, RIM, SKY, SURFACE, VERMILLION
+from study.present.picture import (
+    Array,
+    Picture,
+    Polygon,
+    Segment,
+    caps,
+    misplaced_length,
+    misplaced_nodes,
+    outside,
+    strands,
+)
+
+Paint = Callable[[Axes, int], Any]
+"""Draws a map at one of the times of the picture."""
+MOST_TIMES, MOST_MARKERS = 40, 24
+"""The approximate largest numbers of times shown as dots, and of markers on a line."""
+MAP_LEVELS = 10
+"""The number of colours of a map."""
+HARMLESS = "where gap and pressure vanish to high order at a front, this hardly changes the error in the norm of V"
+"""Says what misplaced fronts mean for the error."""
+LINES = ((BLACK, "o"), (GREEN, "s"), (PURPLE, "^"))
+"""Colour and marker of each face."""
+INSIDE: dict[str, Any] = {"color": BLUE, "mew": 0}
+STRAY: dict[str, Any] = {"color": BLUE, "mfc": "white", "mew": 0.5}
+"""Styles of nodes in contact inside and outside the exact zone."""
+FRONT: dict[str, Any] = {"color": VERMILLION, "lw": 1.0}
+
+
+def draw_zone(picture: Picture) -> Figure:
+    """Draws the contact zone of each face in the plane, with s to the right and t upwards, and the error of the zone.
+
+    The filled region is the exact zone; a dot is a node in contact, hollow outside the exact zone. If there are many
+    times, evenly chosen ones are shown. The last panel shows ``misplaced_length``.
+    """
+    count = len(picture.segments)
+    figure = Figure(figsize=(COLUMN + 0.8 * (count - 1), 3.2))
+    *panels, last = figure.subplots(1, count + 1, sharey=True, width_ratios=(*[1] * count, 0.4))
+    for axes, face in zip(panels, picture.segments, strict=True):
+        _draw_zone_of_face(axes, face, picture.times, count)
+        axes.set_xlabel(rf"{'position $s$ along' if count < 3 else '$s$ on'} ${picture.symbol(face)}$")
+    errors: list[Line2D] = []
+    largest = 2.0
+    for face, (colour, marker) in zip(picture.segments, cycle(LINES), strict=False):
+        error = misplaced_length(face, picture.times)
+        largest = max(largest, 1.05 * float(error.max()))
+        style: dict[str, Any] = {"color": colour, "marker": marker, "ms": 2.2, "lw": 0.7, "clip_on": False}
+        errors += last.plot(error, picture.times[1:], label=rf"fronts on ${picture.symbol(face)}$", **style)
+    last.set(xlim=(0, largest), xlabel="error in cells")
+    last.xaxis.set_major_locator(MaxNLocator(3, integer=True))
+    last.grid(True)
+    panels[0].set_ylabel(r"time $t$")
+    figure.suptitle(f"{picture.heading}: contact zone")
+    legend(figure, [*_zone_handles(picture), *(errors if count > 1 else [])], columns=2 if count < 3 else 3)
+    return figure
+
+
+def _draw_zone_of_face(axes: Axes, face: Segment, times: Array, faces: int) -> None:
+    pieces = strands(face.zone_times, face.zone)
+    columns = [np.array(piece).T for piece in pieces]
+    outlines = [np.column_stack([[*left, *right[::-1]], [*t, *t[::-1]]]) for t, left, right in columns]
+    axes.add_collection(PolyCollection(outlines, facecolor=SKY, alpha=0.45, linewidth=0, zorder=1))
+    for t, left, right in columns:
+        axes.plot(left, t, right, t, **FRONT, zorder=2)
+    for time, start, end in caps(pieces):
+        if times[0] < time < times[-1]:
+            axes.plot([start, end], [time, time], **FRONT, zorder=2)
+    stride = max(1, round(len(times) / MOST_TIMES))
+    stray = outside(face, times)[::stride]
+    inside = face.touching[::stride] & ~stray
+    # A diameter in points that leaves white between neighbouring dots.
+    size = float(np.clip(0.55 * min(200 / (len(face.s) * faces), 150 / (len(times) // stride)), 0.7, 2.5))
+    for nodes, style in ((inside, INSIDE), (stray, STRAY)):
+        when, where = np.nonzero(nodes)
+        # An empty line would confuse the layout.
+        if len(when):
+            axes.plot(face.s[where], times[::stride][when], "o", ms=size, clip_on=False, zorder=3, **style)
+    if not (pieces or face.touching.any()):
+        axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", va="center", color=GREY)
+    axes.set(xlim=(face.s.min(), face.s.max()), ylim=(times[0], times[-1]))
+    axes.xaxis.set_major_locator(MaxNLocator(5 if faces == 1 else 2))
+
+
+def _zone_handles(picture: Picture) -> list[Artist]:
+    """Returns entries of the legend: the exact zone, the computed zone, and why some of its nodes lie outside."""
+    exact = Patch(facecolor=(SKY, 0.45), edgecolor=VERMILLION, label=r"exact zone, $w=0$")
+    handles = [exact, dots(r"nodes in contact, $p^h>0$", ms=2.5, **INSIDE)]
+    gap, pressure = _strays(picture)
+    if pressure:
+        why = f"outside of it: there $w\\leq{gap:.2g}$ %\nand $p^h\\leq{pressure:.2g}$ % of their maxima"
+        handles.append(dots(why, ms=2.5, **STRAY))
+    return handles
+
+
+def _strays(picture: Picture) -> tuple[float, float]:
+    """Returns the largest exact gap and computed pressure at nodes in contact outside the exact zone, in per cent.
+
+    Relative to the largest gap and pressure on any face; 0 if there are no such nodes.
+    """
+    where = [outside(face, picture.times) for face in picture.faces]
+    shares = []
+    for name in ("gap_exact", "pressure"):
+        values = [getattr(face, name) for face in picture.faces]
+        largest = max(float(each.max(initial=0.0)) for each in values) or 1.0
+        stray = max(float(each[nodes].max(initial=0.0)) for each, nodes in zip(values, where, strict=True))
+        shares.append(100 * stray / largest)
+    return shares[0], shares[1]
+
+
+def caption_zone(picture: Picture) -> str:
+    """Returns the caption of ``draw_zone``."""
+    errors = [misplaced_length(face, picture.times) for face in picture.segments]
+    face, worst = max(zip(picture.segments, errors, strict=True), key=lambda pair: float(pair[1].max()))
+    when = int(np.argmax(worst))
+    seen = (
+        f"computed fronts are off by {np.mean(errors):.2g} cells on average and by {worst[when]:.2g} at most, on "
+        f"{picture.name(face)} at t = {picture.times[1:][when]:.3g}, all fronts of a face added up; {HARMLESS}"
+        if worst[when] > 0
+        else "no node is ever on the wrong side"
+    )
+    gap, pressure = _strays(picture)
+    if pressure:
+        seen += (
+            f"; hollow dots lie outside of it, where the exact gap is at most {gap:.2g} % and the computed pressure "
+            f"{pressure:.2g} % of the largest"
+        )
+    return (
+        f"Contact zone of {picture.names} in space and time "
+        f"({picture.place}): exact zone filled, dots are nodes with a positive computed pressure; on the right the "
+        "length of their symmetric difference in cells, after t = 0, where nothing has been solved. What to see: "
+        f"how closely the dots fill the exact zone; {seen}."
+    )
+
+
+def draw_profiles(picture: Picture) -> Figure:
+    """Draws a row of gaps and a row of pressures for every face in the plane, at the times of the shapes.
+
+    Lines are exact values, markers computed values at the nodes, at some of the nodes if there are many.
+    """
+    instants, rows = picture.instants, 2 * len(picture.segments)
+    figure = Figure(figsize=(COLUMN, 0.9 + 1.1 * rows))
+    panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
+    quantities = ("gap", "gap $w$", BLUE), ("pressure", "pressure $p$", VERMILLION)
+    faces = [(face, quantity) for face in picture.segments for quantity in quantities]
+    for row, (face, (name, label, colour)) in zip(panels, faces, strict=True):
+        exact, computed = getattr(face, f"line_{name}")[instants], getattr(face, name)[instants]
+        for axes, line, marks in zip(row, exact, computed, strict=True):
+            every = max(1, round(len(face.s) / MOST_MARKERS))
+            axes.plot(face.line, line, color=BLACK, lw=0.9)
+            axes.plot(face.s, marks, "o", color=colour, mfc="white", ms=2.6, markevery=every, clip_on=False, zorder=3)
+            axes.set_xlim(face.line.min(), face.line.max())
+            axes.grid(True)
+            if name == "gap":
+                axes.tick_params(labelbottom=False)
+            else:
+                axes.set_xlabel(rf"$s$ on ${picture.symbol(face)}$")
+        # From zero, so that round-off around a constant does not fill the panel.
+        low, high = min(exact.min(), computed.min(), 0.0), max(exact.max(), computed.max())
+        high = high if high > ROUND_OFF else 1.0
+        room = 0.06 * (high - low)
+        row[0].set_ylim(low - room, high + room)
+        row[0].set_ylabel(label)
+    for axes, instant in zip(panels[0], instants, strict=True):
+        axes.set_title(f"$t={picture.times[instant]:.3g}$")
+    figure.align_ylabels(panels[:, 0])
+    figure.suptitle(picture.heading)
+    computed = [dots(f"computed {name}", color=colour, mfc="white", ms=2.6) for name, _, colour in quantities]
+    legend(figure, [entry("exact", color=BLACK, lw=0.9), *computed], columns=3)
+    return figure
+
+
+def caption_profiles(picture: Picture) -> str:
+    """Returns the caption of ``draw_profiles``."""
+    gap, pressure = _largest_differences(picture)
+    return (
+        f"Gap and contact pressure along Γ3 at t = {picture.times_shown} ({picture.place}): lines are exact, markers "
+        "computed. What to see: nowhere are gap and pressure both positive, and markers lie on the lines: the error at "
+        f"the nodes is at most {gap} for the gap and, for the pressure, a nodal force divided by the integral of its "
+        f"shape function, at most {pressure}."
+    )
+
+
+def _largest_differences(picture: Picture) -> tuple[str, str]:
+    """Returns max |computed − exact| of gap and of pressure at the nodes and the times of the shapes.
+
+    In per cent of max |exact|, unless that is round-off.
+    """
+    texts = []
+    for name in ("gap", "pressure"):
+        computed = [getattr(face, name)[picture.instants] for face in picture.faces]
+        exact = [getattr(face, f"{name}_exact")[picture.instants] for face in picture.faces]
+        difference = max(float(abs(a - b).max()) for a, b in zip(computed, exact, strict=True))
+        size = max(float(abs(values).max()) for values in exact)
+        relative = f"{100 * difference / size:.2g} % of the largest" if size > ROUND_OFF else ""
+        texts.append(relative or f"{difference:.1e}, the largest being 0")
+    return texts[0], texts[1]
+
+
+def draw_fronts(picture: Picture) -> Figure:
+    """Draws a row of maps for every face in space: the exact zone and the nodes in contact at the times of the shapes.
+
+    Below are their numbers over time. The exact zone is where the linear interpolant of ``level`` is not negative.
+    """
+    rows = len(picture.polygons)
+    figure = Figure(figsize=(COLUMN, 2.2 + 1.25 * rows))
+    grid = figure.add_gridspec(2, height_ratios=(rows, 0.9))
+    panels = grid[0].subgridspec(rows, len(picture.shapes)).subplots(sharex="row", sharey="row", squeeze=False)
+    counts = figure.add_subplot(grid[1])
+    for face, row, (colour, marker) in zip(picture.polygons, panels, cycle(LINES), strict=False):
+        _draw_maps_of(row, picture, face, _paint_zone(face, picture.times))
+        times, label = picture.times[1:], f"${picture.symbol(face)}$"
+        counts.plot(times, face.inside.sum(axis=1)[1:], color=colour, lw=0.8)
+        counts.plot(times, face.touching.sum(axis=1)[1:], marker, color=colour, mfc="white", ms=2.6, label=label)
+    _label_maps(panels, picture)
+    most = max(len(face.nodes) for face in picture.polygons)
+    counts.set(xlabel="time $t$", ylabel="nodes in contact", ylim=(0, most))
+    counts.grid(True)
+    if rows > 1:
+        counts.legend(frameon=True)
+    figure.suptitle(f"{picture.heading}: contact zone")
+    legend(figure, _zone_handles(picture), columns=2)
+    return figure
+
+
+def caption_fronts(picture: Picture) -> str:
+    """Returns the caption of ``draw_fronts``."""
+    wrong = [misplaced_nodes(face) for face in picture.polygons]
+    face, worst = max(zip(picture.polygons, wrong, strict=True), key=lambda pair: int(pair[1].max()))
+    when = int(np.argmax(worst))
+    seen = (
+        f"{np.mean(wrong):.2g} nodes of a face are on the wrong side of the front on average and {worst[when]} of "
+        f"{len(face.nodes)} at most, on {picture.name(face)} at t = {picture.times[1:][when]:.3g}; {HARMLESS}"
+        if worst[when] > 0
+        else f"none of the {sum(len(face.nodes) for face in picture.polygons)} nodes is ever on the wrong side"
+    )
+    return (
+        f"Contact zone of {picture.names} at t = {picture.times_shown} "
+        f"({picture.place}), seen from inside the body: exact zone filled, dots are nodes with a positive computed "
+        "pressure; below, the number of nodes in the exact zone (lines) and in computed contact (markers) over time, "
+        f"after t = 0, where nothing has been solved. What to see: how closely the dots fill the exact zone; {seen}."
+    )
+
+
+def draw_maps(picture: Picture) -> Figure:
+    """Draws a row of gaps and a row of pressures for every face in space; from left to right the times of the shapes.
+
+    Surfaces are exact values, dots computed values at the nodes, in the same colours.
+    """
+    instants, rows = picture.instants, 2 * len(picture.polygons)
+    figure = Figure(figsize=(COLUMN, 0.7 + 1.05 * rows))
+    panels = figure.subplots(rows, len(instants), sharex="row", sharey="row", squeeze=False)
+    quantities = ("gap", "gap $w$"), ("pressure", "pressure $p$")
+    faces = [(face, quantity) for face in picture.polygons for quantity in quantities]
+    for row, (face, (name, label)) in zip(panels, faces, strict=True):
+        exact, computed = getattr(face, f"{name}_exact"), getattr(face, name)
+        top = float(max(exact[instants].max(), computed[instants].max())) or 1.0
+        _draw_maps_of(row, picture, face, paint_values(face, name, top))
+        bar = figure.colorbar(row[-1].collections[0], ax=list(row), fraction=0.05, ticks=[0, top], format="%.3g")
+        bar.set_label(label)
+    _label_maps(panels, picture)
+    figure.suptitle(picture.heading)
+    marks = dots("computed", mfc="white", mec=RIM, mew=0.4, ms=2.6)
+    legend(figure, [entry("exact", color=SURFACE, lw=4), marks, entry("exact front", **FRONT)], columns=3)
+    return figure
+
+
+def caption_maps(picture: Picture) -> str:
+    """Returns the caption of ``draw_maps``."""
+    gap, pressure = _largest_differences(picture)
+    displacement = max(float(np.linalg.norm(shape.displacement, axis=0).max()) for shape in picture.shapes)
+    largest_gap = max(float(face.gap_exact[picture.instants].max()) for face in picture.polygons)
+    return (
+        f"Gap and contact pressure on {picture.names} at t = {picture.times_shown} "
+        f"({picture.place}), seen from inside the body: surfaces are exact, dots computed, in the same colours. What "
+        "to see: nowhere are gap and pressure both positive, and where a dot stands out there is an error: at most "
+        f"{pressure} for the pressure, a nodal force divided by the integral of its shape function; at most {gap} for "
+        f"the gap, which itself is at most {100 * largest_gap / (displacement or 1.0):.2g} % of the largest "
+        "displacement."
+    )
+
+
+def draw_map(axes: Axes, face: Polygon, instant: int, paint: Paint) -> None:
+    """Draws the map of a face with its exact front at one time."""
+    paint(axes, instant)
+    level = face.level[instant]
+    if level.min() < 0 <= level.max():
+        axes.tricontour(_refined(face), level, [0], colors=VERMILLION, linewidths=1.0)
+    axes.set(aspect="equal", xlim=(face.s[0].min(), face.s[0].max()), ylim=(face.s[1].min(), face.s[1].max()))
+
+
+def paint_values(face: Polygon, name: str, top: float) -> Paint:
+    """Returns what paints gap or pressure: exact values as a surface, computed values as dots, from 0 to ``top``."""
+    exact, computed = getattr(face, f"{name}_exact"), getattr(face, name)
+    levels = np.linspace(0, top, MAP_LEVELS + 1)
+    style: dict[str, Any] = {"cmap": ramp(name), "norm": BoundaryNorm(levels, 256)}
+
+    def paint(axes: Axes, instant: int) -> None:
+        axes.tricontourf(Triangulation(*face.s, face.facets.corners.T), exact[instant].clip(0), levels, **style)
+        rim: dict[str, Any] = {"edgecolors": RIM, "linewidths": 0.2}
+        axes.scatter(face.s[0], face.s[1], s=5, c=computed[instant].clip(0), zorder=2, **rim, **style)
+
+    return paint
+
+
+def _paint_zone(face: Polygon, times: Array) -> Paint:
+    strays = outside(face, times)
+
+    def paint(axes: Axes, instant: int) -> None:
+        level, touching = face.level[instant], face.touching[instant]
+        if level.max() >= 0:
+            axes.tricontourf(_refined(face), level, [0, level.max() + 1], colors=[SKY], alpha=0.45)
+        for nodes, style in ((touching & ~strays[instant], INSIDE), (strays[instant], STRAY)):
+            if nodes.any():
+                axes.plot(*face.s[:, nodes], "o", ms=1.6, clip_on=False, zorder=3, **style)
+
+    return paint
+
+
+def _draw_maps_of(row: Array, picture: Picture, face: Polygon, paint: Paint) -> None:
+    """Draws the maps of a face at the times of the shapes."""
+    for axes, instant in zip(row, picture.instants, strict=True):
+        draw_map(axes, face, instant, paint)
+    row[0].set_ylabel(rf"$s_2$ on ${picture.symbol(face)}$")
+
+
+def _label_maps(panels: Array, picture: Picture) -> None:
+    for axes, shape in zip(panels[0], picture.shapes, strict=True):
+        axes.set_title(f"$t={shape.time:.3g}$")
+    for axes in panels[-1]:
+        axes.set_xlabel("$s_1$")
+
+
+def _refined(face: Polygon) -> Triangulation:
+    """Returns the triangles between the points at which ψ is known."""
+    return Triangulation(*face.facets.refined(face.s), face.facets.quarters.T)

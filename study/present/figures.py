@@ -1,0 +1,372 @@
+"""The figures of the data in a directory, and those figures that are neither charts nor pictures of contact."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib import patches
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from study.ledger.codes import Codes
+from study.ledger.datafiles import DataError, made_by, read_csv, read_rates, read_table
+from study.present import body, charts, contact
+from study.present.body import GAP
+from study.present.chart import Array, Chart, draw_chart
+from study.present.drawing import COLUMN, PAGE, Drawing, dots, draw_figures, draw_one, entry, legend
+from study.present.notation import counted
+from study.present.palette import BLACK, BLUE, DARK, FOUNDATION, FOUNDATION_EDGE, GREEN, GREY, RAMPS, VERMILLION, Style
+from study.present.picture import Energy, Picture, read_pictures
+
+__all__ = ["AdaptedMesh", "Drawing", "adapted_mesh", "draw_figures", "draw_one", "drawings", "enclosure", "overview"]
+
+
+def drawings(directory: Path) -> list[Drawing]:
+    """Returns every figure of the data in a directory, not drawn yet: those of ``overview``, and those of each case.
+
+    ``convergence-CASE`` for every case of ``rates.csv``, ``enclosure-CASE`` where there is one, and ``zone-CASE``,
+    ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` for every file in ``pictures``.
+
+    Raises:
+        DataError: a data file is missing or damaged.
+    """
+    found, rates = overview(directory), read_rates(directory)
+    orders = _expected_orders(directory, rates)
+    for (scheme, case), rows in rates.groupby(["scheme", "case"], sort=False):
+        name = f"convergence-{case}{_suffix(rates, scheme)}"
+        found.append(_of_chart(name, charts.convergence_chart(rows, orders[str(case)])))
+    columns = ("trajectory", "case", "family", "level", "time", "error", "distance", "bound")
+    for case, chart in charts.enclosure_charts(read_csv(directory, "enclosures.csv", columns)):
+        found.append(_of_chart(f"enclosure-{case}", chart))
+    for picture in read_pictures(directory):
+        # Contact faces are lines in the plane and maps in space.
+        kinds: dict[str, tuple[Callable[[Picture], Figure], Callable[[Picture], str]]] = {
+            "body": (body.draw_body, body.caption_body),
+            "energy": (draw_energy, caption_energy),
+            "zone": (contact.draw_zone, contact.caption_zone),
+            "profiles": (contact.draw_profiles, contact.caption_profiles),
+        }
+        if not picture.segments:
+            kinds["zone"] = contact.draw_fronts, contact.caption_fronts
+            kinds["profiles"] = contact.draw_maps, contact.caption_maps
+        for kind, (draw, caption) in kinds.items():
+            found.append(Drawing(f"{kind}-{picture.case}", partial(draw, picture), caption(picture)))
+    return found
+
+
+def overview(directory: Path) -> list[Drawing]:
+    """Returns the figures over all cases; raises the errors of ``drawings``.
+
+    ``problem``, a sketch; ``collapsed`` and ``convergence`` for the cases of Prop. 5.4 and ``convergence-prop-5-3`` for
+    the rough cases; ``contact-work`` and ``rollers`` where they were measured; ``effectivity`` of ``bounds.csv``;
+    ``growth`` of ``benchmarks/growth.csv`` and ``codes`` of ``codes/`` where they exist.
+    """
+    found: dict[str, Chart | None] = {}
+    rates = read_rates(directory)
+    orders = _expected_orders(directory, rates)
+    for scheme, rows in rates.groupby("scheme", sort=False):
+        suffix = _suffix(rates, scheme)
+        # The largest first: it takes longest to draw, and nothing should wait for it alone.
+        for claim, of_claim in sorted(rows.groupby("claim"), key=lambda group: -len(group[1])):
+            name = "" if claim == "Prop. 5.4" else "-" + re.sub(r"[^a-z0-9]+", "-", str(claim).lower()).strip("-")
+            found[f"convergence{name}{suffix}"] = charts.overview_chart(of_claim, orders)
+        smooth = rows[rows["claim"] == "Prop. 5.4"]
+        found[f"collapsed{suffix}"] = charts.collapsed_chart(smooth) if len(smooth) else None
+    # Runs of a user's own cases have no file of statements.
+    if (directory / "data" / "statements.csv").is_file():
+        columns = ("label", "case", "family", "level", "h", "quantity", "value")
+        statements = read_csv(directory, "statements.csv", columns)
+        found |= {"contact-work": charts.work_chart(statements), "rollers": charts.rollers_chart(statements)}
+    path = directory / "benchmarks" / "growth.csv"
+    if path.is_file():
+        needed = ["n", "dofs", "factor_seconds", "step_seconds", "level_seconds", "peak_bytes", "dim", "solver"]
+        found["growth"] = charts.growth_chart(read_table(path, needed, "make bench-growth").dropna(subset=needed))
+    codes = Codes.read(directory)
+    found["codes"] = charts.codes_chart(codes) if codes else None
+
+    figures = [_of_chart(name, chart) for name, chart in found.items() if chart]
+    bounds = read_csv(directory, "bounds.csv", ("case", "scheme", "trajectory", "level", "upper", "lower"))
+    known = bounds[bounds["upper"].notna()]
+    if len(known):
+        figures.append(Drawing("effectivity", partial(draw_effectivity, known), caption_effectivity(known)))
+    return [*figures, Drawing("problem", draw_sketch, SKETCH)]
+
+
+def enclosure(name: str, series: pd.DataFrame, title: str) -> Drawing:
+    """Returns the figure of the enclosure of an error over time, from rows of ``study bound``."""
+    return _of_chart(name, charts.enclosure_chart(series, title))
+
+
+def _of_chart(name: str, chart: Chart) -> Drawing:
+    return Drawing(name, partial(draw_chart, chart), chart.caption)
+
+
+def _suffix(rates: pd.DataFrame, scheme: object) -> str:
+    """Returns the end of the names of figures if there are several time schemes."""
+    return f"-{scheme}" if rates["scheme"].nunique() > 1 else ""
+
+
+def _expected_orders(directory: Path, rates: pd.DataFrame) -> dict[str, float]:
+    """Returns ``expected_order`` of every case with a rate."""
+    cases = read_csv(directory, "cases.csv", ("case", "expected_order"))
+    orders = dict(zip(cases["case"], cases["expected_order"].astype(float), strict=True))
+    if unknown := sorted(set(rates["case"]) - set(orders)):
+        lacking = f"{directory / 'data' / 'cases.csv'} lacks the cases {', '.join(unknown)}"
+        raise DataError(f"{lacking}: make it again with `{made_by(directory)}`")
+    return orders
+
+
+SCHEMES = {"backward-euler": Style(VERMILLION, "s"), "bdf2": Style(GREEN, "^"), "midpoint": Style(BLUE, "o")}
+
+
+def draw_effectivity(known: pd.DataFrame) -> Figure:
+    """Draws a line per case: left the bound from u_h alone over the error, right both ends of the enclosure over it.
+
+    Parameters:
+        known: the rows of ``bounds.csv`` whose error is known, with ``upper`` and ``lower``, the worst over the second
+            half of time. There is a marker per scheme, mesh family and level, larger on finer levels.
+    """
+    cases = list(dict.fromkeys(known["case"]))
+    row = {case: len(cases) - 1 - i for i, case in enumerate(cases)}
+    used = {scheme: style for scheme, style in SCHEMES.items() if (known["scheme"] == scheme).any()}
+    figure = Figure(figsize=(PAGE, 1.2 + 0.15 * len(cases)))
+    left, right = figure.subplots(1, 2, sharey=True)
+    for axes, trajectory, columns in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
+        for scheme, style in used.items():
+            rows = known[(known["trajectory"] == trajectory) & (known["scheme"] == scheme)]
+            # Schemes are shifted, as their markers would hide each other.
+            y = rows["case"].map(row) + 0.22 * (list(SCHEMES).index(scheme) - 1)
+            for column in columns:
+                look: dict[str, Any] = {"s": _marker_area(rows["level"]), "marker": style.marker, "linewidth": 0.6}
+                face = style.colour if column == "upper" else "white"
+                axes.scatter(rows[column], y, edgecolor=style.colour, facecolor=face, zorder=3, **look)
+        axes.axvline(1, color=BLACK, lw=0.7)
+        axes.grid(True)
+    left.set_xscale("log")
+    ticks = [tick for tick in (1, 1.5, 2, 3, 5, 7, 10, 20, 50) if tick <= 1.1 * left.get_xlim()[1]]
+    left.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+    left.minorticks_off()
+    left.set_yticks(list(row.values()), list(row))
+    left.set(ylim=(-0.7, len(cases) - 0.3), xlabel="bound from $u_h$ alone / error")
+    right.set(xlim=(0, None), xlabel="ends of the enclosure / error")
+    handles = [dots(scheme, color=style.colour, marker=style.marker) for scheme, style in used.items()]
+    ends = ("upper", DARK), ("lower", "white")
+    handles += [dots(f"{end} end of the bound", color=DARK, mfc=fill) for end, fill in ends]
+    levels = sorted(known["level"].unique())[:: max(1, known["level"].nunique() - 1)]
+    handles += [dots(f"$n={n}$", color=DARK, ms=float(np.sqrt(_marker_area(n))), mew=0) for n in levels]
+    legend(figure, [*handles, entry("the error itself", color=BLACK, lw=0.7)], columns=4)
+    return figure
+
+
+def caption_effectivity(known: pd.DataFrame) -> str:
+    """Returns the caption of ``draw_effectivity``."""
+    plain, enclosed = (known[known["trajectory"] == name] for name in ("bound", "enclosure"))
+    wrong = int((known["upper"] < 1).sum() + (enclosed["lower"] > 1).sum())
+    seen = [f"{counted(wrong, 'bound') if wrong else 'no bounds'} on the wrong side of the error"]
+    if len(plain):
+        medians = [f"{rows['upper'].median():.3g} with {scheme}" for scheme, rows in plain.groupby("scheme")]
+        seen.append(
+            f"from u_h alone the bound is {plain['upper'].min():.3g} … {plain['upper'].max():.3g} times the error, the "
+            f"median {', '.join(medians)}"
+        )
+    if len(enclosed):
+        seen.append(
+            f"an enclosure by a more accurate displacement has its lower end at {enclosed['lower'].min():.3g} … "
+            f"{enclosed['lower'].max():.3g} and its upper end at {enclosed['upper'].min():.3g} … "
+            f"{enclosed['upper'].max():.3g} times the error"
+        )
+    return (
+        f"Effectivity of the bounds for {counted(known['case'].nunique(), 'case')} whose error is known, the worst "
+        f"over the second half of time; a larger marker is a finer mesh. What to see: {'; '.join(seen)}."
+    )
+
+
+def _marker_area(level: Any) -> Any:
+    """Returns the area of a marker in square points."""
+    return 5.0 * np.log2(level) - 8
+
+
+def draw_energy(picture: Picture) -> Figure:
+    """Draws work of the load, dissipation, stored energy and work of contact since t = 0 and, below, their defect.
+
+    The defect is relative to the largest of them.
+    """
+    energy = picture.energy
+    figure = Figure(figsize=(COLUMN, 3.4))
+    above, below = figure.subplots(2, sharex=True, height_ratios=(3, 1))
+    handles = [
+        *above.plot(energy.times, energy.work, color=BLACK, label=r"work of the load"),
+        *above.plot(energy.times, energy.dissipated, color=VERMILLION, label=r"dissipated by $\mathcal{A}$"),
+        *above.plot(energy.times, energy.stored - energy.stored[0], color=BLUE, label=r"stored in $\mathcal{G}$"),
+        *above.plot(energy.times, energy.contact, color=GREEN, ls="--", label="work of contact"),
+    ]
+    below.plot(energy.times, 100 * energy.defect / _largest_energy(energy), color=GREY)
+    below.axhline(0, color=BLACK, lw=0.4)
+    for axes in (above, below):
+        axes.grid(True)
+    above.set_ylabel("energy since $t=0$")
+    below.set(xlabel="time $t$", ylabel="defect in %", xlim=(energy.times[0], energy.times[-1]))
+    figure.align_ylabels()
+    figure.suptitle(picture.heading)
+    legend(figure, handles, columns=2)
+    return figure
+
+
+def caption_energy(picture: Picture) -> str:
+    """Returns the caption of ``draw_energy``."""
+    energy, scale = picture.energy, _largest_energy(picture.energy)
+    worst = int(np.argmax(abs(energy.defect)))
+    stored, of_contact = (
+        # Smaller values are round-off.
+        f"{value:.3g}" if abs(value) > 1e-12 * scale else "0"
+        for value in (energy.stored[-1] - energy.stored[0], energy.contact[-1])
+    )
+    return (
+        f"Balance of energy ({picture.place}, BDF2). Up to t = {energy.times[-1]:.3g} the load has done the work "
+        f"{energy.work[-1]:.3g}; {energy.dissipated[-1]:.3g} is dissipated by the viscosity, the stored energy has "
+        f"changed by {stored} and contact has done the work "
+        f"{of_contact}. What to see: the parts add up to the work of the load but for a "
+        f"defect of at most {100 * abs(energy.defect[worst]) / scale:.2g} % of the largest energy (at "
+        f"t = {energy.times[worst]:.3g}), which is due to the trapezoidal rule and the time scheme and of second "
+        "order in the step. The foundation is rigid and frictionless: contact does work only where a vertex "
+        "changes between contact and release."
+    )
+
+
+def _largest_energy(energy: Energy) -> float:
+    """Returns the largest term of the balance over time, 1 if all vanish."""
+    terms = energy.stored - energy.stored[0], energy.dissipated, energy.contact, energy.work
+    return float(max(abs(values).max() for values in terms)) or 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class AdaptedMesh:
+    """An adapted mesh with its contact zone, and the bounds of the error on all meshes.
+
+    Attributes:
+        p, t: vertices, (2, n), and cells, (3, n).
+        edges: ends of the edges of Γ3, (2, 2, n).
+        closed: whether an edge is in contact at the last time, (n,).
+        rows: ``adaptive.csv``.
+        uniform: ``levels.csv`` of uniform meshes, empty if there is none.
+    """
+
+    p: Array
+    t: NDArray[np.int64]
+    edges: Array
+    closed: NDArray[np.bool_]
+    rows: pd.DataFrame
+    uniform: pd.DataFrame
+
+
+def adapted_mesh(name: str, found: AdaptedMesh) -> Drawing:
+    """Returns the figure ``adaptive`` of a problem with a name."""
+    against = ", for meshes refined everywhere as well" if len(found.uniform) else ""
+    caption = (
+        f"{name}: the last mesh, with what of Γ3 is in contact at the last time in colour, and the bound of "
+        f"max ‖u − u_h‖_V from u_h alone over unknowns{against}. The slope −1/2 is the best there is for P1."
+    )
+    return Drawing("adaptive", partial(_draw_adapted, found), caption)
+
+
+def _draw_adapted(found: AdaptedMesh) -> Figure:
+    figure, rows, thick = Figure(figsize=(PAGE, 0.5 * PAGE), layout="constrained"), found.rows, 2.5
+    mesh, bounds = figure.subplots(1, 2)
+    mesh.triplot(Triangulation(*found.p, found.t.T), color=DARK, lw=0.25)
+    for which, colour in ((found.closed, VERMILLION), (~found.closed, BLUE)):
+        lines = np.moveaxis(found.edges[:, :, which], 2, 0).transpose(0, 2, 1)
+        mesh.add_collection(LineCollection(list(lines), colors=colour, linewidths=thick, zorder=3))
+    mesh.set_aspect("equal")
+    mesh.set_axis_off()
+    mesh.set_title(f"mesh {rows['mesh'].iloc[-1]}, {rows['cells'].iloc[-1]} cells")
+
+    handles = [
+        entry("Γ3 in contact", color=VERMILLION, lw=thick),
+        entry("Γ3 open", color=BLUE, lw=thick),
+        entry("adaptive", color=BLUE, marker="o"),
+    ]
+    bounds.loglog(rows["dofs"], rows["bound"], color=BLUE, marker="o")
+    if len(found.uniform):
+        bounds.loglog(found.uniform["dofs"], found.uniform["plain"], color=GREY, marker="s")
+        handles.append(entry("refined everywhere", color=GREY, marker="s"))
+    if rows["error"].notna().all():
+        bounds.loglog(rows["dofs"], rows["error"], color=BLUE, ls=":")
+    ends = np.array([rows["dofs"].iloc[0], rows["dofs"].iloc[-1]], dtype=float)
+    x = np.array([ends[0], np.sqrt(ends.prod()), ends[1]])
+    y = 0.7 * rows["bound"].iloc[-1] * (x / ends[-1]) ** -0.5
+    bounds.loglog(ends, y[::2], color=DARK, ls="--", lw=0.8)
+    text: dict[str, Any] = {"textcoords": "offset points", "xytext": (-5, -5), "ha": "right", "va": "top"}
+    bounds.annotate("slope −1/2", (x[1], y[1]), **text)
+    bounds.set(xlabel="unknowns", ylabel=r"bound of max $\Vert u-u_h\Vert_V$")
+    legend(figure, handles, len(handles))
+    return figure
+
+
+SKETCH = (
+    "The problem: a body Ω is clamped on Γ1, loaded on Γ2 and in its interior, and may touch a rigid foundation along "
+    "Γ3, whose outward unit normal is ν. What to see: where there is a gap w = −u_ν > 0 there is no pressure "
+    "p = −σ_ν, and where there is a pressure the gap is 0; the front between the two is unknown and moves."
+)
+
+
+def draw_sketch() -> Figure:
+    """Draws the problem for readers who have not met it; nothing is computed.
+
+    Next to a front c the gap is (s − c)_+² and the pressure (c − s)_+.
+    """
+    wide, high, front = 1.5, 0.62, 0.75
+    figure = Figure(figsize=(COLUMN, 1.75))
+    axes = figure.subplots()
+    s = np.linspace(0, wide, 61)
+    gap = 0.28 * np.maximum(s - front, 0) ** 2
+    outline = np.vstack([np.column_stack([s, gap]), [[wide, high], [0, high]]])
+    axes.add_patch(patches.Polygon(outline, facecolor=RAMPS["stress"][0], edgecolor=BLACK, linewidth=0.8))
+    clamp: dict[str, Any] = {"facecolor": "none", "edgecolor": DARK, "linewidth": 0, "hatch": "/////"}
+    axes.add_patch(patches.Rectangle((0, high), wide, 0.05, **clamp))
+    axes.plot([0, wide], [high, high], color=DARK, lw=1.6)
+    axes.plot(s, gap, color=BLUE, lw=1.6)
+
+    ground: dict[str, Any] = {"facecolor": FOUNDATION, "edgecolor": "none", "zorder": 0.5}
+    axes.add_patch(patches.Rectangle((-0.12, -0.09), wide + 0.24, 0.09, **ground))
+    axes.plot([-0.12, wide + 0.12], [0, 0], color=FOUNDATION_EDGE, lw=0.6, zorder=0.6)
+    axes.fill_between(s, 0 * s, gap, **GAP)
+    for at in np.arange(0.06, front, 0.12):
+        _arrow(axes, (at, -0.26 * (1 - at / front) - 0.015), (at, 0), VERMILLION)
+    _arrow(axes, (front + 0.32, 0.028), (front + 0.32, -0.17), BLACK)
+    for at in (0.22, 0.36, 0.5):
+        _arrow(axes, (wide + 0.2, at + 0.05), (wide, at), GREEN)
+        _arrow(axes, (-0.2, at), (0, at), GREEN)
+    _arrow(axes, (1.25, 0.57), (1.25, 0.42), GREEN)
+
+    for x, y, text, colour, side in (
+        (wide / 2, high + 0.1, r"$\Gamma_1$: clamped, $u=0$", BLACK, "center"),
+        (0.24, 0.33, r"$\Omega$", BLACK, "center"),
+        (0.75, 0.33, r"$\sigma=\mathcal{A}\varepsilon(\dot u)+\mathcal{G}\varepsilon(u)$", BLACK, "center"),
+        (0.34, 0.075, r"$\Gamma_3$", BLUE, "center"),
+        (wide + 0.03, 0.06, "gap $w$", BLUE, "left"),
+        (0.33, -0.235, "pressure $p$", VERMILLION, "left"),
+        (front + 0.36, -0.14, r"$\nu$", BLACK, "left"),
+        (wide + 0.12, -0.15, "foundation", BLACK, "right"),
+        (wide + 0.22, 0.41, r"$\Gamma_2$: $\sigma\nu=f_2$", GREEN, "left"),
+        (-0.2, 0.14, r"$\Gamma_2$", GREEN, "left"),
+        (1.28, 0.5, "$f_0$", GREEN, "left"),
+    ):
+        axes.text(x, y, text, color=colour, ha=side, va="center")
+    axes.set(xlim=(-0.3, wide + 0.42), ylim=(-0.36, high + 0.14), aspect="equal")
+    axes.axis("off")
+    return figure
+
+
+def _arrow(axes: Axes, start: tuple[float, float], end: tuple[float, float], colour: str) -> None:
+    style: dict[str, Any] = {"arrowstyle": "-|>", "color": colour, "lw": 0.9, "mutation_scale": 6}
+    axes.annotate("", end, start, arrowprops=style | {"shrinkA": 0, "shrinkB": 0})

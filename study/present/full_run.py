@@ -1,0 +1,87 @@
+"""The data of a full run, from which article, README and documentation are made."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from study.ledger.codes import MARCHES, Codes
+from study.ledger.datafiles import SEEDS, DataError, read_claims, read_csv, read_rates
+from study.present.windows import earlier
+
+CASES = ["case", "dimension", "summary", "law", "regularity", "expected_order", "proved_order"]
+EQUIVALENCE = ["case", "displacement_gap", "stress_gap", "membership", "displacement_bound", "stress_bound"]
+BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest", "upper", "lower"]
+SENSITIVITY = ["defect", "case", "family", "amount", "seen_by"]
+CONTROLS = ["defect", "what", "label", "quantity", "caught"]
+NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
+"""Cases that the article names; a run of chosen cases without them is not the run of the article."""
+
+
+@dataclass(frozen=True)
+class FullRun:
+    """The data files of a full run, with cases indexed by their names.
+
+    The results of other codes, the sensitivity to defects and the earlier windows are None if their files are missing.
+    """
+
+    rates: pd.DataFrame
+    claims: pd.DataFrame
+    cases: pd.DataFrame
+    bounds: pd.DataFrame
+    equivalence: pd.DataFrame
+    controls: pd.DataFrame
+    seeds: pd.DataFrame
+    provenance: dict[str, Any]
+    codes: Codes | None
+    marches: Codes | None
+    sensitivity: pd.DataFrame | None
+    earlier: pd.DataFrame | None
+
+    @classmethod
+    def read(cls, directory: Path) -> FullRun | None:
+        """Returns the data of a full run of the catalogue with its controls and seeds, None for any other run.
+
+        Raises:
+            DataError: a file is missing or lacks a column.
+        """
+        needed = [directory / "data" / name for name in ("provenance.json", "controls.csv", "seeds.csv")]
+        if not all(path.is_file() for path in needed):
+            return None
+        made = json.loads(needed[0].read_text(encoding="utf-8"))
+        cases = read_csv(directory, "cases.csv", CASES).set_index("case", drop=False).rename_axis(None)
+        if made.get("plan") != "full" or not set(cases["case"]) >= NAMED_CASES:
+            return None
+        file = "sensitivity.csv"
+        return cls(
+            rates=read_rates(directory),
+            claims=read_claims(directory),
+            cases=cases,
+            bounds=read_csv(directory, "bounds.csv", BOUNDS),
+            equivalence=read_csv(directory, "equivalence.csv", EQUIVALENCE),
+            controls=read_csv(directory, "controls.csv", CONTROLS),
+            seeds=read_csv(directory, "seeds.csv", SEEDS),
+            provenance=made,
+            codes=Codes.read(directory),
+            marches=Codes.read(directory, MARCHES),
+            sensitivity=read_csv(directory, file, SENSITIVITY) if (directory / "data" / file).is_file() else None,
+            earlier=earlier(directory),
+        )
+
+    def rows(self, label: str, key: str, case: str | None = None) -> pd.DataFrame:
+        """Returns the rows of the ledger with a label and a key, of all cases or of one.
+
+        Raises:
+            DataError: there are no such rows.
+        """
+        chosen = self.claims[(self.claims["label"] == label) & (self.claims["key"] == key)]
+        chosen = chosen if case is None else chosen[chosen["case"] == case]
+        if chosen.empty:
+            raise DataError(
+                f"claims.csv has no row {label}, {key}, {case or 'any case'}: make it with `study run --full`"
+            )
+        return chosen

@@ -1,0 +1,248 @@
+"""The plain Unicode text of the data files as LaTeX, HTML and SVG: ‖u − u^h‖_V becomes \\(\\|u-u^{h}\\|_{V}\\).
+
+In LaTeX a word is mathematics if it contains a mathematical character or a script (u^h, max_n); single letters and
+numbers between two such words join them. Everything else is prose and only escaped.
+"""
+
+from __future__ import annotations
+
+import re
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
+from functools import cache
+from itertools import groupby
+from operator import itemgetter
+
+from markupsafe import Markup, escape
+
+_GREEK = {
+    "Α": "A", "Γ": r"\Gamma", "Δ": r"\Delta", "Θ": r"\Theta", "Λ": r"\Lambda", "Π": r"\Pi", "Σ": r"\Sigma",
+    "Φ": r"\Phi", "Ψ": r"\Psi", "Ω": r"\Omega", "α": r"\alpha", "β": r"\beta", "γ": r"\gamma", "δ": r"\delta",
+    "ε": r"\varepsilon", "ϵ": r"\varepsilon", "ζ": r"\zeta", "η": r"\eta", "θ": r"\theta", "κ": r"\kappa",
+    "λ": r"\lambda", "μ": r"\mu", "ν": r"\nu", "ξ": r"\xi", "π": r"\pi", "ρ": r"\rho", "σ": r"\sigma",
+    "τ": r"\tau", "φ": r"\varphi", "χ": r"\chi", "ψ": r"\psi", "ω": r"\omega",
+}  # fmt: skip
+_SIGNS = {
+    "‖": r"\|", "·": r"\cdot", "×": r"\times", "−": "-", "±": r"\pm", "∞": r"\infty", "≤": r"\leq", "≥": r"\geq",
+    "≠": r"\neq", "≈": r"\approx", "∼": r"\sim", "∈": r"\in", "∉": r"\notin", "⊂": r"\subset", "∪": r"\cup",
+    "∩": r"\cap", "→": r"\to", "↦": r"\mapsto", "⇒": r"\Rightarrow", "⇔": r"\Leftrightarrow", "∀": r"\forall",
+    "∃": r"\exists", "∫": r"\int", "∂": r"\partial", "∇": r"\nabla", "√": r"\surd", "∑": r"\sum", "∏": r"\prod",
+    "⟨": r"\langle", "⟩": r"\rangle", "∋": r"\ni", "⊗": r"\otimes", "≡": r"\equiv", "′": "'", "ℝ": r"\mathbb{R}",
+    "ℓ": r"\ell",
+}  # fmt: skip
+_COMMANDS = _GREEK | _SIGNS
+_ACCENTS = {"\u0307": r"\dot", "\u0308": r"\ddot", "\u0303": r"\tilde", "\u0302": r"\hat", "\u0304": r"\bar"}
+_RAISED = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁻⁺ⁿ", "0123456789-+n", strict=True))
+_LOWERED = dict(zip("₀₁₂₃₄₅₆₇₈₉₋₊ₙ", "0123456789-+n", strict=True))
+_PROSE = {
+    "\\": r"\textbackslash{}", "{": r"\{", "}": r"\}", "$": r"\$", "&": r"\&", "#": r"\#", "%": r"\%",
+    "_": r"\_", "^": r"\textasciicircum{}", "~": r"\textasciitilde{}", "<": r"\(<\)", ">": r"\(>\)",
+    "–": "--", "—": "---", "’": "'", "‘": "`", "“": "``", "”": "''", "…": r"\dots{}", "\u00a0": "~",
+}  # fmt: skip
+
+# Γ3,i, L∞ and e∞ are written on the line in plain text and with scripts in a formula.
+_LITERAL = re.compile(r"Γ\d(?:,\w)?|L∞|\be∞")
+_LITERALS = {"Γ": "Γ_{{{}}}", "L": "L^{}", "e": "e_{}"}
+_SCRIPT = re.compile(r"(?:^|[^A-Za-z])(?:[A-Za-z]|max|min|sup|inf|lim)[\^_]|\d\^|[)\]}][\^_]|^O\(|^[=<>]$")
+_SHORT = re.compile(r"(?:\(?[B-HJ-Zb-z]\)?|[+/|]|\(?[-+]?[\d./]+\)?|[A-Z]?\([^()]*\))[,;]?")
+_TAIL = re.compile(r"[.,;:]+$")
+_NUMBER = re.compile(r"(-?[\d.]+)(?:e([+-]\d+))?|(-?)inf")
+_TOKEN = re.compile(r"[\^_]\{(?:[^{}]|\{[^{}]*\})*\}|[\^_].|[A-Za-z]{2,}|.", re.DOTALL)
+
+_SPELLINGS = {"u̇(t)": "u̇", "~": "∼", "ᵀ": "^{T}", "𝓛": "L", "½": "^{1/2}", "Nv": "N v", "(Nv)": "(N v)"}
+_EXPONENT = re.compile(r"\^(\d+(?:\.\d+)?)")
+_LETTER = re.compile(r"(?:[|(]*[A-HJ-Zb-z]|[|(]+a)(?:[(|);,:]+[A-Za-z0-9.]*)*|a[)|]+[;,]?|[|+/=a]|[0-9.]+")
+_TWO = re.compile(r"[a-z]{2}")
+_WORD_OR_FORMULA = re.compile(r"\\\(.*?\\\)\S*|\S+")
+
+
+@cache
+def encode(text: str) -> str:
+    """Returns LaTeX of a line of prose with Unicode mathematics in it; cached, as columns repeat few texts."""
+    number = _NUMBER.fullmatch(text)
+    if number:
+        mantissa, exponent, sign_of_infinity = number.groups()
+        if mantissa is None:
+            return rf"\({sign_of_infinity}\infty\)"
+        if exponent is not None:
+            return rf"\({mantissa}\cdot 10^{{{int(exponent)}}}\)"
+        return rf"\({mantissa}\)" if mantissa.startswith("-") else mantissa
+    if len(text) == 1 and text.isalpha():
+        return rf"\({_formula(text)}\)"
+    words = _LITERAL.sub(lambda match: _LITERALS[match.group()[0]].format(match.group()[1:]), text).split(" ")
+    runs = groupby(zip(words, _kinds(words), strict=True), key=itemgetter(1))
+    return " ".join(
+        _run([word for word, _ in run]) if mathematical else " ".join(prose(word) for word, _ in run)
+        for mathematical, run in runs
+    )
+
+
+def encode_letters(text: str) -> str:
+    """Returns ``encode`` of a text in which single letters are mathematics, too."""
+    for sign, plain in _SPELLINGS.items():
+        text = text.replace(sign, plain)
+    found = _WORD_OR_FORMULA.findall(encode(_EXPONENT.sub(r"^{\1}", text)))
+    words = [rf"\({word}\)" if _LETTER.fullmatch(word) else word for word in found]
+    for i, word in enumerate(words):
+        inner = word.removeprefix(r"\(").removesuffix(r"\)")
+        between = 0 < i < len(words) - 1 and words[i - 1].endswith(r"\)") and words[i + 1].startswith(r"\(")
+        # A sign, a number or the letter a stays prose unless it is between two formulas.
+        if re.fullmatch(r"[|+/=a]|[0-9.]+", inner) and not between:
+            words[i] = inner
+    return " ".join(words).replace(r"\) \(", " ")
+
+
+def prose(text: str) -> str:
+    """Returns LaTeX of text without mathematics, such as names; unknown characters appear by their code."""
+
+    def is_latin(c: str) -> bool:
+        return c.isascii() or ("LATIN" in unicodedata.name(c, "") and ord(c) < 0x180)
+
+    return "".join(_PROSE.get(c) or (c if is_latin(c) else rf"\texttt{{U+{ord(c):04X}}}") for c in text)
+
+
+def counted(number: int, noun: str) -> str:
+    """Returns a number with its noun in the singular or the plural: 1 case, 2 cases."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+def folding(width: float) -> str:
+    """Returns the alignment of a column that folds its text at a fraction of the width of the line."""
+    return rf">{{\raggedright\arraybackslash}}p{{{width}\linewidth}}"
+
+
+def tabular(headings: Sequence[str], alignment: str, rows: Iterable[Sequence[str]]) -> str:
+    """Returns a table to \\input into a float, from cells in LaTeX; it needs the packages booktabs and array."""
+    lines = [rf"\begin{{tabular}}{{@{{}}{alignment}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
+    return "\n".join([*lines, *map(_row, rows), r"\bottomrule", r"\end{tabular}", ""])
+
+
+def longtable(headings: Sequence[str], alignment: Sequence[str], groups: Sequence[tuple[str, list[list[str]]]]) -> str:
+    """Returns a table to \\input that may fill several pages, with a line above each group of rows.
+
+    Headings, group titles and cells are in LaTeX; an empty title gives no line.
+    """
+    lines = ["% \\input this fragment; it needs the packages array, booktabs and longtable."]
+    lines += [rf"\begin{{longtable}}[l]{{@{{}}{''.join(alignment)}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
+    lines += [r"\endhead", r"\bottomrule", r"\endfoot"]
+    for i, (title, rows) in enumerate(groups):
+        # The star keeps LaTeX from breaking the page between a title and its first row.
+        lines += [r"\addlinespace"] if i and title else []
+        # A title folds at the width of the line but does not widen the columns under it.
+        box = rf"\makebox[0pt][l]{{\parbox[t]{{\linewidth}}{{\raggedright {title}\strut}}}}"
+        lines += [rf"\multicolumn{{{len(headings)}}}{{@{{}}l@{{}}}}{{{box}}} \\*"] if title else []
+        lines += map(_row, rows)
+    return "\n".join([*lines, r"\end{longtable}", ""])
+
+
+def _row(cells: Sequence[str]) -> str:
+    return " & ".join(cells) + r" \\"
+
+
+def _kinds(words: Sequence[str]) -> list[bool]:
+    """Returns for each word whether it is mathematics: it looks like it, or it is short and next to mathematics."""
+    kinds = [_is_mathematics(word) for word in words]
+    short = [bool(_SHORT.fullmatch(word)) for word in words]
+    for i in range(1, len(words)):
+        kinds[i] |= short[i] and kinds[i - 1] and not _TAIL.search(words[i - 1])
+    for i in reversed(range(len(words) - 1)):
+        kinds[i] |= short[i] and kinds[i + 1]
+    return kinds
+
+
+def _is_mathematics(word: str) -> bool:
+    decomposed = unicodedata.normalize("NFD", word)
+    raised = any(c in _RAISED or c in _LOWERED for c in word)
+    dotted = len(_TAIL.sub("", word)) <= 3 and any(c in "\u0307\u0303" for c in decomposed)
+    return raised or dotted or any(c in _COMMANDS for c in word) or bool(_SCRIPT.search(word))
+
+
+def _run(words: Sequence[str]) -> str:
+    """Returns words of mathematics as one formula, with the final punctuation outside."""
+    text = " ".join(words)
+    tail = _TAIL.search(text)
+    body = text[: tail.start()] if tail else text
+    return rf"\({_formula(body)}\)" + (tail.group() if tail else "")
+
+
+def _formula(text: str) -> str:
+    """Returns LaTeX mathematics of Unicode mathematics."""
+    out: list[str] = []
+    for token in _TOKEN.findall(unicodedata.normalize("NFD", text)):
+        if token in _ACCENTS and out:
+            out[-1] = f"{_ACCENTS[token]}{{{out[-1]}}}"
+        elif token[0] in "^_" and len(token) > 1:
+            script = token[2:-1] if token[1] == "{" else token[1]
+            # Two letters are two names, as in e^{ct} and u^{hk}, and no word.
+            out.append(f"{token[0]}{{{script if _TWO.fullmatch(script) else _formula(script)}}}")
+        else:
+            out.append(_atom(token))
+    return _joined(out)
+
+
+def _atom(token: str) -> str:
+    if token in _RAISED:
+        return f"^{{{_RAISED[token]}}}"
+    if token in _LOWERED:
+        return f"_{{{_LOWERED[token]}}}"
+    if token in _COMMANDS:
+        return _COMMANDS[token]
+    if token in {"max", "min", "sup", "inf", "lim", "log", "exp"}:
+        return rf"\{token}"
+    if len(token) > 1:
+        return rf"\mathrm{{{token}}}"
+    return token if token in " ^'<>" else _PROSE.get(token, token)
+
+
+def _joined(atoms: list[str]) -> str:
+    r"""Returns a formula: neighbouring scripts on one side are merged, and \nu and h give \nu h, not \nuh."""
+    merged: list[str] = []
+    for atom in atoms:
+        # x² ³ or q_{3}_{1} would be a double script.
+        if merged and atom[:2] in ("^{", "_{") and merged[-1][:2] == atom[:2]:
+            merged[-1] = merged[-1][:-1] + atom[2:]
+        else:
+            merged.append(atom)
+    text = ""
+    for atom in merged:
+        text += " " if re.search(r"\\[A-Za-z]+$", text) and atom[:1].isalpha() else ""
+        text += atom
+    return re.sub(r" +", " ", text).strip()
+
+
+_HTML_SCRIPT = re.compile(r"(?<=\S)([\^_])(\{(?:[^{}]|\{[^{}]*\})*\}|\([^()]*\)|\d+(?:\.\d+)?|[\w+−∞])")
+_TAGS = {"^": "sup", "_": "sub"}
+_SVG_OFFSETS, _SVG_SIZE = {"": 0.0, "^": -0.35, "_": 0.2}, 0.72
+"""How far the baseline of a script is below the line, and the size of a script, in font sizes of the line."""
+
+
+def typeset(text: str) -> Markup:
+    """Returns escaped HTML in which x^y, x_y, x^∞, x^{yz}, x^1.5 and x^(1+s) have scripts, without braces."""
+    out = Markup()
+    for piece, script in _pieces(text):
+        tag = Markup(_TAGS.get(script, ""))
+        out += Markup("<{0}>{1}</{0}>").format(tag, typeset(piece)) if script else escape(piece)
+    return out
+
+
+def typeset_svg(text: str) -> Markup:
+    """Returns the content of an SVG text element; scripts of scripts stand on their line."""
+    out, baseline = Markup(), 0.0
+    for piece, script in _pieces(text):
+        size = _SVG_SIZE if script else 1.0
+        shift = Markup('<tspan dy="{:.3g}em" font-size="{:g}em">{}</tspan>')
+        out += shift.format((_SVG_OFFSETS[script] - baseline) / size, size, piece)
+        baseline = _SVG_OFFSETS[script]
+    return out
+
+
+def _pieces(text: str) -> Iterator[tuple[str, str]]:
+    """Yields pieces of a line, each with "^" or "_" for a script and "" for the line itself."""
+    end = 0
+    for match in _HTML_SCRIPT.finditer(text):
+        if match.start() > end:
+            yield text[end : match.start()], ""
+        yield match[2][1:-1] if match[2].startswith("{") else match[2], match[1]
+        end = match.end()
+    if end < len(text):
+        yield text[end:], ""

@@ -1,0 +1,417 @@
+"""One HTML page from the data files, which fetches nothing: ledger, tables, charts, and every case in motion."""
+
+from __future__ import annotations
+
+import json
+from base64 import b64encode
+from dataclasses import dataclass
+from hashlib import sha256
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
+from markupsafe import Markup, escape
+from numpy.typing import NDArray
+
+from study.ledger.datafiles import DataError, by_claim, count_verdicts, made_by, read_claims, read_csv, read_rates
+from study.ledger.files import write_text
+from study.ledger.packing import short
+from study.ledger.rounding import significant
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.present import palette
+from study.present.body import ARROW, THICKNESS, BodyScale, shade
+from study.present.chart import Array, Axis, Chart, Subplot
+from study.present.charts import collapsed_chart, convergence_chart, enclosure_charts, finest_orders
+from study.present.notation import typeset, typeset_svg
+from study.present.palette import BLACK, DARK, Style, family_styles
+from study.present.picture import FaceHistory, Polygon, Segment, over_time, with_every_shape
+from study.present.tables import (
+    Table,
+    bounds_table,
+    controls_table,
+    equivalence_table,
+    ledger_table,
+    names,
+    numbers,
+    rates_table,
+    stress_table,
+)
+
+CASES = ["case", "summary", "dimension", "law", "zone", "regularity", "expected_order", "proved_order", "reason"]
+ENCLOSURES = ["trajectory", "case", "family", "scheme", "level", "time", "error", "distance", "bound"]
+LEDGER = ["case", "quantity", "expected", "observed", "low", "high", "verdict"]
+HIGHEST_ORDER, STRIP = 1.5, 150
+"""The right end of a strip of orders, and its width in the units of its view box."""
+
+MEANINGS = {
+    HOLDS: "the value lies in a window that was fixed beforehand",
+    FAILS: "it lies outside of its window",
+    UNDECIDED: "too little was measured to say; not a pass",
+    REPORTED: "a number for which nothing is claimed: neither a pass nor a failure",
+}
+"""The meaning of each verdict."""
+
+_LAWS = {"A, G": "viscosity and elasticity, σ = A ε(u̇) + G ε(u)"}
+_ERROR = {
+    "u, u^h": "exact and computed displacement",
+    "h, n": "mesh size, cells along a unit length",
+    "Π^h u": "u at the vertices, linear between them",
+    "‖·‖_V": "(A ε(·), ε(·))^{1/2}, largest over time",
+}
+LETTERS = {
+    "ledger": {
+        "V^h, K^h, u^h": "displacements linear on each cell, those that do not enter the foundation, the solution",
+        "Γ1, Γ2, Γ3": "where the body is clamped, loaded, may touch",
+        **_LAWS,
+        "(2.1) … (5.42)": "numbers of the paper",
+    },
+    "ends": {"low, high": "range of the value over mesh families and levels, or the interval of a fit"},
+    "norms": _ERROR,
+    "law": {
+        "α, m": "exponents at a front c: gap (s − c)^α, pressure (c − s)^m",
+        "H^{1+s}": "how smooth u is: s is then the order to expect",
+        **_LAWS,
+        "(3.3)": "a law with a yield limit",
+    },
+    "rates": {
+        **_ERROR,
+        "dofs, steps": "unknowns, and steps in time",
+        "order": "of the error before it: its logarithm over that of h, between two levels",
+        "t": "when the error is largest",
+        "time": "share of the error that halving the step in time would change",
+    },
+    "stresses": {
+        "σ": "exact stress",
+        "σ^h": "computed stress",
+        "‖·‖_Q": "L² norm of stresses",
+        "u^h": "displacement from Problem 3.1 with the same steps",
+        "σ(u^h)": "the stress of u^h",
+        "t": "time",
+        "order": "of σ^h, between two levels",
+        "best possible": "error of the best stress that is linear on each cell",
+        "multipliers": "displacement of the edges, which the stress problem finds",
+        "time": "share that halving the step would change",
+    },
+    "equivalence": {
+        "h": "mesh size",
+        "displacements, stresses": "largest difference of Problems 3.1 and 3.2, relative",
+        "allowed": "what the duality gap of the solver leaves open",
+        "membership": "how far the displacement of Problem 3.2 enters the foundation",
+    },
+    "bounds": {
+        "max error": "max_t ‖u − u_h‖_V, empty where u is not known",
+        "≥, ≤": "ends of an interval that contains it",
+        "upper / error, lower / error": "ends over the error, the worst of the second half of time",
+        "∫ r": "residual of the law",
+        "∫ η": "loads that the mesh cannot carry",
+        "∫ c": "work of contact, each over time: the parts of the bound",
+    },
+}
+"""Place on the page, or table ↦ symbol ↦ meaning."""
+
+
+@dataclass(frozen=True)
+class LedgerGroup:
+    """A statement: its rows of the ledger, with the columns ``LEDGER``, and the files that judge it."""
+
+    label: str
+    says: str
+    counts: dict[str, int]
+    judges: list[str]
+    rows: list[list[str]]
+
+
+@dataclass(frozen=True)
+class CasePage:
+    """One case: facts, verdicts, orders, charts, motion and tables.
+
+    ``strip`` holds the coordinates of the predicted order and of the observed orders with the colours of the mesh
+    families.
+    """
+
+    name: str
+    facts: dict[str, str]
+    counts: dict[str, int]
+    observed: str
+    strip: tuple[float, list[tuple[float, str]]]
+    charts: list[Markup]
+    film: dict[str, Any]
+    tables: list[tuple[str, Table]]
+
+
+def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
+    """Writes ``directory/report.html`` from the files under ``directory/data``; returns its path.
+
+    Parameters:
+        directory: of a run.
+        provenance: the content of ``data/provenance.json``, which the command has read and checked.
+
+    Raises:
+        StoreError: the directory cannot be written.
+        DataError: a data file is missing, damaged or older than the page needs; then nothing is written.
+    """
+    loader = PackageLoader("study.present", "page")
+    environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined, trim_blocks=True)
+    environment.filters |= {"typeset": typeset, "number": significant}
+    claims, rates = read_claims(directory), read_rates(directory)
+    smooth = rates[rates["claim"] == "Prop. 5.4"]
+    groups, cases = _ledger_groups(directory, provenance), case_pages(directory, claims, rates)
+    page = environment.get_template("page.html").render(
+        palette=palette,
+        letters=LETTERS,
+        meanings=MEANINGS,
+        counts=count_verdicts(claims),
+        # The case with most contact faces in the plane shows most.
+        shown=max(cases, key=lambda case: (len(case.film["view"]) == 2) * len(case.film["faces"])),
+        collapsed=svg_chart(collapsed_chart(smooth)) if len(smooth) else "",
+        rows=len(claims),
+        groups=groups,
+        labels=list(dict.fromkeys(group.label for group in groups)),
+        # Rows are about cases, or about places in the paper.
+        places=list(dict.fromkeys(row[0] for group in groups for row in group.rows if row[0])),
+        cases=cases,
+        names={case.name for case in cases},
+        families=family_styles(rates["family"]),
+        bounds=bounds_table(directory),
+        controls=controls_table(directory),
+        provenance=provenance,
+        files=_files(directory),
+    )
+    return write_text(directory / "report.html", page + "\n")
+
+
+def _ledger_groups(directory: Path, provenance: dict[str, Any]) -> list[LedgerGroup]:
+    """Returns the ledger by statement, in its order; a label that stands for two statements makes two groups."""
+    judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
+    return [
+        LedgerGroup(label, says, count_verdicts(rows), judges.get(label, []), rows[LEDGER].to_numpy().tolist())
+        for label, says, rows in by_claim(ledger_table(directory).cells)
+    ]
+
+
+def _files(directory: Path) -> Table:
+    """Returns the data files behind the page with their hashes."""
+    data = directory / "data"
+    paths = sorted([*data.glob("*.csv"), *data.glob("*.json"), *data.glob("pictures/*.json")])
+    contents = {path.relative_to(data).as_posix(): path.read_bytes() for path in paths}
+    rows = [
+        {"file": name, "size": significant(len(content) / 1000), "sha": sha256(content).hexdigest()}
+        for name, content in contents.items()
+    ]
+    columns = [*names(file="file"), *numbers(size="kB"), *names(sha="SHA-256")]
+    return Table("files", columns, pd.DataFrame(rows))
+
+
+def case_pages(directory: Path, claims: pd.DataFrame, rates: pd.DataFrame) -> list[CasePage]:
+    """Returns the cases in the order of ``cases.csv``; raises DataError for a data file that is missing or damaged."""
+    enclosures = read_csv(directory, "enclosures.csv", ENCLOSURES)
+    tables = [
+        (rates_table(directory), "Errors on every mesh", ["case", "claim"]),
+        (stress_table(directory), "The stress problem on its own space", ["case"]),
+        (equivalence_table(directory), "The stress problem on the strains of V^h", ["case"]),
+        (bounds_table(directory), "Bounds of the error", ["case"]),
+    ]
+    pages = []
+    for fact in read_csv(directory, "cases.csv", CASES).to_dict("records"):
+        name, expected = fact["case"], float(fact["expected_order"])
+        verdicts, errors, bounds = (frame[frame["case"] == name] for frame in (claims, rates, enclosures))
+        found, styles = finest_orders(errors, refinements=2), family_styles(errors["family"])
+        orders = sorted(found.values())
+        charts = [convergence_chart(errors, expected)] if len(errors) else []
+        charts += [chart for _, chart in enclosure_charts(bounds)]
+        mine = [(caption, table.of_case(name, without)) for table, caption, without in tables]
+        facts = {
+            "summary": fact["summary"],
+            "law": fact["law"],
+            "contact zone": fact["zone"],
+            "regularity": fact["regularity"],
+            "dimension": str(fact["dimension"]),
+            "predicted order": f"{expected:.4g}",
+            "proved order": "" if pd.isna(fact["proved_order"]) else f"{float(fact['proved_order']):.4g}",
+            "why": fact["reason"],
+        }
+        page = CasePage(
+            name=name,
+            facts=facts,
+            counts=count_verdicts(verdicts),
+            observed=" – ".join(dict.fromkeys(f"{order:.3f}" for order in orders[:1] + orders[-1:])),
+            strip=(_strip(expected), [(_strip(order), styles[family].colour) for family, order in found.items()]),
+            charts=list(map(svg_chart, charts)),
+            film=read_film(directory, name),
+            tables=[(caption, table) for caption, table in mine if table.rows],
+        )
+        pages.append(page)
+    return pages
+
+
+def _strip(order: float) -> float:
+    return round(STRIP * min(max(order / HIGHEST_ORDER, 0.0), 1.0), 1)
+
+
+def read_film(directory: Path, case: str) -> dict[str, Any]:
+    """Returns the picture of a case in the form that the script of the page reads.
+
+    ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z; ``shades``: of the
+    stress τ of each cell, 8 bit, 255 (τ/brightest)^½; both in base64. ``magnification`` is the factor of displacements,
+    ``size`` the body's longest side, of which ``arrow`` and ``foundation`` are fractions, ``room`` has the limits of
+    the drawing, ``highest`` and ``widest`` are the largest pressure and gap, and ``view`` has the rows of the
+    projection, two in the plane and three in space.
+
+    Raises:
+        DataError: there is no such file, it is no picture, or it was written by an older version, without motion.
+    """
+    path = directory / "data" / "pictures" / f"{case}.json"
+    if not path.is_file():
+        raise DataError(f"{path} is missing: make it with `{made_by(directory)}`")
+    try:
+        record = json.loads(path.read_text(encoding="utf-8"))
+        (displacement, von_mises), picture = over_time(record), with_every_shape(record)
+    except (KeyError, TypeError, ValueError) as error:
+        raise DataError(
+            f"{path} holds no displacement and von_mises over time ({error!r}), which the report shows: if an older "
+            "version wrote it, make it anew with the same `study run`"
+        ) from error
+    scale = BodyScale.of(picture)
+    return {
+        "times": picture.times.tolist(),
+        "vertices": picture.vertices.tolist(),
+        "cells": picture.cells.T.ravel().tolist(),
+        "unit": displacement.unit,
+        "displacement": _base64(displacement.multiples.astype("<i2")),
+        "shades": _base64(np.round(255 * shade(von_mises.values / scale.stress)).astype(np.uint8)),
+        "brightest": scale.stress,
+        "magnification": scale.magnification,
+        "size": scale.size,
+        "room": scale.limits.tolist(),
+        "highest": scale.pressure,
+        "widest": scale.gap,
+        "arrow": ARROW,
+        "foundation": THICKNESS,
+        "view": scale.view.axes.tolist(),
+        "faces": list(map(_face, picture.faces)),
+    }
+
+
+def _base64(values: NDArray[Any]) -> str:
+    return b64encode(values.tobytes()).decode("ascii")
+
+
+def _face(face: FaceHistory) -> dict[str, Any]:
+    """Returns a contact face for the script of the page."""
+    record = {name: short(getattr(face, name)) for name in ("s", "x", "gap", "pressure")}
+    record |= {"face": face.number, "normal": face.normal.tolist(), "touches": face.contact_threshold}
+    if isinstance(face, Segment):
+        line = {"s": short(face.line), "gap": short(face.line_gap), "pressure": short(face.line_pressure)}
+        return record | {"zone": {"times": face.zone_times.tolist(), "intervals": face.zone}, "line": line}
+    assert isinstance(face, Polygon)
+    record |= {name: short(getattr(face, name)) for name in ("gap_exact", "pressure_exact", "level")}
+    record |= {"nodes": face.nodes.tolist(), "cells": face.facets.cells.tolist()}
+    # The points at the corners of each facet, edge or quarter, one after the other.
+    parts = {"facets": face.facets.corners, "edges": face.facets.edges, "quarters": face.facets.quarters}
+    return record | {name: corners.T.ravel().tolist() for name, corners in parts.items()}
+
+
+# Charts as SVG, much smaller than those of Matplotlib: the page has about 50 charts in 6 MB.
+
+LEFT, RIGHT, TOP, HEIGHTS, BETWEEN, BELOW = 58, 350, 10, (222, 120), 14, 38
+"""Horizontal ends and top of the subplots, their heights, and the heights between and below them."""
+MARKERS = {
+    "o": "M-3.5,0a3.5,3.5 0 1,0 7,0a3.5,3.5 0 1,0 -7,0z",
+    "s": "M-3,-3h6v6h-6z",
+    "^": "M0,-4L3.8,3H-3.8z",
+    "v": "M0,4L3.8,-3H-3.8z",
+    "D": "M0,-4.2L4.2,0L0,4.2L-4.2,0z",
+}
+"""Paths of markers around 0; other markers are drawn as circles."""
+
+
+def svg_chart(chart: Chart) -> Markup:
+    """Returns a chart as a figure with legend and caption."""
+    parts, top = [], TOP
+    for subplot, height in zip(chart.subplots, HEIGHTS, strict=False):
+        parts += _svg_subplot(subplot, top, top + height, subplot is chart.subplots[-1])
+        bottom, top = top + height, top + height + BETWEEN
+    legend = []
+    for entry in (entry for column in chart.legend for entry in column):
+        symbol = f'<path class="band" d="M-10,-5H10V5H-10z" fill="{_ink(entry.style)}"/>'
+        if entry.style.stroke != "band":
+            symbol = _line("M-10,0H10", entry.style) + _marker(0, 0, entry.style)
+        icon = f'<svg viewBox="-10 -6 20 12" aria-hidden="true">{symbol}</svg>'
+        legend.append(f"<span>{icon}<span>{typeset(entry.text)}</span></span>")
+    return Markup(
+        '<figure class="chart">\n<svg viewBox="0 0 360 {}" role="img" aria-label="{}">\n{}\n</svg>\n'
+        '<p class="legend">{}</p>\n<figcaption>{}</figcaption>\n</figure>\n'
+    ).format(bottom + BELOW, chart.summary, Markup("\n".join(parts)), Markup("".join(legend)), typeset(chart.caption))
+
+
+def _svg_subplot(subplot: Subplot, top: float, bottom: float, last: bool) -> list[str]:
+    """Returns the elements of one pair of axes, with labels of the horizontal axis if it is the last one."""
+
+    def x_at(value: float) -> float:
+        return round(LEFT + float(np.clip(subplot.x.position(value), -2, 3)) * (RIGHT - LEFT), 2)
+
+    def y_at(value: float) -> float:
+        return round(bottom + float(np.clip(subplot.y.position(value), -2, 3)) * (top - bottom), 2)
+
+    def points(x: Array, y: Array) -> list[tuple[float, float]]:
+        return [(x_at(a), y_at(b)) for a, b in zip(x, y, strict=True) if np.isfinite(b)]
+
+    def text(x: float, y: float, content: Markup, anchor: str = "middle") -> str:
+        return f'<text x="{x}" y="{y}" text-anchor="{anchor}">{content}</text>'
+
+    parts = []
+    for value, label in subplot.x.ticks():
+        parts.append(f'<path class="grid" d="M{x_at(value)},{bottom}V{top}"/>')
+        if last:
+            parts.append(text(x_at(value), bottom + 15, typeset_svg(label)))
+    for value, label in subplot.y.ticks():
+        parts.append(f'<path class="grid" d="M{LEFT},{y_at(value)}H{RIGHT}"/>')
+        parts.append(text(LEFT - 5, y_at(value) + 4, typeset_svg(label), "end"))
+    turn = f"translate(12 {(top + bottom) / 2}) rotate(-90)"
+    parts.append(f'<text transform="{turn}" text-anchor="middle">{_label(subplot.y)}</text>')
+    if last:
+        parts.append(text((LEFT + RIGHT) / 2, bottom + 32, _label(subplot.x)))
+    # An inner picture clips what lies outside the axes.
+    width, height = RIGHT - LEFT, bottom - top
+    box = f'x="{LEFT}" y="{top}" width="{width}" height="{height}" viewBox="{LEFT} {top} {width} {height}"'
+    parts.append(f"<svg {box}>")
+    parts += [f'<path class="axis" d="M{LEFT},{y_at(value)}H{RIGHT}"/>' for value in subplot.rules]
+    for band in subplot.bands:
+        outline = [*points(band.x, band.high), *reversed(points(band.x, band.low))]
+        parts.append(f'<path class="band" d="{_path(outline)}Z" fill="{band.colour}"/>')
+    if subplot.triangle:
+        (x0, y0), (x1, y1), _ = points(*subplot.triangle.corners.T)
+        parts.append(f'<path class="triangle" d="M{x0},{y0}L{x1},{y1}H{x0}z"/>')
+        parts.append(text(x0 - 3, (y0 + y1) / 2 + 4, escape(subplot.triangle.beside), "end"))
+        parts.append(text((x0 + x1) / 2, y1 - 3, escape(subplot.triangle.above)))
+    for curve in subplot.curves:
+        places = points(curve.x, curve.y)
+        parts.append(_line(_path(places), curve.style) + "".join(_marker(x, y, curve.style) for x, y in places))
+    return [*parts, "</svg>", f'<path class="axis" d="M{LEFT},{top}V{bottom}H{RIGHT}"/>']
+
+
+def _path(points: list[tuple[float, float]]) -> str:
+    return "M" + "L".join(f"{x:g},{y:g}" for x, y in points)
+
+
+def _line(path: str, style: Style) -> str:
+    return f'<path class="line {style.stroke}" d="{path}" stroke="{_ink(style)}"/>'
+
+
+def _marker(x: float, y: float, style: Style) -> str:
+    """Returns a marker at a point; nothing for a style without markers."""
+    path, fill = MARKERS.get(style.marker, MARKERS["o"]), "var(--paper)" if style.hollow else _ink(style)
+    marker = f'<path d="{path}" transform="translate({x} {y})" fill="{fill}" stroke="{_ink(style)}"/>'
+    return marker if style.marker else ""
+
+
+def _ink(style: Style) -> str:
+    """Returns the colour of a style; black and dark grey become the colour of the text, also on dark pages."""
+    return "currentColor" if style.colour in (BLACK, DARK) else style.colour
+
+
+def _label(axis: Axis) -> Markup:
+    symbol = Markup(' <tspan font-style="italic">{}</tspan>').format(axis.symbol) if axis.symbol else Markup("")
+    return typeset_svg(axis.label) + symbol

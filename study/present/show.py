@@ -1,0 +1,212 @@
+"""A case in motion: storyboard, animation, and files for ParaView."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import meshio  # type: ignore[import-untyped]
+import numpy as np
+from matplotlib.animation import FFMpegWriter
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+from PIL import Image
+
+from study.ledger.files import write_text, write_whole
+from study.ledger.mesh_series import MeshFields, MeshSeries
+from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
+from study.present.contact import draw_map, paint_values
+from study.present.drawing import PAGE, dots, entry, in_style
+from study.present.palette import BLACK, RAMPS, RIM, SKY, VERMILLION
+from study.present.picture import Array, FaceHistory, Picture, Polygon, Segment, with_every_shape
+
+MOMENTS, COLUMNS = 6, 3
+"""The number of images of the storyboard, and its columns."""
+STORYBOARD_DPI, FILM_DPI = 200, 110
+COLOURS = 128
+"""The number of colours of a GIF: enough that small arrows keep theirs beside the shades of the stress."""
+PER_SECOND, HOLD = 8, 1000
+"""Frames per second, and the milliseconds for which a GIF shows the last time."""
+
+
+@dataclass(frozen=True)
+class Shown:
+    """The files that were written, and what was left out with the reason."""
+
+    written: list[Path]
+    left_out: list[str]
+
+
+def count_images(record: Mapping[str, Any]) -> int:
+    """Returns how often ``draw_show`` notifies: for the storyboard, and for every frame of the animation."""
+    return 1 + len(record["times"])
+
+
+def draw_show(
+    record: Mapping[str, Any], series: MeshSeries, directory: Path, notify: Callable[[], object] = lambda: None
+) -> Shown:
+    """Writes ``storyboard.png``, ``animation.gif``, ``animation.mp4`` and ``vtk/`` into a directory.
+
+    Parameters:
+        record: a picture as in ``pictures/CASE.json``.
+        series: the fields for ParaView.
+        notify: called after each image.
+
+    Raises:
+        StoreError: the directory cannot be written.
+    """
+    picture = with_every_shape(record)
+    with in_style():
+        storyboard = draw_storyboard(picture)
+        storyboard.set_dpi(STORYBOARD_DPI)
+        draw = partial(FigureCanvasAgg(storyboard).print_png, metadata={"Software": None})
+        written = [write_whole(directory / "storyboard.png", draw)]
+        notify()
+        written.append(write_gif(directory / "animation.gif", picture, notify))
+        mp4 = write_mp4(directory / "animation.mp4", picture)
+    written += [mp4] if mp4 else []
+    left_out = [] if mp4 else ["animation.mp4: there is no ffmpeg on this machine; install it and run again"]
+    return Shown([*written, *write_vtk(directory / "vtk", picture.case, series)], left_out)
+
+
+def draw_storyboard(picture: Picture) -> Figure:
+    """Draws six shapes of a picture, from the first to the last: the deformed body with stress and contact."""
+    chosen = np.linspace(0, len(picture.shapes) - 1, MOMENTS).round().astype(int)
+    picture = replace(picture, shapes=[picture.shapes[n] for n in chosen])
+    rows, width = MOMENTS // COLUMNS, (PAGE - 0.8) / COLUMNS
+    figure = Figure(figsize=(PAGE, 0.8 + rows * (0.2 + width * BodyScale.of(picture).aspect)))
+    draw_shapes(figure, figure.subplots(rows, COLUMNS).ravel(), picture, width, 4, fraction=0.04, shrink=0.8)
+    return figure
+
+
+def write_gif(path: Path, picture: Picture, notify: Callable[[], object], dpi: int = FILM_DPI) -> Path:
+    """Writes one frame for every shape of the picture; ``notify`` is called after each."""
+    figure = Figure(figsize=_size(picture), dpi=dpi)
+    canvas = FigureCanvasAgg(figure)
+    images = []
+    for _ in _frames(figure, picture):
+        canvas.draw()
+        images.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+        notify()
+    # All frames share a few colours, without dither, so that what does not move is written once.
+    together = Image.fromarray(np.concatenate([np.asarray(image) for image in images]))
+    palette = together.quantize(COLOURS, dither=Image.Dither.NONE)
+    first, *others = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
+    times: dict[str, Any] = {"duration": [1000 // PER_SECOND] * len(others) + [HOLD], "loop": 0}
+    return write_whole(
+        path, lambda part: first.save(part, "GIF", save_all=True, append_images=others, optimize=True, **times)
+    )
+
+
+def write_mp4(path: Path, picture: Picture) -> Path | None:
+    """Writes the same frames as a film; returns None if there is no ffmpeg."""
+    if not FFMpegWriter.isAvailable():
+        return None
+    figure = Figure(figsize=_size(picture), dpi=FILM_DPI)
+    FigureCanvasAgg(figure)
+    # The temporary name of the file does not tell ffmpeg the format.
+    writer = FFMpegWriter(fps=PER_SECOND, extra_args=["-f", "mp4"])
+
+    def write(part: Path) -> None:
+        with writer.saving(figure, str(part), FILM_DPI):
+            for _ in _frames(figure, picture):
+                writer.grab_frame()
+
+    return write_whole(path, write)
+
+
+def _size(picture: Picture) -> tuple[float, float]:
+    """Returns width and height in inches, with room for the body and for a panel for every face."""
+    return PAGE, 1.2 + max(0.45 * PAGE * min(BodyScale.of(picture).aspect, 1.2), 1.2 * len(picture.faces))
+
+
+def _frames(figure: Figure, picture: Picture) -> Iterator[None]:
+    """Draws one shape after the other: the body, and the pressure on its faces; the caller saves each in turn."""
+    scale = BodyScale.of(picture)
+    grid = figure.add_gridspec(1, 2, width_ratios=(3, 2))
+    left = figure.add_subplot(grid[0])
+    panels = grid[1].subgridspec(len(picture.faces), 1).subplots(squeeze=False)[:, 0]
+    more: list[Artist] = [
+        entry("exact pressure", color=BLACK, lw=0.9),
+        dots("computed pressure", color=VERMILLION, mfc="white", ms=2.8),
+        Patch(color=SKY, alpha=0.35, lw=0, label="exact contact zone"),
+    ]
+    if picture.polygons:
+        colour = RAMPS["pressure"][3]
+        more = [
+            Patch(color=colour, lw=0, label="exact pressure"),
+            dots("computed pressure, same colours", mfc=colour, mec=RIM, mew=0.4, ms=3.4),
+            entry("exact front", color=VERMILLION, lw=1.0),
+        ]
+    bars = {"orientation": "horizontal", "fraction": 0.05, "shrink": 0.8, "pad": 0.02}
+    draw_keys(figure, [left], picture, scale, 4, more, **bars)
+    for number, shape in enumerate(picture.shapes):
+        left.clear()
+        draw_deformed_mesh(left, picture, shape, scale, 0.5 * PAGE)
+        for axes, face in zip(panels, picture.faces, strict=True):
+            axes.clear()
+            _draw_pressure(axes, face, picture, picture.nearest(shape.time), scale)
+        figure.suptitle(f"{picture.heading},  $t={shape.time:.2f}$")
+        if number == 0:
+            # Later frames keep the layout of the first one, so that nothing jumps.
+            figure.canvas.draw()
+            figure.set_layout_engine("none")
+        yield
+
+
+def _draw_pressure(axes: Axes, face: FaceHistory, picture: Picture, instant: int, scale: BodyScale) -> None:
+    """Draws the exact pressure as a line or surface, the computed pressure as dots, and the exact contact zone."""
+    name = picture.symbol(face)
+    if isinstance(face, Polygon):
+        draw_map(axes, face, instant, paint_values(face, "pressure", scale.pressure or 1.0))
+        axes.set(xlabel="$s_1$", ylabel=rf"$s_2$ on ${name}$")
+        return
+    assert isinstance(face, Segment)
+    for start, end in face.exact_zone(float(picture.times[instant])):
+        axes.axvspan(start, end, color=SKY, alpha=0.35, lw=0)
+    axes.plot(face.line, face.line_pressure[instant], color=BLACK, lw=0.9)
+    axes.plot(face.s, face.pressure[instant], "o", color=VERMILLION, mfc="white", ms=2.8, clip_on=False)
+    top = max(float(face.pressure.max()), float(face.line_pressure.max()))
+    axes.set(xlim=(face.line.min(), face.line.max()), ylim=(0, 1.08 * top if top > ROUND_OFF else 1))
+    axes.set(xlabel=rf"$s$ on ${name}$", ylabel="pressure $p$")
+
+
+def write_vtk(directory: Path, name: str, series: MeshSeries) -> list[Path]:
+    """Writes ``name-000.vtu``, ``name-001.vtu``, …, one for every time, and ``name.pvd``, which lists them."""
+    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    collection, files = ElementTree.SubElement(root, "Collection"), []
+    for number, fields in enumerate(series.fields):
+        mesh = mesh_of(series, fields)
+        files.append(write_whole(directory / f"{name}-{number:03d}.vtu", partial(mesh.write, file_format="vtu")))
+        listed = {"timestep": f"{fields.time:.12g}", "group": "", "part": "0", "file": files[-1].name}
+        ElementTree.SubElement(collection, "DataSet", listed)
+    ElementTree.indent(root)
+    text = ElementTree.tostring(root, encoding="unicode", xml_declaration=True) + "\n"
+    return [write_text(directory / f"{name}.pvd", text), *files]
+
+
+def mesh_of(series: MeshSeries, fields: MeshFields) -> meshio.Mesh:
+    """Returns the undeformed mesh with the fields of one time.
+
+    Plane vectors get a third component 0; σ_33, which a plane problem does not have, is written as 0, too.
+    """
+    return meshio.Mesh(
+        _padded(series.vertices),
+        [({2: "triangle", 3: "tetra"}[len(series.vertices)], series.cells.T)],
+        point_data={name: _padded(values) for name, values in fields.at_vertices.items()},
+        cell_data={name: [_padded(values)] for name, values in fields.in_cells.items()},
+    )
+
+
+def _padded(values: Array) -> Array:
+    """Returns values with components of space: scalars (n,), vectors (d, n) → (n, 3), matrices (d, d, n) → (n, 9)."""
+    components = values.shape[:-1]
+    padded = np.pad(values, [*((0, 3 - d) for d in components), (0, 0)])
+    return np.moveaxis(padded, -1, 0).reshape(values.shape[-1], -1) if components else values
