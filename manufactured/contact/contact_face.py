@@ -12,7 +12,7 @@ from manufactured.body import Part
 from manufactured.contact.lifting_terms import COMBINATIONS, first_indices, plus, strain_terms
 from manufactured.face_strain import Components, Coupled, FaceStrain, Memory, relaxation_rate
 from manufactured.jet import Jet
-from manufactured.law import KelvinVoigt, LawError, Linear
+from manufactured.law import KelvinVoigt, LawError, Linear, NonSymmetric
 from manufactured.modes import Modes
 from manufactured.profile import ZERO, Profile, cutoff
 from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s1, s2
@@ -87,19 +87,26 @@ class ContactFace:
 
         Raises:
             LawError: the law has another dimension than the part, G is not linear (give q with
-                ``face_strain.Prescribed`` instead), or ``initial`` is given for a law that couples nn with sn.
+                ``face_strain.Prescribed`` instead), or a law that couples nn with sn has a G that is not symmetric or
+                is given ``initial``.
             FormulaError: a kink is not written with ``pos``, or a part of the pressure is not known to be smooth in t.
         """
         refuse_kinks(gap, pressure, level, initial)
         law.require_dimension(part.dim)
-        if not isinstance(law.G, Linear):
+        if not isinstance(law.G, Linear | NonSymmetric):
             raise LawError(f"{law.name}: only a linear G turns a pressure into a strain; prescribe the strain")
         pressure, variables = sp.sympify(pressure), VARIABLES[law.dim]
         viscous, elastic = law.A.face_block(part.frame), law.G.face_block(part.frame)
         scale, stiffness = (tensor.factor.along(part.start, part.frame[:, :-1], variables) for tensor in (law.A, law.G))
-        if all(abs(block[0, 1:]).max() <= 1e-14 * abs(block).max() for block in (viscous, elastic)):
+        coupling = (abs(np.concatenate([block[0, 1:], block[1:, 0]])).max() for block in (viscous, elastic))
+        if all(c <= 1e-14 * abs(block).max() for c, block in zip(coupling, (viscous, elastic), strict=True)):
             a, g = float(viscous[0, 0]) * scale, float(elastic[0, 0]) * stiffness
             return cls(part, gap, Memory(pressure, a, g, T, initial, variables), level, profile, rough)
+        if isinstance(law.G, NonSymmetric):
+            raise LawError(
+                f"{law.name}: G couples nn with sn on the face and is not symmetric, for which the strain is not known; "
+                "prescribe the strain, or take a G whose nn–sn moduli are 0"
+            )
         if initial is not None:
             raise LawError(f"{law.name} couples nn with sn: it starts in elastic equilibrium, leave ``initial`` out")
         coupled = Coupled.of(pressure, viscous, relaxation_rate(stiffness, scale) * elastic, scale, T, variables)

@@ -89,13 +89,15 @@ class Linear:
         return Scaled(self.matrix, factor)
 
     def face_block(self, frame: Array) -> Array:
-        """Moduli between the strains a contact face can have, d_a·C d_b, (d, d).
-
-        d_0 = n⊗n and d_i = (n⊗t_i + t_i⊗n)/2 for a frame with the columns (t_1, …, n).
-        """
-        n = frame[:, -1]
-        directions = np.array([dyad(n, n), *(dyad(n, tangent) for tangent in frame[:, :-1].T)])
+        """Moduli between the strains a contact face can have, d_a·C d_b, (d, d), d_a as in ``face_strains``."""
+        directions = face_strains(frame)
         return directions @ self.matrix @ directions.T
+
+
+def face_strains(frame: Array) -> Array:
+    """Return the strains that a contact face can have, (d, D): n⊗n and (n⊗t_i + t_i⊗n)/2 for columns (t_1, …, n)."""
+    n = frame[:, -1]
+    return np.array([dyad(n, n), *(dyad(n, tangent) for tangent in frame[:, :-1].T)])
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from manufactured.data import Data
 from manufactured.file_names import file_name_fault
 from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, rollers
 from manufactured.natural_motion import natural_motion
+from manufactured.no_potential import no_potential
 from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
 from study.ledger.errors import UsageError
@@ -104,7 +105,7 @@ def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
     """Return the cases outside the catalogue. Rollers belong to one level each: those of the level in the name."""
     rolling = re.fullmatch(rf"(?:{'|'.join(ROLLERS)})-(\d+)", name)
     level = int(rolling[1]) if rolling else 0
-    return (*multiscale(), natural_motion(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
+    return (*multiscale(), natural_motion(), no_potential(), *(rollers(level) if level >= COARSEST_ROLLER else ()))
 
 
 def _case_names() -> list[str]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from manufactured.law import Combined, Elasticity, Linear
+from manufactured.law import Combined, Elasticity, LawError, Linear, NonSymmetric
 from manufactured.tensors import Array, Tensors
 
 
@@ -35,7 +35,12 @@ def density(G: Elasticity, strain: Tensors, stress: Tensors) -> Array:
 
     ½ G ε·ε of a linear law; β/2 dist(ε, K)² = |G(ε)|²/(2β) of law (3.3), as ½ dist² has the gradient ε − P_K ε; both
     and S·ε where G is combined of them.
+
+    Raises:
+        LawError: G has no potential, so that no energy is stored.
     """
+    if isinstance(G, NonSymmetric):
+        raise LawError("G is not symmetric and has no potential W; an energy balance needs a symmetric G")
     if isinstance(G, Combined):
         return G.energy(strain)
     if isinstance(G, Linear):

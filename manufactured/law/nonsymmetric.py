@@ -1,0 +1,82 @@
+"""A linear elasticity operator whose matrix is not symmetric, so that no energy has it as its derivative."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from manufactured.factor import UNIFORM, Factor
+from manufactured.law.linear_operator import Scaled, face_strains
+from manufactured.law.operators import AtPoints, LawError
+from manufactured.tensors import Array, Points, Tensors, mapped
+
+
+@dataclass(frozen=True, eq=False)
+class NonSymmetric:
+    """The elasticity operator ε ↦ C ε for any matrix C (D, D) in Mandel form; C need not be symmetric or positive.
+
+    (3.2) asks only that G is Lipschitz, which every C satisfies. A C that is not symmetric has no potential, so that
+    proofs and solvers which minimise an energy do not apply.
+
+    >>> import numpy as np
+    >>> G = NonSymmetric(np.array([[1.0, 2.0, 0.0], [-2.0, 1.0, 0.0], [0.0, 0.0, 1.0]]))
+    >>> G.monotonicity, round(G.lipschitz, 6)  # 1 and √5
+    (1.0, 2.236068)
+
+    Raises:
+        LawError: C is not square of size D(2) = 3 or D(3) = 6, or not finite.
+    """
+
+    matrix: Array
+
+    def __post_init__(self) -> None:
+        matrix = np.asarray(self.matrix, dtype=float)
+        if matrix.shape not in ((3, 3), (6, 6)):
+            raise LawError(f"a tensor needs a 3×3 (d=2) or 6×6 (d=3) Mandel matrix, got {matrix.shape}")
+        if not np.isfinite(matrix).all():
+            raise LawError(f"the tensor has entries that are not finite: {matrix.tolist()}")
+        object.__setattr__(self, "matrix", matrix)
+
+    @property
+    def dim(self) -> int:
+        return 2 if len(self.matrix) == 3 else 3
+
+    @cached_property
+    def lipschitz(self) -> float:
+        """L_G, the largest singular value of C."""
+        return float(np.linalg.norm(self.matrix, 2))
+
+    @cached_property
+    def monotonicity(self) -> float:
+        """m, the smallest eigenvalue of the symmetric part of C."""
+        return float(np.linalg.eigvalsh(self.reference)[0])
+
+    @cached_property
+    def reference(self) -> Array:
+        """(C + Cᵀ)/2, the symmetric part, (D, D)."""
+        return (self.matrix + self.matrix.T) / 2
+
+    @property
+    def at_rest(self) -> Tensors:
+        """0, (D,)."""
+        return np.zeros(len(self.matrix))
+
+    @property
+    def factor(self) -> Factor:
+        return UNIFORM
+
+    def __call__(self, strain: Tensors) -> Tensors:
+        return mapped(self.matrix, strain)
+
+    def at(self, x: Points) -> AtPoints:
+        return Scaled(self.matrix)
+
+    def scaled(self, factor: Array) -> AtPoints:
+        return Scaled(self.matrix, factor)
+
+    def face_block(self, frame: Array) -> Array:
+        """Moduli between the strains a contact face can have, d_a·C d_b, (d, d), d_a as in ``face_strains``."""
+        directions = face_strains(frame)
+        return directions @ self.matrix @ directions.T

@@ -1,0 +1,51 @@
+"""A front that advances and recedes over a material whose elasticity has no potential and is not monotone.
+
+The data are those of ``cases.softening``,
+
+    w = 20 (1 + t) (x − c)_+^5,   p = 20 (c − x)_+³,   c(t) = 7/24 + 15t(1 − t)/8,   q(0) = 0
+
+on the unit square with A τ = 2τ + (tr τ)/2 I, and G τ = τ − (3/2)(tr τ) I + W τ with the skew part
+
+    (W τ)_11 = 2 τ_22,   (W τ)_22 = −2 τ_11,   (W τ)_12 = 0.
+
+W contributes nothing to G τ·τ, so that G has the constant m = −2 of monotonicity that ``softening`` has, and softens at
+the rate γ = 2/m_A = 1. No function W(ε) has G as its derivative, since the matrix of G is not symmetric. On Γ3 only
+ε_22 is not zero, and W does not change the pressure that it causes: gap, pressure and strain on Γ3 are those of
+``softening``, f_0 and f_2 are not.
+
+Predicted order 1: (5.36) holds as for ``softening``, and Prop. 5.4 asks only that G is Lipschitz.
+
+The case is not in the catalogue: Problem 3.2 on the strains of V^h, the energy balance and the error bound use a
+potential or the eigenvectors of a symmetric G.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from manufactured.case import Case
+from manufactured.cases.softening import softening
+from manufactured.law import KelvinVoigt, NonSymmetric, isotropic, isotropic_matrix
+from manufactured.regularity import Regularity
+
+NAME = "no-potential"
+SKEW = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
+"""τ ↦ (τ_22, −τ_11, 0) in Mandel form."""
+
+
+def law_without_potential(rotation: float = 2.0) -> KelvinVoigt:
+    """The law with ``rotation`` times ``SKEW`` added to the elasticity of ``cases.laws.softening_in_volume``."""
+    G = NonSymmetric(isotropic_matrix(0.5, -1.5) + rotation * SKEW)
+    return KelvinVoigt(isotropic(1, 0.5), G, "linear, G softens in volume and has no potential")
+
+
+def no_potential() -> Case:
+    return Case(
+        name=NAME,
+        summary="front advances and recedes, G softens and has no potential",
+        solution=softening(law_without_potential()),
+        regularity=Regularity(gap=5, pressure=3, moving=True),
+        order=1,
+        reason="α = 5 > 7/2 and m = 3 > 3/2 give (5.36): order 1 by Prop. 5.4, G only Lipschitz",
+        families=("one-diagonal",),
+    )

@@ -1,0 +1,98 @@
+"""Error bounds for backward Euler with steps of any size, where Problem 5.1 need not be a gradient flow.
+
+Problem 5.1 is u̇ + Bu + N_K(u) ∋ f in V^h with ‖Bv − Bw‖ ≤ κ ‖v − w‖ and (Bv − Bw, v − w) ≥ −γ ‖v − w‖², 0 ≤ γ ≤ κ,
+norms and products those of V. Backward Euler on 0 = t_0 < … < t_N = T with k_n = t_n − t_{n−1}, k = max k_n and γk < 1
+gives U_n, δ_n = (U_n − U_{n−1})/k_n and ξ_n = f(t_n) − BU_n − δ_n ∈ N_K(U_n). Let û be the piecewise linear
+interpolant of the U_n, V = Var f, z = u̇(0+), F_n = ∫_{t_{n−1}}^{t_n} ‖f(t) − f(t_n)‖ dt and P = Π_n (1 − γk_n)^{−1}.
+Then max_t ‖u(t) − û(t)‖ is at most
+
+    (Σ_n e^{2γ(T − t_{n−1})} k_n² (ξ_n, δ_n))^{1/2} + Σ_n e^{γ(T − t_{n−1})} (F_n + κ k_n² ‖δ_n‖/2)
+        ≤ kP/(1 − γk) · ((1/√2 + κT/2) ‖z‖ + (2 + κT/2) V).
+
+The first bound needs the computed solution, the second the data; both hold on every mesh. The proof is in
+paper/proofs_euler.tex.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+
+from manufactured.tensors import Array
+from study.solve.evolution import ContactStep, SemiDiscrete
+from study.solve.gradient_flow import GradientFlow
+from study.solve.tableau import BACKWARD_EULER
+
+
+def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
+    """Return U_0, …, U_N of backward Euler at t_0 = 0, …, t_N for steps of any size, (N + 1, n).
+
+    Raises:
+        StepsError: a step is so long that it need not have one solution.
+    """
+    end = times[0]
+    held = replace(problem, load=lambda _: problem.load(end))
+    states, steps = [problem.initial()], dict[float, ContactStep]()
+    for begin, end in pairwise(times):  # noqa: B007, the load is taken at ``end``
+        # Steps of equal size share one factorisation.
+        k = round(end - begin, 12)
+        if k not in steps:
+            steps[k] = ContactStep(held, BACKWARD_EULER, k)
+        states.append(steps[k](1, states[-1:]))
+    return np.array([state.u for state in states])
+
+
+@dataclass(frozen=True, eq=False)
+class EulerBounds:
+    """Both bounds for Problem 5.1 on one mesh.
+
+    Attributes:
+        flow: the problem with its load on a fine grid in time; gives ‖z‖ and Var f.
+        kappa: κ, a Lipschitz constant of B, such as L_G/m_A.
+        growth: γ, 0 where G is monotone, at most κ.
+    """
+
+    flow: GradientFlow
+    kappa: float
+    growth: float
+
+    def a_priori(self, longest: float, product: float) -> float:
+        """Return the bound by the data, for the longest step k and the product P."""
+        T, z, variation = self.flow.problem.T, self.flow.first, self.flow.variation
+        half = self.kappa * T / 2
+        terms = (1 / math.sqrt(2) + half) * z + (2 + half) * variation
+        return longest * product / (1 - self.growth * longest) * terms
+
+    def by_data(self, nodes: Array) -> float:
+        """Return the bound by the data for steps that end at some nodes of the grid, indices (N + 1,)."""
+        steps = self._steps(nodes)
+        return self.a_priori(float(steps.max()), float(np.prod(1 / (1 - self.growth * steps))))
+
+    def by_solution(self, nodes: Array, states: Array) -> float:
+        """Return the bound by U_0, …, U_N, (N + 1, n), at some nodes of the grid, indices (N + 1,)."""
+        problem, steps = self.flow.problem, self._steps(nodes)
+        rates = np.diff(states, axis=0) / steps[:, None]
+        viscous = (problem.M @ rates.T).T
+        elastic = np.array([problem.elastic(u) for u in states[1:]])
+        work = np.sum((self.flow.loads[nodes[1:]] - elastic - viscous) * rates, axis=1)
+        speeds = np.sqrt(np.sum(viscous * rates, axis=1))
+        growth = np.exp(self.growth * (problem.T - self._time(nodes[:-1])))
+        delays = np.array([self._delay(begin, end) for begin, end in pairwise(nodes.tolist())])
+        root = math.sqrt(max(float(np.sum((growth * steps) ** 2 * work)), 0.0))
+        return root + float(np.sum(growth * (delays + self.kappa * steps**2 * speeds / 2)))
+
+    def _time(self, nodes: Array) -> Array:
+        return nodes * (self.flow.problem.T / (len(self.flow.loads) - 1))
+
+    def _steps(self, nodes: Array) -> Array:
+        """k_1, …, k_N."""
+        return np.diff(self._time(nodes))
+
+    def _delay(self, begin: int, end: int) -> float:
+        """F_n from above: by the larger end of every interval of the grid."""
+        away = self.flow.distance(np.arange(begin, end + 1), np.full(end + 1 - begin, end))
+        return float(np.maximum(away[1:], away[:-1]).sum()) * self.flow.problem.T / (len(self.flow.loads) - 1)
