@@ -1,0 +1,110 @@
+"""The remark after (5.35) is false in the plane: for u_0 ∈ V ∩ C(Ω̄), Π^h u_0 need not converge to u_0 in V.
+
+The source says that (5.25), ‖u_0 − u_0^h‖_V → 0, holds for u_0^h = Π^h u_0 if u_0 is continuous. A counterexample on the
+unit square, for the grids with n = 8, 16, 32, … cells along a side (proof in paper/false_remark.tex): u_0 = v e_2 with
+
+    v = Σ_{j≥3} a_j Σ_{c ∈ A_j} λ_j(|x − c|),   a_j = 2^{−j/2},   A_j = {2^{−j}(p, q) : p, q odd} ∩ Ω,
+
+and the spikes λ_j(r) = min{1, log(R_j/r)/4^j} for r < R_j = 4^{−j}, 0 beyond. The sum converges uniformly and in H¹, and
+u_0 = 0 on the boundary, so that u_0 ∈ K ∩ C(Ω̄). On the grid with n = 2^i every point of A_j, j ≤ i, is a vertex, which
+sees a_j as if it were the value of u_0 around it. ‖u_0‖_V has a bound in closed form and Π^h u_0 is known exactly, so
+that ‖Π^h u_0‖_V − ‖u_0‖_V bounds ‖u_0 − Π^h u_0‖_V from below without quadrature.
+
+Predicted before measuring, with the Lamé constants μ, λ of A:
+
+* ‖Π^h u_0‖_V = ((3μ + λ)(n − 4))^{1/2} up to 5 %: the 4^{j−1} spikes of level j ≤ i interpolate to hat functions of the
+  energy 6μ + 2λ times a_j², which have disjoint supports for one j, and 2^{−j} 4^{j−1} sums to (n − 4)/2. Hats of
+  different levels do not share an edge of the grid; spikes wider than a cell change values by 1/64 of a_j at most.
+* ‖Π^h u_0‖_V is at least (5 m_A n/16)^{1/2}, which is proved; the quotient of both is about 2.
+* The lower bound of ‖u_0 − Π^h u_0‖_V grows from every level to the next, with orders in h between −1.5 and −1/2, since
+  the constant ‖u_0‖_V is subtracted from a multiple of (n − 4)^{1/2}.
+* On the finest grid it is at least three times ‖u_0‖_V, the error of the start u_0^h = 0.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from manufactured.law import Linear
+from manufactured.tensors import Array, Points, dyad
+from study.fem.naming import resolve
+from study.fem.space import Space
+from study.ledger.measures import consecutive, every, finest, largest
+from study.ledger.window import Window, above_nothing, around, at_least
+from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.eigen import unloaded
+from study.statements.shared.places import space_of
+
+FIRST = 3
+"""The first level of spikes, for which 4^{−j} is small against 2^{−j}."""
+DIRECTION = np.array([0.0, 1.0])
+"""e_2."""
+PREDICTED = around(1, 0.05, "spikes seen as hat functions")
+PROVED = above_nothing(1.0, "proved")
+GROWS = Window(-1.5, -0.5, "grows at least like h^{−1/2}, every consecutive order")
+WORSE = at_least(3.0, "worse than u_0^h = 0, on the finest grid")
+
+
+class NodalStart(ListedNumbers):
+    """‖Π^h u_0‖_V and a lower bound of ‖u_0 − Π^h u_0‖_V for a continuous u_0."""
+
+    label = "remark after (5.35)"
+    claim = "false: there is u_0 ∈ K ∩ C(Ω̄) for which ‖u_0 − Π^h u_0‖_V grows like h^{−1/2}"
+    rules = (
+        every("size", "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}", PREDICTED, "size / predicted"),
+        largest("proved", "(5 m_A n/16)^{1/2} / ‖Π^h u_0‖_V", PROVED, "proved / size"),
+        consecutive("growth", "order in h of ‖Π^h u_0‖_V − ‖u_0‖_V ≤ ‖u_0 − Π^h u_0‖_V", GROWS, "error from below"),
+        finest("worse", "(‖Π^h u_0‖_V − ‖u_0‖_V) / ‖u_0‖_V", WORSE, "error / start at 0"),
+    )
+    quick = grid(("full-contact",), ("one-diagonal",), (8, 16, 32, 64))
+    full = grid(("full-contact",), ("one-diagonal", "alternating"), (8, 16, 32, 64, 128))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        space, A = space_of(setting), resolve(setting.case).solution.law.A
+        start = interpolant(space, setting.level)
+        energy = start @ (unloaded(space, resolve(setting.case).solution.law).M @ start)
+        size, bound = math.sqrt(energy), norm_of_start(A)
+        hats = 2 * mean_energy(A) * (setting.level - 4)
+        return with_h(
+            space.h,
+            {
+                "size / predicted": size / math.sqrt(hats),
+                "proved / size": math.sqrt(5 * A.ellipticity * setting.level / 16) / size,
+                "error from below": size - bound,
+                "error / start at 0": (size - bound) / bound,
+            },
+        )
+
+
+def interpolant(space: Space, level: int) -> Array:
+    """Π^h u_0 on the grid with ``level`` = 2^i cells along a side, (n_dofs,)."""
+    return space.interpolate(np.multiply.outer(DIRECTION, spikes(space.mesh.p, level.bit_length() - 1)))
+
+
+def spikes(x: Points, last: int) -> Array:
+    """v at points of a grid with 2^i cells along a side, i = ``last``, where spikes of later levels vanish, (...)."""
+    total = np.zeros(x.shape[1:])
+    for j in range(FIRST, last + 1):
+        spacing = 2.0**-j
+        # The ball around a point of A_j lies in a square with sides 2^{1−j}.
+        centres = spacing * (2 * np.floor(x / (2 * spacing)) + 1)
+        r = np.linalg.norm(x - centres, axis=0)
+        with np.errstate(divide="ignore"):
+            total += 2 ** (-j / 2) * np.clip(np.log(4.0**-j / r) / 4**j, 0, 1)
+    return total
+
+
+def mean_energy(A: Linear) -> float:
+    """½ Σ_i A d_i·d_i with d_i = sym(e_i ⊗ e_2): what ∫ A ε(v e_2)·ε(v e_2) is for a radial v with ∫ |∇v|² = 1.
+
+    (3μ + λ)/2 for an isotropic A.
+    """
+    directions = np.array([dyad(axis, DIRECTION) for axis in np.eye(2)])
+    return float(np.einsum("iI,IJ,iJ->", directions, A.matrix, directions)) / 2
+
+
+def norm_of_start(A: Linear) -> float:
+    """A bound of ‖u_0‖_V: the sum over j of a_j (4^{j−1} · 2π/4^j · ``mean_energy``)^{1/2}, a geometric series."""
+    return math.sqrt(math.pi / 2 * mean_energy(A)) * 2 ** (-FIRST / 2) / (1 - math.sqrt(0.5))
