@@ -909,3 +909,30 @@ def known_error(call: int, factor: float) -> Replacement:
 def larger(*names: str) -> Function:
     """Squares of norms at one instant that are far too large."""
     return lambda course: _times_parts(course, dict.fromkeys(names, 1e6))
+
+
+def symmetric_part_only(euler: Function) -> Function:
+    """Backward Euler for the symmetric part of an elasticity without potential."""
+    return lambda problem, times: euler(replace(problem, remainder=None), times)
+
+
+def norm_of_nodal_values(furthest: Function) -> Function:
+    """The largest Euclidean norm of differences of nodal values, in place of the norm of V."""
+    return lambda problem, one, other: float(np.linalg.norm(one - other, axis=1).max())
+
+
+def constant_halved(bounds: Function) -> Function:
+    """Error bounds of backward Euler with half of the Lipschitz constant κ."""
+    return lambda flow, kappa, growth: bounds(flow, kappa / 2, growth)
+
+
+def always_steps(most: int) -> Replacement:
+    """Trajectories with half as many steps are every second state of the one with ``most`` steps."""
+    return lambda path: lambda problem, scheme, steps: (
+        path(problem, scheme, most)[::2] if 2 * steps == most else path(problem, scheme, steps)
+    )
+
+
+def near_vertices(spikes: Function) -> Function:
+    """A field near the vertices of a grid, at an eighth of the radius of its narrowest spikes."""
+    return lambda x, last: spikes(x + 4.0**-last / 8, last)

@@ -33,6 +33,8 @@ from study.statements.hypercircle import Hypercircle
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
 from study.statements.lipschitz import Lipschitz
+from study.statements.no_potential import NoPotential
+from study.statements.nodal_start import NodalStart
 from study.statements.norms_in_time import LoadInTime, TractionInTime
 from study.statements.parting import Parting
 from study.statements.residual import Residual
@@ -104,6 +106,8 @@ GROWING, ADVANCING = (
     on(GrowingErrors(), "softening", "unstructured", 4),
     on(AdvancingFront(), "natural-motion", "unstructured", 6, 12, 24),
 )
+NO_POTENTIAL = on(NoPotential(), "no-potential", "shaken", 4, 5, 6)
+NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
 
 # Places that are replaced more than once.
 
@@ -318,6 +322,12 @@ CONTROLS: tuple[Control, ...] = (
     Control("start without an error in V^h", "u_0^h = P_h u_0 for Π^h u_0", GROWING, "growing_errors:Experiment", within("", wrong.start_at_projection), "needed"),
     Control("ten times the error: bound", "10 ‖u − u^h‖ for ‖u − u^h‖", GROWING, "growing_errors:share", wrong.times(10.0), "bound"),
     Control("ten times the error: time", "10 ‖u^h − û^{hk}‖ for ‖u^h − û^{hk}‖", GROWING, "growing_errors:furthest", wrong.times(10.0), "time"),
+    Control("no potential: error", "100 ‖u^h − û^{hk}‖ for ‖u^h − û^{hk}‖", NO_POTENTIAL, "no_potential:furthest", wrong.times(100.0), ("data-equal", "data-unequal", "solution-equal", "solution-unequal")),
+    Control("no potential: skew part dropped", "the symmetric part of G for G in backward Euler", NO_POTENTIAL, "no_potential:backward_euler", wrong.symmetric_part_only, ("order-equal", "order-unequal")),
+    Control("no potential: norm", "Euclidean norm of nodal values for ‖·‖_V", NO_POTENTIAL, "no_potential:furthest", wrong.norm_of_nodal_values, "uniform"),
+    Control("no potential: κ halved", "κ/2 for κ in both bounds", NO_POTENTIAL, "no_potential:EulerBounds", wrong.constant_halved, "rotation"),
+    Control("blind: reference of no potential", "the reference solution compared with itself", NO_POTENTIAL, "no_potential:path", wrong.always_steps(256), "reference"),
+    Control("nodal start: off the vertices", "v near the vertices for v at the vertices", NODAL_START, "nodal_start:spikes", wrong.near_vertices, ("size", "proved", "growth", "worse")),
     # Rows that compare two things: axes, rows computed again, and bounds of errors with the errors.
     Control("axes", "the axis nearest to ν in place of ν", ROTATED, "problem.N", wrong.nearest_axis, "discrete-error"),
     Control("width for length", "w ‖·‖_V with the width w along the first axis", ROTATED, "fem.gauge:Gauge.distance", wrong.times_width, "errors"),

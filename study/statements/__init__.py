@@ -21,6 +21,8 @@ from study.statements.interpolation import InterpolationInV, InterpolationOnCont
 from study.statements.korn import Korn, Norms
 from study.statements.landings import Landings
 from study.statements.lipschitz import Lipschitz
+from study.statements.no_potential import NoPotential
+from study.statements.nodal_start import NodalStart
 from study.statements.norms_in_time import LoadInTime, TractionInTime
 from study.statements.other_codes.judge import OtherCodes
 from study.statements.parting import Parting
@@ -75,9 +77,9 @@ ESTIMATES = (
     SizeOfInterpolation(),
     InterpolationOnContact(),
 )
-CONVERGENCE = ResidualBound(), Convergence(), FirstOrder(), RegularityNeeded(), Turned(), Superclose(), Residual()
+CONVERGENCE = ResidualBound(), Convergence(), NodalStart(), FirstOrder(), RegularityNeeded(), Turned(), Superclose(), Residual()
 WEIGHED = ContactForce(), Recomputed(), OtherCodes()
-BEYOND = EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), BackwardEuler(), FullyDiscrete(), Landings()
+BEYOND = EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), BackwardEuler(), NoPotential(), FullyDiscrete(), Landings()
 CERTIFIED = BoundedError(), EnclosedError()
 
 STATEMENTS: tuple[Statement, ...] = (
