@@ -6,12 +6,12 @@ The data are those of ``cases.softening``,
 
 on the unit square with A τ = 2τ + (tr τ)/2 I, and G τ = τ − (3/2)(tr τ) I + W τ with the skew part
 
-    (W τ)_11 = 2 τ_22,   (W τ)_22 = −2 τ_11,   (W τ)_12 = 0.
+    (W τ)_11 = 3√2 τ_12,   (W τ)_12 = −(3/√2) τ_11,   (W τ)_22 = 0.
 
 W contributes nothing to G τ·τ, so that G has the constant m = −2 of monotonicity that ``softening`` has, and softens at
-the rate γ = 2/m_A = 1. No function W(ε) has G as its derivative, since the matrix of G is not symmetric. On Γ3 only
-ε_22 is not zero, and W does not change the pressure that it causes: gap, pressure and strain on Γ3 are those of
-``softening``, f_0 and f_2 are not.
+the rate γ = 2/m_A = 1; κ = L_G/m_A = 2.03. No function of ε has G as its derivative, since the matrix of G is not
+symmetric. On Γ3 only ε_22 is not zero, and W does not change the stress that it causes: gap, pressure and strain on Γ3
+are those of ``softening``, f_0 and f_2 are not.
 
 Predicted order 1: (5.36) holds as for ``softening``, and Prop. 5.4 asks only that G is Lipschitz.
 
@@ -29,11 +29,11 @@ from manufactured.law import KelvinVoigt, NonSymmetric, isotropic, isotropic_mat
 from manufactured.regularity import Regularity
 
 NAME = "no-potential"
-SKEW = np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
-"""τ ↦ (τ_22, −τ_11, 0) in Mandel form."""
+SKEW = np.array([[0.0, 0.0, 1.0], [0.0, 0.0, 0.0], [-1.0, 0.0, 0.0]])
+"""A turn by a right angle of the first and the third Mandel component, 11 and √2·12."""
 
 
-def law_without_potential(rotation: float = 2.0) -> KelvinVoigt:
+def law_without_potential(rotation: float = 3.0) -> KelvinVoigt:
     """The law with ``rotation`` times ``SKEW`` added to the elasticity of ``cases.laws.softening_in_volume``."""
     G = NonSymmetric(isotropic_matrix(0.5, -1.5) + rotation * SKEW)
     return KelvinVoigt(isotropic(1, 0.5), G, "linear, G softens in volume and has no potential")

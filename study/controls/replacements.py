@@ -911,9 +911,11 @@ def larger(*names: str) -> Function:
     return lambda course: _times_parts(course, dict.fromkeys(names, 1e6))
 
 
-def symmetric_part_only(euler: Function) -> Function:
-    """Backward Euler for the symmetric part of an elasticity without potential."""
-    return lambda problem, times: euler(replace(problem, remainder=None), times)
+def load_of_before(euler: Function) -> Function:
+    """Backward Euler with the load of an eighth of T before, whatever the step."""
+    return lambda problem, times: euler(
+        replace(problem, load=lambda t: problem.load(max(t - problem.T / 8, 0.0))), times
+    )
 
 
 def norm_of_nodal_values(furthest: Function) -> Function:

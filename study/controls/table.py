@@ -106,7 +106,7 @@ GROWING, ADVANCING = (
     on(GrowingErrors(), "softening", "unstructured", 4),
     on(AdvancingFront(), "natural-motion", "unstructured", 6, 12, 24),
 )
-NO_POTENTIAL = on(NoPotential(), "no-potential", "shaken", 4, 5, 6)
+NO_POTENTIAL = on(NoPotential(), "no-potential", "shaken", 6, 8, 10)
 NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
 
 # Places that are replaced more than once.
@@ -323,7 +323,8 @@ CONTROLS: tuple[Control, ...] = (
     Control("ten times the error: bound", "10 ‖u − u^h‖ for ‖u − u^h‖", GROWING, "growing_errors:share", wrong.times(10.0), "bound"),
     Control("ten times the error: time", "10 ‖u^h − û^{hk}‖ for ‖u^h − û^{hk}‖", GROWING, "growing_errors:furthest", wrong.times(10.0), "time"),
     Control("no potential: error", "100 ‖u^h − û^{hk}‖ for ‖u^h − û^{hk}‖", NO_POTENTIAL, "no_potential:furthest", wrong.times(100.0), ("data-equal", "data-unequal", "solution-equal", "solution-unequal")),
-    Control("no potential: skew part dropped", "the symmetric part of G for G in backward Euler", NO_POTENTIAL, "no_potential:backward_euler", wrong.symmetric_part_only, ("order-equal", "order-unequal")),
+    Control("no potential: skew part dropped", "the symmetric part of G for G", NO_POTENTIAL, "no_potential:Experiment", within("problem.remainder", wrong.instead(None)), "order-both"),
+    Control("no potential: load late", "the load of T/8 before in backward Euler", NO_POTENTIAL, "no_potential:backward_euler", wrong.load_of_before, ("order-equal", "order-unequal")),
     Control("no potential: norm", "Euclidean norm of nodal values for ‖·‖_V", NO_POTENTIAL, "no_potential:furthest", wrong.norm_of_nodal_values, "uniform"),
     Control("no potential: κ halved", "κ/2 for κ in both bounds", NO_POTENTIAL, "no_potential:EulerBounds", wrong.constant_halved, "rotation"),
     Control("blind: reference of no potential", "the reference solution compared with itself", NO_POTENTIAL, "no_potential:path", wrong.always_steps(256), "reference"),
