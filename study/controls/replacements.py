@@ -930,8 +930,10 @@ def constant_halved(bounds: Function) -> Function:
 
 def always_steps(most: int) -> Replacement:
     """Trajectories with half as many steps are every second state of the one with ``most`` steps."""
-    return lambda path: lambda problem, scheme, steps: (
-        path(problem, scheme, most)[::2] if 2 * steps == most else path(problem, scheme, steps)
+    return lambda path: (
+        lambda problem, scheme, steps: (
+            path(problem, scheme, most)[::2] if 2 * steps == most else path(problem, scheme, steps)
+        )
     )
 
 

@@ -212,7 +212,7 @@ def _time(data: FullRun) -> list[str]:
     share = above(data.rows(label, "data")["high"].max(), 2)
     return [
         "beyond the paper: O(h + k) for backward Euler, no condition between h and k",
-        "proved: the error in time is at most k (‖u̇^h(0+)‖/√2 + 3 Var f) on every mesh",
+        "proved: the error in time is at most k (‖u̇^h(0+)‖/√2 + 2 Var f) on every mesh",
         f"error / bound at most {share}; orders in k {_range(data.rows(label, 'order'))}",
         _verdict(data, label),
     ]

@@ -37,7 +37,7 @@ def backward_euler(problem: SemiDiscrete, times: Sequence[float]) -> Array:
     end = times[0]
     held = replace(problem, load=lambda _: problem.load(end))
     states, steps = [problem.initial()], dict[float, ContactStep]()
-    for begin, end in pairwise(times):  # noqa: B007, the load is taken at ``end``
+    for begin, end in pairwise(times):
         # Steps of equal size share one factorisation.
         k = round(end - begin, 12)
         if k not in steps:

@@ -4,7 +4,7 @@ If (B^h ·, ·)_V has a convex potential, Problem 5.1 is u̇ + ∂φ(u) ∋ f in
 U_n be the solution of backward Euler with N steps of size k, δU_n = (U_n − U_{n−1})/k, ξ_n = f(t_n) − δU_n ∈ ∂φ(U_n),
 and û the piecewise linear interpolant. Then, with the element z = ξ-least of f(0) − ∂φ(u_0) in place of δU_0,
 
-    max_t ‖u^h − û‖_V ≤ F + (F² + k² Σ_n (ξ_n − ξ_{n−1}, δU_n)_V)^½ ≤ k (‖z‖_V/√2 + 3 Var f),
+    max_t ‖u^h − û‖_V ≤ F + k (Σ_n (ξ_n − ξ_{n−1}, δU_n)_V)^½ ≤ k (‖z‖_V/√2 + 2 Var f),
 
     F = Σ_n ∫_{t_{n−1}}^{t_n} ‖f(t_n) − f(t)‖_V dt ≤ k Var f.
 
@@ -100,19 +100,18 @@ class GradientFlow:
         return self.first + self.variation
 
     def a_priori(self, steps: int) -> float:
-        """k (‖z‖_V/√2 + 3 Var f)."""
-        return self.problem.T / steps * (self.first / math.sqrt(2) + 3 * self.variation)
+        """k (‖z‖_V/√2 + 2 Var f)."""
+        return self.problem.T / steps * (self.first / math.sqrt(2) + 2 * self.variation)
 
     def piecewise_constant(self, steps: int) -> float:
-        """The bound for U_n on (t_{n−1}, t_n] in place of û: k (‖z‖_V/√2 + 3 Var f) + k (‖z‖_V + Var f)."""
+        """The bound for U_n on (t_{n−1}, t_n] in place of û: k (‖z‖_V/√2 + 2 Var f) + k (‖z‖_V + Var f)."""
         return self.a_priori(steps) + self.problem.T / steps * self.fastest
 
     def a_posteriori(self, states: Array) -> float:
-        """F + (F² + k² Σ (ξ_n − ξ_{n−1}, δU_n)_V)^½ from U_0, …, U_N, (N + 1, n), N a divisor of m."""
+        """F + k (Σ (ξ_n − ξ_{n−1}, δU_n)_V)^½ from U_0, …, U_N, (N + 1, n), N a divisor of m."""
         steps, M = len(states) - 1, self.problem.M
         k, every = self.problem.T / steps, (len(self.loads) - 1) // steps
         rates = np.vstack([self.start, np.diff(states, axis=0) / k])
         forces = self.loads[::every] - (M @ rates.T).T
         total = float(np.sum(np.diff(forces, axis=0) * rates[1:]))
-        delay = self.delay(steps)
-        return delay + math.sqrt(delay**2 + k**2 * max(total, 0.0))
+        return self.delay(steps) + k * math.sqrt(max(total, 0.0))

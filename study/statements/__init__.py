@@ -77,9 +77,27 @@ ESTIMATES = (
     SizeOfInterpolation(),
     InterpolationOnContact(),
 )
-CONVERGENCE = ResidualBound(), Convergence(), NodalStart(), FirstOrder(), RegularityNeeded(), Turned(), Superclose(), Residual()
+CONVERGENCE = (
+    ResidualBound(),
+    Convergence(),
+    NodalStart(),
+    FirstOrder(),
+    RegularityNeeded(),
+    Turned(),
+    Superclose(),
+    Residual(),
+)
 WEIGHED = ContactForce(), Recomputed(), OtherCodes()
-BEYOND = EdgeWork(), WorkOfContact(), Rollers(), AdvancingFront(), BackwardEuler(), NoPotential(), FullyDiscrete(), Landings()
+BEYOND = (
+    EdgeWork(),
+    WorkOfContact(),
+    Rollers(),
+    AdvancingFront(),
+    BackwardEuler(),
+    NoPotential(),
+    FullyDiscrete(),
+    Landings(),
+)
 CERTIFIED = BoundedError(), EnclosedError()
 
 STATEMENTS: tuple[Statement, ...] = (

@@ -6,7 +6,7 @@ supplement to the article.
 
 Predicted: both bounds hold for every mesh and every step, k ≫ h and k ≪ h. The order in k is 1, as u̇^h jumps at
 landings and u is not smooth in time then. The constant is that of u^h, which converges, so that it hardly changes with
-the mesh. The bound from the data is several times too large: it counts three times what the load varies, as if it
+the mesh. The bound from the data is several times too large: it counts twice what the load varies, as if it
 always turned against the solution. The other was expected within a factor of three, and is within 3.3 … 30: it counts
 what the load varies once, and where contact carries nearly all of the load, as in full contact, u^h hardly sees it.
 
@@ -63,7 +63,7 @@ class BackwardEuler(ListedNumbers):
 
     label = "beyond: O(h + k)"
     effort = 60
-    claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 3 Var f) for backward Euler, whatever h"
+    claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, whatever h"
     rules = (
         largest("data", "‖u^h − û^{hk}‖ / its bound by the data", PROVED, *(f"{n} by data" for n in COUNTS)),
         largest("solution", "‖u^h − û^{hk}‖ / its bound by U_n", PROVED, *(f"{n} by solution" for n in COUNTS)),

@@ -1,13 +1,13 @@
 """The remark after (5.35) is false in the plane: for u_0 ∈ V ∩ C(Ω̄), Π^h u_0 need not converge to u_0 in V.
 
-The source says that (5.25), ‖u_0 − u_0^h‖_V → 0, holds for u_0^h = Π^h u_0 if u_0 is continuous. A counterexample on the
-unit square, for the grids with n = 8, 16, 32, … cells along a side (proof in paper/false_remark.tex): u_0 = v e_2 with
+The source says that (5.25), ‖u_0 − u_0^h‖_V → 0, holds for u_0^h = Π^h u_0 if u_0 is continuous. A counterexample on
+the unit square, for grids with n = 8, 16, 32, … cells along a side (proof in paper/false_remark.tex): u_0 = v e_2 with
 
     v = Σ_{j≥3} a_j Σ_{c ∈ A_j} λ_j(|x − c|),   a_j = 2^{−j/2},   A_j = {2^{−j}(p, q) : p, q odd} ∩ Ω,
 
-and the spikes λ_j(r) = min{1, log(R_j/r)/4^j} for r < R_j = 4^{−j}, 0 beyond. The sum converges uniformly and in H¹, and
-u_0 = 0 on the boundary, so that u_0 ∈ K ∩ C(Ω̄). On the grid with n = 2^i every point of A_j, j ≤ i, is a vertex, which
-sees a_j as if it were the value of u_0 around it. ‖u_0‖_V has a bound in closed form and Π^h u_0 is known exactly, so
+and the spikes λ_j(r) = min{1, log(R_j/r)/4^j} for r < R_j = 4^{−j}, 0 beyond. The sum converges uniformly and in H¹,
+and u_0 = 0 on the boundary, so that u_0 ∈ K ∩ C(Ω̄). On the grid with n = 2^i every point of A_j, j ≤ i, is a vertex,
+which sees a_j as if it were the value of u_0 around it. ‖u_0‖_V has a bound in closed form and Π^h u_0 is known exactly, so
 that ‖Π^h u_0‖_V − ‖u_0‖_V bounds ‖u_0 − Π^h u_0‖_V from below without quadrature.
 
 Predicted before measuring, with the Lamé constants μ, λ of A:

@@ -105,9 +105,8 @@ def sides(found: Trajectories) -> dict[str, float]:
     between = max(interpolation(at.solution, at.space, time) for time in times.values())
     force, start = found.k * float(found.forces.sum()), at.gauge.distance(samples[0], at.inclusion @ on.start)
     law, field = at.solution.law, size_of_field(on)
-    kappa = law.kappa
-    growth, work = math.exp(kappa * T), math.sqrt(2 * (2 * nodal + between) * force)
-    right = (1 + kappa * T * growth) * (best + field * nodal) + growth * (start + field * nodal + work)
+    growth, work = math.exp(law.kappa * T), math.sqrt(2 * (2 * nodal + between) * force)
+    right = growth * (best + start + 2 * field * nodal + work)
     return {"error": error, "right side": right, "E_h": best, "M_h": nodal, "J_h": between, "force": force}
 
 
