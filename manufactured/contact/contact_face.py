@@ -104,7 +104,7 @@ class ContactFace:
             return cls(part, gap, Memory(pressure, a, g, T, initial, variables), level, profile, rough)
         if isinstance(law.G, NonSymmetric):
             raise LawError(
-                f"{law.name}: G is not symmetric and couples nn with sn, for which the strain on the face is not known; "
+                f"{law.name}: G is not symmetric and couples nn with sn, for which the strain on a face is not known; "
                 "prescribe the strain, or take a G whose nn–sn moduli are 0"
             )
         if initial is not None:

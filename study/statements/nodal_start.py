@@ -7,8 +7,8 @@ the unit square, for grids with n = 8, 16, 32, … cells along a side (proof in 
 
 and the spikes λ_j(r) = min{1, log(R_j/r)/4^j} for r < R_j = 4^{−j}, 0 beyond. The sum converges uniformly and in H¹,
 and u_0 = 0 on the boundary, so that u_0 ∈ K ∩ C(Ω̄). On the grid with n = 2^i every point of A_j, j ≤ i, is a vertex,
-which sees a_j as if it were the value of u_0 around it. ‖u_0‖_V has a bound in closed form and Π^h u_0 is known exactly, so
-that ‖Π^h u_0‖_V − ‖u_0‖_V bounds ‖u_0 − Π^h u_0‖_V from below without quadrature.
+which sees a_j as if it were the value of u_0 around it. ‖u_0‖_V has a bound in closed form and Π^h u_0 is known
+exactly, so that ‖Π^h u_0‖_V − ‖u_0‖_V bounds ‖u_0 − Π^h u_0‖_V from below without quadrature.
 
 Predicted before measuring, with the Lamé constants μ, λ of A:
 
