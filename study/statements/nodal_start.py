@@ -50,7 +50,7 @@ WORSE = at_least(3.0, "worse than u_0^h = 0, on the finest grid")
 class NodalStart(ListedNumbers):
     """‖Π^h u_0‖_V and a lower bound of ‖u_0 − Π^h u_0‖_V for a continuous u_0."""
 
-    label = "remark after (5.35)"
+    label = "beyond: nodal start"
     claim = "false: there is u_0 ∈ K ∩ C(Ω̄) for which ‖u_0 − Π^h u_0‖_V grows like h^{−1/2}"
     rules = (
         every("size", "‖Π^h u_0‖_V / ((3μ + λ)(n − 4))^{1/2}", PREDICTED, "size / predicted"),
