@@ -106,7 +106,7 @@ GROWING, ADVANCING = (
     on(GrowingErrors(), "softening", "unstructured", 4),
     on(AdvancingFront(), "natural-motion", "unstructured", 6, 12, 24),
 )
-NO_POTENTIAL = on(NoPotential(), "no-potential", "shaken", 6, 8, 10)
+NO_POTENTIAL = on(NoPotential(), "no-potential", "one-diagonal", 6, 8, 10)
 NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
 
 # Places that are replaced more than once.

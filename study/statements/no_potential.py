@@ -31,6 +31,8 @@ What the first measurement showed and changed:
   exact solution for k = T/(4n) was added; its window 1 ± 0.15 was set when errors for n ≤ 12 on shaken meshes were
   known.
 * 64 steps are enough for all rows.
+* Meshes are not random, though the first measurement had shaken ones, too, where all rows held: rows on random meshes
+  are judged on fresh seeds, which would take hours.
 """
 
 from __future__ import annotations
@@ -128,8 +130,8 @@ class NoPotential(ListedNumbers):
             "reference",
         ),
     )
-    quick = grid((NAME,), ("shaken",), (6, 8, 12))
-    full = grid((NAME,), ("shaken", "unstructured"), (6, 12, 24))
+    quick = grid((NAME,), ("one-diagonal",), (6, 8, 12))
+    full = grid((NAME,), ("one-diagonal", "unstructured"), (6, 12, 24))
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
         """Those of a study of the whole catalogue, to which the case does not belong."""
