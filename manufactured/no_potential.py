@@ -24,7 +24,6 @@ from __future__ import annotations
 import numpy as np
 
 from manufactured.case import Case
-from manufactured.cases.softening import softening
 from manufactured.law import KelvinVoigt, NonSymmetric, isotropic, isotropic_matrix
 from manufactured.regularity import Regularity
 
@@ -40,6 +39,9 @@ def law_without_potential(rotation: float = 3.0) -> KelvinVoigt:
 
 
 def no_potential() -> Case:
+    # Whoever asks for another case does not make that of ``softening``.
+    from manufactured.cases.softening import softening
+
     return Case(
         name=NAME,
         summary="front advances and recedes, G softens and has no potential",
