@@ -16,14 +16,13 @@ from study.bound.adaptive import Adapted, Stage
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.common import listed
-from study.cli.exits import FAILED, OK
+from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import write_text
-from study.ledger.rounding import up
-from study.ledger.terminal import folded
+from study.ledger.text import folded, up
 from study.present.figures import AdaptedMesh, adapted_mesh, draw_one
+from study.run.executor import GIB, available
 from study.run.fingerprint import of_problem
-from study.run.resources import GIB, available
 from study.run.store import Store
 from study.solve.steps import MOST, rate_steps
 from study.solve.tableau import SCHEMES
@@ -46,7 +45,7 @@ def do_adapt(options: argparse.Namespace) -> int:
         while True:
             number = len(kept)
             # The meshes before decide on this one; the tolerance only says when to stop.
-            made_by = of_problem(data, case, (family, level, options.steps, scheme, number), adaptive.__name__)
+            made_by = of_problem(data, case, (family, level, options.steps, scheme, number))
             kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
             rows = adaptive.table([one["row"] for one in kept])
             table = write_text(store.directory / "adaptive.csv", rows.to_csv(index=False))

@@ -16,12 +16,12 @@ from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.adapt import do_adapt
 from study.cli.common import listed, progress_bar
-from study.cli.exits import FAILED, OK
+from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.terminal import folded
+from study.ledger.text import folded
 from study.present.figures import draw_one, enclosure
+from study.run.executor import available, require
 from study.run.fingerprint import of_problem
-from study.run.resources import available, require
 from study.run.store import Store
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
@@ -47,7 +47,7 @@ def do_bound(options: argparse.Namespace) -> int:
     with store.locked():
         kept = []
         for level, steps in plan.items():
-            made_by = of_problem(data, case, (family, level, scheme, steps, refined), bounded.__name__)
+            made_by = of_problem(data, case, (family, level, scheme, steps, refined))
             compute = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
             kept.append(_level(store, level, made_by, compute, data.body.T))
         table = bounded.levels([one["row"] for one in kept])

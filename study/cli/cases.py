@@ -7,8 +7,8 @@ import json
 import textwrap
 
 from manufactured.catalogue import catalogue
-from study.cli.exits import OK
-from study.ledger.terminal import width
+from study.cli.options import OK
+from study.ledger.text import width
 from study.run.case_line import describe
 
 INDENT = 4 * " "

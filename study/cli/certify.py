@@ -11,10 +11,10 @@ from study.bound.trajectory import Refined
 from study.certify import checker
 from study.certify.certified import Making, write
 from study.cli.common import listed, progress_bar
-from study.cli.exits import OK
+from study.cli.options import OK
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.terminal import folded
-from study.run.resources import available, require
+from study.ledger.text import folded
+from study.run.executor import available, require
 from study.run.store import Store
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES

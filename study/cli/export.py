@@ -6,21 +6,22 @@ import argparse
 
 from manufactured.case import Case
 from manufactured.self_proof import prove
-from study.cli.exits import OK
+from study.cli.options import OK
 from study.fem.mesh import boundary_parts
 from study.fem.naming import family_named, resolve
-from study.ledger.errors import UsageError
-from study.run.foundation import require_segments
-from study.run.resources import available, require
-from study.run.task_data import (
+from study.ledger.files import UsageError
+from study.run.executor import available, require
+from study.run.tasks import (
     Data,
+    TaskStore,
     frozen,
     march,
     require_instants,
     require_scale,
+    require_segments,
     with_foundation,
+    write_task,
 )
-from study.run.task_files import TaskStore, write_task
 from study.solve.steps import require_steps
 from study.statements.other_codes.tasks import INSTANTS, Task
 from study.statements.shared import estimates

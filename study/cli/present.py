@@ -5,13 +5,13 @@ from __future__ import annotations
 import argparse
 
 from study.cli.common import check_jobs, draw, listed
-from study.cli.exits import OK
-from study.ledger.terminal import folded
+from study.cli.options import OK
+from study.ledger.text import folded
 from study.present.figures import drawings
 from study.present.report import write_report
 from study.present.tables import write_tables
+from study.run.executor import Processes
 from study.run.judgement import claims_file, judge
-from study.run.processes import Processes
 from study.run.provenance import read_provenance
 from study.run.store import Store
 

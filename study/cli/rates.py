@@ -8,7 +8,7 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from study.cli.exits import OK
+from study.cli.options import OK
 from study.ledger.files import write_text
 from study.orders import OrderError, observed_orders
 from study.orders.columns import choose

@@ -13,19 +13,18 @@ from pathlib import Path
 from tqdm import tqdm
 
 from study.cli.common import check_jobs, progress_bar
-from study.cli.exits import FAILED, OK
+from study.cli.options import FAILED, OK
 from study.controls.alarms import tally, text, verdict, write_seeds
 from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
 from study.fem.naming import family_named
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.ledger.verdict import HOLDS, REPORTED, Verdict
-from study.run.collect import collect
-from study.run.execute import Pool, execute
+from study.run.executor import Pool, Processes, execute
 from study.run.judgement import judge
 from study.run.plan import Plan
-from study.run.processes import Processes
+from study.run.results import collect
 from study.run.store import Store
 
 BITS = 62

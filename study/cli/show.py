@@ -6,10 +6,10 @@ import argparse
 
 from manufactured.self_proof import prove
 from study.cli.common import listed, progress_bar
-from study.cli.exits import OK
+from study.cli.options import OK
 from study.fem.naming import resolve
-from study.ledger.errors import UsageError
-from study.ledger.terminal import folded
+from study.ledger.files import UsageError
+from study.ledger.text import folded
 from study.present.show import count_images, draw_show
 from study.run.showcase import LEVELS, STEPS, affordable_family, solve_showcase
 from study.run.store import Store

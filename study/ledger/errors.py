@@ -1,11 +1,5 @@
-"""Errors of the commands that say what was given, what was expected and how to mend it."""
+"""Old name of ``study.ledger.files``, until all imports name the new one."""  # moved
 
-from __future__ import annotations
+from study.ledger.files import UsageError
 
-
-class UsageError(ValueError):
-    """A command was given something it cannot use."""
-
-
-class JobsError(RuntimeError):
-    """Some jobs raised; the others are finished and kept."""
+__all__ = ["UsageError"]

@@ -17,11 +17,10 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from study.cli.arguments import FAMILIES, SCHEMES
 from study.cli.main import main
-from study.ledger.errors import UsageError
-from study.ledger.files import StoreError, write_text, write_whole
-from study.run.processes import Processes
+from study.cli.options import FAMILIES, SCHEMES
+from study.ledger.files import StoreError, UsageError, write_text, write_whole
+from study.run.executor import Processes
 
 SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
 STUDY = "import sys; from study.cli.main import main; sys.exit(main())"

@@ -15,8 +15,8 @@ import pytest
 
 from study.bound import bounded
 from study.cli import run
-from study.cli.arguments import parser
 from study.cli.main import CLOSED, INTERRUPTED, main
+from study.cli.options import parser
 from study.controls.baselines import Sweep
 from study.controls.control import Control
 from study.controls.run_controls import run_controls
@@ -24,11 +24,11 @@ from study.ledger.datafiles import made_by
 from study.ledger.files import StoreError, write_text
 from study.ledger.verdict import FAILS, HOLDS, Verdict, row
 from study.ledger.window import at_most
+from study.run.executor import Processes
 from study.run.plan import Plan
-from study.run.processes import Processes
 from study.run.provenance import provenance
 from study.run.store import Store
-from study.run.task_files import TaskStore
+from study.run.tasks import TaskStore
 from study.statements.green import Green
 from study.statements.shared.scope import Scope
 

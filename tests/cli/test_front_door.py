@@ -12,22 +12,21 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sympy as sp
+from study.ledger.garbage import imported
 
 import manufactured
 from manufactured import BodyError, Data, FormulaError, KelvinVoigt, Kind, LawError, isotropic, polygon, unit_square
 from manufactured.jet import Jet
 from manufactured.symbols import pos, s, t
 from study.bound.ranges import Boxes
-from study.cli.arguments import FAMILIES as FAMILY_NAMES
-from study.cli.arguments import SCHEMES as SCHEME_NAMES
-from study.cli.arguments import TOLERANCE, parser
-from study.cli.exits import USAGE
 from study.cli.main import main
+from study.cli.options import FAMILIES as FAMILY_NAMES
+from study.cli.options import SCHEMES as SCHEME_NAMES
+from study.cli.options import TOLERANCE, USAGE, parser
 from study.cli.run import PLACES, chosen, on_finer_meshes
 from study.fem.mesh import FAMILIES
 from study.ledger.compare import Tolerance
-from study.ledger.errors import UsageError
-from study.ledger.garbage import imported
+from study.ledger.files import UsageError
 from study.solve.tableau import SCHEMES
 
 CASES = """
@@ -162,7 +161,7 @@ def test_a_body_too_thin_to_compute_with_is_refused() -> None:
 
 
 def test_help_names_what_there_is_and_needs_nothing_that_takes_time() -> None:
-    asked = "import sys; from study.cli.arguments import parser; parser(); print(*sys.modules)"
+    asked = "import sys; from study.cli.options import parser; parser(); print(*sys.modules)"
     modules = subprocess.run([sys.executable, "-c", asked], capture_output=True, text=True, check=True).stdout.split()
     assert not {"numpy", "sympy", "pandas", "matplotlib", "skfem", "scipy"} & set(modules)
     assert set(SCHEME_NAMES) == {scheme.name for scheme in SCHEMES}

@@ -21,14 +21,10 @@ import pytest
 
 from study.bound.trajectory import Refined
 from study.cli.main import main
-from study.ledger.errors import UsageError
-from study.ledger.files import StoreError
-from study.run.collect import collect
-from study.run.execute import JobsError, Pool, admitted, execute, refuse_too_large, work
-from study.run.job import Job
-from study.run.plan import Plan, quick
-from study.run.processes import Processes
-from study.run.resources import GIB, available
+from study.ledger.files import StoreError, UsageError
+from study.run.executor import GIB, JobsError, Pool, Processes, admitted, available, execute, refuse_too_large, work
+from study.run.plan import Job, Plan, quick
+from study.run.results import collect
 from study.run.store import Store
 from study.statements.enclosure.courses import BoundSetting
 from study.statements.enclosure.inside import EnclosedError
@@ -140,7 +136,7 @@ class Circular:
 
 
 def test_a_large_process_does_not_keep_what_a_job_leaves_in_circles_of_references(monkeypatch) -> None:
-    monkeypatch.setattr("study.run.execute.CROWDED", 0.0)
+    monkeypatch.setattr("study.run.executor.CROWDED", 0.0)
     job = Circular()
     assert work(job) == {}
     assert job.made() is None
@@ -260,7 +256,7 @@ def test_a_level_of_a_bound_beyond_the_memory_is_refused_by_the_command(tmp_path
 
 
 def test_other_random_meshes_beyond_the_memory_are_refused_by_the_command(tmp_path, capsys, monkeypatch) -> None:
-    monkeypatch.setattr("study.run.execute.available", lambda: 0.1 * GIB)
+    monkeypatch.setattr("study.run.executor.available", lambda: 0.1 * GIB)
     assert main(["seeds", "--jobs", "1", "--out", str(tmp_path)]) == 2
     assert "GiB of memory, 0.1 GiB are available" in capsys.readouterr().err
 

@@ -14,10 +14,20 @@ from types import FrameType
 import pytest
 
 from study.fem.naming import resolve
-from study.run.code import BY_VALUE, NO_NUMBERS, ROOT, closure, digest, imports, source, without_docstrings
-from study.run.fingerprint import fingerprint, modules_behind, problem
-from study.run.job import Job
-from study.run.plan import Plan, quick
+from study.run.fingerprint import (
+    BY_VALUE,
+    NO_NUMBERS,
+    ROOT,
+    closure,
+    digest,
+    fingerprint,
+    imports,
+    modules_behind,
+    problem,
+    source,
+    without_docstrings,
+)
+from study.run.plan import Job, Plan, quick
 from study.statements.green import Green
 from study.statements.korn import Korn
 from study.statements.prop_5_4.judge import FirstOrder
@@ -94,8 +104,8 @@ def test_words_windows_and_figures_measure_nothing_anew(anew) -> None:
             ("study.fem.gauge", '"""', '"""In other words: '),
             ("study.fem.space", "\nclass ", "\n# A comment.\n\nclass "),
             ("study.statements.prop_5_4.evidence", "above_nothing(0.02", "above_nothing(0.03"),
-            ("study.ledger.measures", "ENOUGH = 3", "ENOUGH = 4"),
-            ("study.ledger.terminal", "WIDTH = 110", "WIDTH = 100"),
+            ("study.ledger.criterion", "ENOUGH = 3", "ENOUGH = 4"),
+            ("study.ledger.text", "WIDTH = 110", "WIDTH = 100"),
         )
         == set()
     )

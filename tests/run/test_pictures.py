@@ -14,8 +14,7 @@ from manufactured.body import Body, Part
 from manufactured.catalogue import catalogue
 from study.fem.mesh import MeshError, Skin, Unstructured, boundary_parts
 from study.fem.naming import resolve
-from study.ledger.facets import Facets
-from study.ledger.packing import FINE, STEPS
+from study.ledger.pictures import FINE, STEPS, Facets
 from study.present.picture import Picture
 from study.run.plan import Plan, full, quick
 from study.solve.motion import Motion

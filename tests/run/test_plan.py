@@ -15,7 +15,7 @@ from manufactured import Case, catalogue, named
 from manufactured.catalogue import NAMES
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.contact_work.judged_work import WorkOfContact

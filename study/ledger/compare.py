@@ -1,10 +1,14 @@
-"""What differs between two result directories, file by file and column by column."""
+"""Differences between two result directories (``study compare``), and between a file and its expected text."""
 
 from __future__ import annotations
 
+import csv
 import json
+import math
+import textwrap
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import Any
 
@@ -12,15 +16,16 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.ledger.datafiles import TEXT, DataError, line, made_by, read_csv
-from study.ledger.packing import Packed
+from study.ledger.datafiles import LEDGER, TEXT, DataError, line, made_by, read_csv
+from study.ledger.pictures import Packed
 
 IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
-"""Equal to the byte; nothing beyond the tolerance; something; in one directory only, and not by ``study run``."""
+"""States of a file: equal bytes; no difference beyond the tolerance; a larger difference; skipped, as only one
+directory has it and ``study run`` does not write it."""
 PROSE = {"statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law"}
-"""Columns for readers: other words in them are told, but nothing was measured or judged otherwise."""
+"""Columns of prose: their changes are listed, but do not count as differences of results."""
 LATER = ["key", "family", "window_low", "window_high"]
-"""Columns that data of earlier versions lack: no difference where only one directory has them."""
+"""Columns that data of earlier versions lack: no difference if only one directory has them."""
 KEYS = {
     "rates.csv": ("claim", "case", "family", "scheme", "level"),
     "equivalence.csv": ("case", "form", "level", "family"),
@@ -36,17 +41,17 @@ KEYS = {
     "sensitivity.csv": ("defect", "case", "family"),
     "seeds.csv": ("label", "key", "case"),
 }
-"""Columns that tell rows apart; those of ``NUMBERS``, enclosures and other files may share them, and keep an order."""
+"""Columns that tell rows apart. Rows of ``NUMBERS`` and enclosures may share them, and are compared in their order."""
 MAGNITUDES = {"equivalence.csv": ("displacement_gap", "stress_gap", "displacement_bound", "stress_bound")}
-"""Columns of which only the order of magnitude means something: it is decided by where a solver happens to stop."""
+"""Columns whose order of magnitude alone is compared, as it depends on where an iteration stops."""
 SAME_MAGNITUDE = 100.0
-"""Such numbers count as equal up to this factor; between two tolerances of the solver they differed by 100 at most."""
+"""Such numbers are equal up to this factor: between two tolerances of the solver they differed by at most 100."""
 KEYED = ("label", "key", "case", "family")
-"""Those of claims.csv where both directories have them."""
+"""Columns that tell the rows of claims.csv apart if both directories have them."""
 NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
-"""Numbers by which a row is found again whose words were changed."""
+"""Columns by which a row is matched again if its words were changed."""
 OF_CONTROLS = "controls.csv", "seeds.csv", "sensitivity.csv"
-"""Files that are not of ``study run``."""
+"""Files that ``study run`` does not write."""
 MOST = 2000
 
 
@@ -58,7 +63,7 @@ class Tolerance:
     absolute: float = 0.0
 
     def equates(self, a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
-        """Whether numbers count as equal; NaN does to NaN and an infinite number to itself, and to no other."""
+        """Return where numbers count as equal; NaN equals NaN, and an infinite number equals itself."""
         with np.errstate(all="ignore"):
             near = abs(a - b) <= self.absolute + self.relative * np.maximum(abs(a), abs(b))
         return (a == b) | (np.isnan(a) & np.isnan(b)) | (near & np.isfinite(a) & np.isfinite(b))
@@ -66,7 +71,7 @@ class Tolerance:
 
 @dataclass(frozen=True)
 class Difference:
-    """What differs in a column, or what only one file has.
+    """The differences in a column, or the rows that only one file has.
 
     Attributes:
         what: the column, the place in a picture, or "rows only in OLD" and the like.
@@ -85,7 +90,7 @@ class Difference:
 
 @dataclass(frozen=True)
 class FileDifference:
-    """What differs in one file, the most first; ``only`` is OLD or NEW if the other directory has no such file."""
+    """The differences in one file, largest first; ``only`` is OLD or NEW if the other directory has no such file."""
 
     name: str
     state: str
@@ -95,7 +100,7 @@ class FileDifference:
 
 @dataclass(frozen=True)
 class Comparison:
-    """What differs between two result directories."""
+    """The differences between two result directories."""
 
     old: Path
     new: Path
@@ -104,12 +109,12 @@ class Comparison:
 
     @property
     def verdicts(self) -> list[dict[str, Any]]:
-        """The cells of all verdicts that changed."""
+        """The cells of all changed verdicts."""
         return [cell for file in self.files for d in file.differences if d.what == "verdict" for cell in d.cells]
 
     @property
     def states(self) -> dict[str, int]:
-        """How many files are in which state."""
+        """State ↦ number of files."""
         states = [file.state for file in self.files]
         return {state: states.count(state) for state in (IDENTICAL, WITHIN, DIFFERS, LEFT_OUT)}
 
@@ -119,7 +124,7 @@ class Comparison:
 
 
 def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
-    """What differs between two result directories; DataError names what is missing or not what ``study run`` writes."""
+    """Return the differences between two result directories; DataError names a missing or damaged file."""
     names: set[str] = set()
     for directory in (old, new):
         data = directory / "data"
@@ -156,7 +161,7 @@ def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileD
 
 
 def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
-    """The same rows of two tables, and what is told of others; columns of both tables hold either words or numbers."""
+    """Return the common rows of two tables and notes on the others; a column has words or numbers in both tables."""
     key, numbers = KEYS.get(name, ()), NUMBERS.get(name, ())
     tables = [read_csv(directory, name, (*key, *numbers)) for directory in directories]
     columns = tables[0].columns.intersection(tables[1].columns)
@@ -193,7 +198,7 @@ def _refusal(directory: Path, name: str, what: str) -> DataError:
 
 
 def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
-    """Names of rows: the cells of a key, numbers with nine digits and −0 as 0, and the order of rows of one name."""
+    """Return names of rows: the cells of the key, numbers with nine digits, and a number for rows of the same name."""
     cells = [[v if isinstance(v, str) else f"{v + 0.0:.9g}" for v in table[column]] for column in key]
     joined = [", ".join(filter(None, row)) for row in zip(*cells, strict=True)] if key else ["row"] * len(table)
     names = pd.Series(joined, dtype=str)
@@ -210,7 +215,7 @@ def _picture(name: str, directory: Path) -> dict[str, pd.Series]:
 
 
 def _places(value: Any, place: str) -> Iterator[tuple[str, pd.Series]]:
-    """Arrays of numbers as large as they can be, and words, by their place and shape."""
+    """Yield (place and shape, values) of the largest arrays of numbers, and of words."""
     packed = isinstance(value, dict) and value.keys() == {"unit", "shape", "changes"}
     array = np.atleast_1d(Packed.read(value).values if packed else np.array(value, dtype=object))
     if any(isinstance(item, list | dict) for item in array.flat):
@@ -227,7 +232,7 @@ def _words(what: str, rows: Any, old: Any = "", new: Any = "", compared: int = 0
 
 
 def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance, rough: bool = False) -> Difference:
-    """What differs between cells of the same rows; words and whole numbers, such as levels, have no tolerance.
+    """Return the differences in a column; words and whole numbers, such as levels, have no tolerance.
 
     ``rough`` numbers are compared by their order of magnitude.
     """
@@ -247,3 +252,113 @@ def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance, rou
     largest = float(relative[i]) if relative[i] < np.inf else None
     cell = {"row": str(old.index[i]), "old": f"{a[i]:.15g}", "new": f"{b[i]:.15g}", "relative": largest}
     return Difference(what, len(a), int(changed.sum()), int(beyond.sum()), [cell])
+
+
+SHOWN_VERDICTS, SHOWN_ROWS, SHOWN_PLACES = 20, 5, 3
+"""How many changed verdicts, rows that only one directory has, and differences in a picture are shown."""
+
+
+def as_json(found: Comparison) -> dict[str, Any]:
+    """Return the comparison for JSON."""
+    head = {"differs": found.differs, "states": found.states, "verdicts": found.verdicts}
+    return {**head, **asdict(found), "old": str(found.old), "new": str(found.new)}
+
+
+def as_text(found: Comparison) -> str:
+    """Return the comparison as text of 80 columns: changed verdicts, a block for each file, and a summary."""
+    lines = (textwrap.fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in _lines(found))
+    return "\n".join(lines).replace("\u00a0", " ")
+
+
+def _lines(found: Comparison) -> Iterator[str]:
+    """Yield lines of any length."""
+    yield f"verdicts: {len(found.verdicts) or 'none'} changed"
+    yield from _listed(found.verdicts, SHOWN_VERDICTS)
+    yield ""
+    same = [file for file in found.files if file.state == IDENTICAL and "/" in file.name]
+    for file in found.files:
+        if file not in same:
+            yield f"{file.name}: {file.state}" + f", only in {file.only}" * bool(file.only)
+        for difference in file.differences[: SHOWN_PLACES if "/" in file.name else None]:
+            text = f"{difference.what}: {difference.differing}"
+            if difference.compared:
+                text += f" of {difference.compared} differ, {difference.beyond} beyond tolerance"
+            largest = difference.cells[0]["relative"]
+            yield f"  {text}" if largest is None else f"  {text}; largest {largest:.1e}"
+            yield from _listed(difference.cells, 1 if difference.compared else SHOWN_ROWS)
+    if same:
+        yield f"pictures/: {len(same)} {IDENTICAL}"
+    count, size = found.states, f"{found.tolerance.relative:g} relative + {found.tolerance.absolute:g}"
+    told = f"{count[IDENTICAL]} identical, {count[WITHIN]} within {size}, {count[DIFFERS]} differ"
+    yield ""
+    yield f"{len(found.files)} files: {told}, {count[LEFT_OUT]} left out"
+
+
+def _listed(cells: list[dict[str, Any]], most: int) -> Iterator[str]:
+    for cell in cells[:most]:
+        # Spaces at which no line ends.
+        change = f": {cell['old'] or 'nothing'}\u00a0→\u00a0{cell['new'] or 'nothing'}"
+        yield f"    {cell['row']}" + change * (cell["old"] != cell["new"])
+    if len(cells) > most > 1:
+        yield f"    and {len(cells) - most} more"
+
+
+ROUNDED = {name for name in LEDGER if name not in TEXT} - {"expected", "family"}
+"""Columns of ``claims.csv`` whose last digits depend on the machine."""
+ROUNDED_RTOL = 1e-6
+"""Relative difference that their numbers may have, as iterations stop at different places."""
+SHOWN_TEXT = 60
+"""Characters that are shown of a text."""
+
+
+def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -> str | None:
+    """Return where a file first differs from its expected text, in words: line, column, both texts; None if equal.
+
+    Args:
+        close: columns whose numbers may differ by rounding.
+    """
+    stands = path.read_text(encoding="utf-8", errors="replace")
+    if stands == expected:
+        return None
+    pairs = zip_longest(stands.split("\n"), expected.split("\n"))
+    head = next(csv.reader([expected.partition("\n")[0]])) if path.suffix == ".csv" else []
+    for number, (old, new) in enumerate(pairs, start=1):
+        if old != new and (said := _in_line(old, new, head, close)):
+            return f"{path}, line {number}{said}"
+    return None
+
+
+def _in_line(old: str | None, new: str | None, head: list[str], close: frozenset[str]) -> str:
+    """Return which column of a line differs; "" if only last digits do."""
+    if old is None or new is None:
+        return f": stands {_shown(old)}, would be {_shown(new)}"
+    if not head:
+        return f": stands {_shown(*_around(old, new))}, would be {_shown(*_around(new, old))}"
+    cells = zip_longest(head, *(next(csv.reader([text]), []) for text in (old, new)))
+    for name, a, b in cells:
+        if a != b and not (name in close and _close(a, b)):
+            return f", column {name}: stands {_shown(*_around(a, b))}, would be {_shown(*_around(b, a))}"
+    return ""
+
+
+def _around(text: str | None, other: str | None) -> tuple[str | None, int]:
+    """Return a text and the place where it begins to differ from another one."""
+    same = next((i for i, (a, b) in enumerate(zip(text or "", other or "", strict=False)) if a != b), 0)
+    return text, same
+
+
+def _shown(text: str | None, place: int = 0) -> str:
+    """Return a text, or the part around a place if it is long; "nothing" for no line."""
+    if text is None:
+        return "nothing"
+    start = max(0, place - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
+    part = text[start : start + SHOWN_TEXT]
+    return f"{'…' * (start > 0)}{part!r}{'…' * (start + SHOWN_TEXT < len(text))}"
+
+
+def _close(a: str | None, b: str | None) -> bool:
+    """Return whether two texts are numbers that differ by rounding."""
+    try:
+        return math.isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12)
+    except ValueError:
+        return False

@@ -1,4 +1,4 @@
-"""The commands and their options: nothing is imported here that takes time, so that ``--help`` answers at once."""
+"""The commands, their options and exit codes; imports nothing that takes time, so that ``--help`` answers at once."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ import os
 from importlib.metadata import version
 from pathlib import Path
 
+OK, FAILED, USAGE, INTERRUPTED, CLOSED = 0, 1, 2, 130, 141
+"""Exit codes: success; a claim does not hold, or an error; bad usage or input; Ctrl-C; broken pipe."""
 SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 MODES = ("frozen", "march")
 MINUTES = 60.0
-"""As long as ``study seeds`` draws new seeds."""
+"""How long ``study seeds`` draws new seeds by default."""
 TOLERANCE = 1e-12
 """Relative difference that ``study compare`` allows."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
@@ -26,7 +28,7 @@ STARTS_AGAIN = "no file is half-written, the same command begins anew"
 
 
 def parser() -> argparse.ArgumentParser:
-    """All commands; ``options.command`` is the module and the function that carries one out."""
+    """Return the parser of all commands; ``options.command`` are the module and the function of a command."""
     top = argparse.ArgumentParser(
         prog="study",
         description="Verify the claims of Barboteu, Han and Sofonea (2002), and bound the errors of your own problems.",
@@ -47,7 +49,7 @@ def parser() -> argparse.ArgumentParser:
     _check(add("check", "check", "compare data, verdicts and tables on disk with what they must be; nothing is solved"))
     _compare(add("compare", "compare", "which numbers and verdicts of two result directories differ, and by how much"))
     _spread(add("controls", "controls", "deliberate defects that the verdicts must catch; exit 0 all caught"))
-    _spread(add("sensitivity", "sensitivity", "the smallest relative defect of every piece that turns a row red"))
+    _spread(add("sensitivity", "controls", "the smallest relative defect of every piece that turns a row red"))
     seeds = add("seeds", "seeds", "how often chance turns the ledger red: judge fresh random meshes, add to the record")
     seeds.add_argument(
         "--minutes", type=_finite, default=MINUTES, metavar="M", help="how long (default 60; 0: only the table)"
@@ -187,7 +189,7 @@ def _json(command: argparse.ArgumentParser) -> None:
 
 
 def _orders(text: str) -> float | dict[str, float]:
-    """``2``, or ``L2=2,H1=1`` as name ↦ order."""
+    """Return ``2`` as a number, ``L2=2,H1=1`` as name ↦ order."""
     if "=" not in text:
         return _finite(text)
     pairs = [part.rpartition("=") for part in text.split(",")]
@@ -195,7 +197,7 @@ def _orders(text: str) -> float | dict[str, float]:
 
 
 def _finite(text: str) -> float:
-    """A number that is one."""
+    """Return a finite number."""
     value = float(text)
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"{text} is no finite number")
