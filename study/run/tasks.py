@@ -25,7 +25,7 @@ from study.statements.other_codes.tasks import Task
 FORMAT, VERSION = "contact-task", 1
 Data = dict[str, Any]
 MARGIN, DEPTH = 0.25, 0.25
-"""How much a meshed foundation extends beyond its face at each end, and how thick it is, over the length of the face."""
+"""How far a meshed foundation extends beyond its face, and its thickness, relative to the length of the face."""
 SUMS = "SHA256SUMS"
 DIGITS = 13
 """Decimal digits of the largest number of an array; smaller numbers have as many decimal places."""

@@ -8,52 +8,92 @@ import re
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from study.cli import check
 from study.cli.main import main
+from study.controls.record_check import compare_record
 from study.fem.cell_count import cell_count, size_of
 from study.fem.mesh import FAMILIES, MeshFamily, size
 from study.fem.naming import resolve
-from study.ledger.datafiles import write_csv
+from study.ledger.datafiles import DataError, write_csv
 from study.ledger.files import write_text
+from study.present import tables
+from study.present.expected import expected_texts
+from study.run.check import verify
+from study.run.judgement import verdicts
+from study.run.provenance import compare_sums
 
 ROOT = Path(__file__).parents[2]
 Edit = Callable[[Path], None]
 
 
-@pytest.fixture
-def own(made: Path, tmp_path: Path) -> Path:
-    """A copy of the small run that may be edited."""
-    return copied(made, tmp_path)
-
-
-@pytest.fixture(scope="module")
-def beside_codes(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The small run with what other codes did, as it must be; tests only read it."""
-    directory: Path = tmp_path_factory.mktemp("codes")
-    shutil.copytree(ROOT / "results" / "codes", copied(made, directory) / "codes")
-    assert main(["check", "--out", str(directory / "results")]) == 0
-    return directory
+@contextmanager
+def restored(directory: Path) -> Iterator[Path]:
+    """Yield a directory whose files have their present contents again afterwards."""
+    before = {path: path.read_bytes() for path in directory.rglob("*") if path.is_file()}
+    yield directory
+    for path in {path for path in directory.rglob("*") if path.is_file()} - {*before}:
+        path.unlink()
+    for path, content in before.items():
+        if not path.is_file() or path.read_bytes() != content:
+            path.write_bytes(content)
 
 
 def copied(made: Path, directory: Path) -> Path:
-    """The data of a run in a directory, with the file of its case beside them."""
+    """Copy the data of a small run, with the file of its case next to them; returns the directory of the run."""
     shutil.copytree(made, directory, dirs_exist_ok=True, ignore=shutil.ignore_patterns("jobs", "figures"))
+    return directory / "results"
+
+
+@pytest.fixture(scope="module")
+def copy_of_own(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return copied(made, tmp_path_factory.mktemp("own"))
+
+
+@pytest.fixture
+def own(copy_of_own: Path) -> Iterator[Path]:
+    """A copy of the small run that may be edited."""
+    with restored(copy_of_own.parent):
+        yield copy_of_own
     resolve.cache_clear()
+
+
+@pytest.fixture(scope="module")
+def copy_with_codes(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The small run with the committed results of other codes, which passes."""
+    directory = copied(made, tmp_path_factory.mktemp("codes"))
+    shutil.copytree(ROOT / "results" / "codes", directory / "codes")
+    assert main(["check", "--out", str(directory)]) == 0
+    return directory
+
+
+@pytest.fixture(scope="module")
+def copy_of_committed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A copy of the committed run, with the README and the pyproject.toml above it."""
+    directory: Path = tmp_path_factory.mktemp("committed")
+    shutil.copytree(ROOT / "results", directory / "results", ignore=shutil.ignore_patterns("jobs"))
+    for name in ("README.md", "pyproject.toml"):
+        shutil.copy(ROOT / name, directory)
     return directory / "results"
 
 
 @pytest.fixture
-def committed(tmp_path: Path) -> Path:
-    """A copy of the committed run that may be edited, with the README and the pyproject.toml above it."""
-    shutil.copytree(ROOT / "results", tmp_path / "results", ignore=shutil.ignore_patterns("jobs"))
-    for name in ("README.md", "pyproject.toml"):
-        shutil.copy(ROOT / name, tmp_path)
-    return tmp_path / "results"
+def committed(copy_of_committed: Path) -> Iterator[Path]:
+    """A copy of the committed run that may be edited."""
+    with restored(copy_of_committed.parent):
+        yield copy_of_committed
+
+
+@pytest.fixture(scope="module")
+def committed_texts(copy_of_committed: Path) -> dict[Path, tuple[str, str]]:
+    """What ``study check`` expects in the tables, captions, badges and README of the committed run."""
+    return expected_texts(copy_of_committed)
 
 
 def texts(path: Path) -> pd.DataFrame:
@@ -198,13 +238,36 @@ EDITS: dict[str, tuple[Edit, str]] = {
 }
 
 
+Part = Callable[[Path], object]
+
+
+def verdicts_as_written(directory: Path) -> None:
+    """The part of ``study check`` that compares the ledger and tables with what would be written now."""
+    check.as_written(directory, verdicts(directory))
+
+
+def assert_refused(part: Part, directory: Path, message: str) -> None:
+    with pytest.raises(DataError) as told:
+        part(directory)
+    assert re.search(message, str(told.value)), str(told.value)
+
+
 @pytest.mark.parametrize("name", EDITS)
-def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_an_edit_is_refused_by_file_line_and_column(name: str, own: Path) -> None:
     change, message = EDITS[name]
     change(own)
-    told = refusal(own, capsys)
-    assert re.search(message, told), told
-    assert "Traceback" not in told
+    assert_refused(verdicts_as_written if "claims.csv" in message else verify, own, message)
+
+
+@pytest.mark.parametrize("part", ["verify", "verdicts", "compare_sums", "compare_record", "as_written"])
+def test_the_command_refuses_what_one_of_its_parts_refuses(
+    part: str, own: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuse(*_: object) -> None:
+        raise DataError(f"{part} says no")
+
+    monkeypatch.setattr(check, part, refuse)
+    assert f"study: {part} says no" in refusal(own, capsys)
 
 
 ERRORS, CLASSES = "../codes/errors.csv", "../codes/classes.csv"
@@ -246,68 +309,102 @@ CODES: dict[str, tuple[Edit, str]] = {
 
 
 @pytest.mark.parametrize("name", CODES)
-def test_an_edit_of_what_other_codes_did_is_refused(
-    name: str, beside_codes: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    own = copied(beside_codes, tmp_path)
+def test_an_edit_of_the_results_of_other_codes_is_refused(name: str, copy_with_codes: Path) -> None:
     change, message = CODES[name]
-    change(own)
-    told = refusal(own, capsys)
-    assert re.search(message, told), told
+    with restored(copy_with_codes / "codes"):
+        change(copy_with_codes)
+        assert_refused(verify, copy_with_codes, message)
 
 
-COMMITTED: dict[str, tuple[Edit, str]] = {
+def tables_as_written(directory: Path) -> None:
+    """The part of ``study check`` that compares tables with what would be written now."""
+    check.compare_texts({path: (text, "study tables") for path, text in tables.texts(directory).items()})
+
+
+COMMITTED: dict[str, tuple[Part | None, Edit, str]] = {
     "a twin removed": (
+        verify,
         edit(CASES, "twin", to(""), "case == 'rotated'"),
         r"cases.csv, line \d+, column twin: stands '', would be 'advance-recede'",
     ),
     "errors of enclosures times 100": (
+        verify,
         edit("enclosures.csv", "error", times(100)),
         r"bounds.csv, line 2, column error: stands .*, the largest over its times in enclosures.csv",
     ),
     "a bound that its course does not reach": (
+        verify,
         edit("bounds.csv", "above", times(0.9), rows=1),
         r"bounds.csv, line 2, column above: stands",
     ),
     "an error where none is known": (
+        verify,
         edit("bounds.csv", "error", to("1"), "case == 'ramp'", 1),
         r"bounds.csv, line \d+, column error: stands 1.*, expected nothing, as the solution is unknown",
     ),
     "the order of a problem": (
+        verify,
         edit("bounds.csv", "expected_order", to("0.5"), "case == 'advance-recede'", 1),
         r"bounds.csv, line \d+, column expected_order: stands 0.5, expected 1",
     ),
     "meshes that are not shaken": (
+        verify,
         unshaken,
         r"rates.csv, line \d+, column error: stands .*, expected another number than on the meshes of another family",
     ),
-    "a row of statements twice": (twice("statements.csv"), r"statements.csv, line \d+: .* stands in line 3 already"),
-    "a word in a statement": (edit("statements.csv", "value", to("x"), rows=1), r"statements.csv, line 2, column va"),
-    "a mesh size of a statement": (edit("statements.csv", "h", times(3), rows=1), r"statements.csv, line 2, column h"),
+    "a row of statements twice": (
+        verify,
+        twice("statements.csv"),
+        r"statements.csv, line \d+: .* stands in line 3 already",
+    ),
+    "a word in a statement": (
+        verify,
+        edit("statements.csv", "value", to("x"), rows=1),
+        r"statements.csv, line 2, column va",
+    ),
+    "a mesh size of a statement": (
+        verify,
+        edit("statements.csv", "h", times(3), rows=1),
+        r"statements.csv, line 2, column h",
+    ),
     "a table": (
+        None,
         lambda directory: (directory / "tables" / "rates.md").write_text("# rates\n", encoding="utf-8"),
         r"rates.md, line 1: stands '# rates', would be .*: `study tables --out",
     ),
     "a number of the article": (
+        None,
         lambda directory: shutil.copy(ROOT / "README.md", directory / "article" / "numbers.tex"),
         r"numbers.tex, line 1: stands",
     ),
     "a line of a course in time deleted": (
+        compare_sums,
         shortened("data/enclosures.csv", 9),
         r"data/enclosures.csv was changed after the run that wrote it: restore it, or make it again with `study run",
     ),
     "a number of a picture": (
+        compare_sums,
         shortened("data/pictures/hexagon.json", 0),
         r"hexagon.json was changed after the run that wrote it",
     ),
-    "a line of the defects deleted": (shortened("data/controls.csv", 40), r"tables/controls.\w+, line \d+"),
+    "a line of the defects deleted": (
+        tables_as_written,
+        shortened("data/controls.csv", 40),
+        r"tables/controls.\w+, line \d+",
+    ),
     "a line of the seeds deleted": (
+        compare_record,
         shortened("data/seeds.csv", 40),
         r"seeds.csv, line 41, .*: `study seeds",
     ),
-    "a badge": (shortened("badges/ledger.svg", 1), r"ledger.svg, line 2: stands .*: `make pages` writes it again"),
-    "a caption": (shortened("figures/growth.txt", 0), r"growth.txt, line 1: stands .*: `study figures"),
+    "a badge": (
+        None,
+        shortened("badges/ledger.svg", 1),
+        r"ledger.svg, line 2: stands .*: `make pages` writes it again",
+    ),
+    "a caption": (None, shortened("figures/growth.txt", 0), r"growth.txt, line 1: stands .*: `study figures"),
     "a number of the README": (
+        None,
         lambda directory: replace_in(directory.parent / "README.md", "orders", "order", "<!-- headline -->"),
         r"README.md, line \d+: stands .*: `make pages` writes it again",
     ),
@@ -316,28 +413,25 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
 
 @pytest.mark.parametrize("name", COMMITTED)
 def test_an_edit_of_the_committed_run_is_refused(
-    name: str, committed: Path, capsys: pytest.CaptureFixture[str]
+    name: str, committed: Path, committed_texts: dict[Path, tuple[str, str]]
 ) -> None:
-    change, message = COMMITTED[name]
+    """Texts for readers follow from data: those of the unedited run are compared with the edited file."""
+    part, change, message = COMMITTED[name]
     change(committed)
-    told = refusal(committed, capsys)
-    assert re.search(message, told), told
+    assert_refused(part or (lambda _: check.compare_texts(committed_texts)), committed, message)
 
 
-def test_the_committed_run_is_what_it_must_be(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["check", "--out", str(ROOT / "results")]) == 0
-    told = " ".join(capsys.readouterr().out.split())
+def test_the_committed_run_passes_and_every_file_is_compared_or_named(
+    committed: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A file of an unknown kind is named, too."""
+    write_text(committed / "new" / "kind.dat", "?")
+    told = " ".join(refusal(committed, capsys, code=0).split())
     assert re.search(
         r"\d+ rows in \d files are those of the \d+ measurements planned; \d+ relations hold in all of them; "
         r"predictions of 30 cases; \d+ verdicts and \d+ files stand as they would be written",
         told,
     )
-
-
-def test_every_file_is_compared_or_named(committed: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """A file of a kind that nobody thought of is named by itself."""
-    write_text(committed / "new" / "kind.dat", "?")
-    told = refusal(committed, capsys, code=0)
     named = {word.rstrip(";") for word in told.partition("not checked")[2].split()}
     in_part = {word.rstrip(";") for word in told.partition("checked in part")[2].partition("not checked")[0].split()}
     everything = {path.name for path in committed.rglob("*") if path.is_file() and path.name != ".lock"}

@@ -257,7 +257,7 @@ STUDY = [sys.executable, "-c", "import sys; from study.cli.main import main; sys
 def planned(tmp_path: Path, *arguments: str) -> Scope:
     """The scope of a run, whose provenance is written as if it were finished."""
     options = parser().parse_args(["run", *arguments])
-    scope = run.with_levels_of(tmp_path, run.chosen(options))
+    scope = run.with_levels_of(tmp_path, run.scope_from_options(options))
     write_text(tmp_path / "data" / "provenance.json", json.dumps(provenance(Plan.of(scope), tmp_path)))
     return scope
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import gc
 import shlex
 import subprocess
 import sys
@@ -12,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import sympy as sp
-from study.ledger.garbage import imported
 
 import manufactured
 from manufactured import BodyError, Data, FormulaError, KelvinVoigt, Kind, LawError, isotropic, polygon, unit_square
@@ -23,7 +21,7 @@ from study.cli.main import main
 from study.cli.options import FAMILIES as FAMILY_NAMES
 from study.cli.options import SCHEMES as SCHEME_NAMES
 from study.cli.options import TOLERANCE, USAGE, parser
-from study.cli.run import PLACES, chosen, on_finer_meshes
+from study.cli.run import PLACES, on_finer_meshes, scope_from_options
 from study.fem.mesh import FAMILIES
 from study.ledger.compare import Tolerance
 from study.ledger.files import UsageError
@@ -230,7 +228,7 @@ def test_too_few_levels_are_named_before_anything_is_measured(
 def test_finer_meshes_are_one_line_to_copy(file: Path) -> None:
     options = parser().parse_args(["run", "--case", f"{file}:front", "--levels", "8", "16", "32", "--step", "0.01"])
     options.out = Path("build/a case")
-    line = on_finer_meshes(options, chosen(options), options.out)
+    line = on_finer_meshes(options, scope_from_options(options), options.out)
     assert line == (f"study run --case {file}:front --levels 16 32 64 --step 0.01 --out 'build/a case-finer'")
     assert parser().parse_args(shlex.split(line)[1:]).levels == [16, 32, 64]
 
@@ -280,14 +278,3 @@ One default is another: a ``run`` without ``--full`` and ``--out`` went to ``res
 def test_commands_of_the_first_round_mean_what_they_meant(command: str) -> None:
     options = vars(parser().parse_args(command.split()))
     assert {name: options[name] for name in FIRST[command]} == FIRST[command]
-
-
-def test_commands_are_imported_without_a_search_for_garbage_which_goes_on_afterwards(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "made_of_small_objects.py").write_text("import gc\n\nSEARCHED = gc.isenabled()\n", encoding="utf-8")
-    monkeypatch.syspath_prepend(tmp_path)
-    module = imported("made_of_small_objects")
-    assert not module.SEARCHED
-    assert gc.isenabled()
-    assert imported("made_of_small_objects") is module
