@@ -144,13 +144,6 @@ def test_a_law_of_another_dimension_than_the_body_is_refused_in_words(
         Data.formulas(unit_square(), solid, f0=(0, 0))
 
 
-def test_a_time_step_that_nobody_would_wait_for_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    told = refused(capsys, "run", "--case", "corner", "--step", "1e-12", "--out", str(tmp_path))
-    assert "1e+12 time steps are asked for, at most 1e+06 are taken; make them longer" in told
-    told = refused(capsys, "bound", "ramp", "--steps", "10000000", "--out", str(tmp_path))
-    assert "4e+07 time steps" in told
-
-
 def test_a_body_too_thin_to_compute_with_is_refused() -> None:
     sides = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED]
     polygon([(0, 0), (3, 0), (3, 0.01), (0, 0.01)], sides)
