@@ -1,4 +1,4 @@
-"""``study bound --adapt``: meshes and steps that follow the bound down to a tolerance; resumes where it was stopped."""
+"""``study bound --adapt``: refine mesh and time steps until the bound is at most a tolerance; resumes after Ctrl-C."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
-    """Compute, bound, refine, write every mesh as it is done; 0 if the tolerance is reached, 1 if a limit is."""
+    """Compute, bound and refine, and write each mesh; 0 if the tolerance is reached, 1 if a limit is reached first."""
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     level = min(options.levels)
@@ -44,7 +44,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     with store.locked():
         while True:
             number = len(kept)
-            # The meshes before decide on this one; the tolerance only says when to stop.
+            # The tolerance is not part of the key: it only decides when to stop.
             made_by = of_problem(data, case, (family, level, options.steps, scheme, number))
             kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
             rows = adaptive.table([one["row"] for one in kept])
@@ -67,7 +67,7 @@ def do_adapt(options: argparse.Namespace) -> int:
 
 
 def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
-    """What is kept of a mesh, from disk or computed."""
+    """Return the record of a mesh, from disk or computed."""
     key = f"adapted-{number}"
     kept = store.load(key, made_by) if adaptive.stage_file(store.directory, number).is_file() else None
     if kept is not None:
@@ -80,7 +80,7 @@ def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapte
 
 
 def _limit(stage: Stage, cells: int) -> str:
-    """Why the next mesh is not taken; empty if it is."""
+    """Return why the next mesh is not computed; "" if it is."""
     if stage.cells > cells:
         return f"the next mesh has {stage.cells} cells, and {cells} are allowed: raise --cells or the tolerance"
     if stage.steps > MOST:
@@ -95,6 +95,6 @@ def _limit(stage: Stage, cells: int) -> str:
 
 
 def _uniform(directory: Path) -> pd.DataFrame:
-    """``levels.csv`` of ``study bound`` for the same problem, if there is one."""
+    """Return ``levels.csv`` of ``study bound`` for the same problem; empty if there is none."""
     file = directory / "levels.csv"
     return pd.read_csv(file) if file.is_file() else pd.DataFrame()

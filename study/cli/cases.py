@@ -1,4 +1,4 @@
-"""``study cases``: the exact solutions."""
+"""``study cases``: list the exact solutions."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ INDENT = 4 * " "
 
 
 def do_cases(options: argparse.Namespace) -> int:
-    """``study cases``."""
+    """List the exact solutions."""
     lines = [describe(case) for case in catalogue()]
     if options.json:
         print(json.dumps(lines, indent=2))

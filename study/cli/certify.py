@@ -1,4 +1,4 @@
-"""``study certify``: compute, write certificates, check them."""
+"""``study certify``: compute certificates, write them, and check them."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ from study.statements.shared import estimates
 
 
 def do_certify(options: argparse.Namespace) -> int:
-    """``study certify``: one certificate for each level, and what the checker finds in them."""
+    """Write one certificate for each level; returns the exit code of the checker."""
     name, data, _ = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
     making = Making(data, family, scheme, refined)
     making.check()
-    # Before the meshes are made, on which it is looked whether they fit.
+    # Before check_bound makes meshes.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)

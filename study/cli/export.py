@@ -1,4 +1,4 @@
-"""``study export``: tasks for other people's codes."""
+"""``study export``: contact problems as files for other codes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from study.statements.shared import estimates
 
 
 def do_export(options: argparse.Namespace) -> int:
-    """``study export``."""
+    """Write a task for each mesh family and level."""
     case = resolve(options.case)
     wanted = [(family_named(name), level) for name in options.family for level in options.levels]
     _check(options, case)
@@ -55,7 +55,7 @@ def _instants(options: argparse.Namespace, case: Case) -> list[float]:
 
 
 def _check_mesh(options: argparse.Namespace, task: Task) -> None:
-    """Refuse a mesh that is too large or does not fit the parts of the body."""
+    """Refuse a mesh that needs too much memory or does not fit the boundary parts of the body."""
     steps = (options.steps or task.level) if options.mode == "march" else len(_instants(options, task.case))
     need = estimates.task(task.solution.body.dim, task.level, task.family.name, steps)
     require(f"level {task.level}", need, available())
@@ -63,7 +63,7 @@ def _check_mesh(options: argparse.Namespace, task: Task) -> None:
 
 
 def _check(options: argparse.Namespace, case: Case) -> None:
-    """Refuse, before the directory is marked, what cannot be written."""
+    """Refuse bad options before anything is written."""
     if min(options.levels) < 2:
         raise UsageError(f"--levels must be 2 or more, got {min(options.levels)}")
     if options.mode == "march" and options.instants:

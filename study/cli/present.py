@@ -17,7 +17,7 @@ from study.run.store import Store
 
 
 def do_tables(options: argparse.Namespace) -> int:
-    """``study tables``: the verdicts and what shows them."""
+    """Judge the data and write the tables."""
     read_provenance(options.out)
     with Store(options.out).steady():
         judge(options.out)
@@ -26,14 +26,14 @@ def do_tables(options: argparse.Namespace) -> int:
 
 
 def do_report(options: argparse.Namespace) -> int:
-    """``study report``."""
+    """Write the report page."""
     with Store(options.out).steady():
         print(write_report(options.out, read_provenance(options.out)))
     return OK
 
 
 def do_figures(options: argparse.Namespace) -> int:
-    """``study figures``."""
+    """Draw all figures."""
     check_jobs(options.jobs)
     read_provenance(options.out)
     with Processes(options.jobs) as executor, Store(options.out).steady():

@@ -18,7 +18,7 @@ from study.orders.values import GridConvergence, grid_convergence
 
 
 def do_rates(options: argparse.Namespace) -> int:
-    """``study rates``."""
+    """Print observed orders or grid convergence indices; 1 if an expected order is missed."""
     expected, at_least = _wishes(options.expected), _wishes(options.at_least)
     columns = options.columns.split(",") if options.columns else None
     if options.dim is not None and not 1 <= options.dim <= 3:
@@ -55,7 +55,7 @@ def do_rates(options: argparse.Namespace) -> int:
 
 
 def _values(indices: dict[str, GridConvergence], as_json: bool) -> str:
-    """Order, extrapolated value and grid convergence index of each quantity."""
+    """Return order, extrapolated value and grid convergence index of each quantity as text."""
     if as_json:
         entries = [{"name": name} | asdict(found) for name, found in indices.items()]
         return json.dumps(
@@ -71,7 +71,7 @@ def _values(indices: dict[str, GridConvergence], as_json: bool) -> str:
 
 
 def _read(file: Path) -> bytes:
-    """The bytes of a file, of a pipe, or of standard input for ``-``."""
+    """Return the bytes of a file, of a pipe, or of standard input for ``-``."""
     if str(file) == "-":
         return sys.stdin.buffer.read(MAX_BYTES + 1)
     if file.is_dir():
@@ -83,7 +83,7 @@ def _read(file: Path) -> bytes:
 
 
 def _wishes(wanted: float | dict[str, float] | None) -> dict[str, float]:
-    """Name ↦ order; the empty name stands for all columns."""
+    """Return name ↦ order; the empty name stands for all columns."""
     return wanted if isinstance(wanted, dict) else {} if wanted is None else {"": wanted}
 
 

@@ -1,4 +1,4 @@
-"""``study show``: solve once, draw, write for ParaView."""
+"""``study show``: solve a case on one mesh, draw it, write files for ParaView."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from study.run.store import Store
 
 
 def do_show(options: argparse.Namespace) -> int:
-    """``study show``: solve once, draw, write for ParaView."""
+    """Solve a case on one mesh, draw it, write files for ParaView."""
     case = resolve(options.case)
     level = LEVELS[case.solution.body.dim] if options.level is None else options.level
     if level < 2:

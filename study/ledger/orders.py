@@ -18,7 +18,7 @@ class RatesError(ValueError):
 
 
 def orders(h: Array, error: Array) -> Array:
-    """log(e_i/e_{i+1}) / log(h_i/h_{i+1}) of consecutive levels, (levels − 1,).
+    """Return the observed orders log(e_i/e_{i+1}) / log(h_i/h_{i+1}) of consecutive levels, (levels − 1,).
 
     Raises:
         RatesError: sizes that do not decrease, or errors that are not positive and finite.
@@ -33,7 +33,7 @@ def orders(h: Array, error: Array) -> Array:
 
 @dataclass(frozen=True)
 class Fit:
-    """log e = log C + p log h by least squares: p and its Student interval at 95 %, infinite for two levels."""
+    """The observed order p in log e = log C + p log h by least squares, with its Student interval at 95 %."""
 
     order: float
     low: float
@@ -41,24 +41,24 @@ class Fit:
 
 
 def fit(h: Array, error: Array) -> Fit:
-    """Least-squares order with its interval; at least two levels.
+    """Return the observed order by least squares; its interval is infinite for two levels.
 
     Raises:
         RatesError: as ``orders``.
     """
     orders(h, error)
     if len(h) < 3:
-        slope = float(orders(h, error)[-1])
-        return Fit(slope, -np.inf, np.inf)
+        order = float(orders(h, error)[-1])
+        return Fit(order, -np.inf, np.inf)
     # ``scipy.stats`` has this, and takes half a second to import.
     (xx, xy), (_, yy) = np.cov(np.log(h), np.log(error), bias=True)
-    slope, free = float(xy / xx), len(h) - 2
+    order, free = float(xy / xx), len(h) - 2
     half = float(stdtrit(free, (1 + CONFIDENCE) / 2) * np.sqrt(max(xx * yy - xy**2, 0.0) / free) / xx)
-    return Fit(slope, slope - half, slope + half)
+    return Fit(order, order - half, order + half)
 
 
 def weighted_order(h: Array, error: Array, power: float) -> float:
-    """The least-squares order with weights h^−power, the best linear one where log e_i has a variance ~ h_i^power.
+    """Return the observed order by least squares with weights h^−power, optimal if log e_i has a variance ~ h_i^power.
 
     Raises:
         RatesError: as ``orders``.
@@ -70,10 +70,10 @@ def weighted_order(h: Array, error: Array, power: float) -> float:
 
 
 def limit(h: Array, error: Array, order: float) -> float:
-    """e∞ in e = e∞ + C h^p for the given p, over the geometric mean of the two finest errors.
+    """Return e∞ in e = e∞ + C h^p for a given p, divided by the geometric mean of the two finest errors.
 
-    The place of a front within its cell alternates from level to level. So two points are extrapolated: the
-    geometric means (of h and of e) over the two finest levels and over the two before them.
+    The position of a front within its cell alternates from level to level. So two points are extrapolated: the
+    geometric means of h and of e over the two finest levels and over the two levels before them.
     """
     x, e = (np.exp(np.log(np.asarray(v, dtype=float)[-4:]).reshape(2, 2).mean(axis=1)) for v in (h, error))
     x = x**order

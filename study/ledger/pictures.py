@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Numbers = NDArray[np.int64]
 STEPS = 999
-"""Multiples of the unit up to the largest value: three digits, a tenth of a pixel in a picture of a body."""
+"""Number of units in the largest value: three digits, a tenth of a pixel in a picture of a body."""
 FINE = 32_000
-"""For values of which the signs and digits are read, not only seen: as many as 16 bits hold."""
+"""Number of units for values that are read as numbers: as many as 16 bits hold."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +24,7 @@ class Packed:
     """Values over time, rounded to multiples of a unit.
 
     Attributes:
-        unit: the largest absolute value / steps; 1 where all vanish.
+        unit: the largest absolute value / steps; 1 if all values are zero.
         multiples: the values / unit, between −steps and steps, (times, ...).
     """
 
@@ -33,7 +33,7 @@ class Packed:
 
     @classmethod
     def of(cls, values: NDArray[np.float64], steps: int = STEPS) -> Packed:
-        """Values over time, (times, ...), to within half a unit; ``steps`` is STEPS or FINE."""
+        """Return values over time, (times, ...), rounded to units; ``steps`` is STEPS or FINE."""
         unit = float(f"{np.max(np.abs(values), initial=0.0) / steps:.6g}") or 1.0
         return cls(unit, np.round(values / unit).astype(np.int16))
 
@@ -43,7 +43,7 @@ class Packed:
         return self.unit * self.multiples.astype(np.float64)
 
     def record(self) -> dict[str, Any]:
-        """For a JSON file: the first time and then the changes, as they compress to a third."""
+        """Return the content of a JSON file: differences in time, compressed, as base-64 text for the report page."""
         changes = np.diff(self.multiples, axis=0, prepend=np.int16(0)).astype("<i2")
         return {
             "unit": self.unit,
@@ -53,10 +53,10 @@ class Packed:
 
     @classmethod
     def read(cls, record: Mapping[str, Any]) -> Packed:
-        """What ``record`` made.
+        """Return the values from the content of a JSON file.
 
         Raises:
-            KeyError, TypeError, ValueError: it was not made so.
+            KeyError, TypeError, ValueError: the content is damaged.
         """
         try:
             content = zlib.decompress(b64decode(record["changes"], validate=True))
@@ -67,7 +67,7 @@ class Packed:
 
 
 def short(values: NDArray[np.float64]) -> Any:
-    """Lists of numbers with four significant digits: what a figure can show."""
+    """Return nested lists of numbers with four significant digits, as many as a figure can show."""
     return np.vectorize(lambda v: float(f"{v:.4g}"), otypes=[float])(values).tolist()
 
 
