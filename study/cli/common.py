@@ -1,4 +1,4 @@
-"""Shared by the commands: progress, measuring a plan, drawing, lists of files."""
+"""Shared by the commands: progress, drawing, lists of files."""
 
 from __future__ import annotations
 
@@ -10,11 +10,7 @@ from tqdm import tqdm
 
 from study.ledger.files import UsageError
 from study.present.figures import Drawing, draw_figures
-from study.run.executor import Pool, Processes, execute
-from study.run.plan import Plan
-from study.run.provenance import refuse_to_replace
-from study.run.results import collect
-from study.run.store import Store
+from study.run.executor import Processes
 
 
 def check_jobs(jobs: int) -> None:
@@ -27,16 +23,6 @@ def progress_bar(total: int) -> tqdm:
     """Return a progress bar on standard error, with fewer lines if that is no terminal."""
     pause = 0.5 if sys.stderr.isatty() else 10
     return tqdm(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{remaining}", mininterval=pause)
-
-
-def measure(plan: Plan, store: Store, pool: Pool) -> None:
-    """Run the jobs of a plan that a directory lacks, and write its data files."""
-    refuse_to_replace(plan, store.directory)
-    store.check()
-    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
-        bar.set_description(f"{len(plan.jobs)} jobs")
-        execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
-        collect(plan, store)
 
 
 def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:

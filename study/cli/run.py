@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from study.cli.common import check_jobs, draw, listed, measure
+from study.cli.common import check_jobs, draw, listed, progress_bar
 from study.cli.options import FAILED, OK
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
@@ -20,10 +20,11 @@ from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
 from study.run.cluster import connected
-from study.run.executor import Pool, Processes, refuse_too_large, unfinished
+from study.run.executor import Pool, Processes, execute, refuse_too_large, unfinished
 from study.run.judgement import judge
 from study.run.plan import Plan, full, quick
-from study.run.provenance import read_provenance
+from study.run.provenance import read_provenance, refuse_to_replace
+from study.run.results import collect
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
 from study.statements.own_cases import TRY, enough, finer, least_levels
@@ -65,6 +66,16 @@ def do_run(options: argparse.Namespace) -> int:
     if any(TRY in verdict.expected for verdict in verdicts):
         print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
     return OK if all_pass(verdicts) else FAILED
+
+
+def measure(plan: Plan, store: Store, pool: Pool) -> None:
+    """Run the jobs of a plan that a directory lacks, and write its data files."""
+    refuse_to_replace(plan, store.directory)
+    store.check()
+    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
+        bar.set_description(f"{len(plan.jobs)} jobs")
+        execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
+        collect(plan, store)
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:

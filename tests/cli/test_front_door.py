@@ -53,9 +53,12 @@ def refused(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 def test_a_name_with_a_slip_is_answered_with_the_nearest_one(
     capsys: pytest.CaptureFixture[str], tmp_path: Path
 ) -> None:
-    told = refused(capsys, "run", "--case", "hexgon", "--out", str(tmp_path))
+    out = tmp_path / "out"
+    told = refused(capsys, "run", "--case", "hexgon", "--out", str(out))
     assert "unknown case 'hexgon'; did you mean hexagon? All: full-contact" in told
-    assert "did you mean midpoint?" in refused(capsys, "run", "--scheme", "midpiont", "--out", str(tmp_path))
+    assert "did you mean midpoint?" in refused(capsys, "run", "--scheme", "midpiont", "--out", str(out))
+    assert "midpoint" in refused(capsys, "run", "--scheme", "rk4", "--out", str(out))
+    assert not out.exists()
 
 
 @pytest.mark.parametrize("name", ["", ":pach"])
