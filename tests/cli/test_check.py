@@ -318,7 +318,8 @@ def test_an_edit_of_the_results_of_other_codes_is_refused(name: str, copy_with_c
 
 def tables_as_written(directory: Path) -> None:
     """The part of ``study check`` that compares tables with what would be written now."""
-    check.compare_texts({path: (text, "study tables") for path, text in tables.texts(directory).items()})
+    texts = tables.texts(directory).items()
+    check.compare_texts({path: (text, "study tables") for path, text in texts if path.is_file()})
 
 
 COMMITTED: dict[str, tuple[Edit, str]] = {
