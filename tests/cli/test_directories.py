@@ -125,7 +125,7 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done(
 def test_two_commands_on_one_directory_are_refused_by_name(
     command: list[str], folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    of = "task_files import TaskStore as" if command[0] == "export" else "store import"
+    of = "tasks import TaskStore as" if command[0] == "export" else "store import"
     lock = f"import sys; from pathlib import Path; from study.run.{of} Store\n"
     lock += "with Store(Path(sys.argv[1])).locked(): print('locked', flush=True); sys.stdin.read()"
     other = subprocess.Popen(
