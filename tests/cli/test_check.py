@@ -475,10 +475,9 @@ def test_check_writes_nothing(own: Path, capsys: pytest.CaptureFixture[str]) -> 
     }
 
 
-@pytest.mark.parametrize("encoding", ["ascii", "cp1252"])
-def test_a_terminal_without_the_letters_of_mathematics_is_no_reason_to_fail(own: Path, encoding: str) -> None:
+def test_the_check_passes_on_a_terminal_without_the_letters_of_mathematics(own: Path) -> None:
     command = [sys.executable, "-c", "import sys; from study.cli.main import main; sys.exit(main())"]
-    environment = {**os.environ, "PYTHONIOENCODING": encoding, "PYTHONUTF8": "0"}
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii", "PYTHONUTF8": "0"}
     done = subprocess.run([*command, "check", "--out", str(own)], env=environment, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr
     assert rb"\u2016" in done.stdout
