@@ -15,7 +15,7 @@ from study.run.provenance import provenance
 from study.run.store import Store
 from study.run.sums import SUMS, sums_of
 from study.statements import STATEMENTS
-from study.statements.enclosure.courses import ENCLOSURES
+from study.statements.enclosure import ENCLOSURES
 
 
 def collect(plan: Plan, store: Store) -> None:

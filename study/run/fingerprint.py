@@ -24,7 +24,7 @@ from manufactured.data import Data
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named
 from study.run.code import code_of, code_of_all
-from study.statements.enclosure.bound_rows import posed
+from study.statements.enclosure import posed
 from study.statements.shared.base import Setting, Statement
 
 PACKAGES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")

@@ -15,9 +15,9 @@ from study.run.collect import data_files
 from study.run.measured import read_tables
 from study.run.provenance import Complete, read_provenance
 from study.statements import STATEMENTS
-from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
+from study.statements.enclosure import BOUNDS, ENCLOSURES
 from study.statements.own_cases import judge_own
-from study.statements.prop_5_4.sweep import RATES
+from study.statements.prop_5_4 import RATES
 from study.statements.shared.base import LISTED, REPORTED, Statement
 from study.statements.unmeasured import Listed
 

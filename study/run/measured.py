@@ -8,7 +8,7 @@ import pandas as pd
 
 from study.ledger.datafiles import TEXT, CsvFile, made_by, refuse_repeated, refuse_words
 from study.run.collect import data_files
-from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
+from study.statements.enclosure import BOUNDS, ENCLOSURES
 from study.statements.shared.base import LISTED
 
 WITHIN = {LISTED.name: ["quantity"], ENCLOSURES.name: ["time"]}

@@ -14,7 +14,7 @@ from study.fem.material import means
 from study.fem.space import Space
 from study.ledger.errors import UsageError
 from study.run.foundation import slab
-from study.statements.other_codes.tasks import Task
+from study.statements.shared.tasks import Task
 
 FORMAT, VERSION = "contact-task", 1
 Data = dict[str, Any]

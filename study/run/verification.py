@@ -22,7 +22,7 @@ from study.run.judgement import PREDICTED
 from study.run.measured import read_tables
 from study.run.provenance import read_provenance
 from study.run.relations import RELATIONS
-from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
+from study.statements.enclosure import BOUNDS, ENCLOSURES
 
 SHOWN = 3
 """Findings that are listed of every relation."""

@@ -22,9 +22,8 @@ from study.ledger.measures import ENOUGH, between_levels, exactly, greatest_rati
 from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
 from study.ledger.window import STEEPER, Window, around, at_most
-from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
-from study.statements.prop_5_4.from_rates import GRADED
-from study.statements.prop_5_4.sweep import Rates
+from study.statements.from_rates import GRADED
+from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
 from study.statements.shared.random_meshes import apart
 
 LEVELS = ENOUGH + 1

@@ -33,7 +33,7 @@ from study.statements.shared.eigen import unloaded
 from study.statements.shared.energies import Energies
 from study.statements.shared.instants import dual_norm, midpoints
 from study.statements.shared.places import space_of
-from study.statements.thm_4_2.gaps import beyond
+from study.statements.thm_4_2 import beyond
 
 INSTANTS = 32
 """Midpoints at which the norms in time are taken."""

@@ -20,11 +20,10 @@ from study.run.job import Job
 from study.run.plan import Plan, quick
 from study.statements.green import Green
 from study.statements.korn import Korn
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.sweep import RateSetting
+from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import Setting
-from study.statements.thm_4_2.own_space import OwnSpace
-from study.statements.thm_4_2.same_mesh import SameMesh
+from study.statements.thm_4_2 import SameMesh
+from study.statements.thm_4_2_own_space import OwnSpace
 
 PROGRAM = """
 import gc
@@ -93,7 +92,7 @@ def test_words_windows_and_figures_measure_nothing_anew(anew) -> None:
         anew(
             ("study.fem.gauge", '"""', '"""In other words: '),
             ("study.fem.space", "\nclass ", "\n# A comment.\n\nclass "),
-            ("study.statements.prop_5_4.evidence", "above_nothing(0.02", "above_nothing(0.03"),
+            ("study.statements.prop_5_4", "above_nothing(0.02", "above_nothing(0.03"),
             ("study.ledger.measures", "ENOUGH = 3", "ENOUGH = 4"),
             ("study.ledger.terminal", "WIDTH = 110", "WIDTH = 100"),
         )
@@ -176,8 +175,8 @@ def test_every_module_whose_code_runs_in_a_measurement_counts(job: Job) -> None:
 
 
 def test_imports_are_followed_through_packages_and_within_functions() -> None:
-    assert "study.fem.gauge" in imports("study.statements.prop_5_4.measure")
-    assert "study.fem.gauge" in closure(frozenset({"study.statements.prop_5_4.sweep"}))
+    assert "study.fem.gauge" in imports("study.statements.prop_5_4")
+    assert "study.fem.gauge" in closure(frozenset({"study.statements.prop_5_4"}))
     assert not any(
         module.startswith(("study.present", "study.cli")) for module in closure(frozenset({"study.run.plan"}))
     )
