@@ -41,18 +41,14 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
 
 
 def sources() -> dict[str, dict[str, Any]]:
-    """label ↦ ``code``, from the root of the repository, and the ``data`` files with what it is judged by.
-
-    The code is the folder of a statement, or its file where it has no folder of its own.
-    """
+    """Return for each label the files of its ``code``, from the root of the repository, and its ``data`` files."""
     complete = Path(inspect.getfile(Complete)).relative_to(ROOT).as_posix()
     found: dict[str, dict[str, Any]] = {Complete.label: {"code": [complete], "data": ["provenance.json"]}}
     for statement in STATEMENTS:
-        file = Path(inspect.getfile(type(statement))).relative_to(ROOT)
-        place = file.as_posix() if file.parent.name in ("statements", "shared") else f"{file.parent.as_posix()}/"
+        file = Path(inspect.getfile(type(statement))).relative_to(ROOT).as_posix()
         data = "claims.csv" if isinstance(statement, Listed) else statement.file.name
         of = found.setdefault(statement.label, {"code": [], "data": []})
-        for name, one in (("code", place), ("data", data)):
+        for name, one in (("code", file), ("data", data)):
             of[name] += [one] if one not in of[name] else []
     return found
 

@@ -45,6 +45,7 @@ from scipy.optimize import nnls
 
 from manufactured.case import Case
 from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
 from study.fem.gauge import Gauge
 from study.fem.material import on_cells
@@ -113,8 +114,7 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
     """
     space, law, M = stresses.space, stresses.law, displacements.M
     cells, k, root, radius = on_cells(space, law), step_size(displacements.T, steps), np.sqrt(space.volumes), 0.0
-    BACKWARD_EULER.require_unique(k, law.growth)
-    q = 1 / (1 - k * law.growth)
+    q = lipschitz_of_step(law, k)
     worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
     pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
     for (before, _), (primal, dual) in pairwise(pairs):
@@ -136,6 +136,12 @@ def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Ga
         worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
     bounds = radius * np.sqrt([q * k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
     return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))
+
+
+def lipschitz_of_step(law: KelvinVoigt, k: float) -> float:
+    """Return q = 1/(1 − kω), the Lipschitz constant of a step of backward Euler in ‖·‖_V; StepsError if kω ≥ 1."""
+    BACKWARD_EULER.require_unique(k, law.growth)
+    return 1 / (1 - k * law.growth)
 
 
 def beyond(defect: Array, N: sps.csr_array) -> float:
