@@ -64,7 +64,7 @@ from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.instants import Velocity, midpoints
+from study.statements.shared.norms import Velocity, midpoints
 
 ROUGH = "fixed-front-off-vertex", "rough-1.75", "rough-2", "rough-2.25"
 INSTANTS = 64

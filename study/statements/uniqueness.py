@@ -21,7 +21,7 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.instants import norm
+from study.statements.shared.norms import norm
 from study.statements.thm_4_2_own_space import StressExperiment
 
 STEPS = 12

@@ -20,7 +20,7 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.instants import Velocity, norm
+from study.statements.shared.norms import Velocity, norm
 
 FEW = ("advance-recede", "yield-on-a-part")
 """Linear law and law (3.3), for the quick study."""

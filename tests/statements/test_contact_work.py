@@ -27,7 +27,7 @@ from study.statements.contact_work import (
 )
 from study.statements.edge_work import BRANCHES, C_0, EQUAL, OF_ALL, OVERALL, WORK, EdgeWork, beta, supremum
 from study.statements.shared.base import Setting
-from study.statements.shared.instants import midpoints
+from study.statements.shared.norms import midpoints
 
 GRID = "one-diagonal"
 
