@@ -23,7 +23,7 @@ from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder
 from study.statements.recomputed import Recomputed
 from study.statements.shared.base import Setting, Statement, grid
-from study.statements.shared.random_meshes import is_random
+from study.statements.shared.meshes import is_random
 from study.statements.shared.scope import Scope
 from study.statements.thm_4_2_own_space import OwnSpace
 

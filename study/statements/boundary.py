@@ -35,7 +35,7 @@ from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.random_meshes import CELLS
+from study.statements.shared.meshes import CELLS
 
 INSTANTS = 8
 """Norms in time are those of the midpoint rule with so many nodes."""

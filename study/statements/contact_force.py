@@ -63,7 +63,7 @@ from study.solve.tableau import MIDPOINT
 from study.statements.shared import estimates
 from study.statements.shared.base import EVOLVING, Setting, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.random_meshes import apart
+from study.statements.shared.meshes import split_random
 from study.statements.shared.scope import Scope
 
 ERRORS = "pressure", "dual", "resultant"
@@ -238,7 +238,7 @@ EXACT = (
 def rules_of(case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
     """Yield the criteria for a case, and the mesh families that each of them judges."""
     norms = [(rule, groups) for rule in NORMS]
-    random, others = apart(groups)
+    random, others = split_random(groups)
     if others:
         norms.append((PRESSURE, others))
     if random:

@@ -58,8 +58,8 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.meshes import space_of
 from study.statements.shared.norms import midpoints, norm
-from study.statements.shared.places import space_of
 from study.statements.shared.scope import Scope
 
 PARTS = 3

@@ -39,7 +39,7 @@ from study.solve.steps import PACE, rate_steps
 from study.solve.tableau import SCHEMES
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement
-from study.statements.shared.places import families
+from study.statements.shared.meshes import families
 from study.statements.shared.scope import Scope
 
 COMPUTED = "case", "family", "scheme", "trajectory", "level", "h", "steps", "expected_order"

@@ -64,7 +64,7 @@ from study.solve.tableau import MIDPOINT, SCHEMES, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.random_meshes import LEADING, apart, in_leading_term
+from study.statements.shared.meshes import LEADING, in_leading_term, split_random
 from study.statements.shared.scope import Scope
 
 # Data file. The README explains the columns.
@@ -406,7 +406,7 @@ def error_orders(expected: float) -> tuple[Criterion, Criterion]:
 def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups]]:
     """Yield the criteria for the rows of one case, and the mesh families that each of them judges."""
     groups = by_family(rows)
-    in_h, (random, _) = in_leading_term(groups), apart(groups)
+    in_h, (random, _) = in_leading_term(groups), split_random(groups)
     for criterion in (*error_orders(expected), SIZES):
         yield criterion, in_h
     for superclose, criterion in DISCRETE_ORDERS.items():

@@ -39,7 +39,7 @@ from study.statements.recomputed_solver import PlainProblem, Trajectory
 from study.statements.shared import estimates
 from study.statements.shared.base import REPORTED, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.random_meshes import is_random
+from study.statements.shared.meshes import is_random
 from study.statements.shared.scope import Scope
 
 ERRORS = "error", "interpolation_error", "discrete_error"

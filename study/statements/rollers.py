@@ -88,7 +88,7 @@ from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 from study.statements.contact_work import Resolved, pressing_on
 from study.statements.shared.base import ListedNumbers, Setting, with_h
-from study.statements.shared.places import space_of
+from study.statements.shared.meshes import space_of
 from study.statements.shared.scope import Scope
 
 # Cases and meshes.

@@ -41,7 +41,7 @@ from study.statements.admissibility import Rivals
 from study.statements.constraint import strangers
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import BODIES, IRREGULAR, named, place, space_of
+from study.statements.shared.meshes import BODIES, IRREGULAR, named, place, space_of
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 

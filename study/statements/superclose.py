@@ -22,8 +22,8 @@ from study.solve.steps import stress_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import families
 from study.statements.shared.norms import norm
-from study.statements.shared.places import families
 
 TIME = above_nothing(0.3, "of the discrete error, as in Prop. 5.4")
 

@@ -59,7 +59,7 @@ from study.solve.steps import stress_steps
 from study.solve.tableau import BDF2, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement, grid
-from study.statements.shared.random_meshes import ALONG, CELLS, is_random
+from study.statements.shared.meshes import ALONG, CELLS, is_random
 from study.stresses.bernstein import bernstein
 from study.stresses.composite import alfeld_split, barycentric
 from study.stresses.dual import DualState, StressEvolution, tensor_at

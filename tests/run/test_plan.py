@@ -28,7 +28,7 @@ from study.statements.pictures import Pictures
 from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
 from study.statements.rollers import Rollers
 from study.statements.shared.base import Setting
-from study.statements.shared.places import BODIES, BODIES_WITH_LAWS, BODIES_WITH_VISCOSITIES, LAWS
+from study.statements.shared.meshes import BODIES, BODIES_WITH_LAWS, BODIES_WITH_VISCOSITIES, LAWS
 from study.statements.shared.scope import Levels
 from study.statements.thm_4_2 import SameMesh
 
