@@ -163,7 +163,7 @@ class StressSweep:
         for level in self.levels:
             steps = stress_steps(case.solution.body.T, level, case.pace)
             setup = defect(own.StressExperiment.of(case.solution, family, level, steps))
-            rows.append(own.row(setup, case.name, family.name, level))
+            rows.append({"case": case.name, "family": family.name, "level": level, **own.measure(setup)})
         return [verdict for verdict in OwnSpace().judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
 
 

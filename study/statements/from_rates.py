@@ -17,8 +17,10 @@ from study.ledger.verdict import Verdict
 from study.ledger.window import around, at_least, at_most
 from study.statements.prop_5_4 import RATES, over
 from study.statements.shared.base import Statement
+from study.statements.shared.meshes import LEADING
 
 GRADED = "graded"
+NEAR = around(1, 0.05, "on the finest level")
 
 
 class SizeOfInterpolation(Statement):
@@ -27,15 +29,7 @@ class SizeOfInterpolation(Statement):
     label = "(5.23)"
     claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
     file = RATES
-    rules = (
-        over(
-            "leading-term",
-            "‖u − Π^h u‖_V / leading term",
-            around(1, 0.05, "on the finest level"),
-            "interpolation_error",
-            "predicted_interpolation",
-        ),
-    )
+    rules = (over("leading-term", "‖u − Π^h u‖_V / leading term", NEAR, "interpolation_error", LEADING),)
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         return super().judge(rows[rows["claim"] == "Prop. 5.4"])
@@ -61,20 +55,12 @@ class RegularityNeeded(Statement):
 WITH_AXES = (GRADED, "unstructured")
 """Mesh families whose meshes depend on the axes."""
 SAME_MESH = ["family", "scheme", "level"]
+DIFFERENCE = "relative difference of"
+SAME = at_most(1e-10)
+ROUND_OFF = at_most(1e-7, "round-off times the condition of the matrices, of order h⁻², in a small difference")
 CHANGES = (
-    largest(
-        "errors",
-        "relative difference of ‖u − u^h‖_V, ‖u − Π^h u‖_V",
-        at_most(1e-10),
-        "error",
-        "interpolation_error",
-    ),
-    largest(
-        "discrete-error",
-        "relative difference of ‖Π^h u − u^h‖_V",
-        at_most(1e-7, "round-off times the condition of the matrices, of order h⁻², in a small difference"),
-        "discrete_error",
-    ),
+    largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", SAME, "error", "interpolation_error"),
+    largest("discrete-error", f"{DIFFERENCE} ‖Π^h u − u^h‖_V", ROUND_OFF, "discrete_error"),
 )
 """No lower ends: the twelve digits in ``rates.csv`` agree for both bodies on most meshes, as fresh random ones showed.
 """

@@ -280,23 +280,12 @@ def residuals(group: pd.DataFrame) -> Measured:
 
 PARALLELOGRAM = above_nothing(1e-3, "exact but for rounding and two quadratures of A's factor")
 RESIDUAL = above_nothing(1.0, f"{solver_choice.ROUNDING:g} of a factorisation, {solver_choice.SHARE:g} h² of multigrid")
-SIZES = Criterion(
-    "size",
-    "size of the error",
-    around(1, 0.1, "Pythagoras"),
-    size_of_error,
-    ("error", "discrete_error", "interpolation_error"),
-)
+SIZE = around(1, 0.1, "Pythagoras")
+SIZES = Criterion("size", "size of the error", SIZE, size_of_error, ("error", "discrete_error", "interpolation_error"))
 EVIDENCE = (
     largest("parallelogram", "parallelogram law of u − u^h and u − Π^h u", PARALLELOGRAM, "parallelogram"),
     largest("time-share", "time share", above_nothing(0.02, "of the error"), "time_share"),
-    Criterion(
-        "residual",
-        "residual of the contact solves / allowed",
-        RESIDUAL,
-        residuals,
-        ("dim", "dofs", "residual"),
-    ),
+    Criterion("residual", "residual of the contact solves / allowed", RESIDUAL, residuals, ("dim", "dofs", "residual")),
     largest("clamped", "u^h = 0 on Γ1", at_most(1e-10), "clamped"),
     largest("quadrature", "change under finer quadrature", above_nothing(0.02, "of the error"), "quadrature_change"),
 )
@@ -305,54 +294,31 @@ EVIDENCE = (
 RANDOM = "; random meshes: in the leading term"
 """On random meshes the leading term of the interpolation error takes the place of h."""
 SOLID = around(1, 0.1, RANDOM.removeprefix("; "))
+PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (
     between_levels("order-finest", "order of the error, finest pair", SOLID, "error", 1, ENOUGH),
-    between_levels(
-        "interpolation-order-finest", "order of ‖u − Π^h u‖_V, finest pair", SOLID, "interpolation_error", 1, ENOUGH
-    ),
+    between_levels("interpolation-order-finest", PAIR, SOLID, "interpolation_error", 1, ENOUGH),
 )
 """In 3D few levels are affordable, so the finest pair alone must be closer to 1."""
-LEADING_ORDER = order(
-    "leading-order",
-    "order in h of the leading term of ‖u − Π^h u‖_V, fitted, random meshes",
-    around(1, 0.15, "least squares, as the error is compared with this term there"),
-    LEADING,
-    ENOUGH + 1,
-)
+OF_THE_TERM = around(1, 0.15, "least squares, as the error is compared with this term there")
+TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, random meshes"
+LEADING_ORDER = order("leading-order", TERM, OF_THE_TERM, LEADING, ENOUGH + 1)
 """On random meshes: the leading term, which takes the place of h there, must be of order h."""
+SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
+OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
+DISCRETE = "order of ‖Π^h u − u^h‖_V"
 DISCRETE_ORDERS = {
-    True: order(
-        "discrete-order-superclose",
-        "order of ‖Π^h u − u^h‖_V, superclose",
-        between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes"),
-        "discrete_error",
-        ENOUGH,
-    ),
-    False: order(
-        "discrete-order-others",
-        "order of ‖Π^h u − u^h‖_V, other families",
-        between(1, 2, 0.15, 0.2, "other meshes"),
-        "discrete_error",
-        ENOUGH,
-    ),
+    True: order("discrete-order-superclose", f"{DISCRETE}, superclose", SUPERCLOSE, "discrete_error", ENOUGH),
+    False: order("discrete-order-others", f"{DISCRETE}, other families", OTHERS, "discrete_error", ENOUGH),
 }
 """Orders of the discrete error on one-diagonal meshes (True) and on others. On one-diagonal meshes neighbouring
 triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (traction boundary) to 2. On other meshes it
 is at least of the order of the error. It is at most of order 2."""
+SHARE = above_nothing(0.6, "of the interpolation error: by Pythagoras both errors differ by ≤ 20 %")
+TIME = above_nothing(0.3, "of the discrete error")
 DISCRETE_SIZES = (
-    over(
-        "discrete-share",
-        "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V",
-        above_nothing(0.6, "of the interpolation error: by Pythagoras both errors differ by ≤ 20 %"),
-        "discrete_error",
-        "interpolation_error",
-    ),
-    largest(
-        "discrete-time-share",
-        "time share of ‖Π^h u − u^h‖_V",
-        above_nothing(0.3, "of the discrete error"),
-        "discrete_time_share",
-    ),
+    over("discrete-share", "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", SHARE, "discrete_error", "interpolation_error"),
+    largest("discrete-time-share", "time share of ‖Π^h u − u^h‖_V", TIME, "discrete_time_share"),
 )
 NOT_AT_START = 0.99
 """The largest error is after t = 0 if the error at t = 0 is at most this part of it."""

@@ -78,7 +78,7 @@ from study.fem.quadrature import facet_rule
 from study.fem.seminorm import gram
 from study.fem.space import Space
 from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_case
-from study.ledger.measures import ENOUGH, among, greatest, order
+from study.ledger.measures import ENOUGH, among, greatest, largest_quotient, order
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most
 from study.solve.evolution import SemiDiscrete
@@ -296,6 +296,12 @@ EXCESS = "order of ‖u^h − u^h_lin‖_V"
 EQUAL = Window(0.75, 1.1, "1 less a logarithm: all vertices of Γ3 have equal neighbourhoods")
 HALF = around(0.5, 0.15, "neighbours keep different displacements; 1 if all kept the same")
 ONE = around(1, 0.25, "the trail is left at few vertices")
+ONE_MESH = around(0.5, 0.3, "one random mesh for every level")
+SIMILAR = around(1, 0.1, "the same picture at every ℓ = 2h")
+SUM = around(0.5, 0.35, "as of a sum over n vertices")
+LINEAR = Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}")
+STEPS = at_most(0.02, "of the excess, so that it is not one of the steps")
+JUMP = around(2 * math.log(2), 0.15, "2 log 2 of a step of the height 1; other powers of ℓ vanish or explode")
 
 
 def excess_order(key: str, where: str, window: Window) -> Criterion:
@@ -315,13 +321,7 @@ def growth_of_seminorm(group: pd.DataFrame) -> Measured:
     return among(found[-1], found)
 
 
-BOUND = Criterion(
-    "bound",
-    "error / right side of the theorem",
-    at_most(1.0, "proved"),
-    lambda group: greatest((group["error"] / group["right side"]).to_numpy()),
-    ("error", "right side"),
-)
+BOUND = largest_quotient("bound", "error / right side of the theorem", at_most(1.0, "proved"), "error", "right side")
 STANDING_ORDER = excess_order("order-standing", "patches that stay where they are", ONE)
 STANDING_SHAKEN = Observation(
     excess_order("order-standing-shaken", "the same on single shaken meshes", ONE),
@@ -335,61 +335,28 @@ AT_END = Observation(
     "the start, on all meshes but the finest",
 )
 NEAR_PATCH = Observation(
-    order(
-        "nodal-beside",
-        "order of nodal errors beside the patch, one or two diagonals",
-        around(1, 0.1, "the same picture at every ℓ = 2h"),
-        "M_h beside",
-    ),
+    order("nodal-beside", "order of nodal errors beside the patch, one or two diagonals", SIMILAR, "M_h beside"),
     "it was looked at when orders of M_h had been seen to rise beyond 1: with one diagonal that is one at an end of Γ3",
 )
 SHAKEN_ORDER = excess_order("order-shaken", "mean over shaken meshes", HALF)
 UNSTRUCTURED_ORDER = Observation(
-    excess_order("order-unstructured", "unstructured meshes", around(0.5, 0.3, "one random mesh for every level")),
+    excess_order("order-unstructured", "unstructured meshes", ONE_MESH),
     "sweeps that even a mesh out leave the part of order 1 in sight, and one mesh hangs on chance",
 )
 SCATTER = Observation(
-    order(
-        "scatter",
-        "order of the relative standard deviation over them",
-        around(0.5, 0.35, "as of a sum over n vertices"),
-        "scatter",
-    ),
+    order("scatter", "order of the relative standard deviation over them", SUM, "scatter"),
     "eight meshes know a standard deviation to a quarter",
 )
 BEST = Observation(
-    order(
-        "best",
-        "order of E_h = ‖u − P_hu‖_V, that of the linear problem",
-        Window(0.75, 1.1, "1 less a logarithm, as |u|_{H²} grows like |log ℓ|^{1/2}"),
-        "E_h",
-    ),
-    "a logarithm bends it",
+    order("best", "order of E_h = ‖u − P_hu‖_V, that of the linear problem", LINEAR, "E_h"), "a logarithm bends it"
 )
 SHARE = Observation(
-    Criterion(
-        "share",
-        "excess / error, largest",
-        Window(),
-        lambda group: greatest((group["excess"] / group["error"]).to_numpy()),
-        ("excess", "error"),
-    ),
+    largest_quotient("share", "excess / error, largest", Window(), "excess", "error"),
     "what contact costs in V has no bound of its own",
 )
-TIME = Criterion(
-    "time",
-    "change of the excess with k/2",
-    at_most(0.02, "of the excess, so that it is not one of the steps"),
-    change_by_half_steps,
-    ("excess", "excess, k/2"),
-)
+TIME = Criterion("time", "change of the excess with k/2", STEPS, change_by_half_steps, ("excess", "excess, k/2"))
 GROWTH = Criterion(
-    "step",
-    "growth of |q|²_{1/2,Γ3} with every halving of ℓ",
-    around(2 * math.log(2), 0.15, "2 log 2 of a step of the height 1; other powers of ℓ vanish or explode"),
-    growth_of_seminorm,
-    ("|q|²",),
-    ENOUGH,
+    "step", "growth of |q|²_{1/2,Γ3} with every halving of ℓ", JUMP, growth_of_seminorm, ("|q|²",), ENOUGH
 )
 
 
