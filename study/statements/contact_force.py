@@ -1,8 +1,8 @@
 """The contact force: −σ^h_ν against p on Γ3, and u^h_ν between the vertices.
 
 Orders in V hardly depend on contact: where all of Γ3 is in contact, a multiplier that is wrong by a fifth does not
-change u^h, and penalty methods that stagnate pass. Proposition 5.4 says nothing about the force, so the force has
-criteria of its own.
+change u^h, and penalty methods that stagnate pass. Proposition 5.4 says nothing about the force, so separate
+criteria judge it.
 
 **Measured** for every case of Proposition 5.4 that touches. With the multipliers λ_n of the midpoint rule, which are
 nodal forces at t_{n−1/2}, Problem 5.1 reads

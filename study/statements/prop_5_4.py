@@ -21,8 +21,8 @@ by three relations, of which the first shares no code with the errors:
   reported as the error, would pass the other relations because both are nearly equal.
 
 **Why ‖Π^h u − u^h‖_V is reported as well.** For piecewise linear functions the error is nearly all interpolation
-error, and its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver. It
-has an order and a share of its own.
+error, and its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver;
+its order and its share of the interpolation error are judged separately.
 """
 
 from __future__ import annotations
