@@ -23,8 +23,8 @@ from study.run.tasks import (
     write_task,
 )
 from study.solve.steps import require_steps
-from study.statements.other_codes.tasks import INSTANTS, Task
 from study.statements.shared import estimates
+from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 
 def do_export(options: argparse.Namespace) -> int:
@@ -51,7 +51,7 @@ def _data(task: Task, options: argparse.Namespace) -> Data:
 
 
 def _instants(options: argparse.Namespace, case: Case) -> list[float]:
-    return options.instants or [case.solution.body.T * part for part in INSTANTS]
+    return options.instants or [case.solution.body.T * part for part in FROZEN_TIMES]
 
 
 def _check_mesh(options: argparse.Namespace, task: Task) -> None:

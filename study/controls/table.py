@@ -24,8 +24,7 @@ from study.statements.advancing_front import AdvancingFront
 from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
 from study.statements.constraint import Interpolant, VertexConstraint
-from study.statements.enclosure.courses import by_midpoint
-from study.statements.enclosure.inside import BoundedError, EnclosedError
+from study.statements.enclosure import BoundedError, EnclosedError, by_midpoint
 from study.statements.error_bounds import ErrorBounds
 from study.statements.green import Green
 from study.statements.growing_errors import GrowingErrors
@@ -42,7 +41,7 @@ from study.statements.separation import Separation
 from study.statements.shared import eigen
 from study.statements.steps_of_the_estimate import StepsOfTheEstimate
 from study.statements.superclose import Superclose
-from study.statements.thm_4_2.gaps import Gaps
+from study.statements.thm_4_2 import Gaps
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
 
@@ -108,8 +107,8 @@ GROWING, ADVANCING = (
 # Places that are replaced more than once.
 
 SOLVER, LOAD, START, DISTANCE = "problem.solver", "problem.load", "problem.u0", "gauge.distance"
-MEASURE, OWN_ERRORS = "statements.prop_5_4.measure:Measurement", "statements.thm_4_2.stress_errors"
-PLAIN, KNOWN_ERROR = "statements.recomputed.plain:PlainProblem", "statements.enclosure.bound_rows:known_error"
+MEASURE, OWN_ERRORS = "statements.prop_5_4:Measurement", "statements.thm_4_2_own_space"
+PLAIN, KNOWN_ERROR = "statements.recomputed_solver:PlainProblem", "statements.enclosure:known_error"
 DISCRETE, SAME_DISPLACEMENT, SAME_FORCES = (
     "discrete-order-superclose",
     "displacement-same-load",
@@ -197,7 +196,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("3.2: load late", "the load of the step before in 3.2", BOTH, "", wrong.stress_load_late, "admissibility"),
     Control("3.2: work late", "u of the step before in the work", BOTH, "", wrong.displacement_late, "energy"),
     Control("3.2: contact with gaps", "v_ν ≤ 0 at every other vertex in 3.2", BOTH, "", wrong.stress_gaps, "membership"),
-    Control("blind: comparison", "no distance of 3.2 and 3.1", BOTH, "statements.thm_4_2.stands_alone:gaps", wrong.returns(Gaps(*[0.0] * len(Gaps._fields))), "alone-displacement"),
+    Control("blind: comparison", "no distance of 3.2 and 3.1", BOTH, "statements.thm_4_2:gaps", wrong.returns(Gaps(*[0.0] * len(Gaps._fields))), "alone-displacement"),
     Control("blind: two problems", "3.1 beside itself", BOTH, "", wrong.compared_with_itself, "displacement"),
     Control("blind: companion of 3.2", "the run itself in place of that with 2k", OWN, f"{OWN_ERRORS}:StressExperiment.companion", wrong.every_other_state, "time-share"),
     Control("blind: admissibility", "nothing contradicts (2.4), (2.5)", OWN, f"{OWN_ERRORS}:inadmissible", wrong.returns(0.0), "admissible"),

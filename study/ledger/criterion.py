@@ -130,6 +130,15 @@ def largest(key: str, quantity: str, window: Window, *columns: str) -> Criterion
     return Criterion(key, quantity, window, lambda group: greatest(group[list(columns)].to_numpy()), columns)
 
 
+def largest_quotient(key: str, quantity: str, window: Window, above: str, below: str) -> Criterion:
+    """Return the criterion for the largest quotient of two columns over all levels."""
+
+    def measure(group: pd.DataFrame) -> Measured:
+        return greatest((group[above] / group[below]).to_numpy())
+
+    return Criterion(key, quantity, window, measure, (above, below))
+
+
 def every(key: str, quantity: str, window: Window, *columns: str) -> Criterion:
     """Return the criterion for some columns on every level; shows the value farthest from the middle of the window."""
 

@@ -20,7 +20,7 @@ from study.run.judgement import PREDICTED
 from study.run.provenance import Expectation, read_provenance
 from study.run.relations import CODE_RELATIONS, FOLDERS, RELATIONS
 from study.run.results import read_tables
-from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
+from study.statements.enclosure import BOUNDS, ENCLOSURES
 
 SHOWN = 3
 """Breaches that a message lists of each relation."""

@@ -17,7 +17,7 @@ from study.fem.naming import resolve
 from study.ledger.files import UsageError
 from study.run.executor import Pool
 from study.run.fingerprint import code_hash, problem, versions
-from study.statements.enclosure.bound_rows import posed
+from study.statements.enclosure import posed
 
 PATIENCE = 10
 """Seconds within which a scheduler has to answer and to have a worker."""

@@ -1,7 +1,7 @@
 """Cache key of a result: a hash of the code that computes it, of library versions, of the problem and the setting.
 
-The code is that of all modules in ``COMPUTING``, without docstrings and comments: a change in it computes every result
-anew, a change of words computes none. The kernels that a BLAS chooses for a processor are not part of the key, so that
+The code is that of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows: a change in it
+computes every result anew, a change of words or of a window computes none. The kernels that a BLAS chooses for a processor are not part of the key, so that
 last digits may differ between processors.
 """
 
@@ -21,7 +21,7 @@ import sympy as sp
 
 from manufactured.case import Case
 from manufactured.data import Data
-from study.statements.enclosure.bound_rows import posed
+from study.statements.enclosure import posed
 from study.statements.shared.base import Setting, Statement
 
 ROOT = Path(__file__).parents[2]
@@ -32,6 +32,8 @@ COMPUTING = (
     "study/ledger/pictures.py",
 )
 """The modules that decide on results; the last one rounds the numbers of pictures."""
+WINDOWS = ("Window", "above_nothing", "around", "at_least", "at_most", "between")
+"""Functions that make tolerance windows in statements."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
 
 
@@ -48,7 +50,7 @@ def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
 
 def of_everything() -> str:
     """Return the cache key of what depends on any code of the project, judging included."""
-    return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py")))
+    return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py"), windows=True))
 
 
 @cache
@@ -63,21 +65,34 @@ def problem(reference: str) -> str:
 
 
 @cache
-def code_hash(patterns: tuple[str, ...] = COMPUTING) -> str:
-    """Return the hash of some modules of the project, without docstrings and comments."""
+def code_hash(patterns: tuple[str, ...] = COMPUTING, windows: bool = False) -> str:
+    """Return the hash of some modules of the project, without docstrings, comments and, unless wanted, windows."""
     files = sorted(path for pattern in patterns for path in ROOT.glob(pattern))
-    code = [(str(path.relative_to(ROOT)), without_docstrings(path.read_text(encoding="utf-8"))) for path in files]
+    code = [
+        (str(path.relative_to(ROOT)), without_docstrings(path.read_text(encoding="utf-8"), windows)) for path in files
+    ]
     return hashlib.sha256(repr(code).encode()).hexdigest()
 
 
-def without_docstrings(text: str) -> str:
-    """Return the syntax tree of a module as text, without strings that stand alone: docstrings of any kind."""
-    tree = ast.parse(text)
+def without_docstrings(text: str, windows: bool = True) -> str:
+    """Return the syntax tree of a module as text, without strings that stand alone: docstrings of any kind.
+
+    Without ``windows``, calls that make tolerance windows are left out as well.
+    """
+    tree: ast.AST = ast.parse(text) if windows else _WithoutWindows().visit(ast.parse(text))
     for node in ast.walk(tree):
         for block in ("body", "orelse", "finalbody"):
             if isinstance(lines := getattr(node, block, None), list):
                 setattr(node, block, [line for line in lines if not _is_string(line)])
     return ast.dump(tree)
+
+
+class _WithoutWindows(ast.NodeTransformer):
+    """Replaces the calls that make tolerance windows, which judge numbers and do not change them."""
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        is_window = isinstance(node.func, ast.Name) and node.func.id in WINDOWS
+        return ast.Constant("window") if is_window else self.generic_visit(node)
 
 
 def _is_string(line: ast.AST) -> bool:

@@ -14,9 +14,9 @@ from study.ledger.verdict import Verdict
 from study.run.provenance import Complete, read_provenance
 from study.run.results import data_files, read_tables
 from study.statements import STATEMENTS
-from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
+from study.statements.enclosure import BOUNDS, ENCLOSURES
 from study.statements.own_cases import judge_own
-from study.statements.prop_5_4.sweep import RATES
+from study.statements.prop_5_4 import RATES
 from study.statements.shared.base import LISTED, REPORTED, Statement
 from study.statements.unmeasured import Listed
 

@@ -58,15 +58,11 @@ def provenance(plan: Plan, directory: Path) -> dict[str, Any]:
 
 
 def sources() -> dict[str, dict[str, Any]]:
-    """Return label of a statement ↦ ``code``, paths from the root of the repository, and ``data``, names of files.
-
-    The code of a statement is its folder, or its file if it has no folder.
-    """
+    """Return for each label the files of its ``code``, from the root of the repository, and its ``data`` files."""
     complete = Path(inspect.getfile(Complete)).relative_to(ROOT).as_posix()
     entries: dict[str, dict[str, Any]] = {Complete.label: {"code": [complete], "data": ["provenance.json"]}}
     for statement in STATEMENTS:
-        file = Path(inspect.getfile(type(statement))).relative_to(ROOT)
-        code = file.as_posix() if file.parent.name in ("statements", "shared") else f"{file.parent.as_posix()}/"
+        code = Path(inspect.getfile(type(statement))).relative_to(ROOT).as_posix()
         data = "claims.csv" if isinstance(statement, Listed) else statement.file.name
         entry = entries.setdefault(statement.label, {"code": [], "data": []})
         for name, value in (("code", code), ("data", data)):

@@ -20,10 +20,9 @@ from study.fem.naming import family_named
 from study.ledger.codes import FOLDER, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.datafiles import CsvFile, in_series, line, since_before
 from study.run.provenance import Expectation
-from study.statements.enclosure.bound_rows import posed
-from study.statements.enclosure.courses import BOUNDS, ENCLOSURES, KEY, TIMES
-from study.statements.prop_5_4.from_rates import GRADED
-from study.statements.prop_5_4.sweep import RATES
+from study.statements.enclosure import BOUNDS, ENCLOSURES, KEY, TIMES, posed
+from study.statements.from_rates import GRADED
+from study.statements.prop_5_4 import RATES
 
 Tables = Mapping[CsvFile, pd.DataFrame]
 Numbers = NDArray[np.float64]

@@ -14,7 +14,7 @@ from study.run.plan import Plan
 from study.run.provenance import SUMS, provenance, sums_of
 from study.run.store import Store
 from study.statements import STATEMENTS
-from study.statements.enclosure.courses import BOUNDS, ENCLOSURES
+from study.statements.enclosure import BOUNDS, ENCLOSURES
 from study.statements.shared.base import LISTED
 
 WITHIN = {LISTED.name: ["quantity"], ENCLOSURES.name: ["time"]}

@@ -20,7 +20,7 @@ from study.fem.material import means
 from study.fem.space import Space
 from study.ledger.files import StoreError, UsageError, write_text, write_whole
 from study.run.store import Store
-from study.statements.other_codes.tasks import Task
+from study.statements.shared.tasks import Task
 
 FORMAT, VERSION = "contact-task", 1
 Data = dict[str, Any]

@@ -21,9 +21,9 @@ from study.ledger.window import above_nothing, at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SEED, ListedNumbers, Setting, grid, with_h
-from study.statements.thm_4_2.gaps import beyond
+from study.statements.shared.experiment import Experiment
+from study.statements.thm_4_2 import beyond
 
 STEPS = 12
 SAMPLES = 8

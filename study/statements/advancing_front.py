@@ -42,8 +42,8 @@ from study.solve.factorisation import Cholesky
 from study.solve.paths import furthest, path
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import Velocity, dual_norm, midpoints
-from study.statements.shared.places import space_of
+from study.statements.shared.meshes import space_of
+from study.statements.shared.norms import Velocity, dual_norm, midpoints
 from study.statements.shared.scope import Scope
 
 DEGREE, RAISED = 2, 6

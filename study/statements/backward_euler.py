@@ -33,8 +33,8 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.experiment import Experiment
 
 COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Steps: six halvings of k, from k ≫ h to k ≪ h."""

@@ -33,9 +33,9 @@ from study.ledger.criterion import Observation
 from study.ledger.measures import order, weighted
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.random_meshes import CELLS
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import CELLS
 
 INSTANTS = 8
 """Norms in time are those of the midpoint rule with so many nodes."""

@@ -23,7 +23,7 @@ from study.ledger.criterion import Observation
 from study.ledger.measures import BOUND, ROUNDING, Constant, largest
 from study.ledger.window import at_most
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.places import LAWS, named, place, space_of
+from study.statements.shared.meshes import LAWS, named, place, space_of
 from study.statements.shared.scope import REGULAR
 
 SCALES = (-3.0, 3.0)

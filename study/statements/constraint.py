@@ -22,7 +22,7 @@ from study.ledger.measures import every, largest
 from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.places import BODIES, EVERY, IRREGULAR, named, place, space_of
+from study.statements.shared.meshes import BODIES, EVERY, IRREGULAR, named, place, space_of
 
 SAMPLES = 40
 """Random members, extreme rays, strangers and smooth fields."""

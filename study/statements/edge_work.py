@@ -37,7 +37,7 @@ from study.ledger.measures import exactly, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.places import space_of
+from study.statements.shared.meshes import space_of
 from study.statements.shared.scope import Scope
 
 EQUAL = 2 / (2 + math.pi**2)

@@ -62,9 +62,9 @@ from study.ledger.verdict import Verdict
 from study.ledger.window import Window, above_nothing, around
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import Velocity, midpoints
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import Velocity, midpoints
 
 ROUGH = "fixed-front-off-vertex", "rough-1.75", "rough-2", "rough-2.25"
 INSTANTS = 64

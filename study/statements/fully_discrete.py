@@ -34,8 +34,8 @@ from study.ledger.orders import CONFIDENCE
 from study.ledger.window import Window, around, at_most, between
 from study.solve.evolution import Scheme
 from study.solve.tableau import MIDPOINT, SCHEMES
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.experiment import Experiment
 
 COUNTS = (4, 8, 16, 32, 64, 128)
 """Time steps of the tables: so few that the error in time is seen beside that in space."""

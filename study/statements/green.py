@@ -53,7 +53,7 @@ from study.ledger.window import above_nothing
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import named, place, space_of
+from study.statements.shared.meshes import named, place, space_of
 from study.statements.shared.scope import REGULAR
 
 TIMES = (0.23, 0.61, 0.79)

@@ -42,9 +42,9 @@ from study.solve.paths import furthest, interpolated, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.error_bounds import sides
 from study.statements.parting import SWEEP, column, columns, even, scaled, steps_for
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import norm
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import norm
 
 FEWEST = 64
 """Steps of the midpoint rule, more where ωT asks for them."""

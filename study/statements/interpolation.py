@@ -31,8 +31,7 @@ from study.ledger.verdict import Verdict
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.places import BODIES_WITH_LAWS, EVERY, named, place, space_of
-from study.statements.shared.random_meshes import CELLS, apart
+from study.statements.shared.meshes import BODIES_WITH_LAWS, CELLS, EVERY, named, place, space_of, split_random
 
 TIMES = (0.23, 0.61)
 """Fractions of T, at which no case begins or ends anything."""
@@ -117,7 +116,7 @@ class InterpolationInV(ListedNumbers):
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         found = []
         for case, groups in by_case(rows):
-            chance, others = apart(groups)
+            chance, others = split_random(groups)
             for key, v in FIELDS.items():
                 for rule, mine in zip(in_V(key, v), (others, chance), strict=True):
                     if mine:

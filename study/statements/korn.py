@@ -23,7 +23,7 @@ from study.ledger.measures import largest as largest_of
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
-from study.statements.shared.places import BODIES, BODIES_WITH_VISCOSITIES, named, place, space_of
+from study.statements.shared.meshes import BODIES, BODIES_WITH_VISCOSITIES, named, place, space_of
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"

@@ -41,8 +41,8 @@ from study.ledger.window import Window, around
 from study.solve.evolution import Scheme, SemiDiscrete
 from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.experiment import Experiment
 
 COUNTS = (16, 32, 64, 128, 256, 512, 1024)
 """Steps: six halvings of k."""

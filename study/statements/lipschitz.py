@@ -35,7 +35,7 @@ from study.solve.factorisation import Cholesky
 from study.statements.constitutive_law import derivative, points, tensors
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import largest, unloaded
-from study.statements.shared.places import BODIES_WITH_LAWS, EVERY, named, place, space_of
+from study.statements.shared.meshes import BODIES_WITH_LAWS, EVERY, named, place, space_of
 from study.statements.shared.scope import REGULAR
 
 STRAINS = (1e-2, 1.0, 1e2, 1e4)

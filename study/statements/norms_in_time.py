@@ -43,8 +43,8 @@ from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.instants import dual_norm
-from study.statements.shared.places import named, place, space_of
+from study.statements.shared.meshes import named, place, space_of
+from study.statements.shared.norms import dual_norm
 from study.statements.shared.scope import REGULAR
 
 # f ∈ W^{1,1}(0,T;V).

@@ -42,9 +42,9 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.constitutive_law import derivative
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import norm
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import norm
 from study.statements.wellposed import Perturbation, along_the_contact, perturbations, quotients, smooth
 
 SWEEP = tuple((omega, T) for omega in (0.1, 1.0, 10.0) for T in (0.1, 1.0, 10.0) if omega * T <= 10)

@@ -20,7 +20,7 @@ from study.ledger.facets import Facets
 from study.ledger.packing import FINE, Packed, short
 from study.solve.motion import Motion, von_mises
 from study.statements.shared.base import Setting, Statement
-from study.statements.shared.places import fits
+from study.statements.shared.meshes import fits
 from study.statements.shared.scope import Scope
 
 FAMILY, LEVEL, STEPS = Unstructured(), 20, 64

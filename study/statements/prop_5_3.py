@@ -22,10 +22,9 @@ from study.ledger.measures import ENOUGH, between_levels, exactly, greatest_rati
 from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
 from study.ledger.window import STEEPER, Window, around, at_most
-from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
-from study.statements.prop_5_4.from_rates import GRADED
-from study.statements.prop_5_4.sweep import Rates
-from study.statements.shared.random_meshes import apart
+from study.statements.from_rates import GRADED
+from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
+from study.statements.shared.meshes import split_random
 
 LEVELS = ENOUGH + 1
 """Two refinements twice."""
@@ -55,7 +54,7 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
     graded = {name: group for name, group in groups.items() if name == GRADED}
     falling = at_most(0.999, "on every level")
     yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
-    by_chance, others = apart(uniform)
+    by_chance, others = split_random(uniform)
     steeper = f"s is taken {STEEPER:g} above the predicted order, as far as the row on orders allows"
     if others:
         yield _limit("limit", LIMIT, expected), others

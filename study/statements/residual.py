@@ -57,8 +57,8 @@ from study.statements.green import (
     square_integrable,
 )
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.instants import midpoints
-from study.statements.shared.places import IRREGULAR, named, place, space_of
+from study.statements.shared.meshes import IRREGULAR, named, place, space_of
+from study.statements.shared.norms import midpoints
 from study.statements.shared.scope import REGULAR
 
 FIELDS = 3

@@ -30,10 +30,9 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.energies import Energies
-from study.statements.shared.instants import dual_norm, midpoints
-from study.statements.shared.places import space_of
-from study.statements.thm_4_2.gaps import beyond
+from study.statements.shared.meshes import space_of
+from study.statements.shared.norms import Energies, dual_norm, midpoints
+from study.statements.thm_4_2 import beyond
 
 INSTANTS = 32
 """Midpoints at which the norms in time are taken."""

@@ -42,9 +42,9 @@ from study.statements.constraint import with_trace
 from study.statements.lipschitz import STRAINS
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import IRREGULAR, LAWS, named, place, space_of
+from study.statements.shared.meshes import IRREGULAR, LAWS, named, place, space_of
 from study.statements.shared.scope import REGULAR
-from study.statements.thm_4_2.gaps import beyond
+from study.statements.thm_4_2 import beyond
 
 PAIRS, CLIMBS = 8, 20
 """Random pairs of each size of strains, and steps of the search for large quotients of J."""

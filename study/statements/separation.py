@@ -41,9 +41,9 @@ from study.statements.admissibility import Rivals
 from study.statements.constraint import strangers
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import BODIES, IRREGULAR, named, place, space_of
+from study.statements.shared.meshes import BODIES, IRREGULAR, named, place, space_of
 from study.statements.shared.scope import REGULAR
-from study.statements.thm_4_2.gaps import beyond
+from study.statements.thm_4_2 import beyond
 
 COUNT = 12
 """Random u with all constraints at random, and as many of which one constraint is violated."""

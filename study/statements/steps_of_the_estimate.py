@@ -53,9 +53,9 @@ from study.ledger.window import Window, above_nothing, at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.constraint import with_trace
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.energies import ContactWork, Energies
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import ContactWork, Energies
 
 NODES = 12
 """Steps of backward Euler, at the end of each of which (5.12) is asked."""

@@ -20,10 +20,10 @@ from study.ledger.verdict import Verdict
 from study.ledger.window import above_nothing, between
 from study.solve.steps import stress_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import norm
-from study.statements.shared.places import families
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import families
+from study.statements.shared.norms import norm
 
 TIME = above_nothing(0.3, "of the discrete error, as in Prop. 5.4")
 

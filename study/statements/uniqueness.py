@@ -19,10 +19,10 @@ from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import norm
-from study.statements.thm_4_2.stress_errors import StressExperiment
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import norm
+from study.statements.thm_4_2_own_space import StressExperiment
 
 STEPS = 12
 _BY_WHAT = f"exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step"

@@ -66,8 +66,7 @@ from study.fem.quadrature import Line, cell_rules
 from study.fem.space import Space
 from study.solve.evolution import Scheme
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
-from study.statements.enclosure.bound_rows import measure, posed
-from study.statements.enclosure.courses import eligible
+from study.statements.enclosure import eligible, measure, posed
 from study.stresses.bernstein import bernstein
 from study.stresses.composite import SIDES, thirds
 

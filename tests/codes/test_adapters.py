@@ -19,7 +19,7 @@ from study.ledger.datafiles import DataError
 from study.present.charts import codes_chart
 from study.run.task_data import frozen
 from study.run.task_files import write_task
-from study.statements.other_codes.tasks import Task
+from study.statements.shared.tasks import Task
 
 ROOT = Path(__file__).parents[2]
 CODES, RESULTS = ROOT / "examples" / "codes", ROOT / "results"

@@ -26,8 +26,8 @@ from study.ledger.errors import UsageError
 from study.run.task_data import frozen, march, with_foundation
 from study.run.task_files import plain, write_task
 from study.solve.tableau import MIDPOINT
-from study.statements.other_codes.tasks import INSTANTS, Task
-from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 CODES = Path(__file__).parents[2] / "examples" / "codes"
 LEVELS = 4, 8, 16
@@ -346,7 +346,7 @@ def test_a_line_of_the_sums_that_is_none_is_named(tmp_path: Path, capsys: Any) -
 def sizes(directory: Path, case: str, family: str) -> list[int]:
     """Bytes of the tasks of a case with the instants of the command, n = 8 and 16."""
     place = resolve(case)
-    times = [place.solution.body.T * part for part in INSTANTS]
+    times = [place.solution.body.T * part for part in FROZEN_TIMES]
     tasks = [Task(place, family_named(family), n) for n in (8, 16)]
     return [write_task(directory, frozen(task, times)).stat().st_size for task in tasks]
 

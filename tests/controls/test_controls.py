@@ -31,12 +31,10 @@ from study.ledger.datafiles import read_claims
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import around
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.measure import Measurement
+from study.statements.prop_5_4 import FirstOrder, Measurement
 from study.statements.shared.base import Setting
-from study.statements.thm_4_2.gaps import compare, gaps, magnitudes
-from study.statements.thm_4_2.stands_alone import Derived, Independence, Sides, StandsAlone, independence
+from study.statements.shared.experiment import Experiment
+from study.statements.thm_4_2 import Derived, Independence, Sides, StandsAlone, compare, gaps, independence, magnitudes
 
 HARMLESS = Control(
     "harmless", "a copy in place of the original", Equivalence("no-contact"), "", copy.copy, "alone-stress"
@@ -275,7 +273,7 @@ def test_what_a_run_computes_with_knows_no_defect() -> None:
     loaded = modules_after(
         "import study.run.plan, study.run.execute, study.run.collect, study.run.judgement, study.present.tables"
     )
-    assert "study.statements.prop_5_4.measure" in loaded
+    assert "study.statements.prop_5_4" in loaded
     assert not [name for name in loaded if name.startswith("study.controls")]
 
 

@@ -16,7 +16,7 @@ from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.datafiles import DataError, raised
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_least, at_most
-from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.prop_5_4 import FirstOrder
 
 WINDOW = around(1, 0.1)
 ROW = ("Prop. 5.4", "order", "advance-recede")

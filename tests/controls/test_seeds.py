@@ -31,16 +31,16 @@ from study.run.job import Job
 from study.run.plan import Plan, full, quick
 from study.run.processes import Processes
 from study.run.store import Store
-from study.statements.contact_work.judged_work import WorkOfContact
-from study.statements.enclosure.courses import Bounds
+from study.statements.contact_work import WorkOfContact
+from study.statements.enclosure import Bounds
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.landings import Landings
-from study.statements.other_codes.judge import OtherCodes
+from study.statements.other_codes import OtherCodes
 from study.statements.pictures import Pictures
-from study.statements.rollers.judged_rollers import Rollers
+from study.statements.rollers import Rollers
 from study.statements.shared.base import Statement
 from study.statements.shared.scope import Scope
-from study.statements.thm_4_2.own_space import OwnSpace
+from study.statements.thm_4_2_own_space import OwnSpace
 from study.statements.uniqueness import OneTrajectory
 
 RESULTS = Path(__file__).parents[2] / "results"

@@ -28,8 +28,8 @@ from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.space import Space
 from study.ledger.orders import orders
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
-from study.statements.prop_5_4.measure import measure
+from study.statements.prop_5_4 import measure
+from study.statements.shared.experiment import Experiment
 
 CASES = {case.name: case for case in catalogue()}
 SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]

@@ -33,9 +33,8 @@ from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.from_rates import SizeOfInterpolation
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.measure import measure_case
+from study.statements.from_rates import SizeOfInterpolation
+from study.statements.prop_5_4 import FirstOrder, measure_case
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]

@@ -15,9 +15,9 @@ from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
 from study.present.full_run import FullRun
 from study.present.pages import badges, main, refresh, results, write_badges
 from study.present.palette import VERMILLION
+from study.statements.from_rates import Turned
 from study.statements.prop_5_3 import LIMIT
-from study.statements.prop_5_4.from_rates import Turned
-from study.statements.prop_5_4.judge import NOT_AT_START
+from study.statements.prop_5_4 import NOT_AT_START
 
 
 def page(name: str) -> Page:

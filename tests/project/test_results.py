@@ -20,14 +20,12 @@ from study.run.plan import full
 from study.run.provenance import Complete
 from study.solve.tableau import MIDPOINT
 from study.statements import STATEMENTS
-from study.statements.enclosure.bound_rows import BOUNDED, PARTS
-from study.statements.enclosure.courses import KEY, Bounds
+from study.statements.enclosure import BOUNDED, KEY, PARTS, Bounds
 from study.statements.pictures import Pictures
-from study.statements.prop_5_4.measure import measure_case
+from study.statements.prop_5_4 import measure_case
 from study.statements.shared.base import ListedNumbers
-from study.statements.thm_4_2.gaps import compare
-from study.statements.thm_4_2.own_space import OwnSpace
-from study.statements.thm_4_2.stress_errors import ERRORS, measure_stresses
+from study.statements.thm_4_2 import compare
+from study.statements.thm_4_2_own_space import ERRORS, OwnSpace, measure_stresses
 
 RESULTS = Path(__file__).parents[2] / "results"
 RATES = pd.read_csv(RESULTS / "data" / "rates.csv")

@@ -22,8 +22,7 @@ from study.run.executor import execute
 from study.run.fingerprint import versions
 from study.run.plan import Job
 from study.run.store import Store
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.sweep import RateSetting
+from study.statements.prop_5_4 import FirstOrder, RateSetting
 
 MINE = """
 from dataclasses import replace

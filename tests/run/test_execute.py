@@ -26,14 +26,12 @@ from study.run.executor import GIB, JobsError, Pool, Processes, available, execu
 from study.run.plan import Job, Plan, quick
 from study.run.results import collect
 from study.run.store import Store
-from study.statements.enclosure.courses import BoundSetting
-from study.statements.enclosure.inside import EnclosedError
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.sweep import RateSetting
+from study.statements.enclosure import BoundSetting, EnclosedError
+from study.statements.prop_5_4 import FirstOrder, RateSetting
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import Levels, Scope
-from study.statements.thm_4_2.own_space import OwnSpace
-from study.statements.thm_4_2.same_mesh import SameMesh
+from study.statements.thm_4_2 import SameMesh
+from study.statements.thm_4_2_own_space import OwnSpace
 
 LEVELS = Levels((2, 4))
 SMALL = replace(

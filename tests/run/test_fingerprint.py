@@ -12,14 +12,13 @@ from study.fem.naming import resolve
 from study.run import fingerprint as keys
 from study.run.fingerprint import COMPUTING, ROOT, code_hash, fingerprint, of_everything, problem, without_docstrings
 from study.run.plan import Plan, quick
-from study.statements.enclosure.bound_rows import posed
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.sweep import RateSetting
+from study.statements.enclosure import posed
+from study.statements.prop_5_4 import FirstOrder, RateSetting
 
 SETTING = RateSetting("full-contact", "shaken", 4, "midpoint", 8)
 
 
-COMPUTE = ("study/fem/space.py", "study/solve/steps.py", "manufactured/case.py", "study/statements/korn.py")
+COMPUTE = ("study/fem/space.py", "study/solve/steps.py", "manufactured/case.py", "study/statements/prop_5_4.py")
 REST = ("study/ledger/text.py", "study/run/executor.py", "study/cli/run.py")
 
 
@@ -54,6 +53,9 @@ def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_n
         measured, everything = keys_after(module, "\nimport ", "\nCHANGED = 1\nimport ")
         assert (measured != before[0]) == (module in COMPUTE)
         assert everything != before[1]
+    measured, everything = keys_after("study/statements/prop_5_4.py", "above_nothing(0.02", "above_nothing(0.03")
+    assert measured == before[0], "a changed window measures nothing anew"
+    assert everything != before[1]
 
 
 def test_all_packages_below_the_statements_are_part_of_the_key() -> None:

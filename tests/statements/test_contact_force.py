@@ -10,9 +10,8 @@ from manufactured.catalogue import named
 from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.tableau import MIDPOINT
-from study.statements.contact_force.judge import ContactForce
-from study.statements.contact_force.measure import Forces, measure_contact
-from study.statements.prop_5_4.experiment import Experiment
+from study.statements.contact_force import ContactForce, Forces, measure_contact
+from study.statements.shared.experiment import Experiment
 
 LEVELS = np.array([8.0, 16.0, 32.0])
 

@@ -15,12 +15,19 @@ from study.fem.naming import family_named, resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.statements.contact_work.judged_work import WorkOfContact
-from study.statements.contact_work.resolved import Resolved, pressing_on
-from study.statements.contact_work.total_work import FACE_RULE, INSTANTS, TotalWork, shaken, vertices_on
+from study.statements.contact_work import (
+    FACE_RULE,
+    TIME_NODES,
+    Resolved,
+    TotalWork,
+    WorkOfContact,
+    pressing_on,
+    shaken,
+    vertices_on,
+)
 from study.statements.edge_work import BRANCHES, C_0, EQUAL, OF_ALL, OVERALL, WORK, EdgeWork, beta, supremum
 from study.statements.shared.base import Setting
-from study.statements.shared.instants import midpoints
+from study.statements.shared.norms import midpoints
 
 GRID = "one-diagonal"
 
@@ -189,13 +196,13 @@ def test_the_work_is_the_same_through_the_load_and_on_the_face(coarse: Resolved)
 
 def test_the_work_for_many_sets_of_vertices_is_that_of_interpolants_for_each(coarse: Resolved) -> None:
     solution, total = coarse.solution, TotalWork(coarse.solution)
-    rng, times = np.random.default_rng(5), midpoints(1.0, INSTANTS)
+    rng, times = np.random.default_rng(5), midpoints(1.0, TIME_NODES)
     sets = [shaken(vertices_on(coarse.space), rng) for _ in range(3)]
     expected = np.zeros(len(sets))
     for j, face in enumerate(solution.faces):
         place, weights = (face.part.measure * values for values in FACE_RULE)
         for time in times:
-            pressure = solution.on(face, place[None]).stated_pressure(time) * weights / INSTANTS
+            pressure = solution.on(face, place[None]).stated_pressure(time) * weights / TIME_NODES
             nodal = [face.gap_jet(vertices[j][None], time)[(0,)] for vertices in sets]
             expected += [pressure @ np.interp(place, v[j], w) for v, w in zip(sets, nodal, strict=True)]
     np.testing.assert_allclose(total([np.array(each) for each in zip(*sets, strict=True)]), expected, rtol=1e-12)

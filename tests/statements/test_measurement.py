@@ -18,9 +18,8 @@ from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.evidence import PARALLELOGRAM
-from study.statements.prop_5_4.experiment import Experiment
-from study.statements.prop_5_4.measure import Measurement, measure
+from study.statements.prop_5_4 import PARALLELOGRAM, Measurement, measure
+from study.statements.shared.experiment import Experiment
 
 
 def measured(solution: ExactSolution, n: int = 8) -> Measurement:

@@ -14,7 +14,7 @@ from study.fem.mesh import OneDiagonal, Shaken
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
 from study.statements.parting import SHORT, SWEEP, even, over_bound, rate, scaled, softest, steps_for, times
-from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.experiment import Experiment
 
 BODY = unit_square()
 SPACE = Space(Shaken()(BODY, 4), BODY)

@@ -9,10 +9,10 @@ import pytest
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.ledger.window import STEEPER
 from study.run.provenance import Complete
+from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
 from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.thm_4_2.same_mesh import SameMesh
+from study.statements.prop_5_4 import FirstOrder
+from study.statements.thm_4_2 import SameMesh
 
 
 def table(order=1.0, levels=(8, 16, 32), claim="Prop. 5.4", case="a", family="criss-cross", **changes) -> pd.DataFrame:

@@ -15,8 +15,8 @@ from study.ledger.orders import weighted_order
 from study.ledger.verdict import FAILS, HOLDS
 from study.ledger.window import Window, around, at_most
 from study.statements.interpolation import FIELDS, InterpolationInV
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.shared.random_meshes import CELLS, LEADING, in_leading_term, is_random
+from study.statements.prop_5_4 import FirstOrder
+from study.statements.shared.meshes import CELLS, LEADING, in_leading_term, is_random
 
 RESULTS = Path(__file__).parents[2] / "results"
 LEVELS = np.array([8, 16, 32])

@@ -55,10 +55,9 @@ from study.run.fingerprint import by_value
 from study.run.plan import quick
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
+from study.statements.from_rates import SizeOfInterpolation
 from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4.from_rates import SizeOfInterpolation
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.measure import measure_case
+from study.statements.prop_5_4 import FirstOrder, measure_case
 
 CASES = {case.name: case for case in catalogue()}
 

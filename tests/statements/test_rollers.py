@@ -18,10 +18,11 @@ from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
 from study.solve.tableau import MIDPOINT
-from study.statements.contact_work.resolved import Resolved
-from study.statements.rollers.judged_rollers import EQUAL, HALF, Rollers
-from study.statements.rollers.measured_rollers import (
+from study.statements.contact_work import Resolved
+from study.statements.rollers import (
     ALTERNATING,
+    EQUAL,
+    HALF,
     HALVED,
     PLAIN,
     PUSHING,
@@ -29,12 +30,14 @@ from study.statements.rollers.measured_rollers import (
     SEEDS,
     STANDING,
     STEEP,
+    OnContact,
+    Rollers,
+    Trajectories,
     gap,
-    nodal_error_beside,
+    nodal_error_near_patch,
     passing,
     sides,
 )
-from study.statements.rollers.on_contact import OnContact, Trajectories
 
 
 def test_every_level_has_its_rollers_by_name_and_other_names_mean_none() -> None:
@@ -91,9 +94,9 @@ def test_errors_beside_a_patch_are_those_of_the_vertices_near_it_in_the_second_h
     (_, vertices), (face,) = at.space.contact[0], at.solution.faces
     s = face.part.coordinates(at.space.mesh.p[:, vertices])[0][0]
     off = {n: abs(coarse.projected[n] + gap(at, n * coarse.k)) for n in second}
-    everywhere = nodal_error_beside(coarse, np.ptp(s))
+    everywhere = nodal_error_near_patch(coarse, np.ptp(s))
     assert everywhere == pytest.approx(max(off[n].max() for n in second))
-    assert 0 < nodal_error_beside(coarse, 0.05) < everywhere
+    assert 0 < nodal_error_near_patch(coarse, 0.05) < everywhere
 
 
 def test_contact_costs_nothing_where_the_pressure_is_a_traction(coarse: Trajectories) -> None:

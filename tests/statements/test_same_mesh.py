@@ -15,7 +15,7 @@ from study.solve.steps import StepsError
 from study.solve.stress_problem import StressProblem
 from study.solve.stress_programme import StressState
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.thm_4_2.gaps import Gaps, gaps, magnitudes, problems
+from study.statements.thm_4_2 import Gaps, gaps, magnitudes, problems
 
 STEPS = 4
 Change = Callable[[int, StressState], StressState]

@@ -20,8 +20,8 @@ from study.statements.admissibility import Admissibility, largest_violations
 from study.statements.boundary import NaturalConditions, tractions
 from study.statements.error_bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted, sides
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid
+from study.statements.shared.experiment import Experiment
 from study.statements.uniqueness import OneTrajectory, apart, rivals
 from study.statements.wellposed import BoundedVelocity, Dependence, fastest, perturbations, quotients
 

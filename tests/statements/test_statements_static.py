@@ -23,7 +23,7 @@ from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.statements import constitutive_law, constraint, green, interpolation, korn, lipschitz, residual
 from study.statements.shared import eigen
 from study.statements.shared.base import ListedNumbers, Setting
-from study.statements.shared.places import EVERY, families, place, space_of
+from study.statements.shared.meshes import EVERY, families, place, space_of
 
 STATEMENTS: tuple[ListedNumbers, ...] = (
     green.Green(),

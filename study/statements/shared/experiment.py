@@ -1,4 +1,4 @@
-"""What one row of a rate table is measured with: Problem 5.1 of an exact solution on one mesh."""
+"""Problem 5.1 of an exact solution on one mesh, with all that is needed to solve it and to measure its error."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from study.statements.shared.base import Setting
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """Everything one row is measured with. Controls replace single pieces by wrong ones.
+    """Problem 5.1 of an exact solution on one mesh. Negative controls replace single attributes by wrong ones.
 
     Attributes:
-        solution: the exact solution that gives the data and the reference.
+        solution: the exact solution, which gives the data and the reference.
         space: V^h.
-        gauge: what errors are measured with.
-        problem: Problem 5.1 as it is solved.
-        scheme, steps: time scheme and number of steps of size k.
+        gauge: computes the load and the errors.
+        problem: the semi-discrete problem that is solved.
+        scheme, steps: time scheme and number of time steps.
     """
 
     solution: ExactSolution
@@ -35,7 +35,7 @@ class Experiment:
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> Experiment:
-        """The experiment as the source has it: u_0^h = Π^h u_0, K^h = V^h ∩ K, the load of (3.7)."""
+        """Return the experiment of the paper: u_0^h = Π^h u_0, K^h = V^h ∩ K and the load of (3.7)."""
         space = Space(family(solution.body, level), solution.body)
         gauge = Gauge(solution, space)
         u0 = gauge.sample(0.0).interpolant
@@ -43,5 +43,5 @@ class Experiment:
 
     @classmethod
     def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:
-        """The experiment on a case by its name."""
+        """Return the experiment at a setting, whose case and mesh family are given by name."""
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, scheme, steps)

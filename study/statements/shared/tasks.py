@@ -1,13 +1,13 @@
 """Contact problems with known solutions as plain data, for other people's codes (docs/reference/tasks.md).
 
-Frozen: at each instant t_n the static problem of Signorini for the elastic operator G with the initial stress
-s_0 = A ε(u̇(t_n)), whose solution is u(t_n): no time step, no error in time, any static code can run it. With u̇(t_n)
-taken from the exact solution, find u ∈ K^h with
+Frozen: at each time t_n the static Signorini problem for the elastic operator G with the initial stress
+s_0 = A ε(u̇(t_n)), whose solution is u(t_n). It has no time step and no error in time, and any static code can solve
+it. With u̇(t_n) from the exact solution, find u ∈ K^h with
 
     (G ε(u) + s_0, ε(v − u))_Q ≥ b·(v − u) for all v ∈ K^h,     b·v = (σ(t_n), ε(v))_Q + ∫_{Γ3} p v_ν.
 
-March: the same step after step for C = A/k + G/2 in place of G, midpoint rule, where s_0 = (G/2 − A/k) ε(u_{n−1}) is
-the caller's. All but u, and what it is judged by, is scaled by S: the problem is positively homogeneous.
+March: the same problem step after step with C = A/k + G/2 instead of G, midpoint rule, where the caller computes
+s_0 = (G/2 − A/k) ε(u_{n−1}). All but u and its reference data is scaled by S: the problem is positively homogeneous.
 """
 
 from __future__ import annotations
@@ -35,17 +35,18 @@ from study.solve.signorini import ContactSolver
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
 
-INSTANTS = 0.15, 0.55, 0.9
-"""Frozen instants, if none are given, in units of T: in no case does one meet a jump in time or a vertex of n = 2^k."""
+FROZEN_TIMES = 0.15, 0.55, 0.9
+"""Default times of frozen problems in units of T: in no case is one a time of a jump, or of a front at a vertex of
+n = 2^k."""
 
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """One case on one mesh, in one mode.
+    """The frozen problems and the trajectory of one case on one mesh.
 
     Raises:
-        UsageError: the law of the case is not linear, so that no constants say all, or it softens, so that static
-            problems with G need not have a solution.
+        UsageError: the law of the case is not linear, so that constants do not describe it, or it softens, so that
+            static problems with G need not have a solution.
     """
 
     case: Case
@@ -84,7 +85,7 @@ class Task:
         return amplitudes_of(modes), StrainSums(modes, points, points.weights * solution.law.A.factor(points.x))
 
     def initial_stress(self, time: float) -> Tensors:
-        """Cell means of A ε(u̇), (D, cells)."""
+        """Return the cell means of A ε(u̇), (D, cells)."""
         amplitudes, sums = self._rates
         rates = sums(amplitudes(time, True))
         return np.asarray(self.solution.law.A.matrix @ rates / self.space.volumes)
@@ -94,28 +95,28 @@ class Task:
         return contact_solver(self.space)(form(self.space, self.solution.law.G), self.space.N)
 
     def static(self, time: float) -> Array:
-        """The solution in K^h of the frozen problem at t, (dofs,)."""
+        """Return the solution in K^h of the frozen problem at t, (dofs,)."""
         return self._solve(self.gauge.load(time) - self.space.functional(self.initial_stress(time)))[0]
 
-    def error(self, instants: Sequence[float]) -> float:
-        """The largest ‖u(t) − u^h‖_V of the frozen problems at some instants in units of T."""
-        times = [part * self.solution.body.T for part in instants]
-        return max(self.gauge.distance(self.gauge.sample(t), self.static(t)) for t in times)
+    def error(self, times: Sequence[float]) -> float:
+        """Return the largest ‖u(t) − u^h‖_V of the frozen problems at some times in units of T."""
+        frozen = [part * self.solution.body.T for part in times]
+        return max(self.gauge.distance(self.gauge.sample(t), self.static(t)) for t in frozen)
 
     def march(self, steps: int) -> tuple[SemiDiscrete, Iterator[State]]:
-        """The problem in time with the interpolant of u_0, and its states by the midpoint rule, the start first."""
+        """Return Problem 5.1 from the interpolant of u_0, and its states by the midpoint rule, the start first."""
         start = self.gauge.sample(0.0).interpolant
         problem = SemiDiscrete.of(self.space, self.solution.law, self.gauge.load, start)
         return problem, MIDPOINT.march(problem, steps)
 
     def error_of_march(self, steps: int) -> float:
-        """The largest ‖u(t_n) − u_n‖_V behind the start."""
+        """Return the largest ‖u(t_n) − u_n‖_V for n ≥ 1."""
         _, states = self.march(steps)
         next(states)
         return max(self.gauge.distance(self.gauge.sample(state.time), state.u) for state in states)
 
     def resultants(self, time: float) -> Array:
-        """∫ p over each piece of Γ3 as the vertices off Γ1 carry it, Σ_i ∫ p φ_i, (pieces,)."""
+        """Return Σ_i ∫ p φ_i over the vertices off Γ1 of each piece of Γ3, (pieces,)."""
         found = []
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
             points = FACET_POINTS if self.space.dim == 2 else SOLID_FACET_POINTS
@@ -125,7 +126,7 @@ class Task:
         return np.array(found)
 
     def pressures(self, time: float) -> list[Array]:
-        """p at the vertices of each piece of Γ3 off Γ1."""
+        """Return p at the vertices off Γ1 of each piece of Γ3."""
         found = []
         for face, (part, vertices) in zip(self.solution.faces, self.space.contact, strict=True):
             s, _ = part.coordinates(self.space.mesh.p[:, vertices])
@@ -133,11 +134,11 @@ class Task:
         return found
 
     def initial_tractions(self, time: float) -> list[Array]:
-        """A ε(u̇) ν at the ends of the facets of each piece of Γ3, (facets, d, d)."""
+        """Return A ε(u̇) ν at the ends of the facets of each piece of Γ3, (facets, d, d)."""
         return [self._tractions(part, facets, time, total=False) for part, facets in self.space.on(Kind.CONTACT)]
 
     def loads_on(self, time: float) -> list[Array]:
-        """f_2 = σν at the ends of the facets of each part of Γ2, (facets, d, d); b has its work already."""
+        """Return f_2 = σν at the ends of the facets of each part of Γ2, (facets, d, d); b contains its work already."""
         return [self._tractions(part, facets, time, total=True) for part, facets in self.space.on(Kind.LOADED)]
 
     def _tractions(self, part: Any, facets: Array, time: float, total: bool) -> Array:
