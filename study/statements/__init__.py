@@ -1,4 +1,4 @@
-"""Every statement that is measured or judged, in the order of the source; what goes beyond it comes last."""
+"""Every statement that is measured or judged, in the order of the source; statements beyond it come last."""
 
 from __future__ import annotations
 
@@ -23,7 +23,6 @@ from study.statements.landings import Landings
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms_in_time import LoadInTime, TractionInTime
 from study.statements.other_codes.judge import OtherCodes
-from study.statements.parting import Parting
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
@@ -35,6 +34,7 @@ from study.statements.resolvent import Resolvent
 from study.statements.rollers.judged_rollers import Rollers
 from study.statements.separation import Separation
 from study.statements.shared.base import Statement
+from study.statements.solution_divergence import SolutionDivergence
 from study.statements.steps_of_the_estimate import StepsOfTheEstimate
 from study.statements.superclose import Superclose
 from study.statements.thm_4_2.own_space import OwnSpace
@@ -48,7 +48,7 @@ PROBLEM = (
     Green(),
     Korn(),
     Dependence(),
-    Parting(),
+    SolutionDivergence(),
     Viscosity(),
     ElasticityOperator(),
     Projection(),

@@ -322,7 +322,7 @@ ELSEWHERE = (
     ),
     Weakened(
         "other ways in the last step",
-        "study.statements.uniqueness:apart",
+        "study.statements.uniqueness:relative_distance",
         "np.max(both, axis=0)",
         "both[-1]",
         middle("other ways"),
@@ -448,7 +448,7 @@ ELSEWHERE = (
     ),
     Weakened(
         "growth in the last step",
-        "study.statements.parting:over_bound",
+        "study.statements.solution_divergence:over_bound",
         "other)).max() for",
         "other))[-1] for",
         middle("growth"),
