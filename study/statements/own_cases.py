@@ -135,34 +135,6 @@ def why_missed(series: Sequence[Array], target: float, room: float, remedy: str)
     return f"{'values scatter' if scattered else NOT_YET}: {remedy}"
 
 
-def finer(self) -> str:
-        """What to try on finer meshes."""
-        levels = sorted({int(level) for group in self.groups.values() for level in group["level"]})
-        dim = max(int(group["dim"].iloc[0]) for group in self.groups.values())
-        return f"{TRY} {' '.join(map(str, finer(levels, dim)))}"
-
-    def series(self, of: Callable[[pd.DataFrame], Array]) -> list[Array]:
-        """A quantity of every family, coarse to fine, without levels where there is none."""
-        found = [np.asarray(of(group), dtype=float) for group in self.groups.values()]
-        return [values[~np.isnan(values)] for values in found]
-
-    def approaching(self, series: Sequence[Array], target: float, room: float) -> str:
-        """Why a target is missed: ``NOT_YET`` or by scatter; nothing if a series stays away from it."""
-        ends = [values[-2:] - target for values in series]
-        if any(stays_away(end, room) for end in ends):
-            return ""
-        scattered = any(abs(end[-1]) > max(room, NEARER * abs(end[0])) for end in ends if len(end) == 2)
-        return f"{'values scatter' if scattered else NOT_YET}: {self.finer}"
-
-
-def stays_away(end: Array, room: float) -> bool:
-    """Whether the last two distances are beyond the room on one side, and the second is hardly less than the first."""
-    if len(end) < 2 or end[0] * end[1] < 0:
-        return False
-    before, last = abs(end)
-    return bool(min(before, last) > room and last > NEARER * before)
-
-
 def finer(levels: Sequence[int], dim: int) -> list[int]:
     """Return levels to try next: without the coarsest, 8 16 32 ↦ 16 32 64; if there are too few, 8 ↦ 8 16 32."""
     return [*levels[1:], _next(levels, dim)] if len(levels) >= ENOUGH else enough(levels, ENOUGH, dim)
