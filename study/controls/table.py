@@ -314,7 +314,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("growth a tenth too slow", "0.9 ‖u − v‖ for ‖u − v‖", PARTING, "solution_divergence:quotients", wrong.times(0.9), "bound-even"),
     Control("f off by a tenth at a front", "0.9 f for f", ADVANCING, "advancing_front:load_from_forces", wrong.times(0.9), "order"),
     Control("squares of velocities", "‖u̇ − Π^h u̇‖² for its root", ADVANCING, "advancing_front:Velocity.interpolation_error", wrong.squared, "rate"),
-    Control("traction off by a tenth", "0.9 σ_ν for σ_ν in the linear problem", ADVANCING, "advancing_front:Traction.__call__", wrong.times(0.9), "excess"),
+    Control("traction off by a tenth", "0.9 σ_ν for σ_ν in the linear problem", ADVANCING, "advancing_front:pressure_load", wrong.times(0.9), "excess"),
     Control("blind: steps at a front", "one trajectory beside itself", ADVANCING, "", wrong.zeroed("time share"), "time"),
     Control("blind: a rule beside itself", "the finer rule for f_0 is no finer", ADVANCING, "advancing_front:RAISED", wrong.instead(2), "quadrature"),
     Control("P_h off by a tenth", "1.1 P_h u for P_h u", GROWING, "growing_errors:projection", wrong.times(1.1), "known"),

@@ -41,7 +41,7 @@ from study.statements.thm_4_2.own_space import OwnSpace
 from study.statements.thm_4_2.same_mesh import SameMesh
 from study.statements.thm_4_2.stands_alone import StandsAlone
 from study.statements.uniqueness import OneStress, OneTrajectory
-from study.statements.unmeasured import Slips, Untested, WithoutRow
+from study.statements.unmeasured import Misprints, Untested, WithoutRow
 from study.statements.wellposed import BoundedVelocity, Dependence
 
 PROBLEM = (
@@ -89,7 +89,7 @@ STATEMENTS: tuple[Statement, ...] = (
     *WEIGHED,
     *BEYOND,
     *CERTIFIED,
-    Slips(),
+    Misprints(),
     Untested(),
     WithoutRow(),
     Pictures(),

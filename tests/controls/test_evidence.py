@@ -465,16 +465,16 @@ ELSEWHERE = (
     ),
     Weakened(
         "the error of a front at the last node",
-        "study.statements.advancing_front:Advance.error",
+        "study.statements.advancing_front:largest_error",
         "range(0, steps + 1,",
         "range(steps, steps + 1,",
         ("front: error at one node",),
     ),
     Weakened(
         "the load at the first time",
-        "study.statements.advancing_front:Advance.left_out",
-        "midpoints(T, FEW)",
-        "midpoints(T, FEW)[:1]",
+        "study.statements.advancing_front:effect_of_quadrature",
+        "midpoints(problem.T, FEW)",
+        "midpoints(problem.T, FEW)[:1]",
         ("front: load at one time",),
     ),
 )
