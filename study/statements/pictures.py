@@ -33,6 +33,8 @@ POINTS, LINE = 400, 80
 """Intervals along a face in the plane, for the exact contact zone and for the lines of exact gap and pressure."""
 HALVINGS = 10
 """Bisections of an interval of time in which the number of pieces of an exact zone changes."""
+Pieces = list[list[float]]
+"""The ends of the intervals that make up a zone."""
 
 
 def picture(case: Case) -> dict[str, Any]:
@@ -165,7 +167,7 @@ def zone_over_time(
     return {round(t, 7): found[t] for t in sorted(found)}
 
 
-def intervals(s: Array, level: Array) -> list[list[float]]:
+def intervals(s: Array, level: Array) -> Pieces:
     """Return where ψ ≥ 0 on a face, by linear interpolation between fine points."""
     inside = level >= 0
     if not inside.any():
