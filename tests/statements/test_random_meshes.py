@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from measured_rows import invented, verdicts
 
 from study.ledger.datafiles import read_rates
 from study.ledger.measures import growth, order, weighted
@@ -122,11 +123,6 @@ def test_a_leading_term_that_is_not_of_order_h_may_not_take_its_place(rates: pd.
 @pytest.mark.parametrize(("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS)])
 def test_interpolation_of_another_order_fails(order: float, verdict: str) -> None:
     """And what the coarsest mesh has by chance hardly counts."""
-    numbers = {level: level**-order for level in (8, 16, 32)} | {8: 1.05 * 8**-order}
-    rows = pd.DataFrame(
-        {"case": "a", "family": "shaken", "level": level, "h": 1 / level, "quantity": v, "value": value}
-        for v in FIELDS.values()
-        for level, value in numbers.items()
-    )
-    found = {row.key: row.verdict for row in InterpolationInV().judge(rows)}
-    assert found == dict.fromkeys([f"{key}-random" for key in FIELDS], verdict)
+    errors = np.array([1.05, 1, 1]) * LEVELS**-order
+    rows = invented(dict.fromkeys(FIELDS.values(), errors), LEVELS.tolist(), family="shaken")
+    assert verdicts(InterpolationInV(), rows) == dict.fromkeys([f"{key}-random" for key in FIELDS], verdict)
