@@ -2,37 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass, replace
-from types import SimpleNamespace
-from typing import Any
+from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.sparse as sps
 from measured_rows import invented, measured, verdicts
 from scipy.linalg import eigh
 
 from manufactured import Kind, unit_square
-from manufactured.law import DeviatoricBall, FrobeniusBall, KelvinVoigt, Linear, Scaled, Yield, isotropic
-from study.controls import replacements as wrong
-from study.controls.control import overridden
+from manufactured.law import KelvinVoigt, isotropic
+from study.controls.replacements import other_contact_work
 from study.fem.gauge import Gauge
 from study.fem.mesh import OneDiagonal, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
-from study.statements import constitutive_law, constraint, green, interpolation, lipschitz, residual
-from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
-from study.statements.constraint import VertexConstraint
+from study.statements import constraint, green, interpolation, lipschitz, residual
+from study.statements.constitutive_law import ElasticityOperator, Viscosity
 from study.statements.green import Green
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
 from study.statements.lipschitz import Lipschitz
 from study.statements.residual import Residual
 from study.statements.shared import eigen
-from study.statements.shared.base import ListedNumbers, Setting, grid
+from study.statements.shared.base import Setting, grid
 from study.statements.shared.places import space_of
 
 SQUARE = unit_square()
@@ -82,38 +76,24 @@ def test_functionals_on_halved_cells_are_those_on_v_h(case: str) -> None:
     assert fine.mesh.p == pytest.approx((prolong @ space.mesh.p.T).T, abs=1e-14)
 
 
-def other_material(body_force: Callable[..., Any]) -> Callable[..., Any]:
-    def work(solution, *rest):
-        return body_force(replace(solution, law=KelvinVoigt(solution.law.G, isotropic(1, 3), "other")), *rest)
+@pytest.mark.parametrize("defect", ["sign of contact work", "law"])
+def test_green_s_formula_notices_a_wrong_term(monkeypatch, defect: str) -> None:
+    work = green.work_of_body_force
 
-    return work
+    def of_another_material(solution, *rest):
+        return work(replace(solution, law=KelvinVoigt(solution.law.G, isotropic(1, 3), "other")), *rest)
 
-
-@pytest.mark.parametrize(
-    ("name", "defect"),
-    [
-        ("Gauge", wrong.other_contact_work(-1.0)),
-        ("work_of_body_force", other_material),
-        ("work_of_body_force", wrong.times(0.0)),
-        ("work_on", wrong.no_work_on_loaded),
-    ],
-    ids=["sign of contact work", "law", "without f_0", "without f_2"],
-)
-def test_green_s_formula_notices_a_wrong_term(monkeypatch, name, defect) -> None:
-    monkeypatch.setattr(green, name, defect(getattr(green, name)))
-    settings = grid(("full-contact", "yield-and-release"), ("one-diagonal",), (4,))
-    assert [verdict.verdict for verdict in Green().judge(measured(Green(), settings))] == [FAILS, FAILS, FAILS]
-
-
-def test_where_quadrature_is_rough_a_body_force_one_per_cent_off_does_not_fall(monkeypatch) -> None:
-    monkeypatch.setattr(green, "work_of_body_force", wrong.times(1.01)(green.work_of_body_force))
-    rows = measured(Green(), grid(("yield-and-release",), ("one-diagonal",), (4, 8)))
-    assert verdicts(Green(), rows) == {"halved": HOLDS, "shrunk": FAILS}
+    if defect == "law":
+        monkeypatch.setattr(green, "work_of_body_force", of_another_material)
+    else:
+        monkeypatch.setattr(green, "Gauge", other_contact_work(-1.0)(green.Gauge))
+    rows = measured(Green(), grid(("full-contact", "yield-and-release"), ("one-diagonal",), (4,)))
+    assert [verdict.verdict for verdict in Green().judge(rows)] == [FAILS, FAILS, FAILS]
 
 
 def test_green_s_formula_notices_a_stress_whose_divergence_is_no_function() -> None:
     """α = 2: w''' and with it f_0 has a Dirac measure on the line of the front."""
-    rows = measured(Green(), grid(("rough-2",), ("shaken",), (4, 8)))
+    rows = measured(Green(), grid(("rough-2",), ("shaken",), (4,)))
     assert set(verdicts(Green(), rows).values()) == {FAILS}
     assert "rough-2" not in {setting.case for setting in Green().places(full=True)}
 
@@ -141,95 +121,34 @@ def test_norms_that_are_not_equivalent_fail() -> None:
 # (3.1)–(3.3).
 
 
-@dataclass(frozen=True, eq=False)
-class Stated(Linear):
-    """A tensor that states other constants than its own, is not symmetric, or has a stress at rest."""
-
-    shares: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    skew: float = 0.0
-    prestress: tuple[float, ...] = (0.0, 0.0, 0.0)
-
-    @property
-    def ellipticity(self):
-        return self.shares[0] * float(np.linalg.eigvalsh(self.matrix)[0])
-
-    @property
-    def lipschitz(self):
-        return self.shares[1] * float(np.linalg.eigvalsh(self.matrix)[-1])
-
-    @property
-    def monotonicity(self):
-        return self.shares[2] * float(np.linalg.eigvalsh(self.matrix)[0])
-
-    def at(self, x):
-        operator = Scaled(self.matrix + self.skew * np.diag([1.0, 1.0], 1))
-        return wrong.Misstated(operator, wrong.result(lambda stress: stress + np.array(self.prestress)[:, None]))
-
-
-def verdicts_with(monkeypatch, module, statement: ListedNumbers, A, G, level: int = 4) -> dict[str, str]:
-    case = SimpleNamespace(solution=SimpleNamespace(law=KelvinVoigt(A, G, "doctored")))
-    monkeypatch.setattr(module, "resolve", lambda name: case)
-    return verdicts(statement, measured(statement, [Setting("full-contact", "one-diagonal", level)]))
-
-
-ISOTROPIC = isotropic(1, 0.5)
-MATRIX = ISOTROPIC.matrix
-
-
 @pytest.mark.parametrize(
-    ("statement", "tensor", "key", "verdict"),
+    ("statement", "right", "key"),
     [
-        (Viscosity(), Stated(MATRIX), "ellipticity", HOLDS),
-        (Viscosity(), Stated(MATRIX / 10), "ellipticity", HOLDS),
-        (Viscosity(), Stated(MATRIX, shares=(1.1, 1, 1)), "ellipticity", FAILS),
-        (Viscosity(), Stated(MATRIX, shares=(0.9, 1, 1)), "ellipticity", REPORTED),
-        (Viscosity(), Stated(MATRIX, shares=(1, 0.9, 1)), "bound", FAILS),
-        (Viscosity(), Stated(MATRIX, shares=(1, 1.1, 1)), "bound", REPORTED),
-        (Viscosity(), Stated(MATRIX, skew=0.1), "bound", FAILS),
-        (Viscosity(), Stated(MATRIX, skew=10.0), "ellipticity", FAILS),
-        (ElasticityOperator(), Stated(MATRIX), "lipschitz", HOLDS),
-        (ElasticityOperator(), Stated(MATRIX, shares=(1, 0.99, 1)), "lipschitz", FAILS),
-        (ElasticityOperator(), Stated(MATRIX, shares=(1, 1.1, 1)), "lipschitz", REPORTED),
-        (ElasticityOperator(), Stated(MATRIX, shares=(1, 1, 1.01)), "monotonicity", FAILS),
-        (ElasticityOperator(), Stated(MATRIX, prestress=(1.0, 1.0, 1.0)), "at-zero", FAILS),
-        (ElasticityOperator(), Stated(MATRIX, prestress=(0.0, -1.0, 0.0)), "at-zero", FAILS),
+        (Viscosity(), {"ellipticity": 1.0, "bound": 1.0, "asymmetry": 0.0}, "ellipticity"),
+        (Viscosity(), {"ellipticity": 1.0, "bound": 1.0, "asymmetry": 0.0}, "bound"),
+        (ElasticityOperator(), {"quotient": 1.0, "monotonicity": 0.0, "at zero": 0.0}, "quotient"),
     ],
+    ids=["m_A", "‖A‖", "L_G"],
 )
-def test_a_law_is_held_to_its_constants(monkeypatch, statement, tensor, key, verdict) -> None:
-    laws = (tensor, ISOTROPIC) if isinstance(statement, Viscosity) else (ISOTROPIC, tensor)
-    assert verdicts_with(monkeypatch, constitutive_law, statement, *laws)[key] == verdict
+@pytest.mark.parametrize(("quotient", "verdict"), [(1.0, HOLDS), (0.98, REPORTED), (1.01, FAILS)])
+def test_a_constant_of_a_law_must_bound_and_need_not_be_the_best(statement, right, key, quotient, verdict) -> None:
+    found = verdicts(statement, invented({**right, key: quotient}, (8,)))
+    assert found[{"quotient": "lipschitz"}.get(key, key)] == verdict
+    assert FAILS not in verdicts(statement, invented(right, (8,))).values()
 
 
-@pytest.mark.parametrize("ball", [FrobeniusBall(0.5), DeviatoricBall(0.3)], ids=["Frobenius", "deviatoric"])
-@pytest.mark.parametrize(
-    ("defect", "failing"),
-    [
-        ({}, None),
-        ({"share": 0.5}, "membership"),
-        ({"share": 1.5}, "nearest"),
-        ({"share": -1.0}, "expansion"),
-        ({"radius": 0.5}, "identity"),
-    ],
-)
-def test_the_operator_of_a_yield_law_is_a_projection(monkeypatch, ball, defect, failing) -> None:
-    monkeypatch.setattr(constitutive_law, "projection", wrong.returning(**defect)(constitutive_law.projection))
-    found = verdicts_with(monkeypatch, constitutive_law, Projection(), ISOTROPIC, Yield(3.0, ball))
-    assert found[failing] == FAILS if failing else set(found.values()) == {HOLDS}
+@pytest.mark.parametrize(("quantity", "key"), [("monotonicity", "monotonicity"), ("at zero", "at-zero")])
+def test_an_elasticity_operator_is_held_to_its_monotonicity_and_its_stress_at_rest(quantity: str, key: str) -> None:
+    wrong = {"quotient": 1.0, "monotonicity": 0.0, "at zero": 0.0, quantity: 1e-6}
+    assert verdicts(ElasticityOperator(), invented(wrong, (8,)))[key] == FAILS
 
 
 # (4.3), (5.5).
 
 
-def test_an_operator_steeper_than_its_law_says_is_noticed(monkeypatch) -> None:
-    found = verdicts_with(monkeypatch, lipschitz, Lipschitz(), isotropic(1, 0), isotropic(2, 3), 8)
-    assert set(found.values()) == {HOLDS}
-    steeper = Stated(isotropic(2, 3).matrix, shares=(1, 0.9, 1))
-    assert verdicts_with(monkeypatch, lipschitz, Lipschitz(), isotropic(1, 0), steeper, 8)["constant"] == FAILS
-
-
 def test_the_search_alone_comes_near_the_largest_eigenvalue() -> None:
     space = Space(OneDiagonal()(SQUARE, 8), SQUARE)
-    problem = eigen.unloaded(space, KelvinVoigt(ISOTROPIC, isotropic(2, 3), ""))
+    problem = eigen.unloaded(space, KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), ""))
     found = max(quotient for quotient, _ in lipschitz.quotients(space, lipschitz.Operator(problem)))
     assert 0.97 < found / eigen.largest(problem.reference, problem.M) <= 1 + 1e-4
 
@@ -250,35 +169,6 @@ def test_each_bound_of_the_operator_can_fail_alone(column: str, value: float) ->
 
 
 # K^h, Π^h.
-
-
-def vertical_axis(space: Space) -> dict[str, Any]:
-    """The vertical axis in place of ν."""
-    ((_, vertices),) = space.contact
-    rows = sps.lil_array((len(vertices), 2 * space.mesh.p.shape[1]))
-    rows[np.arange(len(vertices)), 2 * vertices + 1] = -1
-    return {"N": sps.csr_array(sps.csr_array(rows)[:, space.free])}
-
-
-@pytest.mark.parametrize(
-    ("change", "case", "failing"),
-    [
-        (lambda space: {}, "rotated", None),
-        (wrong.inward, "full-contact", "members"),
-        (vertical_axis, "rotated", "members"),
-        (lambda space: {"N": space.N[1:]}, "full-contact", "members"),
-        (wrong.off_contact, "full-contact", "strangers"),
-    ],
-    ids=["right", "inwards", "vertical", "a vertex of Γ3 is free", "a vertex off Γ3"],
-)
-def test_a_wrong_constraint_is_noticed(monkeypatch, change, case, failing) -> None:
-    def changed(setting: Setting) -> Space:
-        space = space_of(setting)
-        return overridden(Space(space.mesh, space.body), **change(space))
-
-    monkeypatch.setattr(constraint, "space_of", changed)
-    found = verdicts(VertexConstraint(), measured(VertexConstraint(), [Setting(case, "shaken", 5)]))
-    assert found[failing] == FAILS if failing else set(found.values()) == {HOLDS}
 
 
 def test_random_fields_are_admissible_and_touch_all_of_their_face() -> None:
@@ -323,42 +213,6 @@ def test_where_nothing_touches_r_over_its_bound_is_left_out_or_undecided(monkeyp
     assert found == {"smooth": HOLDS, "remainder": HOLDS, "bound": UNDECIDED}
 
 
-def factors(**changes: float) -> Callable[..., Any]:
-    """Some terms of R are multiplied by factors."""
-    return wrong.result(lambda found: replace(found, **{name: c * getattr(found, name) for name, c in changes.items()}))
-
-
-def tangential_trace(terms: Callable[..., Any]) -> Callable[..., Any]:
-    """v_τ in place of v_ν on Γ3."""
-
-    def changed(solution, space, time, functions):
-        turned = [replace(v, on=lambda part, rule, v=v: v.on(part, rule)[::-1]) for v in functions]
-        right = terms(solution, space, time, functions)
-        return replace(right, contact=terms(solution, space, time, turned).contact)
-
-    return changed
-
-
-@pytest.mark.parametrize("case", ["full-contact", "yield-and-release"])
-@pytest.mark.parametrize(
-    ("defect", "failing"),
-    [
-        (factors(), set()),
-        (factors(body=0), {"smooth", "remainder", "bound"}),
-        (factors(loaded=0), {"smooth", "remainder"}),
-        (factors(loaded=-1), {"smooth", "remainder"}),
-        (factors(contact=-1), {"smooth"}),
-        (tangential_trace, {"smooth"}),
-    ],
-    ids=["right", "without f_0", "without f_2", "sign of f_2", "sign of σ_ν", "tangential trace"],
-)
-def test_a_wrong_residual_or_trace_is_noticed(monkeypatch, case, defect, failing) -> None:
-    monkeypatch.setattr(residual, "terms", defect(residual.terms))
-    found = verdicts(Residual(), measured(Residual(), [Setting(case, "shaken", 6)]))
-    assert {key for key, verdict in found.items() if verdict == FAILS} >= failing
-    assert bool(failing) == (FAILS in found.values())
-
-
 # (5.23), (5.24).
 
 
@@ -394,12 +248,6 @@ def test_the_order_of_traces_is_two_where_it_is_claimed(tau: float, order: float
 def test_a_trace_that_is_zero_has_no_order_to_be_judged() -> None:
     rows = measured(InterpolationOnContact(), grid(("full-contact",), ("shaken",), (8, 16, 32)))
     assert list(verdicts(InterpolationOnContact(), rows)) == ["smooth-face-1"]
-
-
-def test_an_interpolant_that_is_too_large_has_no_order(monkeypatch) -> None:
-    monkeypatch.setattr(Space, "interpolate", wrong.times(1.1)(Space.interpolate))
-    rows = measured(InterpolationInV(), grid(("no-contact",), ("one-diagonal",), (8, 16, 32)))
-    assert set(verdicts(InterpolationInV(), rows).values()) == {FAILS}
 
 
 def test_the_distance_of_a_smooth_field_is_that_of_the_gauge() -> None:
