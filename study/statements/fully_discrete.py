@@ -70,9 +70,9 @@ class FullyDiscrete(ListedNumbers):
         return judge(self, rows, [rule for scheme in SCHEMES for rule in observations(scheme)])
 
 
-def columns(scheme: Scheme, which: str, counts: tuple[int, ...]) -> list[str]:
+def columns(scheme: Scheme, which: str) -> list[str]:
     """Return the columns of e or d of a scheme."""
-    return [f"{scheme.name} {count} {which}" for count in counts]
+    return [f"{scheme.name} {count} {which}" for count in COUNTS]
 
 
 def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
@@ -94,7 +94,7 @@ def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
 
 def observations(scheme: Scheme) -> Iterator[Observation]:
     """Yield the reported quantities of a scheme."""
-    order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e", COUNTS) + columns(scheme, "d", COUNTS))
+    order, needs = ORDERS[scheme.name], tuple(columns(scheme, "e") + columns(scheme, "d"))
     in_time, error, fitted = "‖u^h − u^{hk}‖", "‖u − u^{hk}‖", "C_h h^p + C_k k^q fitted to ‖u − u^{hk}‖"
     table: list[tuple[str, str, Window, Callable[[Table], Measured | None]]] = [
         ("time-in-k", f"order q of {in_time} in k", order, lambda e: fit_d(e).parameters[1]),
@@ -109,7 +109,7 @@ def observations(scheme: Scheme) -> Iterator[Observation]:
     for key, quantity, window, value in table:
 
         def measure(levels: pd.DataFrame, value: Callable[[Table], Measured | None] = value) -> Measured | None:
-            e, d = (levels[columns(scheme, which, COUNTS)].to_numpy() for which in "ed")
+            e, d = (levels[columns(scheme, which)].to_numpy() for which in "ed")
             positive = np.isfinite(e).all() and np.isfinite(d).all() and (e > 0).all() and (d > 0).all()
             return value(Table(levels["h"].to_numpy(), e, d)) if positive else None
 

@@ -95,7 +95,7 @@ def synthetic(p: float, orders: dict[str, float]) -> pd.DataFrame:
     """Tables of e² = h^{2p} + d² and d = 3 k^q."""
     values: dict[str, object] = {}
     for scheme in SCHEMES:
-        for count, e, d in zip(COUNTS, *(columns(scheme, which, COUNTS) for which in "ed"), strict=True):
+        for count, e, d in zip(COUNTS, *(columns(scheme, which) for which in "ed"), strict=True):
             values[d] = 3 * count ** -orders[scheme.name]
             values[e] = np.hypot(np.array([8.0, 16.0, 32.0]) ** -p, values[d])
     return invented(values)
