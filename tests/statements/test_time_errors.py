@@ -18,7 +18,7 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
-from study.statements import backward_euler, landings
+from study.statements import landings
 from study.statements.backward_euler import BackwardEuler
 from study.statements.landings import Landings, solution_of_two_unknowns, two_unknowns
 from study.statements.shared.base import grid
@@ -191,7 +191,3 @@ def test_a_landing_is_counted_once() -> None:
 def test_interpolants_pass_through_their_nodes() -> None:
     states = np.array([[0.0], [2.0], [1.0]])
     assert interpolated(states, 4).ravel() == pytest.approx([0, 1, 2, 1.5, 1])
-
-
-def test_errors_of_backward_euler_are_taken_at_all_times() -> None:
-    assert backward_euler.FINEST % max(backward_euler.COUNTS) == 0
