@@ -434,7 +434,7 @@ ELSEWHERE = (
     ),
     Weakened(
         "norms at the last time",
-        "study.statements.residual_bound:share",
+        "study.statements.residual_bound:share_of_bound",
         "np.max(rows, axis=0)",
         "rows[-1]",
         ("R at one time",),
