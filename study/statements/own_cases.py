@@ -37,17 +37,17 @@ NOT_YET = "not asymptotic yet"
 TRY = "try --levels"
 OF_ERRORS = {"order", "order-fitted", "order-finest", "falling", "limit", "size"}
 """Rows that say nothing while time steps or quadrature disturb the errors."""
-NO_RATE = "Prop. 5.3 claims no rate, and the order that the regularity gives is not seen: {finer}"
-SHARE = "contact disturbs the error on these meshes more than a good test allows: {finer}"
+NO_RATE = "Prop. 5.3 claims no rate, and the order that the regularity gives is not seen: {remedy}"
+SHARE = "contact disturbs the error on these meshes more than a good test allows: {remedy}"
 PACE = "the time steps are too long: raise `pace` of the case, or give a shorter --step"
 REASONS = {
     "order-graded": NO_RATE,
-    "discrete-order-others": "what the solver did, Π^h u − u^h, is not settled on these meshes: {finer}",
+    "discrete-order-others": "what the solver did, Π^h u − u^h, is not settled on these meshes: {remedy}",
     "discrete-share": SHARE,
     "size": SHARE,
     "time-share": PACE,
     "discrete-time-share": PACE,
-    "quadrature": "the formulas vary too much within a cell: flatten them, or {finer}",
+    "quadrature": "the formulas vary too much within a cell: flatten them, or {remedy}",
 }
 """Key of a row that never contradicts the statement ↦ why it is not decided."""
 
@@ -86,7 +86,7 @@ def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
     key = verdict.key
     if key in ("order", "order-fitted", "order-finest"):
         why = why_missed(series(groups, orders_of("error")), expected, expected - verdict.window_low, remedy)
-        return why or (NO_RATE.format(finer=remedy) if verdict.label == "Prop. 5.3" else "")
+        return why or (NO_RATE.format(remedy=remedy) if verdict.label == "Prop. 5.3" else "")
     if key == "interpolation-order-finest":
         orders = series(groups, orders_of("interpolation_error"))
         return why_missed(orders, expected, expected - verdict.window_low, remedy)
@@ -108,7 +108,7 @@ def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
             "Π^h u − u^h is not of higher order than the error: the meshes are too coarse for contact, "
             f"{remedy}; or load, material or contact is wrong by a little, which the error itself would not show"
         )
-    return REASONS.get(key, "").format(finer=remedy)
+    return REASONS.get(key, "").format(remedy=remedy)
 
 
 def series(groups: Groups, of: Callable[[pd.DataFrame], ArrayLike]) -> list[Array]:
