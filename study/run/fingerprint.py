@@ -1,8 +1,8 @@
 """Cache key of a result: a hash of the code that computes it, of library versions, of the problem and the setting.
 
 The code is that of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows: a change in it
-computes every result anew, a change of words or of a window computes none. The kernels that a BLAS chooses for a processor are not part of the key, so that
-last digits may differ between processors.
+computes every result anew, a change of words or of a window computes none. The kernels that a BLAS chooses for a
+processor are not part of the key, so that last digits may differ between processors.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Every statement that is measured or judged, in the order of the source; what goes beyond it comes last."""
+"""Every statement that is measured or judged, in the order of the source; statements beyond it come last."""
 
 from __future__ import annotations
 
@@ -24,7 +24,6 @@ from study.statements.landings import Landings
 from study.statements.lipschitz import Lipschitz
 from study.statements.norms_in_time import LoadInTime, TractionInTime
 from study.statements.other_codes import OtherCodes
-from study.statements.parting import Parting
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import FirstOrder
@@ -35,19 +34,20 @@ from study.statements.resolvent import Resolvent
 from study.statements.rollers import Rollers
 from study.statements.separation import Separation
 from study.statements.shared.base import Statement
+from study.statements.solution_divergence import SolutionDivergence
 from study.statements.steps_of_the_estimate import StepsOfTheEstimate
 from study.statements.superclose import Superclose
 from study.statements.thm_4_2 import SameMesh, StandsAlone
 from study.statements.thm_4_2_own_space import OwnSpace
 from study.statements.uniqueness import OneStress, OneTrajectory
-from study.statements.unmeasured import Slips, Untested, WithoutRow
+from study.statements.unmeasured import Misprints, Untested, WithoutRow
 from study.statements.wellposed import BoundedVelocity, Dependence
 
 PROBLEM = (
     Green(),
     Korn(),
     Dependence(),
-    Parting(),
+    SolutionDivergence(),
     Viscosity(),
     ElasticityOperator(),
     Projection(),
@@ -88,7 +88,7 @@ STATEMENTS: tuple[Statement, ...] = (
     *WEIGHED,
     *BEYOND,
     *CERTIFIED,
-    Slips(),
+    Misprints(),
     Untested(),
     WithoutRow(),
     Pictures(),

@@ -3,11 +3,11 @@
 **Measured** as for Proposition 5.4 (``prop_5_4.measure``), on exact solutions that miss its regularity: singular
 corners, fronts, interfaces that the mesh does not meet, loads that are hardly continuous in time.
 
-**Judged.** No rate is claimed, so none is asked for: errors fall from level to level, and a fit
-e = e∞ + C h^s leaves no room for a positive limit e∞. The order seen is compared with the one that the regularity
-predicts. The place of a front that rests within its cell alternates between levels, so orders are taken over two
-refinements. On random meshes levels differ by chance, too, and from one seed to the next the limit scatters by up to a
-quarter of its window: there the other two decide. Meshes graded towards a corner regain the order 1.
+**Judged.** No rate is claimed, so none is required: errors must fall from level to level, and a fit e = e∞ + C h^s must
+exclude a positive limit e∞. The observed order is compared with the order that the regularity predicts. The place of a
+resting front within its cell alternates between levels, so orders are taken over two refinements. On random meshes
+levels differ by chance, too, and from one seed to the next the limit scatters by up to a quarter of its window: there
+the other two criteria decide. Meshes graded towards a corner regain the order 1.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Convergence(Rates):
 
 
 def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
-    """What is judged of a case with a predicted order, and on which mesh families."""
+    """Yield the criteria for a case with a predicted order, each with the mesh families on which it is judged."""
     uniform = {name: group for name, group in groups.items() if name != GRADED}
     graded = {name: group for name, group in groups.items() if name == GRADED}
     falling = at_most(0.999, "on every level")
@@ -69,9 +69,9 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
 
 
 def _limit(key: str, window: Window, expected: float) -> Criterion:
-    """The limit for an order, from the last four levels in pairs.
+    """Return the criterion for the limit, from the last four levels in pairs, if the order is the expected one.
 
-    It depends on the order, and nothing but the row on orders says which it is.
+    The limit depends on the order, which only the row on orders determines.
     """
 
     def measure(group: pd.DataFrame) -> Measured:

@@ -322,7 +322,7 @@ ELSEWHERE = (
     ),
     Weakened(
         "other ways in the last step",
-        "study.statements.uniqueness:apart",
+        "study.statements.uniqueness:relative_distance",
         "np.max(both, axis=0)",
         "both[-1]",
         middle("other ways"),
@@ -434,7 +434,7 @@ ELSEWHERE = (
     ),
     Weakened(
         "norms at the last time",
-        "study.statements.residual_bound:share",
+        "study.statements.residual_bound:share_of_bound",
         "np.max(rows, axis=0)",
         "rows[-1]",
         ("R at one time",),
@@ -448,7 +448,7 @@ ELSEWHERE = (
     ),
     Weakened(
         "growth in the last step",
-        "study.statements.parting:over_bound",
+        "study.statements.solution_divergence:over_bound",
         "other)).max() for",
         "other))[-1] for",
         middle("growth"),
@@ -465,16 +465,16 @@ ELSEWHERE = (
     ),
     Weakened(
         "the error of a front at the last node",
-        "study.statements.advancing_front:Advance.error",
+        "study.statements.advancing_front:largest_error",
         "range(0, steps + 1,",
         "range(steps, steps + 1,",
         ("front: error at one node",),
     ),
     Weakened(
         "the load at the first time",
-        "study.statements.advancing_front:Advance.left_out",
-        "midpoints(T, FEW)",
-        "midpoints(T, FEW)[:1]",
+        "study.statements.advancing_front:effect_of_quadrature",
+        "midpoints(problem.T, FEW)",
+        "midpoints(problem.T, FEW)[:1]",
         ("front: load at one time",),
     ),
 )

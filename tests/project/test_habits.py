@@ -256,7 +256,7 @@ ENTRIES = {
             "from study.statements.uniqueness",
             "from study.statements.trace import Trace\nfrom study.statements.uniqueness",
         ),
-        ("    Slips(),\n", "    Trace(),\n    Slips(),\n"),
+        ("    Misprints(),\n", "    Trace(),\n    Misprints(),\n"),
     ],
 }
 """What the recipes tell to enter, as (before, after)."""

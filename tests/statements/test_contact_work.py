@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pandas as pd
 import pytest
+from measured_rows import invented, measured
 
 from manufactured.exact.solution import FaceFields
 from manufactured.tensors import Array
@@ -26,7 +27,7 @@ from study.statements.contact_work import (
     vertices_on,
 )
 from study.statements.edge_work import BRANCHES, C_0, EQUAL, OF_ALL, OVERALL, WORK, EdgeWork, beta, supremum
-from study.statements.shared.base import Setting
+from study.statements.shared.base import grid
 from study.statements.shared.norms import midpoints
 
 GRID = "one-diagonal"
@@ -80,10 +81,8 @@ def test_a_bound_of_another_power_of_the_contact_set_is_exceeded(monkeypatch: py
     assert max(supremum(touching, 0.5) for touching in contact_sets()) > 1
 
 
-def edge_rows(levels: tuple[int, ...] = (16, 32)) -> pd.DataFrame:
-    statement = EdgeWork()
-    settings = [Setting(case, GRID, n) for case in ("trains", "merging-patches") for n in levels]
-    return pd.DataFrame([row for s in settings for _, row in statement.records(s, statement.measure(s))])
+def edge_rows(*levels: int) -> pd.DataFrame:
+    return measured(EdgeWork(), grid(("trains", "merging-patches"), (GRID,), levels))
 
 
 def verdict_of(verdicts: list[Verdict], key: str) -> set[str]:
@@ -91,7 +90,7 @@ def verdict_of(verdicts: list[Verdict], key: str) -> set[str]:
 
 
 def test_the_work_on_every_edge_is_within_its_bound() -> None:
-    assert {verdict.verdict for verdict in EdgeWork().judge(edge_rows())} == {HOLDS}
+    assert {verdict.verdict for verdict in EdgeWork().judge(edge_rows(16, 32))} == {HOLDS}
 
 
 def test_a_pressure_off_the_zone_of_contact_breaks_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -102,7 +101,7 @@ def test_a_pressure_off_the_zone_of_contact_breaks_the_bound(monkeypatch: pytest
         return np.asarray(stated(self, time) + 1e4)
 
     monkeypatch.setattr(FaceFields, "stated_pressure", everywhere)
-    verdicts = EdgeWork().judge(edge_rows((32,)))
+    verdicts = EdgeWork().judge(edge_rows(32))
     assert FAILS in verdict_of(verdicts, "solution") & verdict_of(verdicts, "constant")
 
 
@@ -117,8 +116,7 @@ def test_a_pressure_off_the_zone_of_contact_breaks_the_bound(monkeypatch: pytest
 )
 def test_every_row_about_edges_can_fail(quantities: tuple[str, ...], value: float, key: str) -> None:
     numbers = {WORK: 0.5, OF_ALL: 0.5, OVERALL: 0.1, **dict.fromkeys(BRANCHES, 3)}
-    common = {"case": "a", "family": GRID, "level": 16, "h": 1 / 16}
-    right = pd.DataFrame({**common, "quantity": name, "value": float(number)} for name, number in numbers.items())
+    right = invented(numbers, (16,))
     assert verdict_of(EdgeWork().judge(right), key) == {HOLDS}
     wrong = right.assign(value=right["value"].where(~right["quantity"].isin(quantities), value))
     assert verdict_of(EdgeWork().judge(wrong), key) == {FAILS}
@@ -126,13 +124,10 @@ def test_every_row_about_edges_can_fail(quantities: tuple[str, ...], value: floa
 
 def work_rows(work: Callable[[int], float], spread: float = 0.5) -> pd.DataFrame:
     """Rows with h = 1/n, an error of order 1 and work as given."""
-    rows = []
-    for family in (GRID, "shaken"):
-        for n in (16, 32, 64, 128):
-            numbers = {"work": work(n), "mean work": work(n), "spread": n**-spread, "error": 3 / n, "excess": 1 / n}
-            common = {"case": "trains", "family": family, "level": n, "h": 1 / n}
-            rows += [{**common, "quantity": name, "value": value} for name, value in numbers.items()]
-    return pd.DataFrame(rows)
+    levels = np.array([16, 32, 64, 128])
+    works = [work(n) for n in levels.tolist()]
+    numbers = {"work": works, "mean work": works, "spread": levels**-spread, "error": 3 / levels, "excess": 1 / levels}
+    return pd.concat([invented(numbers, levels.tolist(), case="trains", family=f) for f in (GRID, "shaken")])
 
 
 def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes() -> None:

@@ -1,4 +1,4 @@
-"""Sizes that passed every other row are caught by the numbers that are computed again, and small defects at once."""
+"""Wrong errors in rates.csv are caught by the numbers that are computed again."""
 
 from __future__ import annotations
 
