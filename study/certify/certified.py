@@ -16,8 +16,7 @@ import numpy as np
 from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
-from study.bound.equilibration import Equilibration
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.bound.trajectory import DiscreteSolution, Refined, compute, spline
 from study.certify import checker
 from study.certify.rational_mesh import Twins, in_doubles, rational_mesh
@@ -118,9 +117,9 @@ def _stresses(
     progress: Callable[[float], object],
 ) -> dict[str, Any]:
     """σ̃ at the knots and its control points between them, in turns."""
-    encoder, equilibration = StressEncoder(problem, twins, fine), Equilibration(fine)
+    encoder = StressEncoder(problem, twins, fine)
     # The unit is found when all stresses are known.
-    kept = list(_found(encoder, equilibration, nodes, progress))
+    kept = list(_found(encoder, fine, nodes, progress))
     largest = max(float(abs(encoder.tractions(stress)).max()) for stress, _ in kept)
     bits = bits_below(largest, FINE)
     coarse = FINE - COARSE
@@ -134,19 +133,17 @@ def _stresses(
 
 
 def _found(
-    encoder: StressEncoder, equilibration: Equilibration, nodes: list[Array], progress: Callable[[float], object]
+    encoder: StressEncoder, fine: Discretisation, nodes: list[Array], progress: Callable[[float], object]
 ) -> Iterator[tuple[Array, Load]]:
     """(σ̃ on cells, f̃) at knots and control points."""
     T = encoder.problem.T
     k = T / (len(nodes) - 1)
-    discretisation = equilibration.discretisation
     knots = [Fraction(0), *(k * Fraction(2 * j + 1, 2) for j in range(len(nodes) - 1)), T]
-    viscous = discretisation.data.law.A.at(discretisation.stresses.points)
     steps = [float(t) for t in np.linspace(0, float(T), len(nodes))]
 
     def one(load: Load, u: Array, rate: Array) -> tuple[Array, Load]:
-        target = viscous(discretisation.strain(rate)) + equilibration.elastic(u)
-        stress = equilibration.residual(encoder.study_loads(load), target, u).values + target
+        target = fine.viscous(rate) + fine.elastic(u)
+        stress = fine.nearest_stress(encoder.study_loads(load), target, u).values + target
         return encoder.bernstein(stress), load
 
     for j, piece in enumerate(spline(zip(steps, nodes, strict=True))):

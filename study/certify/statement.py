@@ -19,7 +19,7 @@ from manufactured.factor import UNIFORM, x1, x2
 from manufactured.law import Indefinite, KelvinVoigt, Linear
 from manufactured.symbols import pos, t
 from manufactured.tensors import Array
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 
 SIMPLE = 10**6
 """The largest denominator of a fraction that a double is read as."""

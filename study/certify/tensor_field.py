@@ -26,7 +26,7 @@ import numpy as np
 import scipy.sparse as sps
 
 from manufactured.tensors import Array
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.certify import checker
 
 BITS = 28

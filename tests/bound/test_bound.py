@@ -48,7 +48,7 @@ from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error, order
 from study.bound.equilibration import Equilibration
 from study.bound.majorant import Interval, Majorant
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.bound.sampling import Evidence
 from study.bound.trajectory import (
     DiscreteSolution,

@@ -15,7 +15,7 @@ from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
 from study.bound.bounded import bounded_solution, check_bound
 from study.bound.enclosing import Enclosure
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.cli.refusals import REFUSALS
 from study.fem.gauge import Gauge, NormError

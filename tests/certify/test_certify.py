@@ -30,7 +30,7 @@ from manufactured.factor import layers, x2
 from manufactured.law import Linear as Tensor
 from study.bound.bounded import bounded_solution
 from study.bound.discretisation import Discretisation
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify import checker
 from study.certify.certified import Making

@@ -15,7 +15,7 @@ from manufactured.data import Data
 from manufactured.problems import problems
 from manufactured.tensors import Array, Points, Tensors, mandel
 from study.bound.discretisation import Discretisation
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.bound.trajectory import prolongation
 from study.fem.material import form
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured, boundary_parts
