@@ -34,8 +34,7 @@ from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.certify import checker
 from study.certify.certified import Making
-from study.certify.rational_mesh import Twins, in_doubles, rational_mesh
-from study.certify.statement import rational, statement, voigt
+from study.certify.statement import Twins, in_doubles, rational, rational_mesh, statement, voigt
 from study.certify.witnesses import AdmissibleRounding, StressEncoder, element, value_of
 from study.cli.main import main
 from study.fem.mesh import MeshFamily, OneDiagonal, Shaken, Unstructured

@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from study.bound.growth import Added as AddedFloat
-from study.bound.growth import Sizes, grown
+from study.bound.growth import Sizes, grow
+from study.bound.growth import Step as StepFloat
 from study.certify import checker
 from study.certify.certified import differences, write
 from study.certify.checker import RefusedError
@@ -151,7 +151,6 @@ def squeezed(column: list[int]) -> list[int]:
 
 
 TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
-    "another format": (edit("format", to="signorini-certificate 1"), "has to be signorini-certificate 2"),
     "ũ enters the foundation": (enter_the_foundation, "ũ_ν > 0 on Γ3"),
     "ũ leaves the wall": (leave_the_wall, "ũ does not vanish on Γ1"),
     "u_h leaves the wall": (move_u_h_on_the_wall, "u_h does not vanish on Γ1"),
@@ -176,25 +175,14 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
     "a traction is missing": (edit("stress", "tractions", by=shorter), "tractions have another size"),
     "a traction of one time is missing": (edit("stress", "tractions", 0, by=lambda x: x[:-1]), "not as long as"),
     "an inner number is missing": (edit("stress", "inner", by=shorter), "the inner numbers have another size"),
-    "a traction is no integer": (edit("stress", "tractions", 3, 20, by=float), "has to be an integer"),
     "a traction is not finite": (edit("stress", "tractions", 3, 20, to=math.nan), "is nan, but has to be an integer"),
-    "u_h is not finite": (edit("computed", 1, 7, to=math.inf), "is inf, but has to be a finite number"),
     "ũ has too few numbers": (edit("displacement", "nodes", by=shorter), "ũ has another size"),
     "tractions of the element differ": (edit("element", "columns", 7, 31, by=lambda x: x + 1), "tractions of the ref"),
     "tractions in the element jump": (edit("element", "columns", 40, 3, by=lambda x: x + 1), "reference element"),
     "the element does not balance": (edit("element", "columns", 40, by=squeezed), "does not balance"),
-    "the element has no inner numbers": (
-        edit("element", "columns", by=lambda x: x[:-1]),
-        "44 values, but has to have 45",
-    ),
-    "a mesh that is coarsened": (edit("refinements", to=-1), "integer from 0 to 8"),
     "a side is short": (edit("mesh", "sides", 0, by=lambda x: x[:-1]), "does not fit side 0"),
     "u_h jumps inside a piece": (jump_in_a_piece, "u_h has a node inside"),
     "f_0 with a kink": (edit("problem", "force", 1, 0, 2, to=1), "f_0 with kinks"),
-    "f_2 on a part that is not there": (
-        edit("problem", "loads", by=lambda x: x | {"9": [[], []]}),
-        "that there are not",
-    ),
     "f_2 on Γ3": (edit("problem", "loads", by=lambda x: {"0": x["1"]}), "which is not of Γ2"),
     "time runs backwards": (edit("problem", "T", to="-1"), "T is not positive"),
     "u_0 off the wall": (edit("problem", "start", 0, to=[["1", 0, 0]]), "u_0 does not vanish on Γ1"),
@@ -276,5 +264,5 @@ def test_the_bound_grows_as_that_of_the_study(certificate: Any) -> None:
         squares = np.einsum("Ii,IJ,Ji->i", v, rho @ rho.T, v) / float(k)
         sizes = Sizes(squares[:, None], np.zeros(1), float(contact / k), float(loads / k))
         # Largest values, of which the checker knows nothing, are not of use here.
-        added = AddedFloat(float(k), sizes, Sizes(4 * sizes.residual, np.zeros(1), 4 * sizes.contact, 2 * sizes.rest))
-        assert [float(x) for x in found] == pytest.approx(grown(y, values, added), rel=1e-8)
+        added = StepFloat(float(k), sizes, Sizes(4 * sizes.residual, np.zeros(1), 4 * sizes.contact, 2 * sizes.rest))
+        assert [float(x) for x in found] == pytest.approx(grow(y, values, added), rel=1e-8)

@@ -18,7 +18,7 @@ from manufactured.data import LoadError
 from manufactured.tensors import Array
 from study.bound.bounded import BoundedSolution
 from study.bound.problem import BoundError
-from study.bound.sampling import GUARANTEED
+from study.bound.remainders import GUARANTEED
 from study.present.marks import markdown
 from trials.known import Trial, random_trial
 from trials.record import made
