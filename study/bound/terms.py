@@ -259,7 +259,7 @@ class Majorant:
         elastic, curvature = self._elastic(pieces, control, knots)
         viscous = (knots.viscous[:, :-1] + knots.viscous[:, 1:]) / 2
         residual, normal = self._residual(loads, viscous + elastic, control)
-        products = self._products([knots.residual[:, :-1], residual, knots.residual[:, 1:]])
+        products = self.products([knots.residual[:, :-1], residual, knots.residual[:, 1:]])
         bending = self._bending(pieces, (9 / 16) * a + (6 / 16) * loads + (1 / 16) * b)
         moments = d.normal_moments(np.array([[piece.start, piece.control, piece.end] for piece in pieces]))
         # Complementary up to rounding: products may come out as −0.
@@ -285,9 +285,8 @@ class Majorant:
         found *= self._roots
         return found
 
-    @staticmethod
-    def _products(stresses: Sequence[Array]) -> Array:
-        """Sums over points of the products of any two of n stresses in directions, (n, n, directions, ..., cells)."""
+    def products(self, stresses: Sequence[Array]) -> Array:
+        """Return sums over points of products of any two of n stresses, (n, n, directions, ..., cells)."""
         n = len(stresses)
         found = np.empty((n, n, *stresses[0].shape[:-1]))
         for a, b in combinations_with_replacement(range(n), 2):
@@ -301,7 +300,7 @@ class Majorant:
         """
         quarter = together([self.discretisation.snapshot(p.a + (p.b - p.a) / 4).loads for p in pieces])
         stress = self._in_directions(self.discretisation.equilibrium.balance(quarter + (-1.0) * parabola).values)
-        return np.asarray(np.sqrt(self._products([stress])[0, 0].sum(axis=(0, -1))))
+        return np.asarray(np.sqrt(self.products([stress])[0, 0].sum(axis=(0, -1))))
 
     def _elastic(self, pieces: list[Parabola], control: Array, knots: Knots) -> tuple[Tensors, Array]:
         """The middle coefficient of Gε(ũ) as a parabola in time, and the means of ‖Gε(ũ) − parabola‖_{A⁻¹}."""
