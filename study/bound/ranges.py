@@ -353,27 +353,29 @@ class Boxes:
         Raises:
             RangeError: the formula has a function that is not known.
         """
-        return self._series(formula, {})
+        if formula not in self._known:
+            self._known[formula] = self._expand(formula)
+        return self._known[formula]
 
-    def _series(self, formula: sp.Expr, known: dict[sp.Expr, Series]) -> Series:
-        if formula not in known:
-            known[formula] = self._expand(formula, known)
-        return known[formula]
+    @cached_property
+    def _known(self) -> dict[sp.Expr, Series]:
+        """The series of all formulas and of their parts, which formulas share."""
+        return {}
 
-    def _expand(self, formula: sp.Expr, known: dict[sp.Expr, Series]) -> Series:
+    def _expand(self, formula: sp.Expr) -> Series:
         if formula.is_Symbol:
             return self._variable(formula)
         if formula.is_number:
             value = np.full(self.count, float(formula))
             return self._constant((value, value))
         if type(formula) in REWRITTEN:
-            return self._series(REWRITTEN[type(formula)](*formula.args), known)
+            return self(REWRITTEN[type(formula)](*formula.args))
         if formula.is_Pow and not formula.exp.is_number:
-            return self._series(sp.exp(formula.exp * sp.log(formula.base)), known)
+            return self(sp.exp(formula.exp * sp.log(formula.base)))
         if formula.is_Add or formula.is_Mul:
             combine = Series.__add__ if formula.is_Add else self._product
-            return reduce(combine, (self._series(part, known) for part in formula.args))
-        inner = self._series(formula.args[0], known)
+            return reduce(combine, map(self, formula.args))
+        inner = self(formula.args[0])
         return self._composed(inner, coefficients(formula, (inner.low[0], inner.high[0]), self.order))
 
     def _constant(self, value: Pair) -> Series:

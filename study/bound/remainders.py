@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, reduce
 
 import numpy as np
 import sympy as sp
@@ -111,30 +111,27 @@ class Regions:
     def in_space(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
         """Return e for a ≤ t ≤ b, (boxes,)."""
         boxes = self._boxes(a, b, tuple(self.sides))
-        powers = [np.prod(self.radii ** np.array(key)[:, None], axis=0) for key in boxes.keys]
+        orders = np.array([sum(key) for key in boxes.keys])
+        powers = np.array([np.prod(self.radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
 
         def least(series: Series) -> Array:
-            found = [(series.high[0] - series.low[0]) / 2]
-            for order in range(1, ORDER + 1):
-                terms = [i for i, key in enumerate(boxes.keys) if sum(key) == order]
-                found.append(sum(_size(series, i) * powers[i] for i in terms))
-            return np.minimum.reduce(found)
+            sizes = _sizes(series) * powers
+            by_order = [sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1)]
+            return np.minimum.reduce([_half_range(series), *by_order])
 
-        return _norm(boxes, formulas, least)
+        return _norm(boxes, formulas, least, np.zeros(boxes.count))
 
-    def in_time(self, formulas: Sequence[sp.Expr], a: float, b: float) -> tuple[Array, Array]:
-        """Return p and q, (boxes,) each."""
+    def in_time(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
+        """Return p and q, (2, boxes)."""
         boxes, k = self._boxes(a, b, (t,)), b - a
+        powers = (k / 2) ** np.arange(ORDER + 1)[:, None]
 
-        def through(points: int, factor: float) -> Callable[[Series], Array]:
-            def bound(series: Series) -> Array:
-                half = (series.high[0] - series.low[0]) / 2
-                found = [half, *((k / 2) ** j * _size(series, j) for j in range(1, points + 1))]
-                return factor * np.minimum.reduce(found)
+        def least(series: Series) -> Array:
+            sizes = _sizes(series) * powers
+            sizes[0] = _half_range(series)
+            return np.array([PARABOLA * sizes[:4].min(axis=0), CUBIC * sizes.min(axis=0)])
 
-            return bound
-
-        return _norm(boxes, formulas, through(3, PARABOLA)), _norm(boxes, formulas, through(4, CUBIC))
+        return _norm(boxes, formulas, least, np.zeros((2, boxes.count)))
 
     def all(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
         """Return e, p and q, (3, boxes)."""
@@ -145,17 +142,18 @@ class Regions:
         return Boxes({**self.sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
 
 
-def _size(series: Series, term: int) -> Array:
-    return np.maximum(abs(series.low[term]), abs(series.high[term]))
+def _half_range(series: Series) -> Array:
+    return (series.high[0] - series.low[0]) / 2
 
 
-def _norm(boxes: Boxes, formulas: Sequence[sp.Expr], bound: Callable[[Series], Array]) -> Array:
+def _sizes(series: Series) -> Array:
+    """The largest absolute values of all coefficients, (terms, boxes)."""
+    return np.maximum(abs(series.low), abs(series.high))
+
+
+def _norm(boxes: Boxes, formulas: Sequence[sp.Expr], bound: Callable[[Series], Array], zero: Array) -> Array:
     """The Euclidean norm of the bounds of all components; formulas that are 0 cost nothing."""
-    found = np.zeros(boxes.count)
-    for formula in formulas:
-        if formula != 0:
-            found = np.hypot(found, bound(boxes(formula)))
-    return found
+    return reduce(np.hypot, (bound(boxes(formula)) for formula in formulas if formula != 0), zero)
 
 
 def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:

@@ -223,7 +223,7 @@ random_examples = given(
 )
 
 
-@settings(max_examples=6)
+@settings(max_examples=4)
 @random_examples
 def test_no_error_lies_outside_for_random_cases(case, family, n, scheme, steps, trajectory, seed) -> None:
     prove(case.solution, case.name)
@@ -282,7 +282,8 @@ def test_a_load_that_is_left_out_puts_errors_outside(name: str, trajectory: Traj
         found = enclose(discretisation, computed, trajectory)
         pieces = spline(trajectory.nodes(discretisation, computed))
         errors = np.array([true(piece.b, piece.end) for piece in pieces])
-        assert ((errors / found.bound).max() <= 1) is holds
+        largest = (errors / found.bound).max()
+        assert largest <= 1 if holds else largest > 1.2
 
 
 # ---- problems whose solution the spaces contain
@@ -352,7 +353,7 @@ def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: 
     assert max(interval.inside for interval in intervals) <= 1e-6 * size
 
 
-@pytest.mark.parametrize(("patch", "family"), zip(PATCHES, (OneDiagonal(), Unstructured()), strict=True))
+@pytest.mark.parametrize(("patch", "family"), [(PATCHES[0], OneDiagonal()), (PATCHES[1], Unstructured())])
 def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows_linearly(patch, family) -> None:
     """From the data alone: Problem 5.1 in degree 2 finds the solution, and nothing is left to bound."""
     data = patch.data(1 + 2 * t, not_proportional())
