@@ -225,10 +225,15 @@ def test_what_is_proved_is_known(plain: checker.Enclosure, computed_bounds: dict
     assert {name: float(getattr(plain, name)) for name in computed_bounds} == pytest.approx(computed_bounds, rel=1e-6)
 
 
-def test_the_level_is_not_read(certificate: Any, plain: checker.Enclosure) -> None:
+def test_the_level_is_not_believed(
+    certificate: Any, plain: checker.Enclosure, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     """What is printed is counted on the mesh: 8 cells of the unit square, h = √(2/8)."""
-    assert checker.verified(certificate | {"level": 64}) == plain
+    path = write(tmp_path / "other-level.json.gz", certificate | {"level": 64})
+    assert checker.verified(checker.load(path)) == plain
     assert (plain.cells, float(plain.h)) == (8, 0.5)
+    assert checker.main([str(path)]) == 0
+    assert "    8 cells, h = 0.5000: max" in capsys.readouterr().out
 
 
 def test_u_h_is_what_the_interval_is_about(certificate: Any, plain: checker.Enclosure) -> None:

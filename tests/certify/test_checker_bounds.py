@@ -462,51 +462,6 @@ def test_the_losses_of_all_cells_are_made_up_for(element: checker.Element, monke
 # Displacements
 
 
-def test_strains_are_derivatives() -> None:
-    """u = (x² + 3xy, 2y² − x) on a slanted cell."""
-    problem = Problem(stated(QUADRANGLE, "clamped loaded contact clamped"))
-    mesh = Mesh.of(mesh_of(QUADRANGLE, 2), problem)
-    u = (X * X + X * Y * 3, Y * Y * 2 - X)
-    for cell in mesh.cells:
-        local = [p(*mesh.images(cell)) for p in u]
-        values = [0] * 2 * mesh.nodes
-        corners = [(Q(0), Q(0)), (Q(1), Q(0)), (Q(0), Q(1))]
-        at = lambda p, x, y: sum((c * x**i * y**j for (i, j, _), c in p.items()), Q(0))  # noqa: E731
-        for d, p in enumerate(local):
-            for i, n in enumerate(cell.nodes):
-                a, b = (i, i) if i < 3 else [(1, 2), (2, 0), (0, 1)][i - 3]
-                ends = [at(p, *corners[c]) for c in (a, b)]
-                middle = at(p, *((q + r) / 2 for q, r in zip(corners[a], corners[b], strict=True)))
-                values[2 * n + d] = 2 * middle - sum(ends) / 2 if i >= 3 else ends[0]  # type: ignore[call-overload]
-        found = checker.strains(cell, values)
-        for e, v in zip(found, cell.v, strict=True):
-            x, y = mesh.place(v)
-            wanted = [2 * x + 3 * y, 4 * y, 3 * x - 1]
-            assert [c * 2 * mesh.h / cell.det for c in e] == wanted
-
-
-def test_stresses_of_a_law_are_pulled_back() -> None:
-    rng = np.random.default_rng(5)
-    problem = Problem(stated(QUADRANGLE, "clamped loaded contact clamped"))
-    mesh = Mesh.of(mesh_of(QUADRANGLE, 2), problem)
-    cell, laws = mesh.cells[1], rng.integers(-5, 6, (6, 3)).tolist()
-    u, step = (rng.integers(-9, 10, 2 * mesh.nodes).tolist() for _ in range(2))
-    rates, strain = (np.array(checker.strains(cell, v)) for v in (step, u))
-    sigma = 2 * (rates @ np.array(laws[:3]).T + strain @ np.array(laws[3:]).T)
-    a, b, c, d = cell.F
-    adjugate = np.array([[d, -b], [-c, a]])
-    pulled = [adjugate @ np.array([[x, z], [z, y]]) @ adjugate.T for x, y, z in sigma]
-    at = np.array([[m[0, 0], m[1, 1], m[0, 1]] for m in pulled])
-    found = np.array(checker.law_on(cell, laws, u, step))
-    assert (found == np.array([at[0], at[1] - at[0], at[2] - at[0]]).T).all()
-    field = rng.integers(-99, 99, 90).tolist()
-    rest = np.array(checker.less(field, found.tolist())).reshape(3, 3, 10)
-    places = [checker.CUBIC.index(key) for key in checker.LINEAR]
-    wanted = np.array(field).reshape(3, 3, 10)
-    wanted[:, :, places] -= found[:, None, :]
-    assert (rest == wanted).all()
-
-
 def test_splines_have_their_knots_and_values() -> None:
     nodes = [[0], [12], [36], [20]]
     found = list(checker.pieces(nodes, Q(3)))
