@@ -188,7 +188,7 @@ def _intervals(table: pd.DataFrame, known: bool) -> list[str]:
         lines.append(f"{row.level:6d} {largest:>22} {error:>9} {up(row.plain, SHOWN):>15}  {orders}".rstrip())
     if len(table) > 1:
         steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
-        lines += ["", f"orders are those of the fully discrete u_h, with {steps}"]
+        lines += ["", f"orders of the fully discrete u_h, with {steps}"]
     return lines
 
 

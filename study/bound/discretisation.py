@@ -63,10 +63,12 @@ class Discretisation:
 
     @cached_property
     def displacements(self) -> Quadratic:
+        """The displacements of degree 2."""
         return Quadratic(self.mesh, self.data.body)
 
     @cached_property
     def stresses(self) -> StressSpace:
+        """The composite stresses of degree 3."""
         return StressSpace(self.mesh, self.data.body, DEGREE)
 
     @cached_property
@@ -160,7 +162,7 @@ class Discretisation:
     def nearest_stress(self, loads: Loads, target: Tensors, u: Array) -> EquilibratedStress:
         """Return σ̃ with the least ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν among the stresses that balance the loads.
 
-        The norm is that of ``Moduli.compliance``. The values of the result are σ̃ − target.
+        ``Moduli.compliance`` defines the norm. The values of the result are σ̃ − target.
 
         Args:
             loads: one, or several.

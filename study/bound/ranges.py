@@ -6,11 +6,11 @@ For boxes X_1, …, X_N, variables z and an order m, a formula f has the ranges
 
 made from the ranges of its parts: sums and products of power series, and for g(u) the series Σ_j g^(j)(u)/j! δ^j with
 δ the series of u less its value (R. E. Moore, Methods and Applications of Interval Analysis, SIAM 1979, chapter 3).
-Ends are not rounded outward: ranges are those of exact arithmetic up to rounding.
+Ends are not rounded outward: ranges hold in exact arithmetic.
 
 Where a derivative does not exist, because pos(x, a) has its kink between the ends, its range is the whole line. The
-range of the order a itself is that of the derivative on both sides of the kink: this is what Taylor's theorem needs of
-a function with Lipschitz derivatives.
+range of the derivative of order a covers both sides of the kink: Taylor's theorem needs no more of a function with
+Lipschitz derivatives.
 """
 
 from __future__ import annotations

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy as sp
+from scipy.interpolate import BarycentricInterpolator
 from sympy import Expr, Float, Integer, Rational, cos, exp, log, sin, sqrt, tanh
 
 from manufactured import KelvinVoigt, isotropic, pos, t, unit_square
@@ -16,7 +17,7 @@ from manufactured.data.compiled_formulas import own_formula
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
 from study.bound.ranges import KNOWN, REWRITTEN, Boxes, RangeError, coefficients, require_known
-from study.bound.remainders import Regions
+from study.bound.remainders import CUBIC, PARABOLA, Regions
 
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 HALF = Rational(1, 2)
@@ -232,3 +233,10 @@ def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_t
     parabola, cubic = region.in_time([t**2 * x1, t**2], 0.0, 1.0)
     assert parabola == cubic == 0
     assert region.in_time([t**3], 0.0, 1.0)[0] > 0 == region.in_time([t**3], 0.0, 1.0)[1]
+
+
+@pytest.mark.parametrize(("factor", "nodes"), [(PARABOLA, (0, 0.5, 1)), (CUBIC, (0, 0.25, 0.5, 1))], ids=str)
+def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor: float, nodes: tuple[float, ...]) -> None:
+    x = np.linspace(0, 1, 10007)
+    constant = sum(abs(BarycentricInterpolator(nodes, unit)(x)) for unit in np.eye(len(nodes))).max()
+    assert 1 + constant <= factor <= 1 + 1.002 * constant
