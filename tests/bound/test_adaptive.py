@@ -181,10 +181,9 @@ def test_edges_of_the_foundation_are_in_contact_where_nothing_opens() -> None:
 
 
 def test_no_error_is_above_a_tolerance_that_is_reached() -> None:
-    """A known solution with a zone that grows on a slanted foundation."""
+    """A known solution with a zone that grows."""
     zone = Zone(Rational(31, 101), Rational(41, 101), 1.0, 1.0)
-    turn = Rational(4, 5), Rational(3, 5)
-    known = Known(LAW, (x1 * t, -t * x2), (), zone, turn)
+    known = Known(LAW, (x1 * t, -t * x2), (), zone)
     stage, bounds = first_stage(known.data, 2, 2), []
     for _ in range(2):
         found = adapted(known.data, None, stage, MIDPOINT)

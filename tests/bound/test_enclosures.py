@@ -226,7 +226,6 @@ random_examples = given(
 @settings(max_examples=4)
 @random_examples
 def test_no_error_lies_outside_for_random_cases(case, family, n, scheme, steps, trajectory, seed) -> None:
-    prove(case.solution, case.name)
     closest(case, family(case.solution.body, n), scheme, steps, trajectory, seed)
 
 
@@ -263,7 +262,7 @@ class Anything:
             yield float(time), v - V.N.T @ np.maximum(normal, 0)
 
 
-@pytest.mark.parametrize("name", ["advance-recede", "full-contact", "no-contact", "yield-on-a-part", "anisotropic"])
+@pytest.mark.parametrize("name", ["advance-recede", "yield-on-a-part", "anisotropic"])
 def test_no_error_lies_outside_even_for_a_displacement_that_is_far_from_the_solution(name: str) -> None:
     case, seed = CASES[name], len(name)
     closest(case, Shaken(seed=seed)(case.solution.body, 3), BACKWARD_EULER, 3, Anything(seed), seed)
@@ -433,15 +432,14 @@ def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_
 @pytest.mark.parametrize("name", ["advance-recede", "heterogeneous", "yield-and-release"])
 def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(name: str, monkeypatch) -> None:
     case, found = CASES[name], []
-    for most in (1, 3, 16):
+    for most in (1, 4):
         monkeypatch.setattr(terms, "LEAST", 1)
         monkeypatch.setattr(terms, "MOST", most)
         discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 3))
         found.append(enclose(discretisation, compute(discretisation, MIDPOINT, 5), SmoothedInTime()))
-    one_by_one, *others = found
-    for other in others:
-        assert other.bound == pytest.approx(one_by_one.bound, rel=1e-9)
-        assert other.between == pytest.approx(one_by_one.between, rel=1e-9)
+    one_by_one, together = found
+    assert together.bound == pytest.approx(one_by_one.bound, rel=1e-9)
+    assert together.between == pytest.approx(one_by_one.between, rel=1e-9)
 
 
 # ---- rows and refusals
