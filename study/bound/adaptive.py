@@ -158,7 +158,7 @@ def text(name: str, rows: pd.DataFrame, tolerance: float, stopped: str, sentence
         order = "" if math.isnan(row.order) else f"{row.order:.2f}"
         line = f"{row.mesh:4d} {row.cells:7d} {row.dofs:8d} {row.steps:6d} {up(row.bound, SHOWN):>10} {order:>6}"
         found.append(f"{line} {100 * row.in_time:6.1f} %" + (f" {row.error:10.4g}" if known else ""))
-    return [*found, "", "order: of the bound in the number of unknowns; 1/2 is the best possible order for P1"]
+    return [*found, "", "order: of the bound in unknowns; 1/2 is the best possible for P1"]
 
 
 def stage_file(directory: Path, number: int) -> Path:

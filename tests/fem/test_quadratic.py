@@ -313,4 +313,4 @@ def test_loads_act_as_the_integrals_of_polynomial_formulas() -> None:
         shape = bernstein(2, np.array([1 - place, place]))
         trace = np.einsum("ned,nq->deq", V.coefficients(v)[V.on_edges(edges)], shape)
         expected += np.einsum("deq,deq,q,e->", trace, load(y), w / 2, found.stresses.lengths[edges])
-    assert found.functional(found.loads(0.0)) @ v == pytest.approx(expected, rel=1e-11)
+    assert found.load(0.0) @ v == pytest.approx(expected, rel=1e-11)
