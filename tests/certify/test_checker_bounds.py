@@ -316,14 +316,24 @@ def test_a_load_that_is_not_taken_up_is_missed() -> None:
 
 
 def test_the_length_of_a_side_is_not_rounded_away() -> None:
-    """A traction that fits the length √2 to 2^−100 misses the load by as much, times the load."""
-    length, value = checker.root(Q(2), above=False), 10**6
+    """A traction that fits the length √2 to 2^−100 misses the load by as much, times the load.
+
+    The load is so large that this is more than the roundings to the grid.
+    """
+    length, value = checker.root(Q(2), above=False), 10**24
     loads = loads_on(TRIANGLE, 1, 100, loads={"1": load([[str(value), 0, 0, 0]], [])})
     missed = loads.missed_outside(Q(0), Q(1), [{(1, 2): [(int(value * length / GRID), 0)] * 4}] * 3)
     root = checker.root(Q(2 << 200), above=False) / (1 << 100)  # √2 to 2^−200
     least = value * (root - length)
-    assert least > 10 * GRID
+    assert least > 2**20 * checker.root(GRID)
     assert missed**4 * 2 >= least**4
+
+
+def test_lengths_are_rounded_down() -> None:
+    """A load 1 and, across it, a traction t have the mean square (2 + t²)/√2 on a side of length √2."""
+    t = 10**6
+    missed = loads_on(TRIANGLE, 1, 100).missed_outside(Q(0), Q(1), [{(1, 2): [(0, t << 100)] * 4}] * 3)
+    assert (2 + t * t) ** 2 <= missed**4 * 2 <= (2 + t * t) ** 2 * (1 + Q(1, 2**60))
 
 
 def test_a_load_that_is_taken_up_is_not_missed() -> None:
@@ -451,11 +461,13 @@ def test_what_is_not_balanced_is_rounded_up(element: checker.Element) -> None:
 
 
 def test_the_losses_of_all_cells_are_made_up_for(element: checker.Element, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Squares that the grid 2^0 rounds to 0 in both cells."""
-    stresses = stresses_on(QUADRANGLE, "clamped loaded contact clamped", element, 2)
-    monkeypatch.setattr(checker, "GRID", 0)
-    monkeypatch.setattr(checker, "linear_square", lambda _: 1)
-    exact = sum(Q(2, 24 * cell.det**3) for cell in stresses.mesh.cells) * Q(2, stresses.unit) ** 2
+    """Squares of 0.9 and 0.6 units of the grid, which are rounded down to 0 in both cells."""
+    stresses = stresses_on(QUADRANGLE, "clamped loaded contact clamped", element, 1 << 20)
+    cells, scale = stresses.mesh.cells, Q(1 << 20, stresses.unit) ** 2
+    square = int(Q(9, 10) * 12 * min(cell.det for cell in cells) ** 3 * GRID)
+    monkeypatch.setattr(checker, "linear_square", lambda _: square)
+    exact = sum(Q(2 * square, 24 * cell.det**3) for cell in cells) * scale
+    assert exact > Q(3, 2) * GRID * scale
     assert no_stress(stresses, [[1, *[0] * 11]] * 2)[1] ** 2 >= exact
 
 
