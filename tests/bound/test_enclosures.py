@@ -223,7 +223,7 @@ random_examples = given(
 )
 
 
-@settings(max_examples=4)
+@settings(max_examples=2)
 @random_examples
 def test_no_error_lies_outside_for_random_cases(case, family, n, scheme, steps, trajectory, seed) -> None:
     closest(case, family(case.solution.body, n), scheme, steps, trajectory, seed)
