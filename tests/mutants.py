@@ -32,7 +32,7 @@ AREAS = {  # files to change; tests that should fail, the quickest first
     "certify": ("study/certify/*.py", "tests/certify"),
     "bound": (
         "study/bound/*.py",
-        " ".join(f"tests/bound/test_{name}.py" for name in ("growth", "terms", "guaranteed")),
+        " ".join(f"tests/bound/test_{name}.py" for name in ("growth", "terms", "ranges", "constants", "guaranteed")),
     ),
     "measuring": ("study/statements/**/*.py study/fem/gauge.py", f"tests/statements {NUMBERS}"),
 }

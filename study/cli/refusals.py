@@ -10,7 +10,7 @@ from manufactured.data import LoadError
 from manufactured.law import LawError
 from manufactured.self_proof import SelfProofError
 from manufactured.symbols import FormulaError
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.cli.options import FAILED, USAGE
 from study.fem.gauge import NormError
 from study.fem.mesh import MeshError

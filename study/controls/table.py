@@ -331,7 +331,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("again: multipliers", "1.2 λ beside the right u^h", AGAIN, SOLVER, wrong.forces_times(1.2), "multipliers"),
     Control("again: modulus", "λ of A larger by a millionth", AGAIN, "", by_amount("λ of A", 1e-6), SAME_DISPLACEMENT),
     Control("again: forces", "λ larger by a millionth beside the right u^h", AGAIN, "", by_amount("contact force λ", 1e-6), SAME_FORCES),
-    Control("bound without residual", "nothing for what the law misses", BOUND, "bound.equilibration:Equilibration.products", wrong.times(0.0), "above"),
+    Control("bound without residual", "nothing for what the law misses", BOUND, "bound.terms:Majorant.products", wrong.times(0.0), "above"),
     Control("enclosure: half the norm", "½ ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(0.5), "above"),
     Control("enclosure: twice the norm", "2 ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(2.0), "below"),
 

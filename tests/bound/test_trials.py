@@ -43,7 +43,7 @@ def test_effectivities_are_bounded_for_all_materials_and_were_not_before() -> No
     assert (wide[["enclosure", "plain"]] >= 1).all(axis=None)
 
 
-@pytest.mark.parametrize("trial", ["G 10000 10000", "A 1 1"])
+@pytest.mark.parametrize("trial", ["G 10000 10000", pytest.param("A 1 1", marks=pytest.mark.slow)])
 def test_the_record_is_what_the_program_gives(trial: str) -> None:
     (kept,) = EFFECTIVITY[EFFECTIVITY["trial"] == trial].itertuples()
     found = dict(zip(("low", "high", "plain"), stiff.bounds(trial, stiff.USUAL), strict=True))

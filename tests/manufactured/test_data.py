@@ -32,7 +32,7 @@ from manufactured.problems import problems
 from manufactured.tensors import mandel
 from study.bound.bounded import check_bound
 from study.bound.discretisation import Discretisation, check_force
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve_data

@@ -17,8 +17,8 @@ import pandas as pd
 from manufactured.data import LoadError
 from manufactured.tensors import Array
 from study.bound.bounded import BoundedSolution
-from study.bound.moduli import BoundError
-from study.bound.sampling import GUARANTEED
+from study.bound.problem import BoundError
+from study.bound.remainders import GUARANTEED
 from study.present.marks import markdown
 from trials.known import Trial, random_trial
 from trials.record import made

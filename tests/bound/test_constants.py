@@ -1,4 +1,4 @@
-"""The constants of the bound against suprema on fine meshes, and how the parts of an enclosure are put together."""
+"""Constants of bodies and cells against suprema on fine meshes, and how an enclosure is made of distance and bound."""
 
 from __future__ import annotations
 
@@ -12,18 +12,18 @@ from skfem import Basis, BilinearForm, ElementTriP2, ElementVector, FacetBasis, 
 from skfem.helpers import ddot, dot, sym_grad
 from sympy import exp
 
-from manufactured import Data, FrobeniusBall, KelvinVoigt, Kind, Yield, isotropic, polygon
+from manufactured import Data, KelvinVoigt, Kind, isotropic, polygon, unit_square
+from manufactured.body import Body
 from manufactured.factor import x1, x2
+from manufactured.problems import problems
 from manufactured.symbols import t
-from study.bound import enclosing, majorant
+from study.bound import enclosing
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose
-from study.bound.growth import Added
-from study.bound.load_constants import load_constants
-from study.bound.majorant import Majorant
-from study.bound.sampling import Evidence
+from study.bound.problem import load_constants
+from study.bound.remainders import Evidence
 from study.bound.trajectory import DiscreteSolution, Parabola, SmoothedInTime, compute, prolongation
-from study.fem.mesh import OneDiagonal
+from study.fem.mesh import OneDiagonal, Unstructured
 from study.solve.tableau import MIDPOINT
 from study.stresses.composite import CORNERS, SIDES
 from study.stresses.oscillation import cell_constants, side_constants
@@ -47,25 +47,31 @@ def mass(u, v, w):
 # ---- constants
 
 
-@pytest.fixture(scope="module")
-def on_the_square() -> tuple[float, float]:
-    """sup ‖v‖_H/‖v‖_V and sup ‖v‖_{L²(Γ2)}/‖v‖_V for v of degree 2 on a mesh of 12 × 12 squares."""
-    mesh = MeshTri.init_tensor(*2 * [np.linspace(0, 1, 13)])
+def suprema(body: Body, mesh: MeshTri) -> tuple[float, float]:
+    """sup ‖v‖_H/‖v‖_V and sup ‖v‖_{L²(Γ2)}/‖v‖_V for v of degree 2 on a mesh."""
+
+    def on(kind: Kind):
+        return mesh.facets_satisfying(lambda x: np.any([p.contains(x, 1e-9) for p in body.of(kind)], axis=0), True)
+
     basis = Basis(mesh, P2)
-    free = basis.complement_dofs(basis.get_dofs(lambda x: x[0] < 1e-9))
-    loaded = FacetBasis(mesh, P2, facets=mesh.facets_satisfying(lambda x: x.max(axis=0) > 1 - 1e-9))
-    every = energy.assemble(basis), mass.assemble(basis), mass.assemble(loaded)
+    free = basis.complement_dofs(basis.get_dofs(on(Kind.CLAMPED)))
+    every = energy.assemble(basis), mass.assemble(basis), mass.assemble(FacetBasis(mesh, P2, facets=on(Kind.LOADED)))
     form, inside, outside = (each.tocsc()[free][:, free] for each in every)
-    volume = eigsh(form, 1, inside, sigma=0, return_eigenvectors=False)[0]
-    surface = eigsh(outside, 1, form, which="LA", return_eigenvectors=False)[0]
-    return 1 / math.sqrt(volume), math.sqrt(surface)
+    volume, surface = (eigsh(each, 1, form, which="LA", return_eigenvectors=False)[0] for each in (inside, outside))
+    return math.sqrt(volume), math.sqrt(surface)
 
 
-def test_the_load_constants_are_above_the_suprema_on_a_fine_mesh_by_less_than_a_twelfth(on_the_square) -> None:
-    """So that a constant scaled by 0.9 lies below."""
-    found = load_constants(BODY, LAW.A)
-    for constant, supremum in zip((found.volume, found.surface), on_the_square, strict=True):
-        assert 1 <= constant / supremum < 13 / 12
+@pytest.mark.parametrize(
+    ("body", "most"),
+    [(BODY, 13 / 12), (unit_square(), 1.5), *((problem.data.body, 1.5) for problem in problems())],
+    ids=lambda value: getattr(value, "name", None),
+)
+def test_load_constants_are_above_the_suprema_on_a_fine_mesh_and_close(body: Body, most: float) -> None:
+    """On the square held at its left side by less than a twelfth, so that a constant scaled by 0.9 lies below."""
+    found = load_constants(body, LAW.A)
+    mesh = MeshTri.init_tensor(*2 * [np.linspace(0, 1, 13)]) if body is BODY else Unstructured()(body, 6)
+    for constant, supremum in zip((found.volume, found.surface), suprema(body, mesh), strict=True):
+        assert 1 <= constant / supremum < most
 
 
 def on_the_triangle(integrals: Basis, monomials: list[LinearForm]) -> float:
@@ -118,45 +124,12 @@ def test_the_constant_of_a_side_is_above_the_supremum_by_what_its_derivation_los
     assert constant / supremum == pytest.approx(1.32, abs=0.02)
 
 
-# ---- a nonlinear law
-
-
-def test_the_term_of_a_nonlinear_law_is_a_third_of_the_largest_change_and_half_of_it_at_most() -> None:
-    """β k |ε̇| 2θ(1 − θ) has the mean β k |ε̇|/3 and is β k |ε̇|/2 at most; |ε̇| is larger at the end of this piece."""
-    beta, k = 4.0, 0.5
-    law = KelvinVoigt(isotropic(1, 0), Yield(beta, FrobeniusBall(1e-3)), "yields at once")
-    d = Discretisation(Data.formulas(BODY, law, (0, 0), {}, (0, 0)), OneDiagonal()(BODY, 2))
-    first = np.array([*d.mesh.p[0], *d.mesh.p[0, d.mesh.facets].mean(axis=0)])
-    v = np.array([first, 0 * first]).T.ravel()[d.displacements.free]
-    found: list[Added] = []
-    before = majorant.grown
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(majorant, "grown", lambda y, g, added: found.append(added) or before(y, g, added))
-        list(Majorant(d)([Parabola(0.0, k, v, 1.1 * v, 1.5 * v)], 0.0))
-    rate = 2 * (1.5 - 1.1) / k
-    assert found[0].mean.rest == pytest.approx(beta * k * rate / 3 / math.sqrt(2), rel=1e-9)
-    assert found[0].largest.rest == pytest.approx(beta * k * rate / 2 / math.sqrt(2), rel=1e-9)
-
-
-def test_what_samples_miss_counts_at_every_time_of_a_step() -> None:
-    """f_0 = t² x_1⁴ is a parabola in time: nothing but what samples miss is no part of a cell."""
-    d = Discretisation(Data.formulas(BODY, LAW, (0, t**2 * x1**4), {}, (0, 0)), OneDiagonal()(BODY, 2))
-    found: list[Added] = []
-    before = majorant.grown
-    zero = np.zeros(len(d.displacements.free))
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(majorant, "grown", lambda y, g, added: found.append(added) or before(y, g, added))
-        list(Majorant(d)([Parabola(0.0, 0.5, zero, zero, zero)], 0.0))
-    missed = d.sampling.missed(d.oscillation, 0.0, 0.5).everywhere
-    assert found[0].largest.rest == pytest.approx(missed, rel=1e-9) == found[0].mean.rest
-
-
 # ---- the ends
 
 
-def enclosure(**changes) -> Enclosure:
+def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound() -> None:
     """Three times with distances d and bounds y."""
-    plain = Enclosure(
+    found = Enclosure(
         0.5,
         np.array([0.25, 0.5, 1.0]),
         np.array([2.0, 1.0, 0.25]),
@@ -168,15 +141,10 @@ def enclosure(**changes) -> Enclosure:
         np.array([2.75, 3.5, 1.0]),
         Evidence(()),
     )
-    return replace(plain, **changes)
-
-
-def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound() -> None:
-    found = enclosure()
     assert found.lower.tolist() == [1.5, 0.0, 0.0]
     assert found.upper.tolist() == [2.5, 3.0, 0.5]
     assert (found.lowest, found.highest) == (1.5, 3.5)
-    assert enclosure(start=4.0).highest == 4.0
+    assert replace(found, start=4.0).highest == 4.0
 
 
 def test_between_knots_the_bound_inside_an_interval_and_the_distance_both_count(monkeypatch) -> None:
@@ -186,24 +154,23 @@ def test_between_knots_the_bound_inside_an_interval_and_the_distance_both_count(
     assert found.between == pytest.approx([one.inside + 7 for one in found.intervals], rel=1e-14)
 
 
-def test_the_distance_between_knots_is_the_largest_of_a_curve_that_is_zero_at_both() -> None:
-    """ũ = 2θ(1 − θ) v and u_h = 0: ‖v‖/2 in the middle, where ũ is largest."""
+@pytest.mark.parametrize(
+    ("control", "end", "least", "most"),
+    [
+        # 2θ(1 − θ) v is zero at both ends and largest in the middle.
+        (1.0, 0.0, 1 / 2, 1 / 2),
+        # (2θ − 3θ²/2) v has 2/3 at θ = 2/3, 5/8 in the middle and 1/2 at the end.
+        (1.0, 0.5, 2 / 3, 3 / 4),
+    ],
+    ids=["in the middle", "between the times that are sampled"],
+)
+def test_the_distance_between_knots_is_the_largest_of_a_parabola(control, end, least: float, most: float) -> None:
+    """u_h = 0, and ũ from 0 by the given multiples of v."""
     d = Discretisation(Data.formulas(BODY, LAW, (0, 0), {}, (0, 0)), OneDiagonal()(BODY, 2))
-    computed = compute(d, MIDPOINT, 2)
     v = np.random.default_rng(0).standard_normal(len(d.displacements.free))
-    J = prolongation(computed.space, d)
-    piece = Parabola(0.0, 0.25, 0 * v, v, 0 * v)
-    assert enclosing._largest_distance(d, piece, computed, J) == pytest.approx(d.norm(v) / 2, rel=1e-12)
-
-
-def test_the_distance_between_knots_counts_where_the_curve_is_largest_between_the_times_that_are_looked_at() -> None:
-    """ũ = (2θ − 3θ²/2) v and u_h = 0: 2/3 ‖v‖ at θ = 2/3, 5/8 ‖v‖ in the middle and 1/2 ‖v‖ at the end."""
-    d = Discretisation(Data.formulas(BODY, LAW, (0, 0), {}, (0, 0)), OneDiagonal()(BODY, 2))
-    computed = compute(d, MIDPOINT, 2)
-    v = np.random.default_rng(0).standard_normal(len(d.displacements.free))
-    piece = Parabola(0.0, 0.25, 0 * v, v, v / 2)
-    found = enclosing._largest_distance(d, piece, computed, prolongation(computed.space, d))
-    assert 2 / 3 * d.norm(v) <= found <= 3 / 4 * d.norm(v) * (1 + 1e-12)
+    piece = Parabola(0.0, 0.25, 0 * v, control * v, end * v)
+    found = enclosing._largest_distance(d, piece, compute(d, MIDPOINT, 2).on(d)) / d.norm(v)
+    assert least * (1 - 1e-12) <= found <= most * (1 + 1e-12)
 
 
 # ---- data that samples hardly see, from the data to the interval

@@ -7,7 +7,8 @@ from functools import cache
 import numpy as np
 import pytest
 import sympy as sp
-from sympy import Float, Integer, Rational
+from scipy.interpolate import BarycentricInterpolator
+from sympy import Expr, Float, Integer, Rational, cos, exp, log, sin, sqrt, tanh
 
 from manufactured import KelvinVoigt, isotropic, pos, t, unit_square
 from manufactured.compiled import function
@@ -15,8 +16,8 @@ from manufactured.data import Data, LoadError
 from manufactured.data.compiled_formulas import own_formula
 from manufactured.factor import x1, x2
 from manufactured.symbols import FormulaError
-from study.bound.ranges import Boxes
-from study.bound.univariate import KNOWN, REWRITTEN, RangeError, coefficients, require_known
+from study.bound.ranges import KNOWN, REWRITTEN, Boxes, RangeError, coefficients, require_known
+from study.bound.remainders import CUBIC, PARABOLA, Regions
 
 LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
 HALF = Rational(1, 2)
@@ -52,8 +53,8 @@ def posed(formula: sp.Expr) -> Data:
     return data
 
 
-INNER = ("sin", "Max", "Piecewise", "tan", "gamma")
-"""An entire function, one with kinks, one with jumps, one with poles, one that NumPy does not have."""
+INNER = ("sin", "Max", "tan", "gamma")
+"""An entire function, one with kinks, one with poles, one that NumPy does not have."""
 
 
 @pytest.mark.parametrize("outer", [*SERVED, *OTHERS])
@@ -155,3 +156,87 @@ def test_a_factor_that_overflows_or_underflows_in_the_ranges_does_not_hide_the_o
         found = Boxes(box, (x1, x2), 4)(factor * sp.sin(3 * x2))
         assert found.low[0, 0] <= 1e-9
         assert found.high[0, 0] >= 1
+
+
+# ---- ranges of series
+
+
+BALLISTIC = [{"pos": lambda x, a: np.where(x > 0, np.maximum(x, 1e-300) ** a, 0.0)}, "numpy"]
+
+
+FORMULAS = [
+    t * exp(-4 * (x1 - 0.3) ** 2 - 4 * (x2 - 0.4) ** 2),
+    sin(3 * x1 * t) * cos(x2) / (1 + x1**2),
+    pos(x1 - t, 3) * x2,
+    pos(x1 - x2, Rational(5, 2)) - pos(t - x2, 0),
+    sqrt(1 + x1 * x2) + (1 + x2) ** Rational(-3, 2),
+    tanh(x1 - 2 * t) + x1 ** (1 + x2),
+    x2**5 * log(2 + x1) + (x1 - Rational(1, 2)) ** 4,
+    (1 - (x1 - t) ** 2) ** 3 / (2 + sin(9 * x2)) ** 2,
+]
+
+
+@pytest.mark.parametrize("formula", FORMULAS, ids=str)
+@pytest.mark.parametrize("variables", [(x1, x2), (t,)], ids=["space", "time"])
+def test_taylor_coefficients_lie_in_their_ranges(formula: Expr, variables: tuple[sp.Symbol, ...]) -> None:
+    rng, count = np.random.default_rng(0), 40
+    low = rng.random((3, count))
+    high = low + np.geomspace(1e-3, 0.3, count)
+    found = (boxes := Boxes(dict(zip((x1, x2, t), zip(low, high, strict=True), strict=True)), variables, 4))(formula)
+    for term, key in enumerate(boxes.keys):
+        derivative = formula
+        for variable, times in zip(variables, key, strict=True):
+            derivative = sp.diff(derivative, variable, times) / sp.factorial(times)
+        values = sp.lambdify((x1, x2, t), derivative, modules=BALLISTIC)
+        for _ in range(10):
+            with np.errstate(over="ignore"):
+                value = values(*(low + rng.random((3, count)) * (high - low))) * np.ones(count)
+            slack = 1e-9 * abs(value) + 1e-12
+            assert (found.low[term] - slack <= value).all()
+            assert (value <= found.high[term] + slack).all()
+
+
+def test_ranges_of_small_boxes_are_tight() -> None:
+    low, high = np.array([0.4]), np.array([0.4 + 1e-6])
+    found = Boxes({x1: (low, high), t: (low, high)}, (x1,), 4)(sin(3 * x1 * t) * exp(x1) / (1 + x1**2))
+    assert (found.high - found.low).max() < 1e-3
+
+
+def test_no_derivative_is_known_beyond_the_order_of_a_kink() -> None:
+    low, high = np.array([0.0, 0.6]), np.array([1.0, 0.9])
+    found = Boxes({x1: (low, high)}, (x1,), 4)(pos(x1 - Rational(1, 2), 2))
+    assert np.isfinite(found.high[:3]).all()
+    assert np.isinf(found.high[3:, 0]).all()
+    assert np.isfinite(found.high[:, 1]).all()
+
+
+def test_functions_without_ranges_are_named() -> None:
+    low, high = np.zeros(1), np.ones(1)
+    with pytest.raises(RangeError, match="gamma"):
+        Boxes({x1: (low, high)}, (x1,), 2)(sp.gamma(1 + x1))
+
+
+@pytest.mark.parametrize("part", [sp.gamma(1 + x1), sp.atan(x1 - x2), sp.floor(x1 + t)], ids=str)
+def test_they_are_found_anywhere_in_a_formula_before_time_is_spent(part: Expr) -> None:
+    for formula in FORMULAS:
+        require_known(formula)
+        with pytest.raises(RangeError, match=type(part).__name__):
+            require_known(1 + x2 * sin(formula + part) ** 2)
+
+
+def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_taylor() -> None:
+    sides = {x1: (np.array([0.2]), np.array([0.4])), x2: (np.array([0.1]), np.array([0.3]))}
+    region = Regions(sides)
+    assert region.in_space([x1**3 - x1 * x2**2 + t**5], 0.0, 1.0) == 0
+    assert region.in_space([x1**4], 0.0, 1.0) == pytest.approx(0.1**4)
+    assert region.in_space([pos(x1 - Rational(3, 10), 1)], 0.0, 1.0) <= 0.1
+    parabola, cubic = region.in_time([t**2 * x1, t**2], 0.0, 1.0)
+    assert parabola == cubic == 0
+    assert region.in_time([t**3], 0.0, 1.0)[0] > 0 == region.in_time([t**3], 0.0, 1.0)[1]
+
+
+@pytest.mark.parametrize(("factor", "nodes"), [(PARABOLA, (0, 0.5, 1)), (CUBIC, (0, 0.25, 0.5, 1))], ids=str)
+def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor: float, nodes: tuple[float, ...]) -> None:
+    x = np.linspace(0, 1, 10007)
+    constant = sum(abs(BarycentricInterpolator(nodes, unit)(x)) for unit in np.eye(len(nodes))).max()
+    assert 1 + constant <= factor <= 1 + 1.002 * constant
