@@ -14,9 +14,9 @@ from scipy.sparse.linalg import eigsh
 from skfem import BilinearForm, ElementTriP2, ElementVector, FacetBasis, InteriorBasis
 from skfem.helpers import dot
 from sympy import Expr, Rational, cos, exp, log, pi, sin, sqrt, tanh
-from trials.known import Feature, Known, Trial, random_trial
-from trials.random_problems import ENCLOSED, TIMES, outcome
 
+from benchmarks.trials.known import Feature, Known, Trial, random_trial
+from benchmarks.trials.random_problems import ENCLOSED, TIMES, outcome
 from manufactured import FrobeniusBall, KelvinVoigt, Kind, Linear, Yield, catalogue, isotropic, pos, t, unit_square
 from manufactured.body import Body
 from manufactured.compiled import function

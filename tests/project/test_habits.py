@@ -22,7 +22,7 @@ from typing import Any
 import pandas as pd
 import pytest
 import yaml
-from case_docstrings import lacks
+from case_docstrings import missing_parts
 
 import manufactured
 from manufactured import Case, prove
@@ -105,8 +105,9 @@ def test_the_citation_names_the_holder_of_the_licence_and_the_paper() -> None:
         assert f"{key} = {{{value}}}" in entry
 
 
-def test_every_pin_has_hashes_and_no_address() -> None:
-    pins = (ROOT / "requirements.txt").read_text()
+@pytest.mark.parametrize("path", [*(ROOT / "requirements").iterdir()], ids=lambda path: path.stem)
+def test_every_pin_has_hashes_and_no_address(path: Path) -> None:
+    pins = path.read_text()
     assert "://" not in pins
     for pin in re.split(r"\n(?=[a-zA-Z])", re.sub(r"^\s*#.*\n", "", pins, flags=re.MULTILINE)):
         assert re.match(r"\S+==\S+.*\\\n\s+--hash=sha256:[0-9a-f]{64}", pin), pin[:60]
@@ -119,7 +120,7 @@ def test_every_pin_has_hashes_and_no_address() -> None:
 def test_every_make_target_and_study_command_exists(path: Path) -> None:
     for words in commands(path):
         if words[0] == "make":
-            assert set(words[1:]) <= TARGETS | {".venv/.ready"}, words
+            assert set(words[1:]) <= TARGETS, words
         elif Path(words[0]).name == "study":
             parser().parse_args(words[1:])
 
@@ -134,11 +135,11 @@ def test_workflows_use_actions_of_a_fixed_major_version_and_may_write_nothing(wo
 
 
 def test_workflows_run_what_the_documentation_tells_to_run() -> None:
-    """Benchmarks are left out: they time the machine."""
+    """Except benchmarks, which time the machine, and `make cluster`, which `make test` does as well."""
     told = set(re.findall(r"\bmake ([a-z][a-z-]*)", RUN_THE_STUDY.read_text())) & TARGETS
     run = {target for workflow in WORKFLOWS for words in commands(workflow) if words[0] == "make" for target in words}
     assert {"test", "study", "full", "controls"} <= told
-    assert {target for target in told - run if not target.startswith("bench")} == set()
+    assert {target for target in told - run if not target.startswith("bench")} <= {"cluster"}
 
 
 def test_the_workflow_types_what_the_pages_say_also_where_it_takes_minutes() -> None:
@@ -168,9 +169,14 @@ def test_report_and_junit_file_are_uploaded_also_when_a_verdict_fails() -> None:
 
 
 def test_a_commit_is_checked_by_what_make_lint_runs() -> None:
+    """Except the table of sizes, which checks nothing."""
     lint = re.search(r"^lint:.*\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(), re.MULTILINE)
     assert lint is not None
-    wanted = [line.strip().removeprefix("$(BIN)/").removesuffix(" .") for line in lint[1].splitlines()]
+    wanted = [
+        line.strip().removeprefix("$(BIN)/").removesuffix(" .")
+        for line in lint[1].splitlines()
+        if "budget.py" not in line
+    ]
     (local,) = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"]
     assert local["repo"] == "local"
     assert [hook["entry"].removesuffix(" --force-exclude") for hook in local["hooks"]] == [
@@ -215,7 +221,7 @@ def test_the_case_of_the_recipe_proves_itself_and_is_new(case: Case) -> None:
 
 def test_the_case_of_the_recipe_states_its_formulas_and_then_the_order_that_they_predict(monkeypatch) -> None:
     recipe = module(monkeypatch, "manufactured.cases.breathing_patch")
-    assert lacks(recipe.__doc__, recipe.case()) == []
+    assert missing_parts(recipe.__doc__, recipe.case()) == []
 
 
 def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:
