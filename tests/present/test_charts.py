@@ -8,9 +8,10 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
+from committed import RESULTS, ROUGH, SMOOTH
 from numpy.typing import NDArray
-from test_presentation import CASES, enclosures, rates
 
+from study.ledger.datafiles import read_rates
 from study.ledger.orders import orders
 from study.present.chart import Axis, Chart, Curve, draw_chart
 from study.present.charts import (
@@ -27,11 +28,13 @@ from study.present.palette import Style
 from study.present.report import BETWEEN, HEIGHTS, LEFT, RIGHT, TOP, svg_chart
 
 Array = NDArray[np.float64]
-ERRORS = rates({"advance-recede": (1.0, 28.0)}, (8, 16, 32))
+RATES = read_rates(RESULTS)
+ERRORS = RATES[(RATES["case"] == SMOOTH) & (RATES["level"] <= 32)]
+ENCLOSED = pd.read_csv(RESULTS / "data" / "enclosures.csv").query("trajectory == 'enclosure' and case == @SMOOTH")
 CHARTS = {
     "convergence": convergence_chart(ERRORS, 1.0),
-    "enclosure": enclosure_chart(enclosures(), "advance-recede, shaken"),
-    "unknown error": enclosure_chart(enclosures().assign(error=np.nan, plain=4.0), "ramp, shaken"),
+    "enclosure": enclosure_chart(ENCLOSED, "advance-recede, shaken"),
+    "unknown error": enclosure_chart(ENCLOSED.assign(error=np.nan, plain=4.0), "ramp, shaken"),
 }
 
 
@@ -71,7 +74,7 @@ def test_where_the_error_is_unknown_the_distance_to_a_more_accurate_displacement
     known, unknown = CHARTS["enclosure"], CHARTS["unknown error"]
     assert "lines are the error itself" in known.caption
     assert "lines are the distance to a more accurate displacement" in unknown.caption
-    np.testing.assert_array_equal(unknown.subplots[0].curves[-1].y, enclosures()["distance"])
+    np.testing.assert_array_equal(unknown.subplots[0].curves[-1].y, ENCLOSED["distance"])
     assert "bound from u_h alone" in [entry.text for entry in unknown.legend[1]]
 
 
@@ -109,16 +112,16 @@ def test_orders_over_two_refinements_are_those_of_a_power_of_h() -> None:
 def test_the_last_orders_are_consecutive_ones_and_graded_meshes_are_kept_apart() -> None:
     graded = ERRORS[ERRORS["family"] == "shaken"].assign(family="graded")
     plain, on_graded = last_orders(pd.concat([ERRORS, graded]))
-    expected = [orders(rows["h"], rows["error"])[-1] for _, rows in ERRORS.groupby("family", sort=False)]
-    assert plain == expected
-    assert on_graded == [expected[2]]
+    groups = ERRORS.groupby("family", sort=False)
+    expected = {family: orders(rows["h"], rows["error"])[-1] for family, rows in groups}
+    assert plain == list(expected.values())
+    assert on_graded == [expected["shaken"]]
 
 
 def test_subplots_of_a_row_share_their_vertical_axis_and_all_the_horizontal_one() -> None:
-    chart = overview_chart(
-        rates(CASES, (8, 16, 32)).assign(claim="Prop. 5.4"), {case: order for case, (order, _) in CASES.items()}
-    )
-    assert [subplot.title for subplot in chart.subplots] == list(CASES)
+    both = RATES[RATES["case"].isin([SMOOTH, ROUGH])].assign(claim="Prop. 5.4")
+    chart = overview_chart(both, {SMOOTH: 1.0, ROUGH: 0.25})
+    assert [subplot.title for subplot in chart.subplots] == [SMOOTH, ROUGH]
     assert len({(one.x.low, one.x.high) for one in chart.subplots}) == 1
     assert chart.columns == 2
     assert len({(one.y.low, one.y.high) for one in chart.subplots}) == 1

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
+from committed import RESULTS, TABLES, copy_results
 
 from manufactured.catalogue import catalogue
 from study.cli.main import main
-from study.fem.naming import resolve
 from study.ledger.datafiles import DataError
 from study.ledger.packing import FINE, STEPS, Packed
 from study.ledger.verdict import HOLDS, REPORTED
@@ -28,32 +28,23 @@ from study.run.code import ROOT
 from study.run.provenance import read_provenance, sources
 from study.statements.pictures import Pictures, picture
 
-RESULTS = Path(__file__).parents[2] / "results"
 PLANE, SOLID = ["advance-recede", "corner"], "cube-disc"
 HOSTILE = """</script><img src=x onerror="document.title='broken'"> & "quoted\""""
-TABLES = ("bounds", "cases", "claims", "enclosures", "equivalence", "rates", "stresses")
 FILES = [*(f"{name}.csv" for name in TABLES), "pictures/corner.json", f"pictures/{SOLID}.json"]
 
 
 def write_data(directory: Path) -> Path:
-    """The committed data of three cases, with their pictures and with text that is hard on HTML."""
+    """Copies the committed data of three cases and adds text that is hard on HTML."""
+    copy_results(directory, (*PLANE, SOLID), (*PLANE, SOLID))
     data = directory / "data"
-    (data / "pictures").mkdir(parents=True)
-    for name in TABLES:
-        frame = pd.read_csv(RESULTS / "data" / f"{name}.csv", dtype=str)
-        frame = frame[frame["case"].isin([*PLANE, SOLID]) | (name == "claims") & (frame["case"] == "all cases")]
-        if name == "cases":
-            frame.loc[frame["case"] == SOLID, "summary"] = HOSTILE
-        if name == "claims":
-            frame.iloc[-1, [frame.columns.get_loc(column) for column in ("case", "quantity")]] = HOSTILE
-        frame.to_csv(data / f"{name}.csv", index=False)
-    controls = pd.read_csv(RESULTS / "data" / "controls.csv", dtype=str)
-    controls.iloc[-1, controls.columns.get_loc("defect")] = HOSTILE
-    controls.to_csv(data / "controls.csv", index=False)
+    shutil.copy(RESULTS / "data" / "controls.csv", data)
+    for name, columns in (("cases", ["summary"]), ("claims", ["case", "quantity"]), ("controls", ["defect"])):
+        table = pd.read_csv(data / f"{name}.csv", dtype=str)
+        row = table.index[table["case"] == SOLID] if name == "cases" else table.index[-1:]
+        table.loc[row, columns] = HOSTILE
+        table.to_csv(data / f"{name}.csv", index=False)
     provenance = json.loads((RESULTS / "data" / "provenance.json").read_text(encoding="utf-8"))
     (data / "provenance.json").write_text(json.dumps(provenance | {"machine": HOSTILE}))
-    for case in (*PLANE, SOLID):
-        (data / "pictures" / f"{case}.json").write_text(json.dumps(picture(resolve(case))))
     return directory
 
 
