@@ -26,7 +26,9 @@ def pictures(tmp_path_factory: pytest.TempPathFactory) -> list[Picture]:
 
 @pytest.fixture
 def picture(pictures: list[Picture]) -> Picture:
-    return pictures[0]
+    """The picture of a body in the plane, with vertices on Γ3 at equal distances, which the file rounds."""
+    (face,) = pictures[0].faces
+    return replace(pictures[0], faces=[replace(face, s=np.linspace(0, 1, len(face.s)))])
 
 
 @pytest.fixture
@@ -104,7 +106,7 @@ def test_the_triangles_of_a_cube_that_are_drawn_are_those_of_three_sides_from_fa
     assert len(set(order)) == len(order) == solid.cells.shape[1] / 2
     corners = solid.vertices[:, solid.cells[:, order]]
     depth = view.axes[2] @ corners.mean(axis=1)
-    assert (np.diff(depth) >= 0).all()
+    assert np.diff(depth).min() >= -1e-12, "equal depths differ by round-off"
     normals = np.cross((corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T)
     assert (normals @ view.axes[2] > 0).all()
 
