@@ -39,7 +39,9 @@ def copy_results(directory: Path, cases: tuple[str, ...] = CASES, pictures: tupl
     data = directory / "data"
     (data / "pictures").mkdir(parents=True)
     for name in TABLES:
-        committed(name, cases).to_csv(data / f"{name}.csv", index=False)
+        # Pictures are drawn of the cases in cases.csv.
+        chosen = (*cases, *pictures) if name == "cases" else cases
+        committed(name, chosen).to_csv(data / f"{name}.csv", index=False)
     for case in pictures:
         shutil.copy(RESULTS / "data" / "pictures" / f"{case}.json", data / "pictures")
     return directory
