@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Rational, exp
-from trials.known import Known, Zone
 
+from benchmarks.trials.known import Known, Zone
 from manufactured import Data, KelvinVoigt, Kind, isotropic, polygon, pos, t
 from manufactured.factor import x1, x2
 from manufactured.problems import problems

@@ -15,8 +15,6 @@ import pytest
 import sympy as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from study.statements.enclosure.bound_rows import measure, posed
-from study.statements.enclosure.courses import eligible
 from sympy import Expr, Integer, Rational, binomial
 
 from manufactured import (
@@ -62,6 +60,7 @@ from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal
 from study.fem.quadrature import Line, cell_rules
 from study.solve.evolution import Scheme
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
+from study.statements.enclosure import eligible, measure, posed
 
 CASES = {case.name: case for case in catalogue()}
 BOUNDED = [case for case in catalogue() if eligible(case)]

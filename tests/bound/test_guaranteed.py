@@ -11,9 +11,9 @@ import sympy as sp
 from hypothesis import given
 from hypothesis import strategies as st
 from sympy import Expr, Rational, exp, pi, sin
-from trials.known import Feature, Known, Trial, random_trial
-from trials.random_problems import ENCLOSED, TIMES, outcome
 
+from benchmarks.trials.known import Feature, Known, Trial, random_trial
+from benchmarks.trials.random_problems import ENCLOSED, TIMES, outcome
 from manufactured import FrobeniusBall, KelvinVoigt, Kind, Linear, Yield, catalogue, isotropic, pos, t, unit_square
 from manufactured.compiled import function
 from manufactured.data import Data

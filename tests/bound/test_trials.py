@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from trials import random_problems, stiff
-from trials.record import OUT, PAGE, made
 
+from benchmarks.trials import random_problems, stiff
+from benchmarks.trials.record import OUT, PAGE, made
 from study.present.marks import markdown, put
 
 RANDOM, EFFECTIVITY = (pd.read_csv(OUT / name) for name in ("random.csv", "effectivity.csv"))

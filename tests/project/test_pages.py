@@ -28,6 +28,7 @@ EXCLUDED = {
     "pip install .": "make wheel, which CI runs, installs the wheel in an environment of its own",
     "python -m pip install '.[study]'": "make study installs it so, with pins",
     "pip install '.[study": "the environment of the tests has Dask and everything else",
+    "make cluster": "make test, which CI runs, installs Dask as well",
     "make full": "half an hour: the nightly workflow runs it",
     "make again": "a minute: the nightly workflow runs it, and tests/cli/test_again.py the command behind it",
     "make seeds": "an hour: the nightly workflow runs it",

@@ -39,10 +39,11 @@ MEASURED = ["h", "error", "at", "interpolation_error", "discrete_error", "time_s
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize("place", [0, pytest.param(2, marks=pytest.mark.slow)])
 def test_rows_measured_again_agree_with_the_committed_ones(case: str, place: int) -> None:
-    """The coarsest level and the third, on the first and the last family of the case."""
+    """The coarsest level and the third, on the first and the last family; of solids the coarsest level on the last."""
     mine = RATES[RATES["case"] == case]
     committed = mine[mine["level"] == sorted(mine["level"].unique())[place]]
-    for row in committed.iloc[[0, -1]].drop_duplicates().to_dict("records"):
+    families = [-1] if place == 0 and resolve(case).solution.body.dim == 3 else [0, -1]
+    for row in committed.iloc[families].drop_duplicates().to_dict("records"):
         again = measure_case(resolve(case), family_named(row["family"]), row["level"], MIDPOINT, row["steps"])
         assert again["dofs"] == row["dofs"]
         for column in MEASURED:

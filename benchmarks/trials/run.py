@@ -5,8 +5,8 @@ Rows that are kept in ``results/trials`` are not made again: to make all, remove
 
 from __future__ import annotations
 
-from trials import random_problems, stiff
-from trials.record import OUT, PAGE, refresh
+from benchmarks.trials import random_problems, stiff
+from benchmarks.trials.record import OUT, PAGE, refresh
 
 
 def main() -> None:

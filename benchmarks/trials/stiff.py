@@ -13,6 +13,7 @@ from typing import Any
 
 import pandas as pd
 
+from benchmarks.trials.record import ROOT, made
 from manufactured import Data, KelvinVoigt, Kind, isotropic, polygon, t
 from manufactured.factor import x1, x2
 from study.bound.bounded import bounded_solution
@@ -21,7 +22,6 @@ from study.fem.mesh import Unstructured
 from study.ledger.rounding import up
 from study.present.marks import markdown
 from study.solve.tableau import MIDPOINT
-from trials.record import ROOT, made
 
 LEVEL = 8
 USUAL, FINER = Refined(1, 4), Refined(2, 8)

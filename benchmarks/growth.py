@@ -23,7 +23,7 @@ import numpy as np
 import pandas as pd
 
 from benchmarks.level import SOLVERS, STEPS, Place, Watched, compile_formulas, errors
-from benchmarks.report import RESULTS, single_thread, write
+from benchmarks.report import RESULTS, ROOT, single_thread, write
 from study.fem.naming import resolve
 
 RIGHTS = 5
@@ -121,7 +121,7 @@ def findings(table: pd.DataFrame) -> list[str]:
 def row(level: Level) -> dict[str, Any]:
     """The row from a process of its own; with nothing but a remark why, if that failed."""
     command = [sys.executable, "-m", "benchmarks.growth", "--level", json.dumps(asdict(level))]
-    done = subprocess.run(command, capture_output=True, text=True, env=single_thread(os.environ))
+    done = subprocess.run(command, capture_output=True, text=True, env=single_thread(os.environ), cwd=ROOT)
     if done.returncode:
         last = (done.stderr.strip().splitlines() or [f"signal {-done.returncode}"])[-1]
         return {"n": level.n, "solver": level.solver, "remark": f"not measured: {last}"}

@@ -14,14 +14,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from benchmarks.trials.known import Trial, random_trial
+from benchmarks.trials.record import made
 from manufactured.data import LoadError
 from manufactured.tensors import Array
 from study.bound.bounded import BoundedSolution
 from study.bound.problem import BoundError
 from study.bound.remainders import GUARANTEED
 from study.present.marks import markdown
-from trials.known import Trial, random_trial
-from trials.record import made
 
 COUNT, TIMES = 200, 3
 ROUNDING = 1e-6

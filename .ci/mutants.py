@@ -1,6 +1,6 @@
 """Mutation testing with Cosmic Ray of a fixed random sample: docs/explanation/mutants.md.
 
-Usage: `.venv/bin/python tests/mutants.py [AREA …]`. A second run continues the first one. Remove `build/mutants` after
+Usage: `.venv/bin/python .ci/mutants.py [AREA …]`. A second run continues the first one. Remove `build/mutants` after
 a change of the code or the tests: it has a copy of the last commit, in which files are changed, and the results.
 """
 

@@ -17,7 +17,7 @@ from threadpoolctl import threadpool_info
 
 from study.ledger.files import write_text
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[1]
 RESULTS = ROOT / "results" / "benchmarks"
 LIBRARIES = ("numpy", "scipy", "pyamg", "scikit-fem", "sympy", "pytest-benchmark")
 
