@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtrit
+
+from study.orders.sequences import consecutive_orders, fitted_order
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ def orders(h: Array, error: Array) -> Array:
         raise RatesError(f"mesh sizes must decrease from level to level, got {h.tolist()}")
     if not (np.isfinite(error).all() and (error > 0).all()):
         raise RatesError(f"errors must be positive and finite to have an order, got {error.tolist()}")
-    return np.log(error[:-1] / error[1:]) / np.log(h[:-1] / h[1:])
+    return consecutive_orders(h, error)
 
 
 @dataclass(frozen=True)
@@ -47,14 +48,7 @@ def fit(h: Array, error: Array) -> Fit:
         RatesError: as ``orders``.
     """
     orders(h, error)
-    if len(h) < 3:
-        slope = float(orders(h, error)[-1])
-        return Fit(slope, -np.inf, np.inf)
-    # ``scipy.stats`` has this, and takes half a second to import.
-    (xx, xy), (_, yy) = np.cov(np.log(h), np.log(error), bias=True)
-    slope, free = float(xy / xx), len(h) - 2
-    half = float(stdtrit(free, (1 + CONFIDENCE) / 2) * np.sqrt(max(xx * yy - xy**2, 0.0) / free) / xx)
-    return Fit(slope, slope - half, slope + half)
+    return Fit(*fitted_order(h, error))
 
 
 def weighted_order(h: Array, error: Array, power: float) -> float:

@@ -49,7 +49,7 @@ class Series:
         h: (levels,); errors: name ↦ (levels,).
         size: how h was found.
         ignored: name of a column that was left out ↦ its role.
-        label: the case if one column splits the table into cases, such as ``degree 2``; else empty.
+        label: tells several tables apart: ``degree 2`` if a column splits a table into cases, or the caption.
     """
 
     h: list[float]
@@ -81,7 +81,13 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
     if not usable:
         seen = ", ".join(f"{name} ({kind})" for table in tables[:1] for name, kind in table.roles.items() if name)
         raise OrderError(f"no column of errors among {seen}: name one with --columns")
-    return [table.series() for table in usable]
+    found = [table.series() for table in usable]
+    if len({series.label for series in found}) < len(found):
+        captions = [series.caption.rstrip(": ") for series in found]
+        distinct = len(set(captions)) == len(captions)
+        labels = captions if distinct else [f"table {k}" for k in range(1, len(found) + 1)]
+        found = [replace(series, label=series.label or label) for series, label in zip(found, labels, strict=True)]
+    return found
 
 
 class Columns:
@@ -230,7 +236,7 @@ class Columns:
         for cell, value, line in zip(self.cells[name], self.values[name], self.table.lines, strict=True):
             if value is None or (math.isnan(value) and "nan" not in cell.lower()):
                 what = f"is '{cell}', not a number" if value is None else "is missing"
-                raise OrderError(f"line {line}: the entry of {name} {what}")
+                raise OrderError(f"line {line}: the entry of {name} {what}: mend it, or choose others with --columns")
             if value < 0 and not self.options.signed:
                 raise OrderError(f"line {line}: {name} = {cell}, but errors must not be negative: give absolute values")
             found.append(math.inf if math.isnan(value) else value)
@@ -255,6 +261,9 @@ def _split_by_case(table: RawTable, options: Options) -> list[RawTable]:
         return [table]
     for name in columns.names:
         cells = columns.cells[name]
+        if cells[0] and "" in cells:
+            # The first row of a case has its name, as with multirow in LaTeX.
+            cells = [next(cell for cell in reversed(cells[: k + 1]) if cell) for k in rows]
         groups = {cell: [k for k in rows if cells[k] == cell] for cell in dict.fromkeys(cells)}
         whole = all(value is None or value % 1 == 0 for value in columns.values[name])
         candidate = columns.roles[name] in (*SIZES, "level", "other") or whole

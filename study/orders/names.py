@@ -6,9 +6,9 @@ import re
 
 _COUNTED = r"cells|elements|elems?|dofs?|unknowns|nodes|points|vertices|degrees of freedom|grid ?points"
 _KINDS = {
-    "size": r"h|h ?max|h ?min|d[xyz]|δ ?[xyz]|delta ?[xyz]|(?:mesh|grid|cell|element) ?(?:size|width|spacing)|spacing|"
-    r"resolution (?:k?m|deg)|1/n",
-    "count": r"n|n ?[xyz]|1/h|resolution|cells per (?:side|unit length|direction)",
+    "size": r"hs?|h ?max|h ?min|d[xyz]|δ ?[xyz]|delta ?[xyz]|(?:mesh|grid|cell|element) ?(?:size|width|spacing)|"
+    r"spacing|resolution (?:k?m|deg)|1/n",
+    "count": r"ns?|n ?[xyz] ?[1-3]?|1/h|resolution|cells per (?:side|unit length|direction)",
     "total": rf"(?:n |n|number of |no of |total )?(?:(?:active )?(?:{_COUNTED}))(?: total)?",
     "step": r"dt|δ ?t|delta ?t|tau|τ|time ?step(?: size)?|step ?size",
     "level": r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine",
@@ -30,7 +30,7 @@ _THEORY = r"\b(?:expected|theory|theoretical|predicted)\b"
 
 
 def role(name: str) -> str:
-    """What a column holds: ``size``, ``count``, ``total``, ``step``, ``level``, ``order``, ``error``, ``other``, ``unknown``.
+    """``error``, ``order``, ``size``, ``count``, ``total``, ``step`` (of time), ``level``, ``other`` or ``unknown``.
 
     A ``count`` is a number along a side, a ``total`` a number of all cells, vertices or unknowns.
     """

@@ -117,6 +117,7 @@ _LATEX_LINE = re.compile(
     r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep|multicolumn\{\d+\}\{[^}]*\}\{[^}]*\}\s*$)"
 )
 _LATEX_END = re.compile(r"\\\\(?:\[.*?\])?\s*(?:\\[a-z]+(?:\{.*?\}|\[.*?\])*\s*)*$|\\tabularnewline.*$")
+_MULTIROW = re.compile(r"\\multi(?:row|column)\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}")
 _LATEX_START = re.compile(
     r"^\s*(?:\\(?:hline|[a-z]+rule|rowcolor\{.*?\}|c(?:mid)?(?:rule|line)(?:\(.*?\))?\{.*?\}|addlinespace)\s*)+"
 )
@@ -138,7 +139,8 @@ def _lines(text: str) -> list[Line]:
             line = caption[1]
         if _RULE.fullmatch(line) or _LATEX_LINE.match(line) or line.lstrip().startswith("```"):
             continue
-        line = _LATEX_START.sub("", _LATEX_END.sub("", line)) if "\\" in line else line
+        if "\\" in line:
+            line = _MULTIROW.sub(r"\1", _LATEX_START.sub("", _LATEX_END.sub("", line)))
         comment = re.match(r"\s*(?:#+|%+|//|!)[ \t]*(?=[^\d.\s]|\s*[\d.])", line)
         found.append(Line(number, line[comment.end() :] if comment else line, comment is not None))
         if len(found) > MAX_ROWS:
@@ -153,14 +155,17 @@ def _lines(text: str) -> list[Line]:
 Split = list[tuple[str, int, int]]
 """Cells with the columns of the text where they begin and end."""
 _JOIN_TIMES = re.compile(r"(?<=[\d.])\s+(×|\\times|\\cdot|·)\s*(?=10)")
+_PAIRS = re.compile(r"([^\W\d][^\s:]*:) +(?=[-+.\d])")
 _NORM = re.compile(r"\\?\|\\?\|[^|]+\\?\|\\?\||\\\|[^|]+\\\|")
 
 
 def _split(line: str, separator: str) -> Split:
     """The cells of a line."""
     if separator == " ":
-        # ``h = 1/2`` is one cell; a bar or comma between blanks only draws.
+        # ``h = 1/2`` is one cell, and ``h: 0.5 error: 0.1`` two; a bar or comma between blanks only draws.
         line = re.sub(r"(?<=\S) *(=+) *(?=\S)", r"\1", _JOIN_TIMES.sub(r"\1", line))
+        if len(_PAIRS.findall(line)) > 1:
+            line = _PAIRS.sub(r"\1", line)
         return [(found[0], *found.span()) for found in re.finditer(r"\S+", line) if found[0] not in ("|", ",")]
     if separator in ",;":
         try:
@@ -259,14 +264,17 @@ class _Grid:
         tables: list[RawTable] = []
         above: list[int] = []
         block: list[int] = []
+        comments: list[int] = []
         for i in range(len(self.lines)):
             if self._is_row(i, len(self.split[block[0]]) if block else 0):
                 block.append(i)
             elif not (block and self.lines[i].is_comment and not self._starts_table(i, block)):
                 if block:
                     tables += self._table(above, block, tables)
-                    above, block = [], []
+                    above, block, comments = comments, [], []
                 above.append(i)
+            else:
+                comments.append(i)
         return tables + (self._table(above, block, tables) if block else [])
 
     def _is_row(self, i: int, width: int) -> bool:
@@ -332,9 +340,8 @@ class _Grid:
 
     def _header(self, above: list[int], rows: list[list[str]], width: int) -> tuple[list[str], list[int]]:
         """Names of the columns and the lines they stand in; no names if no line fits."""
-        for i in reversed(above):
-            if all(map(_TYPE_OR_UNIT.fullmatch, self.texts[i])):
-                continue
+        units = [i for i in above if all(map(_TYPE_OR_UNIT.fullmatch, self.texts[i]))]
+        for i in (i for i in reversed(above) if i not in units):
             names = self._names(i, rows, width)
             if names is None or any(_is_number(name) for name in names if name):
                 continue
@@ -342,8 +349,8 @@ class _Grid:
             if group is not None and self.lines[i].number - self.lines[group].number <= 2:
                 grouped = self._grouped(group, i, names)
                 if grouped:
-                    return grouped, [i, group]
-            return names, [i]
+                    return grouped, [i, group, *units]
+            return names, [i, *units]
         return [], []
 
     def _names(self, i: int, rows: list[list[str]], width: int) -> list[str] | None:

@@ -35,10 +35,8 @@ def as_text(judged: Judged) -> str:
     """The conclusion, one line for each column; then what was recognised and all orders; 80 columns."""
     lines: list[str] = []
     every = [result for _, results in judged for result in results]
-    for series, results in judged:
-        lines += textwrap.wrap(series.caption, 80) if len(judged) > 1 and series.caption else []
-        for result in results[: max(0, MOST_COLUMNS - len(lines))]:
-            lines += textwrap.wrap(f"{result.name}: {result.conclusion}", 80, subsequent_indent="    ")
+    for result in every[:MOST_COLUMNS]:
+        lines += textwrap.wrap(f"{result.name}: {result.conclusion}", 80, subsequent_indent="    ")
     if len(every) > MOST_COLUMNS:
         counts = Counter(result.verdict or result.kind for result in every)
         lines.append(f"all {len(every)} columns: " + ", ".join(f"{n} {word}" for word, n in counts.items()))
