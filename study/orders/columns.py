@@ -73,7 +73,7 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
     Raises:
         OrderError: no table, no size, more than one reading of it, no errors, or a cell that is no positive number.
     """
-    tables = [Columns(part, options) for table in read_tables(data) for part in _split_by_case(table, options)]
+    tables = [part for table in read_tables(data) for part in _split_by_case(Columns(table, options))]
     names = list(dict.fromkeys(name for table in tables for name in table.names))
     if unknown := [name for name in options.columns if name not in names]:
         raise OrderError(f"there is no column {', '.join(unknown)}; there are {', '.join(filter(None, names))}")
@@ -108,11 +108,11 @@ class Columns:
     def _role_by_numbers(self, name: str, original: str) -> str:
         """The role of a column: counters are no errors, and a column that repeats the sizes is no second size."""
         kind, numbers = self.roles[name], self.values[name]
-        others = [self.roles[other] for other in self.names if other != name]
         if re.fullmatch(r".+ N", original, re.IGNORECASE) and numbers == self.values[self.names[0]]:
             return "count" if name == self.names[0] else "other"
-        if kind == "count" and numbers in _indices(len(numbers)) and {"size", "count", "total"} & set(others):
-            return "other"
+        if kind == "count" and numbers in _indices(len(numbers)):
+            sizes = [other for other in self.names if other != name and self.roles[other] in ("size", "count", "total")]
+            return "other" if sizes else kind
         if kind == "unknown" and all(cell.strip().isdigit() for cell in self.cells[name]):
             steps = np.diff([math.nan if value is None else value for value in numbers])
             if len(steps) and ((steps > 0).all() or ((steps == 0).all() and numbers[0])):
@@ -252,27 +252,29 @@ def _from_ratio(ratio: float, rows: int) -> list[float]:
     return [max(ratio, 1 / ratio) ** -k for k in range(rows)]
 
 
-def _split_by_case(table: RawTable, options: Options) -> list[RawTable]:
+def _split_by_case(columns: Columns) -> list[Columns]:
     """A table for each value of a column, such as the degree, if mesh sizes repeat and are distinct for each value."""
-    columns = Columns(table, replace(options, columns=()))
-    size, rows = columns.size, range(len(table.rows))
+    table, size, rows = columns.table, columns.size, range(len(columns.table.rows))
     numbers = columns.values.get(size or "", [])
     if size is None or len(set(numbers)) == len(numbers):
-        return [table]
+        return [columns]
     for name in columns.names:
         cells = columns.cells[name]
         if cells[0] and "" in cells:
             # The first row of a case has its name, as with multirow in LaTeX.
             cells = [next(cell for cell in reversed(cells[: k + 1]) if cell) for k in rows]
         groups = {cell: [k for k in rows if cells[k] == cell] for cell in dict.fromkeys(cells)}
-        whole = all(value is None or value % 1 == 0 for value in columns.values[name])
+        whole = all(value is None or value % 1 == 0 for value in map(to_number, cells))
         candidate = columns.roles[name] in (*SIZES, "level", "other") or whole
         if name == size or columns.roles[name] == "error" or not candidate or not 1 < len(groups) < len(cells):
             continue
         if all(len(group) > 1 and len({numbers[k] for k in group}) == len(group) for group in groups.values()):
-            return [
-                replace(table, rows=[table.rows[k] for k in group], lines=[table.lines[k] for k in group],
-                        label=f"{name} {cell}".strip())
+            parts = [
+                (cell, [table.rows[k] for k in group], [table.lines[k] for k in group])
                 for cell, group in groups.items()
-            ]  # fmt: skip
-    return [table]
+            ]
+            return [
+                Columns(replace(table, rows=rows, lines=lines, label=f"{name} {cell}".strip()), columns.options)
+                for cell, rows, lines in parts
+            ]
+    return [columns]

@@ -85,7 +85,7 @@ def decode(data: bytes) -> str:
         raise OrderError(
             f"line {line} contains the byte {ord(odd):#04x}: a binary file? Save the table as text in UTF-8"
         )
-    raise OrderError("it is not text: save the table as text in UTF-8")
+    raise OrderError("it is not text but binary: save the table as text in UTF-8")
 
 
 def read_tables(data: bytes | str) -> list[RawTable]:
@@ -117,6 +117,7 @@ _LATEX_LINE = re.compile(
     r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep|multicolumn\{\d+\}\{[^}]*\}\{[^}]*\}\s*$)"
 )
 _LATEX_END = re.compile(r"\\\\(?:\[.*?\])?\s*(?:\\[a-z]+(?:\{.*?\}|\[.*?\])*\s*)*$|\\tabularnewline.*$")
+_LONG_CELL = re.compile(rf"[^\s,;|&]{{{MAX_CELL},}}")
 _MULTIROW = re.compile(r"\\multi(?:row|column)\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}")
 _LATEX_START = re.compile(
     r"^\s*(?:\\(?:hline|[a-z]+rule|rowcolor\{.*?\}|c(?:mid)?(?:rule|line)(?:\(.*?\))?\{.*?\}|addlinespace)\s*)+"
@@ -132,6 +133,8 @@ def _lines(text: str) -> list[Line]:
     quoted = sum(line.lstrip().startswith("> ") for line in raw)
     found = []
     for number, line in enumerate(raw, start=1):
+        if len(line) > MAX_CELL and (long := _LONG_CELL.search(line)):
+            raise OrderError(f"line {number} has a cell of {len(long[0])} characters; {EXAMPLE}")
         if quoted > len(raw) / 2:
             line = re.sub(r"^\s*(?:> ?)+", "", line)
         caption = re.match(r"\s*\\caption\{(.*)\}", line)
@@ -218,12 +221,6 @@ def _separator(lines: list[Line]) -> str | None:
                 score += filled / len(cells[:50])
         if score > most + 1e-9:
             best, most = separator, score
-    for line in lines if best else []:
-        if (
-            len(line.text) > MAX_CELL
-            and (longest := max(len(cell) for cell, *_ in _split(line.text, str(best)))) > MAX_CELL
-        ):
-            raise OrderError(f"line {line.number} has a cell of {longest} characters; {EXAMPLE}")
     return best
 
 

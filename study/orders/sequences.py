@@ -297,10 +297,9 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     """First level of the asymptotic range, and the verdict; an order in the window counts as settled."""
     orders, n = consecutive_orders(h, e), len(e)
     if expectation.window is None:
-        first = n - 2
-        while first > 0 and np.ptp(orders[first - 1 :]) <= 2 * expectation.tolerance:
-            first -= 1
-        return first, UNDECIDED
+        fine_first = orders[::-1]
+        spread = np.maximum.accumulate(fine_first) - np.minimum.accumulate(fine_first)
+        return n - 1 - int(np.sum(spread <= 2 * expectation.tolerance)), UNDECIDED
     low, high = expectation.window
     outside = np.flatnonzero((orders < low) | (orders > high))
     first = int(outside[-1]) + 1 if outside.size else 0
