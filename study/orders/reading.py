@@ -340,7 +340,7 @@ class _Grid:
         units = [i for i in above if all(map(_TYPE_OR_UNIT.fullmatch, self.texts[i]))]
         for i in (i for i in reversed(above) if i not in units):
             names = self._names(i, rows, width)
-            if names is None or any(_is_number(name) for name in names if name):
+            if names is None or any(_is_number(name) and not name.isalpha() for name in names):
                 continue
             group = next((j for j in reversed(above) if j < i), None)
             if group is not None and self.lines[i].number - self.lines[group].number <= 2:

@@ -125,11 +125,13 @@ READ = {
     "underscores in numbers": "n,error\n1_0,1.78\n2_0,0.697\n4_0,0.317\n",
     "cells along the sides": "resolution,error\n4x4,1.78\n8x8,0.697\n16x16,0.317\n",
     "a row of units": "h,error\nm,-\n0.25,1.78\n0.125,0.697\n0.0625,0.317\n",
-    "a row of types": " Row | h        error\n     | Float64  Float64\n   1 | 0.25     1.78\n   2 | 0.125    0.697\n   3 | 0.0625   0.317\n",
+    "a row of types": " Row | h        error\n     | Float64  Float64\n"
+    "   1 | 0.25     1.78\n   2 | 0.125    0.697\n   3 | 0.0625   0.317\n",
     "pairs in one line": "h: 0.25 Error: 1.78\nh: 0.125 Error: 0.697\nh: 0.0625 Error: 0.317\nRates [1.35 1.14]\n",
     "JSON": '[{"h": 0.25, "error": 1.78}, {"h": 0.125, "error": 0.697}, {"h": 0.0625, "error": 0.317}]',
     "lists in Julia": "hs = Float64[0.25, 0.125, 0.0625]\nel2s = [1.78, 0.697, 0.317]\n",
-    "a table in reStructuredText": "=====  =====\nh      error\n=====  =====\n1/4    1.78\n1/8    0.697\n1/16   0.317\n=====  =====\n",
+    "a table in reStructuredText": "=====  =====\nh      error\n=====  =====\n"
+    "1/4    1.78\n1/8    0.697\n1/16   0.317\n=====  =====\n",
     "a line for each quantity": "| h | 0.25 | 0.125 | 0.0625 |\n|---|---|---|---|\n| error | 1.78 | 0.697 | 0.317 |\n",
 }  # fmt: skip
 
@@ -142,14 +144,28 @@ def test_small_tables_in_many_forms_have_the_same_orders(form: str, tmp_path, ca
     assert column["orders"] == pytest.approx([1.3527, 1.1367], abs=1e-3)
 
 
+ERRORS = {1: {8: "4e-2", 16: "1e-2", 32: "2.5e-3"}, 2: {8: "8e-3", 16: "1e-3", 32: "1.25e-4"}}
+"""degree ↦ n ↦ error, of the orders 2 and 3."""
+
+
+def in_rows(row: str, once: str = "{k}", other: str = "{k}") -> str:
+    """A row for each degree k, n and error e; the first row of a degree may write it otherwise than the others."""
+    return "\n".join(
+        row.format(k=(other if j else once).format(k=k), n=n, e=e)
+        for k, column in ERRORS.items()
+        for j, (n, e) in enumerate(column.items())
+    )
+
+
 CASE_TABLES = {
-    "degree": "degree,n,L2\n1,8,4e-2\n1,16,1e-2\n1,32,2.5e-3\n2,8,8e-3\n2,16,1e-3\n2,32,1.25e-4\n",
-    "degree once for a case": "| p | h | L2 |\n|--|--|--|\n|1|1/8|4e-2|\n||1/16|1e-2|\n||1/32|2.5e-3|\n|2|1/8|8e-3|\n||1/16|1e-3|\n||1/32|1.25e-4|\n",
-    "LaTeX": "\\toprule\n$k$ & $N$ & error \\\\\n\\multirow{3}{*}{1} & 8 & 4e-2 \\\\\n & 16 & 1e-2\\\\\n & 32 & 2.5e-3\\\\ \\midrule\n\\multirow{3}{*}{2} & 8 & 8e-3 \\\\\n & 16 & 1e-3\\\\\n & 32 & 1.25e-4\\\\\n",
-    "method": "scheme,dt,err\nBDF2,.4,4e-2\nBDF2,.2,1e-2\nBDF2,.1,2.5e-3\nBDF3,.4,8e-3\nBDF3,.2,1e-3\nBDF3,.1,1.25e-4\n",
-    "name = value": "".join(f"Pk = {k}\nNx = {n}\nerror = {4 / n**(k + 1)}\n" for k in (1, 2) for n in (8, 16, 32)),
-    "two tables": "### P1\n\n|h|e|\n|-|-|\n|.4|4e-2|\n|.2|1e-2|\n|.1|2.5e-3|\n\n### P2\n\n|h|e|\n|-|-|\n|.4|8e-3|\n|.2|1e-3|\n|.1|1.25e-4|\n",
-    "lists twice": "h = [.4, .2, .1]\nerr = [4e-2, 1e-2, 2.5e-3]\nh = [.4, .2, .1]\nerr = [8e-3, 1e-3, 1.25e-4]\n",
+    "degree": "degree,n,L2\n" + in_rows("{k},{n},{e}"),
+    "degree once for a case": "| p | n | L2 |\n|--|--|--|\n" + in_rows("| {k} | {n} | {e} |", other=""),
+    "multirow": "$k$ & $N$ & error \\\\\n" + in_rows("{k} & {n} & {e} \\\\", "\\multirow{{3}}{{*}}{{{k}}}", ""),
+    "method": "scheme,n,err\n" + in_rows("BDF{k},{n},{e}"),
+    "name = value": in_rows("Pk = {k}\nNx = {n}\nerror = {e}"),
+    "headings": "\n".join(f"### P{k}\n\n|n|e|\n|-|-|\n" + "\n".join(f"|{n}|{e}|" for n, e in column.items()) + "\n"
+                          for k, column in ERRORS.items()),
+    "lists": "\n".join(f"n = {list(column)}\nerr = [{', '.join(column.values())}]" for column in ERRORS.values()),
 }  # fmt: skip
 
 
@@ -184,7 +200,10 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, tmp_path, ca
         (b"h,error\n" + b"0.123456789,0.123456789\n" * 1_000_000, "more than 8 MB"),
         (b"h,error\n1,abc\n.5,1\n", "line 2: the entry of error is 'abc'"),
         (b"h,error\n.1,.2\n.1000000000001,.21\n.05,.1\n", "line 3: h = .1000000000001 stands in line 2"),
-        (b"0.25 0.0131\n0.125 0.00661\n", "has 2 columns, but no line above names them: add a header such as 'h error'"),
+        (
+            b"0.25 0.0131\n0.125 0.00661\n",
+            "has 2 columns, but no line above names them: add a header such as 'h error'",
+        ),
         (b"cells,error\n8,.1\n16,.05\n", "give --dim"),
         (b"level,error\n1,.1\n2,.05\n", "give --ratio 2"),
         (b"h,order\n1,-\n.5,2\n", "no column of errors among h (size), order (order)"),
