@@ -9,7 +9,7 @@ import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from study.cli.exits import OK
+from study.cli.exits import OK, USAGE
 from study.ledger.files import write_text
 from study.orders import OrderError, observed_orders
 from study.orders.columns import Options, Series, read_series
@@ -20,7 +20,16 @@ from study.orders.values import grid_convergence
 
 
 def do_rates(options: argparse.Namespace) -> int:
-    """``study rates``: 0 all orders hold or none is expected, 1 one fails, 3 one is undecided."""
+    """``study rates``: 0 all orders hold or none is expected, 1 one fails, 2 input is not understood, 3 undecided."""
+    try:
+        return _rates(options)
+    except OrderError as error:
+        # Here, as the refusals of other commands import packages that ``[orders]`` does not install.
+        print(f"study: {error}", file=sys.stderr)
+        return USAGE
+
+
+def _rates(options: argparse.Namespace) -> int:
     judging = {name: getattr(options, name) for name in ("expected", "at_least", "junit", "markdown", "plot")}
     given = [f"--{name.replace('_', '-')}" for name, value in judging.items() if value is not None]
     if options.values and given:
@@ -29,12 +38,12 @@ def do_rates(options: argparse.Namespace) -> int:
     reading = Options(options.dim, options.size, options.ratio, columns, signed=options.values)
     try:
         tables = read_series(_read(options.file), reading)
-        if options.values:
-            print(_values(tables, options.json))
-            return OK
-        judged = _judged(tables, options)
+        judged = [] if options.values else _judged(tables, options)
     except OrderError as error:
         raise OrderError(f"{options.file}: {error}") from None
+    if options.values:
+        print(_values(tables, options.json))
+        return OK
     if options.plot:
         plot(judged, options.plot)
     if options.junit:

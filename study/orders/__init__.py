@@ -7,8 +7,8 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from study.orders.errors import OrderError
-from study.orders.sequences import TOLERANCE, OrderResult, observed_orders
+from .errors import OrderError
+from .sequences import TOLERANCE, OrderResult, observed_orders
 
 __all__ = ["OrderError", "OrderResult", "assert_order", "check_orders", "observed_orders"]
 Wish = float | Mapping[str, float] | None

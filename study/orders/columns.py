@@ -9,11 +9,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from study.orders.errors import OrderError
-from study.orders.names import SIZES, role
-from study.orders.numbers import to_number
-from study.orders.reading import RawTable, read_tables
-from study.orders.sequences import SAME_SIZE, consecutive_orders
+from .errors import OrderError
+from .names import SIZES, role
+from .numbers import to_number
+from .reading import RawTable, read_tables
+from .sequences import SAME_SIZE, consecutive_orders
 
 
 @dataclass(frozen=True)

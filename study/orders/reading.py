@@ -14,9 +14,9 @@ import re
 from collections import Counter
 from dataclasses import dataclass, replace
 
-from study.orders.errors import OrderError
-from study.orders.names import SIZES, role
-from study.orders.numbers import UNIT, to_number, uses_decimal_commas
+from .errors import OrderError
+from .names import SIZES, role
+from .numbers import UNIT, to_number, uses_decimal_commas
 
 MAX_BYTES = 8_000_000
 MAX_ROWS = 100_000

@@ -13,9 +13,9 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-from study.orders.columns import Series
-from study.orders.errors import OrderError
-from study.orders.sequences import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderResult
+from .columns import Series
+from .errors import OrderError
+from .sequences import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderResult
 
 MOST_ROWS, MOST_COLUMNS = 24, 20
 Judged = list[tuple[Series, list[OrderResult]]]
@@ -122,17 +122,23 @@ def plot(judged: Judged, file: Path) -> None:
         # Dollar signs of names would start formulas that Matplotlib may not know.
         label = f"{result.name}: order {result.order:.2f}".replace("$", r"\$")
         axes.plot(h[positive], errors[positive], "os^Dv"[k % 5], color=colour, markersize=5, label=label)
-        if math.isfinite(result.order):
-            ends = np.array([h[result.first], h[result.last - 1]])
-            centre = np.exp(np.mean(np.log(errors[result.first : result.last])))
-            middle = np.exp(np.mean(np.log(h[result.first : result.last])))
-            axes.plot(ends, centre * (ends / middle) ** result.order, color=colour, linewidth=1.2)
-            wanted = result.expectation.expected or result.expectation.at_least
-            if wanted:
-                axes.plot(ends, centre * (ends / middle) ** wanted, "--", color="0.45", linewidth=1, zorder=1)
+        if not math.isfinite(result.order):
+            continue
+        used = h[result.first : result.last]
+        scaled = used / np.exp(np.log(used).mean())
+        centre = np.exp(np.log(errors[result.first : result.last]).mean())
+        axes.plot(used, centre * scaled**result.order, color=colour, linewidth=1.2)
+        wanted = result.expectation.expected or result.expectation.at_least
+        if wanted:
+            # Below the errors, so that both lines are seen where they are parallel.
+            axes.plot(used, 0.6 * centre * scaled**wanted, "--", color=colour, linewidth=1)
     if any(result.expectation.window for result in drawn):
-        axes.plot([], [], "--", color="0.45", linewidth=1, label="expected order")
-    axes.grid(True, which="both", color="0.92")
+        axes.plot([], [], "--", color="0.45", linewidth=1, label="expected order, shifted")
+    sizes = sorted({size for result in drawn for size in result.h})
+    if 1 < len(sizes) <= 10:
+        axes.set_xticks(sizes, [f"{size:.3g}" for size in sizes], fontsize=8)
+        axes.minorticks_off()
+    axes.grid(True, color="0.9")
     if drawn:
         axes.legend(fontsize=8, frameon=False)
     figure.savefig(file, dpi=150)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import stdtrit
 
-from study.orders.errors import OrderError
+from .errors import OrderError
 
 Array = NDArray[np.float64]
 HOLDS, FAILS, UNDECIDED, HIGHER, SKIPPED = "holds", "fails", "undecided", "higher", "skipped"
