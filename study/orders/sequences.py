@@ -322,7 +322,7 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     orders, used = consecutive_orders(h, e), consecutive_orders(h[first:], e[first:])
     previous, last = orders[-2:]
     falls = len(orders) > 2 and last < previous < orders[-3]
-    slowing = falls and previous - last < 0.7 * (orders[-3] - previous)
+    slowing = falls and previous - last < 0.8 * (orders[-3] - previous)
     kind, sentence = (
         "converges",
         f"converges with order {fitted_order(h[first:], e[first:])[0]:.2f} (orders {_text(used)})",
