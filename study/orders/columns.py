@@ -187,6 +187,9 @@ class Columns:
         kind, label, dim = self.roles[name], name or "n", self.options.dim
         if not name:
             kind = "size" if str(self.options.size).lower() == "h" else "count"
+        elif kind not in SIZES and all(value and value > 1 and value % 1 == 0 for value in self.values[name]):
+            # Whole numbers without a known name, such as steps, count.
+            kind = "count"
         found = [math.nan if value is None else value for value in self.values[name]]
         if kind not in ("count", "total"):
             return found, f"{'Δt' if kind == 'step' else 'h'} from column {label}"

@@ -113,12 +113,11 @@ def _short(text: str, width: int = 60) -> str:
 _RULE = re.compile(
     r"(?:[\s|+:=_#*~.─━═┼╪┌┐└┘├┤┬┴╞╡╤╧╭╮╯╰╌╍-]|\\[a-z]+rule(?:\[.*?\]|\{.*?\}|\(.*?\))*|\\hline)*(?:\\\\)?"
 )
-_LATEX_LINE = re.compile(
-    r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep|multicolumn\{\d+\}\{[^}]*\}\{[^}]*\}\s*$)"
-)
+_LATEX_LINE = re.compile(r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep)")
 _LATEX_END = re.compile(r"\\\\(?:\[.*?\])?\s*(?:\\[a-z]+(?:\{.*?\}|\[.*?\])*\s*)*$|\\tabularnewline.*$")
 _LONG_CELL = re.compile(rf"[^\s,;|&]{{{MAX_CELL},}}")
-_MULTIROW = re.compile(r"\\multi(?:row|column)\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}")
+_MULTIROW = re.compile(r"\\multirow\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}")
+_MULTICOLUMN = re.compile(r"\\multicolumn\{(\d{1,2})\}\{[^{}]*\}\{([^{}]*)\}")
 _LATEX_START = re.compile(
     r"^\s*(?:\\(?:hline|[a-z]+rule|rowcolor\{.*?\}|c(?:mid)?(?:rule|line)(?:\(.*?\))?\{.*?\}|addlinespace)\s*)+"
 )
@@ -130,6 +129,10 @@ def _lines(text: str) -> list[Line]:
     signs: dict[str, str | int | None] = {"│": "|", "┃": "|", "║": "|", "┆": "|", "\u200b": None, "\ufeff": None}
     text = text.translate(str.maketrans(signs))
     raw = re.split(r"\r\n|\r|\n", text)
+    for k in range(len(raw) - 1, 0, -1):
+        # A row of LaTeX may take several lines.
+        if raw[k - 1].rstrip().endswith("&") and len(raw[k]) < MAX_CELL:
+            raw[k - 1 : k + 1] = [f"{raw[k - 1]} {raw[k]}", ""]
     quoted = sum(line.lstrip().startswith("> ") for line in raw)
     found = []
     for number, line in enumerate(raw, start=1):
@@ -144,6 +147,7 @@ def _lines(text: str) -> list[Line]:
             continue
         if "\\" in line:
             line = _MULTIROW.sub(r"\1", _LATEX_START.sub("", _LATEX_END.sub("", line)))
+            line = _MULTICOLUMN.sub(lambda found: found[2] + " &" * (int(found[1]) - 1), line)
         comment = re.match(r"\s*(?:#+|%+|//|!)[ \t]*(?=[^\d.\s]|\s*[\d.])", line)
         found.append(Line(number, line[comment.end() :] if comment else line, comment is not None))
         if len(found) > MAX_ROWS:
@@ -340,7 +344,7 @@ class _Grid:
         units = [i for i in above if all(map(_TYPE_OR_UNIT.fullmatch, self.texts[i]))]
         for i in (i for i in reversed(above) if i not in units):
             names = self._names(i, rows, width)
-            if names is None or any(_is_number(name) and not name.isalpha() for name in names):
+            if names is None or any(name == "=" or (_is_number(name) and not name.isalpha()) for name in names):
                 continue
             group = next((j for j in reversed(above) if j < i), None)
             if group is not None and self.lines[i].number - self.lines[group].number <= 2:
@@ -449,12 +453,22 @@ class _Grid:
             columns |= {label: [values[k] for k, _ in sizes] for label, values in labelled}
             caption = self.lines[run[0] - 2].text.strip() if run[0] > 1 and run[0] - 2 not in run else ""
             return replace(_from_columns(f"{form}, sizes in the header", columns, number), caption=caption)
-        if not above and width % 2 and width >= 3:
+        if width % 2 and width >= 3 and (not above or _orders_between(labelled)):
             # AMReX prints: error order error order error.
             pairs = [((label, values[::2]), (f"order of {label}", ["", *values[1::2]])) for label, values in labelled]
             columns = dict(pair for both in pairs for pair in both)
             return _from_columns(f"{form}, orders between the errors", columns, number)
         return None
+
+
+def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
+    """Whether every second value is the order of its two neighbours, for meshes twice as fine."""
+    checked = []
+    for numbers in ([to_number(cell) or math.nan for cell in values] for _, values in labelled):
+        for coarse, order, fine in zip(numbers[::2], numbers[1::2], numbers[2::2], strict=False):
+            if coarse > 0 and fine > 0 and math.isfinite(order):
+                checked.append(abs(math.log2(coarse / fine) - order) < 0.02 + 0.01 * abs(order))
+    return bool(checked) and all(checked)
 
 
 def _place(cells: Split, model: Split) -> list[str] | None:

@@ -132,6 +132,10 @@ READ = {
     "lists in Julia": "hs = Float64[0.25, 0.125, 0.0625]\nel2s = [1.78, 0.697, 0.317]\n",
     "a table in reStructuredText": "=====  =====\nh      error\n=====  =====\n"
     "1/4    1.78\n1/8    0.697\n1/16   0.317\n=====  =====\n",
+    "LaTeX of deal.II": "\\begin{tabular}{|c|c|} \\hline\n"
+    "\\multicolumn{1}{|c|}{h} &\n\\multicolumn{2}{|c|}{error} \\\\ \\hline\n"
+    "0.25 & 1.78 & - \\\\ \\hline\n0.125 & 0.697 & 1.36 \\\\ \\hline\n0.0625 & 0.317 & 1.14 \\\\ \\hline\n",
+    "orders between errors": "variable  32->64  rate  64->128  rate  128->256\nrho  1.78  1.353  0.697  1.137  0.317\n",
     "a line for each quantity": "| h | 0.25 | 0.125 | 0.0625 |\n|---|---|---|---|\n| error | 1.78 | 0.697 | 0.317 |\n",
 }  # fmt: skip
 
@@ -227,6 +231,12 @@ def test_one_table_in_every_form_gives_the_same_orders(encoding, ends, form, tmp
     assert main(["rates", str(tmp_path / "table"), "--expected", "2", "--json"]) == 0
     (column,) = json.loads(capsys.readouterr().out)
     assert column["orders"] == pytest.approx([2, 2])
+
+
+def test_whole_numbers_in_a_chosen_column_count(tmp_path, capsys) -> None:
+    (tmp_path / "table").write_text("steps error\n10 1e-2\n20 2.5e-3\n40 6.25e-4\n")
+    assert main(["rates", str(tmp_path / "table"), "--in", "steps", "--expected", "2"]) == 0
+    assert "size: h = 1/steps" in capsys.readouterr().out
 
 
 def test_many_rows_and_many_columns_are_read_within_seconds(tmp_path, capsys) -> None:
