@@ -115,7 +115,7 @@ _RULE = re.compile(
 )
 _LATEX_LINE = re.compile(r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep)")
 _LATEX_END = re.compile(r"\\\\(?:\[.*?\])?\s*(?:\\[a-z]+(?:\{.*?\}|\[.*?\])*\s*)*$|\\tabularnewline.*$")
-_LONG_CELL = re.compile(rf"[^\s,;|&]{{{MAX_CELL},}}")
+_LONG_CELL = re.compile(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}")
 _MULTIROW = re.compile(r"\\multirow\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}")
 _MULTICOLUMN = re.compile(r"\\multicolumn\{(\d{1,2})\}\{[^{}]*\}\{([^{}]*)\}")
 _LATEX_START = re.compile(
@@ -162,7 +162,7 @@ def _lines(text: str) -> list[Line]:
 Split = list[tuple[str, int, int]]
 """Cells with the columns of the text where they begin and end."""
 _JOIN_TIMES = re.compile(r"(?<=[\d.])\s+(×|\\times|\\cdot|·)\s*(?=10)")
-_PAIRS = re.compile(r"([^\W\d][^\s:]*:) +(?=[-+.\d])")
+_PAIRS = re.compile(r"(?<!\S)([^\s:]+:) +(?=[-+.\d])")
 _NORM = re.compile(r"\\?\|\\?\|[^|]+\\?\|\\?\||\\\|[^|]+\\\|")
 
 
@@ -549,7 +549,7 @@ def _labelled_pairs(lines: list[Line]) -> list[RawTable]:
     return [_from_columns("size: error pairs", {UNNAMED: sizes} | columns, number)] if columns else []
 
 
-_KEY_VALUE = re.compile(r"(?P<key>(?=[^=:]*[^\W\d])[^=:,;]*?[^\s=:,;<>!])\s*[=:]\s*(?P<value>[^\s,;=:]+)(?=[\s,;]|$)")
+_VALUE = re.compile(r"[=:]\s*(?P<value>[^\s,;=:]+)(?=[\s,;]|$)")
 
 
 def _key_values(lines: list[Line]) -> list[RawTable]:
@@ -557,9 +557,12 @@ def _key_values(lines: list[Line]) -> list[RawTable]:
     records: list[dict[str, str]] = []
     numbers: list[int] = []
     for line in lines:
-        for found in _KEY_VALUE.finditer(line.text):
-            key, value = found["key"].strip(" \t*-\"'{["), found["value"].strip("*|`}]")
-            if not (_is_number(value) or _is_missing(value)):
+        end = 0
+        for found in _VALUE.finditer(line.text):
+            before, end, value = line.text[end : found.start()], found.end(), found["value"].strip("*|`}]")
+            key = re.split(r"[,;]", before)[-1].strip(" \t*-\"'{[")
+            named = len(key) <= 80 and key[-1:] not in "<>!" and re.search(r"[^\W\d]", key)
+            if not named or not (_is_number(value) or _is_missing(value)):
                 continue
             if not records or key in records[-1]:
                 records.append({})

@@ -126,8 +126,10 @@ class OrderResult:
 def consecutive_orders(h: ArrayLike, errors: ArrayLike) -> Array:
     """log(e_i/e_{i+1}) / log(h_i/h_{i+1}), (levels − 1,); NaN where an error is zero or not finite."""
     sizes, e = np.asarray(h, dtype=float), np.asarray(errors, dtype=float)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        found = np.diff(np.log(e)) / np.diff(np.log(sizes))
+    with np.errstate(all="ignore"):
+        found = np.log(e[:-1] / e[1:]) / np.log(sizes[:-1] / sizes[1:])
+        # Quotients of very large and very small numbers overflow; differences of logarithms do not.
+        found = np.where(np.isfinite(found), found, np.diff(np.log(e)) / np.diff(np.log(sizes)))
     return np.where(np.isfinite(found), found, np.nan)
 
 
