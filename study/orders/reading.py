@@ -312,7 +312,7 @@ class _Grid:
             raise OrderError(
                 f"the table that begins in line {first.number}, '{_short(first.text.strip())}', has {width} columns, "
                 f"but no line above names them{others}: add a header such as "
-                f"'{sign.join(['h', *['error'] * (width - 1)])}'"
+                f"'{_short(sign.join(['h', *['error'] * (width - 1)]))}'"
             )
         captions = [self.lines[i].text.strip() for i in above if i not in used]
         caption = next((text for text in reversed(captions) if not _NO_CAPTION.match(text)), "")
