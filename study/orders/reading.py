@@ -180,13 +180,12 @@ def _split(line: str, separator: str) -> Split:
         except csv.Error:
             cells = line.strip().split(separator)
     elif separator == "|":
-        norms: list[str] = []
-        protected = _NORM.sub(lambda found: norms.append(found[0]) or f"\0{len(norms) - 1}\0", line)  # type: ignore[func-returns-value]
-        if norms and protected.strip("\0 0123456789"):
-            cells = re.sub(r"^\s*\||\|\s*$", "", protected).split("|")
-            cells = [re.sub("\0(\\d+)\0", lambda found: norms[int(found[1])], cell) for cell in cells]
-        else:
-            cells = re.sub(r"^\s*\||\|\s*$", "", line).split("|")
+        # The bars of a norm, ||u - u_h||, separate nothing; those around a number do.
+        protected = _NORM.sub(
+            lambda found: found[0] if _is_number(found[0].strip("|\\ ")) else found[0].replace("|", "\0"), line
+        )
+        protected = protected if "|" in protected else line
+        cells = [cell.replace("\0", "|") for cell in re.sub(r"^\s*\||\|\s*$", "", protected).split("|")]
     elif separator == "&":
         cells = re.split(r"(?<!\\)&", line)
     else:
