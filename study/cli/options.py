@@ -57,21 +57,7 @@ def parser() -> argparse.ArgumentParser:
     seeds.add_argument("--seeds", type=int, metavar="N", help="at most so many fresh ones")
     seeds.add_argument("--seed", type=int, metavar="N", help="measure this one again, add nothing")
     _spread(seeds)
-    rates = add("rates", "rates", "observed orders of any table of errors")
-    rates.add_argument("file", type=Path, metavar="FILE", help="a table in nearly any form; - is standard input")
-    rates.add_argument(
-        "--expected", type=_orders, metavar="P|NAME=P,...", help="judge the orders against this one, two-sided"
-    )
-    rates.add_argument("--at-least", type=_orders, metavar="P|NAME=P,...", help="judge the orders against a least one")
-    rates.add_argument("--tolerance", type=_finite, default=0.15, metavar="T", help="of --expected (default 0.15)")
-    rates.add_argument("--columns", metavar="NAME,...", help="columns of errors (default: all that are found)")
-    rates.add_argument("--in", dest="size", metavar="NAME", help="column of sizes, for example dt")
-    rates.add_argument("--dim", type=int, metavar="D", help="dimension, where sizes are counts of cells or unknowns")
-    rates.add_argument("--ratio", type=_finite, metavar="R", help="ratio of mesh sizes from row to row")
-    rates.add_argument("--values", action="store_true", help="columns are values, no errors: grid convergence index")
-    rates.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
-    rates.add_argument("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table")
-    _json(rates)
+    _rates(add("rates", "rates", "observed orders of any table of errors"))
     _bound(add("bound", "bound", "enclose the error of a computed displacement, exact solution or not"))
     certify = "bounds of errors as a theorem, with a certificate that a program of its own checks"
     _certify(add("certify", "certify", certify))
@@ -84,6 +70,23 @@ def parser() -> argparse.ArgumentParser:
     _out(add("tables", "present", "make the tables again from the data on disk"))
     _spread(add("figures", "present", "draw the figures again from the data on disk"))
     return top
+
+
+def _rates(rates: argparse.ArgumentParser) -> None:
+    orders = "P|NAME=P,..."
+    rates.add_argument("file", type=Path, metavar="FILE", help="a table in nearly any form; - is standard input")
+    rates.add_argument("--expected", type=_orders, metavar=orders, help="order that theory gives, met from both sides")
+    rates.add_argument("--at-least", type=_orders, metavar=orders, help="least order that is accepted")
+    rates.add_argument("--tolerance", type=_finite, default=0.15, metavar="T", help="of --expected (default 0.15)")
+    rates.add_argument("--columns", metavar="NAME,...", help="columns of errors (default: all that are found)")
+    rates.add_argument("--in", dest="size", metavar="NAME", help="column of sizes, for example dt")
+    rates.add_argument("--dim", type=int, metavar="D", help="dimension, where sizes are counts of cells or unknowns")
+    rates.add_argument("--ratio", type=_finite, metavar="R", help="ratio of mesh sizes from row to row")
+    rates.add_argument("--values", action="store_true", help="columns are values, no errors: grid convergence index")
+    rates.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
+    rates.add_argument("--markdown", type=Path, metavar="FILE", help="also write the verdicts as a Markdown table")
+    rates.add_argument("--plot", type=Path, metavar="FILE", help="also draw errors over h as PNG, SVG or PDF")
+    _json(rates)
 
 
 def _run(sweep: argparse.ArgumentParser) -> None:

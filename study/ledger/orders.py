@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtrit
+
+from study.orders.sequences import consecutive_orders, fitted_order
 
 Array = NDArray[np.float64]
 
@@ -28,7 +29,7 @@ def orders(h: Array, error: Array) -> Array:
         raise RatesError(f"mesh sizes must decrease from level to level, got {h.tolist()}")
     if not (np.isfinite(error).all() and (error > 0).all()):
         raise RatesError(f"errors must be positive and finite to have an order, got {error.tolist()}")
-    return np.log(error[:-1] / error[1:]) / np.log(h[:-1] / h[1:])
+    return consecutive_orders(h, error)
 
 
 @dataclass(frozen=True)
@@ -47,18 +48,11 @@ def fit(h: Array, error: Array) -> Fit:
         RatesError: as ``orders``.
     """
     orders(h, error)
-    if len(h) < 3:
-        order = float(orders(h, error)[-1])
-        return Fit(order, -np.inf, np.inf)
-    # ``scipy.stats`` has this, and takes half a second to import.
-    (xx, xy), (_, yy) = np.cov(np.log(h), np.log(error), bias=True)
-    order, free = float(xy / xx), len(h) - 2
-    half = float(stdtrit(free, (1 + CONFIDENCE) / 2) * np.sqrt(max(xx * yy - xy**2, 0.0) / free) / xx)
-    return Fit(order, order - half, order + half)
+    return Fit(*fitted_order(h, error))
 
 
 def weighted_order(h: Array, error: Array, power: float) -> float:
-    """Return the observed order by least squares with weights h^−power, optimal if log e_i has a variance ~ h_i^power.
+    """The least-squares order with weights h^−power, the best linear one where log e_i has a variance ~ h_i^power.
 
     Raises:
         RatesError: as ``orders``.
@@ -70,10 +64,10 @@ def weighted_order(h: Array, error: Array, power: float) -> float:
 
 
 def limit(h: Array, error: Array, order: float) -> float:
-    """Return e∞ in e = e∞ + C h^p for a given p, divided by the geometric mean of the two finest errors.
+    """e∞ in e = e∞ + C h^p for the given p, over the geometric mean of the two finest errors.
 
-    The position of a front within its cell alternates from level to level. So two points are extrapolated: the
-    geometric means of h and of e over the two finest levels and over the two levels before them.
+    The place of a front within its cell alternates from level to level. So two points are extrapolated: the
+    geometric means (of h and of e) over the two finest levels and over the two before them.
     """
     x, e = (np.exp(np.log(np.asarray(v, dtype=float)[-4:]).reshape(2, 2).mean(axis=1)) for v in (h, error))
     x = x**order
