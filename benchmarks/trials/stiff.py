@@ -19,7 +19,7 @@ from manufactured.factor import x1, x2
 from study.bound.bounded import bounded_solution
 from study.bound.trajectory import Refined
 from study.fem.mesh import Unstructured
-from study.ledger.rounding import up
+from study.ledger.text import up
 from study.present.marks import markdown
 from study.solve.tableau import MIDPOINT
 

@@ -29,7 +29,7 @@ from study.bound.problem import BoundError
 from study.bound.terms import Shares
 from study.bound.trajectory import DiscreteSolution, SmoothedInTime, compute
 from study.fem.mesh import boundary_parts
-from study.ledger.rounding import up
+from study.ledger.text import up
 from study.solve.evolution import Scheme
 
 PART = 0.5

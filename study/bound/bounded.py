@@ -22,8 +22,7 @@ from study.bound.problem import BoundError, require_units
 from study.bound.trajectory import DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
-from study.ledger.rounding import down, interval, up
-from study.ledger.terminal import width
+from study.ledger.text import down, interval, up, width
 from study.solve.evolution import Scheme
 from study.solve.steps import require_steps
 

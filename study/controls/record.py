@@ -28,8 +28,7 @@ import pandas as pd
 from manufactured.tensors import Array
 from study.ledger.datafiles import DataError, read_table, table_text, write_csv
 from study.ledger.files import write_packed
-from study.ledger.margin import worst
-from study.ledger.verdict import HOLDS, Verdict
+from study.ledger.verdict import HOLDS, Verdict, worst
 from study.ledger.window import SMALL
 from study.statements.prop_5_4 import error_orders
 

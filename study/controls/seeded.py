@@ -12,8 +12,7 @@ from dataclasses import dataclass, fields, replace
 from manufactured.case import Case
 from study.fem.mesh import MeshFamily, Shaken
 from study.fem.naming import family_named
-from study.run.job import Job
-from study.run.plan import Plan, full, quick
+from study.run.plan import Job, Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.enclosure import Bounds
 from study.statements.interpolation import InterpolationOnContact

@@ -21,7 +21,7 @@ from manufactured.multiscale import COARSEST_ROLLER, ROLLERS, multiscale, roller
 from manufactured.natural_motion import natural_motion
 from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 
 SEED_DIGITS = 20
 """Digits of a seed of 64 bits; the seed is part of file names."""

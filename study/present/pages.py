@@ -23,7 +23,7 @@ from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, raised
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
-from study.ledger.rounding import above, below, up
+from study.ledger.text import above, below, up
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.ledger.window import STEEPER
 from study.present.article import two_digits_up

@@ -16,7 +16,7 @@ from manufactured.law import AtPoints
 from manufactured.tensors import Array, Tensors
 from study.fem.material import on_cells
 from study.fem.space import Space
-from study.ledger.measures import largest
+from study.ledger.criterion import largest
 from study.ledger.window import above_nothing, at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.factorisation import Cholesky

@@ -36,7 +36,7 @@ from study.fem.independent import load_from_forces
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.measures import ENOUGH, between_levels, largest, order
+from study.ledger.criterion import ENOUGH, between_levels, largest, order
 from study.ledger.window import STEEPER, above_nothing, around, between
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky

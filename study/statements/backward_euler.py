@@ -24,8 +24,7 @@ from functools import lru_cache
 import numpy as np
 import pandas as pd
 
-from study.ledger.criterion import Criterion, Measured
-from study.ledger.measures import ROUNDING, among, change, every, largest, or_none
+from study.ledger.criterion import ROUNDING, Criterion, Measured, among, change, every, largest, or_none
 from study.ledger.orders import fit
 from study.ledger.window import Window, above_nothing, around
 from study.solve.evolution import SemiDiscrete

@@ -32,8 +32,7 @@ from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, tracti
 from study.fem.gauge import DEGREE, FACET_POINTS, rules
 from study.fem.material import on_cells
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import Observation
-from study.ledger.measures import order, weighted
+from study.ledger.criterion import Observation, order, weighted
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h

@@ -19,8 +19,7 @@ from manufactured.law import AtPoints, Yield
 from manufactured.tensors import Array, Points, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import Observation
-from study.ledger.measures import BOUND, ROUNDING, Constant, largest
+from study.ledger.criterion import BOUND, ROUNDING, Constant, Observation, largest
 from study.ledger.window import at_most
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import LAWS, named, place, space_of

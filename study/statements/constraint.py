@@ -18,7 +18,7 @@ from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Points, Vectors
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import every, largest
+from study.ledger.criterion import every, largest
 from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h

@@ -52,9 +52,8 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Groups, Observation, Rule, by_family
+from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, by_family, finest, largest, order
 from study.ledger.datafiles import CsvFile
-from study.ledger.measures import ENOUGH, finest, largest, order
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.solve.signorini import Signorini

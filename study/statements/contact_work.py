@@ -50,8 +50,7 @@ from study.fem.quadrature import facet_rule
 from study.fem.refining import inclusion_of, refined
 from study.fem.seminorm import composite
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, Observation, by_case
-from study.ledger.measures import ENOUGH, consecutive, exactly
+from study.ledger.criterion import ENOUGH, Criterion, Measured, Observation, by_case, consecutive, exactly
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_least
 from study.solve.evolution import SemiDiscrete

@@ -33,8 +33,7 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured
-from study.ledger.measures import exactly, largest
+from study.ledger.criterion import Criterion, Measured, exactly, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h

@@ -29,9 +29,8 @@ from study.bound.enclosing import Enclosure, enclose, known_error, order_interva
 from study.bound.trajectory import Refined, SmoothedInTime, Trajectory, compute
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger.criterion import Observation, Rule
+from study.ledger.criterion import Observation, Rule, every, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
-from study.ledger.measures import every, largest
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import Window, above_nothing, at_most
 from study.solve.evolution import Scheme

@@ -57,8 +57,19 @@ from manufactured.tensors import Array
 from study.fem.gauge import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_case
-from study.ledger.measures import ENOUGH, change, exactly, largest, order
+from study.ledger.criterion import (
+    ENOUGH,
+    Criterion,
+    Groups,
+    Measured,
+    Observation,
+    Rule,
+    by_case,
+    change,
+    exactly,
+    largest,
+    order,
+)
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, above_nothing, around
 from study.solve.steps import rate_steps

@@ -11,8 +11,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from study.ledger.criterion import Observation, by_family
-from study.ledger.measures import ENOUGH, between_levels, largest
+from study.ledger.criterion import ENOUGH, Observation, between_levels, by_family, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import around, at_least, at_most
 from study.statements.prop_5_4 import RATES, over

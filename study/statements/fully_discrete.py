@@ -29,8 +29,7 @@ from scipy.optimize import least_squares
 from scipy.special import stdtrit
 
 from manufactured.tensors import Array
-from study.ledger.criterion import Criterion, Measured, Observation, judge
-from study.ledger.measures import ENOUGH, exactly
+from study.ledger.criterion import ENOUGH, Criterion, Measured, Observation, exactly, judge
 from study.ledger.orders import CONFIDENCE
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most, between

@@ -43,8 +43,7 @@ from study.fem.independent import work_of_body_force, work_on
 from study.fem.mesh import with_midpoints
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import judge
-from study.ledger.measures import finest, largest
+from study.ledger.criterion import finest, judge, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import above_nothing
 from study.solve.factorisation import Cholesky

@@ -34,7 +34,7 @@ from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt
 from manufactured.symbols import s, t
 from study.fem.naming import family_named, resolve
-from study.ledger.measures import every, largest
+from study.ledger.criterion import every, largest
 from study.ledger.window import above_nothing, around, at_least
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky

@@ -38,8 +38,7 @@ from manufactured.tensors import Array, Tensors
 from study.fem.gauge import Gauge
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.criterion import Observation
-from study.ledger.measures import every
+from study.ledger.criterion import Observation, every
 from study.ledger.window import Window, around
 from study.solve.signorini import Signorini
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h

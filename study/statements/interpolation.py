@@ -24,8 +24,18 @@ from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, Observation, Rule, by_case
-from study.ledger.measures import ENOUGH, between_levels, consecutive, order, weighted
+from study.ledger.criterion import (
+    ENOUGH,
+    Criterion,
+    Measured,
+    Observation,
+    Rule,
+    between_levels,
+    by_case,
+    consecutive,
+    order,
+    weighted,
+)
 from study.ledger.verdict import Verdict
 from study.ledger.window import around
 from study.statements.boundary import Field, planes, strain, vanishing, waves

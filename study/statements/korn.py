@@ -19,9 +19,8 @@ import math
 import pandas as pd
 
 from study.fem.naming import resolve
-from study.ledger.criterion import Criterion, Measured
-from study.ledger.measures import BOUND, ENOUGH, ROUNDING, change, exactly, greatest_ratio
-from study.ledger.measures import largest as largest_of
+from study.ledger.criterion import BOUND, ENOUGH, ROUNDING, Criterion, Measured, change, exactly, greatest_ratio
+from study.ledger.criterion import largest as largest_of
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded

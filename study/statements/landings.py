@@ -35,8 +35,7 @@ import scipy.sparse as sps
 
 from manufactured.tensors import Array
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, Observation, Rule
-from study.ledger.measures import among, every, or_none
+from study.ledger.criterion import Criterion, Measured, Observation, Rule, among, every, or_none
 from study.ledger.orders import fit
 from study.ledger.window import Window, around
 from study.solve.evolution import Scheme, SemiDiscrete

@@ -27,8 +27,8 @@ from manufactured.law import Indefinite, KelvinVoigt, Linear
 from manufactured.tensors import Array, mandel, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import BOUND, ROUNDING, Constant, finest
-from study.ledger.measures import largest as largest_of
+from study.ledger.criterion import BOUND, ROUNDING, Constant, finest
+from study.ledger.criterion import largest as largest_of
 from study.ledger.window import at_least, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky

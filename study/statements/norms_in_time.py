@@ -37,8 +37,7 @@ from study.fem.gauge import FACET_POINTS, Gauge
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, Observation, judge
-from study.ledger.measures import ENOUGH, ROUNDING, change, every, exactly
+from study.ledger.criterion import ENOUGH, ROUNDING, Criterion, Measured, Observation, change, every, exactly, judge
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky

@@ -31,7 +31,7 @@ import pandas as pd
 
 from study.fem.naming import family_named, resolve
 from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
-from study.ledger.measures import greatest
+from study.ledger.criterion import greatest
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Verdict, row
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import LISTED, ListedNumbers, Setting, grid, with_h

@@ -23,9 +23,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from study.ledger.criterion import Groups, by_family
+from study.ledger.criterion import ENOUGH, Groups, by_family
 from study.ledger.datafiles import since_before
-from study.ledger.measures import ENOUGH
 from study.ledger.orders import Array
 from study.ledger.verdict import BECAUSE, FAILS, UNDECIDED, Verdict
 from study.statements.prop_5_3 import LEVELS as ROUGH_LEVELS

@@ -16,8 +16,7 @@ from study.fem.mesh import MeshFamily, OneDiagonal, Skin, Unstructured, facet_me
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.datafiles import JsonFiles
-from study.ledger.facets import Facets
-from study.ledger.packing import FINE, Packed, short
+from study.ledger.pictures import FINE, Facets, Packed, short
 from study.solve.motion import Motion, von_mises
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.meshes import fits

@@ -17,8 +17,18 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_family
-from study.ledger.measures import ENOUGH, between_levels, exactly, greatest_ratio
+from study.ledger.criterion import (
+    ENOUGH,
+    Criterion,
+    Groups,
+    Measured,
+    Observation,
+    Rule,
+    between_levels,
+    by_family,
+    exactly,
+    greatest_ratio,
+)
 from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
 from study.ledger.window import STEEPER, Window, around, at_most

@@ -42,12 +42,16 @@ from study.fem.gauge import Gauge
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_family
-from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
-from study.ledger.measures import (
+from study.ledger.criterion import (
     ENOUGH,
     ROUNDING,
+    Criterion,
+    Groups,
+    Measured,
+    Observation,
+    Rule,
     between_levels,
+    by_family,
     consecutive,
     exactly,
     fitted,
@@ -55,6 +59,7 @@ from study.ledger.measures import (
     largest,
     order,
 )
+from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Named, Verdict, row
 from study.ledger.window import Window, above_nothing, around, at_least, at_most, between
 from study.solve import solver_choice

@@ -29,9 +29,8 @@ import pandas as pd
 
 from manufactured.tensors import Array
 from study.fem.naming import resolve
-from study.ledger.criterion import Criterion, Measured
+from study.ledger.criterion import Criterion, Measured, among, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
-from study.ledger.measures import among, largest
 from study.ledger.window import Window, above_nothing, around, at_most
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting

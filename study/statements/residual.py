@@ -40,8 +40,7 @@ from study.fem.mesh import barycentric_gradients
 from study.fem.naming import resolve
 from study.fem.quadrature import CellRule, FacetRule, facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, judge
-from study.ledger.measures import finest, greatest
+from study.ledger.criterion import Criterion, Measured, finest, greatest, judge
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, above_nothing
 from study.statements.boundary import Field, planes, strain, vanishing, waves

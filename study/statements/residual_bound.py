@@ -24,7 +24,7 @@ from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import ROUNDING, every, largest
+from study.ledger.criterion import ROUNDING, every, largest
 from study.ledger.window import Window, above_nothing, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky

@@ -33,7 +33,7 @@ import numpy as np
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import ROUNDING, every, largest
+from study.ledger.criterion import ROUNDING, every, largest
 from study.ledger.window import Window, above_nothing, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky

@@ -77,8 +77,19 @@ from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.seminorm import gram
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_case
-from study.ledger.measures import ENOUGH, among, greatest, largest_quotient, order
+from study.ledger.criterion import (
+    ENOUGH,
+    Criterion,
+    Groups,
+    Measured,
+    Observation,
+    Rule,
+    among,
+    by_case,
+    greatest,
+    largest_quotient,
+    order,
+)
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most
 from study.solve.evolution import SemiDiscrete

@@ -32,7 +32,7 @@ from study.fem.gauge import Gauge
 from study.fem.material import on_cells
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import every, largest
+from study.ledger.criterion import every, largest
 from study.ledger.window import above_nothing, around
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky

@@ -37,7 +37,7 @@ from manufactured.tensors import Array, size
 from study.fem.material import form
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import every, largest
+from study.ledger.criterion import every, largest
 from study.ledger.window import Window, above_nothing, around
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path

@@ -48,7 +48,7 @@ import numpy as np
 
 from manufactured.tensors import Array
 from study.fem.quadrature.rules import gauss
-from study.ledger.measures import largest
+from study.ledger.criterion import largest
 from study.ledger.window import Window, above_nothing, at_most
 from study.solve.evolution import FIXED_POINT, State
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT

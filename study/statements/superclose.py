@@ -14,8 +14,7 @@ import pandas as pd
 
 from manufactured.catalogue import catalogue
 from study.fem.naming import resolve
-from study.ledger.criterion import Observation, judge
-from study.ledger.measures import ENOUGH, change, largest, order
+from study.ledger.criterion import ENOUGH, Observation, change, judge, largest, order
 from study.ledger.verdict import Verdict
 from study.ledger.window import above_nothing, between
 from study.solve.steps import stress_steps

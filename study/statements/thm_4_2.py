@@ -52,10 +52,9 @@ from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured
+from study.ledger.criterion import Criterion, Measured, every, greatest, largest, largest_quotient
 from study.ledger.datafiles import CsvFile
-from study.ledger.measures import every, greatest, largest, largest_quotient
-from study.ledger.rounding import power_of_ten
+from study.ledger.text import power_of_ten
 from study.ledger.window import above_nothing, around, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import step_size

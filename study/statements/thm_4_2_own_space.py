@@ -48,9 +48,8 @@ from study.fem.mesh import Graded, MeshFamily, size
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Observation, Rule
+from study.ledger.criterion import Criterion, Observation, Rule, among, growth, largest, order, weighted
 from study.ledger.datafiles import CsvFile
-from study.ledger.measures import among, growth, largest, order, weighted
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, above_nothing, at_least, at_most, between
 from study.solve.evolution import SemiDiscrete, velocities

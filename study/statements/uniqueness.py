@@ -16,7 +16,7 @@ from scipy.optimize import nnls
 
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
-from study.ledger.measures import largest
+from study.ledger.criterion import largest
 from study.ledger.window import above_nothing, at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings

@@ -12,7 +12,7 @@ import numpy as np
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import every, finest, largest
+from study.ledger.criterion import every, finest, largest
 from study.ledger.window import Window, above_nothing, around
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.factorisation import Cholesky

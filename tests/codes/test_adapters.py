@@ -20,8 +20,7 @@ from study.fem.naming import family_named, resolve
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
 from study.present.charts import codes_chart
-from study.run.task_data import frozen
-from study.run.task_files import write_task
+from study.run.tasks import frozen, write_task
 from study.statements.shared.tasks import Task
 
 ROOT = Path(__file__).parents[2]

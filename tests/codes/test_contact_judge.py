@@ -23,9 +23,8 @@ from study.cli.main import main
 from study.fem.mesh import OneDiagonal
 from study.fem.mesh.meshed_body import MeshError
 from study.fem.naming import family_named, resolve
-from study.ledger.errors import UsageError
-from study.run.task_data import frozen, march, with_foundation
-from study.run.task_files import plain, write_task
+from study.ledger.files import UsageError
+from study.run.tasks import frozen, march, plain, with_foundation, write_task
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.tasks import FROZEN_TIMES, Task

@@ -20,16 +20,13 @@ from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, NOT_CLAIMED, WHOLE, claimed, costly, seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
-from study.ledger.criterion import Criterion
+from study.ledger.criterion import Criterion, exactly
 from study.ledger.datafiles import read_csv
-from study.ledger.errors import UsageError
-from study.ledger.measures import exactly
+from study.ledger.files import UsageError
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_most
-from study.run.execute import Pool
-from study.run.job import Job
-from study.run.plan import Plan, full
-from study.run.processes import Processes
+from study.run.executor import Pool, Processes
+from study.run.plan import Job, Plan, full
 from study.run.store import Store
 from study.statements.contact_work import WorkOfContact
 from study.statements.enclosure import Bounds

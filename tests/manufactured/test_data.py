@@ -32,7 +32,7 @@ from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.naming import resolve_data
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.solve.steps import rate_steps
 
 CASES = {case.name: case for case in catalogue()}

@@ -18,12 +18,12 @@ from committed import RESULTS, TABLES, copy_results
 from manufactured.catalogue import catalogue
 from study.cli.main import main
 from study.ledger.datafiles import DataError
-from study.ledger.packing import FINE, STEPS, Packed
+from study.ledger.pictures import FINE, STEPS, Packed
 from study.present.notation import typeset, typeset_svg
 from study.present.picture import Picture, read_values
 from study.present.report import LETTERS, write_report
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
-from study.run.code import ROOT
+from study.run.fingerprint import ROOT
 from study.run.provenance import read_provenance, sources
 from study.statements.pictures import Pictures, picture
 

@@ -10,8 +10,8 @@ import pandas as pd
 import pytest
 from measured_rows import invented, verdicts
 
+from study.ledger.criterion import growth, order, weighted
 from study.ledger.datafiles import read_rates
-from study.ledger.measures import growth, order, weighted
 from study.ledger.orders import weighted_order
 from study.ledger.verdict import FAILS, HOLDS
 from study.ledger.window import Window, around, at_most

@@ -12,7 +12,7 @@ import pytest
 from manufactured.multiscale import ROLLERS, rollers
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.ledger.orders import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.evolution import SemiDiscrete

@@ -9,7 +9,7 @@ from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.fem.mesh import FAMILIES, MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.solve.steps import StepsError, rate_steps, require_steps
 from study.solve.tableau import SCHEMES
 

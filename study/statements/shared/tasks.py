@@ -29,7 +29,7 @@ from study.fem.mesh import MeshFamily
 from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, amplitudes_of
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
 from study.solve.solver_choice import contact_solver

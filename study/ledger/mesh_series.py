@@ -1,5 +1,0 @@
-"""Old name of ``study.ledger.pictures``, until all imports name the new one."""  # moved
-
-from study.ledger.pictures import MeshFields, MeshSeries
-
-__all__ = ["MeshFields", "MeshSeries"]
