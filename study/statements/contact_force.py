@@ -148,21 +148,20 @@ class Forces:
     def penetration(self, u: Array) -> float:
         """Return max (u_ν)_+ over the points of Γ3 for u ∈ V^h."""
         nodal = self.space.nodal(u)
-        return max(0.0, *(float((face.every @ (face.normal @ nodal)).max()) for face in self.faces))
+        return float(np.max([0.0, *((face.every @ (face.normal @ nodal)).max() for face in self.faces)]))
 
 
 def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array, float, float]:
     """March with the midpoint rule and return the relative ERRORS in L²(0,T), (3,), penetration and pulling."""
-    k, multipliers = setup.problem.T / steps, []
-    inside, pulled, pressed, moved = 0.0, 0.0, 0.0, 0.0
+    k, multipliers, extremes = setup.problem.T / steps, [], []
     for state in setup.scheme.march(setup.problem, steps):
-        inside = max(inside, forces.penetration(state.u))
-        moved = max(moved, float(abs(state.u).max()))
-        pulled = max(pulled, float(-state.multipliers.min()))
-        pressed = max(pressed, float(abs(state.multipliers).max()))
-        multipliers.append(state.multipliers)
+        forces_now = state.multipliers
+        extremes.append([forces.penetration(state.u), abs(state.u).max(), -forces_now.min(), abs(forces_now).max()])
+        multipliers.append(forces_now)
+    # NumPy's maximum is not a number if one value is none; Python's max would hide it.
+    inside, moved, pulled, pressed = np.max(extremes, axis=0)
     squares, sizes = forces.squares((np.arange(steps) + 0.5) * k, np.array(multipliers[1:]))
-    return np.sqrt(squares / sizes), inside / moved, pulled / pressed
+    return np.sqrt(squares / sizes), float(inside / moved), float(max(pulled, 0.0) / pressed)
 
 
 def measure_contact(setup: Experiment) -> dict[str, Any]:

@@ -235,6 +235,13 @@ def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_t
     assert region.in_time([t**3], 0.0, 1.0)[0] > 0 == region.in_time([t**3], 0.0, 1.0)[1]
 
 
+def test_the_remainder_of_a_vector_is_the_euclidean_norm_of_the_remainders_of_its_components() -> None:
+    region = Regions({x1: (np.array([0.2]), np.array([0.4])), x2: (np.array([0.1]), np.array([0.3]))})
+    single = region.in_space([x1**4], 0.0, 1.0), *region.in_time([t**4], 0.0, 1.0)
+    double = region.in_space([3 * x1**4, 4 * x1**4], 0.0, 1.0), *region.in_time([3 * t**4, 4 * t**4], 0.0, 1.0)
+    np.testing.assert_allclose(double, 5 * np.array(single))
+
+
 @pytest.mark.parametrize(("factor", "nodes"), [(PARABOLA, (0, 0.5, 1)), (CUBIC, (0, 0.25, 0.5, 1))], ids=str)
 def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor: float, nodes: tuple[float, ...]) -> None:
     x = np.linspace(0, 1, 10007)

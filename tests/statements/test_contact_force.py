@@ -10,7 +10,7 @@ from manufactured.catalogue import named
 from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.tableau import MIDPOINT
-from study.statements.contact_force import ContactForce, Forces, measure_contact
+from study.statements.contact_force import ContactForce, Forces, errors_in_time, measure_contact
 from study.statements.shared.experiment import Experiment
 
 LEVELS = np.array([8.0, 16.0, 32.0])
@@ -104,3 +104,18 @@ def test_time_steps_hardly_change_the_contact_force(setup: Experiment) -> None:
     found = measure_contact(setup)
     assert found["pressure_time_share"] < 0.1
     assert found["penetration"] < 1e-14
+
+
+@pytest.mark.parametrize("peak", range(5))
+def test_the_penetration_is_the_largest_one_of_all_times(setup: Experiment, peak: int, monkeypatch) -> None:
+    forces, values = Forces.of(setup), np.where(np.arange(5) == peak, 3.0, 1.0)
+    _, shallow, _ = with_penetrations(setup, forces, np.ones(5), monkeypatch)
+    assert with_penetrations(setup, forces, values, monkeypatch)[1] == pytest.approx(3 * shallow)
+    assert np.isnan(with_penetrations(setup, forces, np.where(values == 3, np.nan, 1.0), monkeypatch)[1])
+
+
+def with_penetrations(setup: Experiment, forces: Forces, values, monkeypatch) -> tuple[np.ndarray, float, float]:
+    """The errors in time if the penetrations at the nodes of time have these values."""
+    left = iter(values)
+    monkeypatch.setattr(Forces, "penetration", lambda self, u: next(left))
+    return errors_in_time(setup, forces, len(values) - 1)

@@ -54,6 +54,13 @@ def test_the_parallelogram_law_tolerates_a_viscosity_that_no_quadrature_integrat
     assert 1e-5 <= measured(ExactSolution(body, law, (face,)), 4).parallelogram() <= PARALLELOGRAM.high
 
 
+@pytest.mark.parametrize("name", ["travelling-patch", "merging-patches", "full-contact", "advance-recede"])
+def test_the_quadrature_is_refined_for_the_state_with_the_largest_error(name: str) -> None:
+    found = measured(resolve(name).solution)
+    times, errors, *_ = found.history
+    assert found.worst.time == times[errors.argmax()]
+
+
 @pytest.mark.parametrize("name", ["travelling-patch", "merging-patches"])
 def test_the_leading_term_is_maximised_over_all_times(name: str) -> None:
     """Predicted loss: a parabola loses 1 % in half a step of the grid; at T alone 15 % and 79 % are lost."""
