@@ -17,7 +17,8 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from study.cli.main import main
+import study.cli
+from study.cli.main import WITH_PYAMG, main
 from study.cli.options import FAMILIES, SCHEMES
 from study.ledger.files import StoreError, UsageError, write_text, write_whole
 from study.run.executor import Processes
@@ -232,6 +233,14 @@ def test_python_without_docstrings_runs_a_command_or_ends_with_a_sentence(comman
     assert done.returncode == code
     assert says in done.stdout + done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_commands_that_python_without_docstrings_runs_do_not_import_pyamg() -> None:
+    modules = {path.stem for path in Path(study.cli.__file__).parent.glob("*.py")} - {*WITH_PYAMG, "common"}
+    code = f"import sys, {', '.join(f'study.cli.{name}' for name in sorted(modules))}; print('pyamg' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert {"cases", "compare", "rates"} <= modules
+    assert done.stdout.strip() == "False"
 
 
 SHOWN: list[Callable[[Path], list[str]]] = [

@@ -504,6 +504,7 @@ AT_ONCE = (
 )
 
 
+@pytest.mark.slow
 def test_ten_weakened_lines_at_once_are_noticed_by_many_controls_and_no_row_of_the_ledger() -> None:
     """A correct computation has nothing to show, so that only inaccurate ones notice."""
     chosen = [each for each in OF_RATES if each.name in AT_ONCE]

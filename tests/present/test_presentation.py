@@ -83,14 +83,16 @@ def test_a_second_run_gives_the_same_bytes_and_loads_no_solver(drawn: Path, data
     script = (
         "import sys, pathlib, study.present.figures, study.present.tables; d = pathlib.Path(sys.argv[1]);"
         "study.present.tables.write_tables(d);"
-        "study.present.figures.draw_figures(d, study.present.figures.drawings); print(*sys.modules)"
+        "study.present.figures.draw_figures(d, lambda d: study.present.figures.drawings(d)[::4]); print(*sys.modules)"
     )
     # Another process with another hash seed: an order taken from a set would show.
     environment = os.environ | {"PYTHONHASHSEED": "7", "PYTHONPATH": str(ROOT)}
     command = [sys.executable, "-c", script, str(data)]
     run = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-    for path in sorted([*(drawn / "figures").iterdir(), *(drawn / "tables").iterdir()]):
-        assert path.read_bytes() == (data / path.parent.name / path.name).read_bytes(), path.name
+    again = sorted([*(data / "figures").iterdir(), *(data / "tables").iterdir()])
+    assert len(again) > len(NAMES) + 12
+    for path in again:
+        assert path.read_bytes() == (drawn / path.parent.name / path.name).read_bytes(), path.name
     solvers = ("study.fem", "study.solve", "study.statements.prop_5_4", "manufactured", "skfem")
     assert not [name for name in run.stdout.split() if name.startswith(solvers)]
 

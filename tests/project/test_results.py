@@ -84,10 +84,20 @@ def test_bounds_measured_again_agree_with_the_committed_ones(statement: Bounds) 
             assert again[column] == pytest.approx(row[column], rel=1e-5, abs=1e-9, nan_ok=True), (setting, column)
 
 
-LISTS = [statement for statement in STATEMENTS if isinstance(statement, ListedNumbers)]
+DEAR = ("Landings", "WorkOfContact", "GrowingErrors", "SolutionDivergence")
+"""Statements whose coarsest setting takes ten seconds and more."""
+LISTS = [
+    pytest.param(
+        statement,
+        id=type(statement).__name__,
+        marks=[pytest.mark.slow] if type(statement).__name__ in DEAR else [],
+    )
+    for statement in STATEMENTS
+    if isinstance(statement, ListedNumbers)
+]
 
 
-@pytest.mark.parametrize("statement", LISTS, ids=lambda statement: type(statement).__name__)
+@pytest.mark.parametrize("statement", LISTS)
 def test_numbers_of_statements_measured_again_agree_with_the_committed_ones(statement: ListedNumbers) -> None:
     """At the coarsest place in the plane; what is rounding on one machine is rounding on another."""
     place = min(
