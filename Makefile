@@ -1,19 +1,23 @@
-# One environment, made from requirements.txt (pinned, with hashes); every target builds it first.
+# One environment, .venv. Each target first installs the pinned packages that it needs (requirements/*.txt, with hashes):
+# runtime to run the study; development and documentation to change it; cluster for Dask.
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-READY := $(VENV)/.ready
+RUNTIME := $(VENV)/.runtime
+DEVELOPMENT := $(VENV)/.development
+DOCUMENTATION := $(VENV)/.documentation
+CLUSTER := $(VENV)/.cluster
 PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
 	docs/tutorials/first-solution.md docs/explanation/windows.md
 
 .PHONY: study full again controls seeds mutants test wheel tutorials pages codes codes-venv codes-check wheel-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
-	bench-parallel lint docs paper lock clean
+	bench-parallel lint docs paper cluster lock clean
 
-study: $(READY)  ## quick study into results/quick, a minute
+study: $(RUNTIME)  ## quick study into results/quick, a minute
 	$(BIN)/study run --quick --out results/quick
 
-full: $(READY)  ## all levels into results/, and the slow tests
+full: $(DEVELOPMENT)  ## all levels into results/, and the slow tests
 	$(BIN)/study run --full --out results
 	$(BIN)/study controls --out results
 	$(BIN)/study sensitivity --out results
@@ -22,28 +26,29 @@ full: $(READY)  ## all levels into results/, and the slow tests
 	$(BIN)/python -m study.present.pages results $(PAGES)
 	$(BIN)/pytest -m slow --numprocesses auto
 
-again: $(READY)  ## 100 rows of the committed results, drawn at random, measured again, a minute; ROWS=N, SEED=S
+again: $(RUNTIME)  ## 100 rows of the committed results, drawn at random, measured again, a minute; ROWS=N, SEED=S
 	$(BIN)/study check --out results --again $(or $(ROWS),100) $(if $(SEED),--seed $(SEED))
 
-controls: $(READY)  ## deliberate defects that the verdicts must catch, and how small ones they see, a minute
+controls: $(RUNTIME)  ## deliberate defects that the verdicts must catch, and how small ones they see, a minute
 	$(BIN)/study controls --out results/quick
 	$(BIN)/study sensitivity --out results/quick
 
-seeds: $(READY)  ## an hour of fresh random meshes: how often chance turns the ledger red, added to the record
+seeds: $(RUNTIME)  ## an hour of fresh random meshes: how often chance turns the ledger red, added to the record
 	$(BIN)/study seeds --out results
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
-mutants: $(READY)  ## mutation testing of a fixed sample, into results/mutants, some hours; a second call continues
-	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python tests/mutants.py
+mutants: $(DEVELOPMENT)  ## mutation testing of a fixed sample, into results/mutants, some hours; a second call continues
+	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python .ci/mutants.py
 
-test: $(READY)  ## the test suite without the slow levels
+# The tests also start a Dask cluster and read the extensions of the documentation.
+test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## the test suite without the slow levels
 	$(BIN)/pytest --numprocesses auto
 
 # As where others install it: from a wheel, without its extras, away from the repository.
-wheel: $(READY)  ## build the package, install it with NumPy and SymPy alone and try it there; build/wheel
+wheel: $(RUNTIME)  ## build the package, install it with NumPy and SymPy alone and try it there; build/wheel
 	rm -rf build/wheel
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w build/wheel .
-	$(BIN)/python .ci/base.py requirements.txt > build/wheel/base.txt
+	$(BIN)/python .ci/base.py requirements/runtime.txt > build/wheel/base.txt
 	$(BIN)/python -m venv build/wheel/venv
 	build/wheel/venv/bin/python -m pip install --quiet --require-hashes -r build/wheel/base.txt
 	build/wheel/venv/bin/python -m pip install --quiet --no-index build/wheel/*.whl
@@ -57,13 +62,13 @@ wheel-debian:  ## the same with NumPy and SymPy of the versions of Debian 12, fr
 	build/wheel/debian/bin/python -m pip install --quiet --no-index build/wheel/*.whl
 	cd build/wheel && debian/bin/python alone.py README.md
 
-tutorials: $(READY)  ## what the documentation tells to type, the pages that take minutes
+tutorials: $(DEVELOPMENT)  ## what the documentation tells to type, the pages that take minutes
 	$(BIN)/pytest -m slow tests/project/test_pages.py
 
-pages: $(READY)  ## the tables of README and documentation from the data of the full study
+pages: $(RUNTIME)  ## the tables of README and documentation from the data of the full study
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
-codes: $(READY)  ## other people's contact codes, those that are installed, into results/codes, half an hour
+codes: $(RUNTIME)  ## other people's contact codes, those that are installed, into results/codes, half an hour
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --mode march
 	$(BIN)/python -m study.present.pages results $(PAGES)
@@ -75,12 +80,12 @@ build/codes-venv/.ready: examples/codes/requirements.txt
 	build/codes-venv/bin/python -m pip install --quiet -r examples/codes/requirements.txt
 	touch $@
 
-codes-check: $(READY) build/codes-venv/.ready  ## two of them on one case, a minute: their classes are the committed ones
+codes-check: $(RUNTIME) build/codes-venv/.ready  ## two of them on one case, a minute: their classes are the committed ones
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --only kratos_mortar ngsolve_penalty \
 		--cases advance-recede --families one-diagonal --levels 8 16 32 \
 		--tasks build/codes-check/tasks --out build/codes-check --check
 
-certificates: $(READY)  ## bounds as theorems: certificates of three problems, LEVELS="4 8", some minutes, 12 MB
+certificates: $(RUNTIME)  ## bounds as theorems: certificates of three problems, LEVELS="4 8", some minutes, 12 MB
 	for name in "square --family one-diagonal" wedge bracket; do \
 		OMP_NUM_THREADS=1 $(BIN)/study certify examples/certificates/problems.py:$$name \
 		--levels $(or $(LEVELS),4 8) --out build/certificates || exit 1; done
@@ -90,57 +95,72 @@ certificates-check:  ## the committed certificates, by the checker alone: a copy
 	for name in square wedge bracket; do \
 		$(PYTHON) -I -S build/checker.py examples/certificates/$$name-4.json.gz || exit 1; done
 
-trials: $(READY)  ## bounds tried on 200 random problems and on stiff materials, into results/trials, half an hour
-	OMP_NUM_THREADS=1 PYTHONPATH=tests:. nice -n 10 $(BIN)/python -m trials.run
+trials: $(RUNTIME)  ## bounds tried on 200 random problems and on stiff materials, into results/trials, half an hour
+	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python -m benchmarks.trials.run
 
 # Benchmarks are not tests: a slow machine or a missing peer is no failure.
-bench: $(READY)  ## ratios of timings into results/benchmarks, some minutes; warns where one got worse
+bench: $(DEVELOPMENT)  ## ratios of timings into results/benchmarks, some minutes; warns where one got worse
 	mkdir -p build && rm -f build/timings.json
 	-OMP_NUM_THREADS=1 $(BIN)/pytest -p no:xdist --benchmark-columns=median,iqr,rounds \
-		--benchmark-json=build/timings.json tests/benchmarks/bench_ratios.py
-	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.ratios build/timings.json
+		--benchmark-json=build/timings.json benchmarks/bench_ratios.py
+	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.ratios build/timings.json
 
-bench-growth: $(READY)  ## time and memory on finer and finer meshes, some minutes and 10 GB of memory
-	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.growth
+bench-growth: $(DEVELOPMENT)  ## time and memory on finer and finer meshes, some minutes and 10 GB of memory
+	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.growth
 
-bench-peers: $(READY)  ## the same matrices solved by other programs in turns, half an hour
-	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.compare
+bench-peers: $(DEVELOPMENT)  ## the same matrices solved by other programs in turns, half an hour
+	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.compare
 
-bench-parallel: $(READY)  ## the quick study with one process and with two, four minutes; PLAN=--full, an hour
-	-OMP_NUM_THREADS=1 PYTHONPATH=tests $(BIN)/python -m benchmarks.parallel $(PLAN)
+bench-parallel: $(DEVELOPMENT)  ## the quick study with one process and with two, four minutes; PLAN=--full, an hour
+	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.parallel $(PLAN)
 
-lint: $(READY)  ## style, types, and that imports run down
+lint: $(DEVELOPMENT)  ## style, types, and that imports run down
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-cache
+	-@$(BIN)/python .ci/budget.py
 
 # Left out: linear algebra within the solvers, and modules with a class that inherits fields from another one. pdoc
 # cannot resolve the types there; a warning anywhere else is an error.
-docs: $(READY)  ## the documentation with the gallery and the API, build/docs/index.html
+docs: $(DOCUMENTATION)  ## the documentation with the gallery and the API, build/docs/index.html
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
-		'!study\.solve\.(factorisation|multigrid)' '!study\.statements\.thm_4_2\.stands_alone' \
-		'!study\.ledger\.codes' '!study\.controls\.(seeded|blindness|stress_slips)'
+		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.controls\.(seeded|blindness|stress_slips)'
 
-paper: $(READY)  ## article and supplement from the data of the full study, in paper/build; needs latexmk
+paper: $(RUNTIME)  ## article and supplement from the data of the full study, in paper/build; needs latexmk
 	$(BIN)/study tables --out results
 	latexmk -cd -pdf -Werror -halt-on-error -interaction=nonstopmode -outdir=build paper/article.tex paper/supplement.tex
 
-$(READY): requirements.txt pyproject.toml
+cluster: $(CLUSTER)  ## adds Dask to .venv, for study run --cluster
+
+$(RUNTIME): requirements/runtime.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
 		{ echo "Python 3.11 or newer is needed, $$($(PYTHON) --version 2>&1) was found: set PYTHON=..."; exit 1; }
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --require-hashes -r requirements.txt
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements/runtime.txt
 	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation --editable .
 	touch $@
 
+$(VENV)/.%: requirements/%.txt $(RUNTIME)
+	$(BIN)/python -m pip install --quiet --require-hashes -r $<
+	touch $@
+
+COMPILE := $(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --strip-extras --allow-unsafe \
+	--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-header
+
+# In this order: a package of several files gets the version of the first one. runtime.txt has setuptools as well, which
+# installs the packages of this repository.
 lock:  ## renew the pins
 	$(PYTHON) -m venv $(VENV)-lock
 	$(VENV)-lock/bin/python -m pip install --quiet pip-tools
-	$(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --extra study --extra dev --extra cluster --strip-extras --allow-unsafe \
-		--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-header -o requirements.txt pyproject.toml
+	$(COMPILE) --extra study --build-deps-for editable -o requirements/runtime.txt pyproject.toml
+	$(COMPILE) --extra dev -c requirements/runtime.txt -o requirements/development.txt pyproject.toml
+	$(COMPILE) --extra docs -c requirements/runtime.txt -c requirements/development.txt \
+		-o requirements/documentation.txt pyproject.toml
+	$(COMPILE) --extra cluster -c requirements/runtime.txt -c requirements/development.txt -c requirements/documentation.txt \
+		-o requirements/cluster.txt pyproject.toml
 	rm -rf $(VENV)-lock
 
 clean:

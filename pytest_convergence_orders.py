@@ -1,56 +1,73 @@
-"""pytest plugin: the fixture ``convergence_orders`` judges errors, and the terminal summary shows the orders.
+"""pytest plugin: the fixture ``convergence_orders`` judges errors, and the terminal summary lists their orders.
 
-Imports only the standard library and pytest; NumPy and SciPy are needed once the fixture is used.
+Imports only the standard library and pytest. NumPy and SciPy are needed once a test uses the fixture.
 """
 
 from __future__ import annotations
 
-import importlib
+import sys
+from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
 
-FOUND = pytest.StashKey[list[str]]()
+MODULE = "_convergence_orders"
+"""Name under which ``study.orders`` is loaded: the tested project may have a package ``study``."""
+PREFIX = "convergence of "
 
 
 def _orders() -> ModuleType:
-    """``study.orders`` of this package; fails in words if the tested project has a package ``study`` of its own."""
+    """The package ``study.orders`` that was installed with this plugin."""
+    if MODULE in sys.modules:
+        return sys.modules[MODULE]
+    folder = Path(__file__).parent / "study" / "orders"
+    spec = spec_from_file_location(MODULE, folder / "__init__.py", submodule_search_locations=[str(folder)])
+    assert spec is not None
+    assert spec.loader is not None
+    module = module_from_spec(spec)
+    sys.modules[MODULE] = module
+    missing = ""
     try:
-        return importlib.import_module("study.orders")
+        spec.loader.exec_module(module)
     except ImportError as error:
-        study = importlib.import_module("study") if error.name == "study.orders" else None
-        where = getattr(study, "__file__", None) or next(iter(getattr(study, "__path__", ["?"]))) if study else None
-        if where and Path(__file__).parent / "study" not in Path(where).parents:
-            pytest.fail(
-                f"the fixture convergence_orders needs the package study of signorini-study, but {where} comes first"
-            )
-        pytest.fail(
-            f"the fixture convergence_orders needs {error.name}: python -m pip install 'signorini-study[orders]'"
-        )
+        missing = str(error.name)
+        del sys.modules[MODULE]
+    if missing:
+        advice = "python -m pip install 'signorini-study[orders]'"
+        pytest.fail(f"the fixture convergence_orders needs {missing}: {advice}", pytrace=False)
+    return module
 
 
 @pytest.fixture
-def convergence_orders(request: pytest.FixtureRequest, record_property: Any) -> Any:
-    """A function like ``study.orders.assert_order`` with a name in front, whose results the summary lists."""
+def convergence_orders(request: pytest.FixtureRequest) -> Any:
+    """A function ``check(name, h, errors, expected=None, at_least=None, tolerance=0.15)``.
+
+    It returns the result of ``study.orders.observed_orders``, writes JUnit properties, and fails the test if an order
+    was expected and the verdict is not *holds*.
+    """
 
     def check(name: str, h: Any, errors: Any, **options: Any) -> Any:
-        orders = _orders()
-        found = orders.observed_orders(h, errors, name=name, **options)
-        request.config.stash.setdefault(FOUND, []).append(f"{name}: {found.verdict or 'reported'}: {found.sentence}")
-        record_property(f"order of {name}", f"{found.order:.4g}")
-        record_property(f"verdict of {name}", found.verdict)
-        if options.get("expected") is not None or options.get("at_least") is not None:
-            orders.assert_order(h, errors, **options)
-        return found
+        __tracebackhide__ = True
+        result = _orders().observed_orders(h, errors, name=name, **options)
+        # ``record_property`` does the same, and warns in projects that use the default form of JUnit XML.
+        properties = request.node.user_properties
+        properties += [(f"{PREFIX}{name}", result.conclusion), (f"order of {name}", f"{result.order:.4g}")]
+        if result.expectation.window and result.verdict != "holds":
+            pytest.fail(f"{name}: {result.conclusion}", pytrace=False)
+        return result
 
     return check
 
 
-def pytest_terminal_summary(terminalreporter: Any, config: pytest.Config) -> None:
-    """The orders of all tables that tests judged."""
-    lines = config.stash.get(FOUND, [])
+def pytest_terminal_summary(terminalreporter: Any) -> None:
+    """Lists the conclusions of all checks; reports bring them, also from the processes of pytest-xdist."""
+    reports = [report for reports in terminalreporter.stats.values() for report in reports]
+    properties = [
+        entry for report in reports if getattr(report, "when", "") == "call" for entry in report.user_properties
+    ]
+    lines = [f"{key.removeprefix(PREFIX)}: {value}" for key, value in properties if key.startswith(PREFIX)]
     if lines:
         terminalreporter.section("observed orders")
         for line in lines:

@@ -1,4 +1,4 @@
-"""The pins of what the package needs without extras, from requirements.txt: python .ci/base.py requirements.txt"""
+"""The pins of what the package needs without extras, for example: python .ci/base.py requirements/runtime.txt"""
 
 import re
 import sys

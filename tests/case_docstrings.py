@@ -1,4 +1,4 @@
-"""What the docstring of an exact solution's file has to state."""
+"""Checks the docstring of the module of a case: formulas first, then the predicted order with its reason."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ FORMULAS = ("w =", "p =", "ψ =")
 PREDICTION = re.compile(r"^Predicted order ([\d./]+)[^:]*: (.+?)(?=\n\n|\Z)", re.MULTILINE | re.DOTALL)
 REASON = {"Prop. 5.4": "(5.36)", "Prop. 5.3": "H^{1+s}"}
 DIGITS = 5e-5
-"""An order that is no simple fraction is stated with four digits."""
+"""Half a unit of the fourth digit: an order that is no simple fraction is stated with four digits."""
 
 
-def lacks(docstring: str | None, case: Case) -> list[str]:
-    """What the docstring of a case's module does not state: gap, pressure, zone, and then the order and the reason."""
+def missing_parts(docstring: str | None, case: Case) -> list[str]:
+    """Returns what is missing of gap, pressure and zone, and then of the predicted order and its reason."""
     text = (docstring or "").strip()
     found = PREDICTION.search(text)
     formulas = text[: found.start()] if found else text

@@ -1,4 +1,4 @@
-"""Arrays that agree entry by entry, judged at once: ``pytest.approx`` takes their entries one by one."""
+"""Entrywise comparison of arrays; ``pytest.approx`` does the same much more slowly, entry by entry."""
 
 from __future__ import annotations
 

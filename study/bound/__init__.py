@@ -1,6 +1,10 @@
 """Guaranteed bounds of ‖u(t) − u_h(t)‖_V for anybody's data, without the exact solution: the command ``study bound``.
 
-``trajectory`` computes u_h and another ũ, differentiable in time, on a ``discretisation``.
-``equilibration`` finds stresses, ``majorant`` the bound of ‖u − ũ‖_V, ``enclosing`` the two-sided bound of the error of
-u_h. ``bounded`` does all of it for one level, prints and writes it; ``adaptive`` refines by the ``shares`` of a bound.
+From the bottom to the top, each file uses files above it in this list only:
+
+``problem`` has constants of law and body and refuses problems that cannot be bounded; ``ranges`` bounds derivatives of
+formulas; ``remainders`` bounds what samples of the data do not see; ``discretisation`` has the spaces on one mesh;
+``trajectory`` computes u_h and a better displacement ũ; ``growth`` is the growth of the bound over one time step;
+``terms`` has each term of the bound of ‖u − ũ‖_V; ``enclosing`` bounds the error of u_h from both sides; ``bounded``
+does this on each level, prints and writes; ``adaptive`` refines where the bound comes from.
 """

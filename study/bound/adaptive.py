@@ -1,8 +1,9 @@
-"""``study bound --adapt``: meshes and steps in time that follow the shares of a bound until it is small enough.
+"""The command ``study bound --adapt``: refine meshes and time steps where the bound comes from, until it is small.
 
-Cells that together have half of what all cells have are refined (red, green and blue refinement after C. Carstensen,
-Constr. Approx. 20 (2004) 549–564, which leaves no hanging nodes and angles bounded from below), all others stay; steps
-in time are halved, all of them, where time has more than a quarter. The bound is that from u_h alone.
+The bound is the one from u_h alone, and its shares (``study.bound.terms``) decide. Cells that together have half of the
+shares of all cells are refined (red, green and blue refinement after C. Carstensen, Constr. Approx. 20 (2004) 549–564,
+which leaves no hanging nodes and angles bounded from below). All time steps are halved if time has more than a quarter
+of the bound.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -22,28 +22,29 @@ from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.tensors import Array
+from study.bound.bounded import write_displacement
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error
-from study.bound.moduli import BoundError
-from study.bound.shares import Shares, marked
+from study.bound.problem import BoundError
+from study.bound.terms import Shares
 from study.bound.trajectory import DiscreteSolution, SmoothedInTime, compute
 from study.fem.mesh import boundary_parts
-from study.ledger.files import write_whole
-from study.ledger.rounding import up
+from study.ledger.text import up
 from study.solve.evolution import Scheme
 
 PART = 0.5
-"""Part of the shares of all cells that the refined ones have."""
+"""Part of the shares of all cells that the refined cells have together."""
 IN_TIME = 0.25
-"""Part that time has of the bound from which on steps are halved; where cells have no more, meshes stay as they are."""
+"""Part of time in the bound above which steps are halved. If cells have no more than this part, the mesh stays."""
 TOUCHING = 1e-9
-"""Opening, relative to the largest displacement, up to which a vertex of Γ3 counts as in contact."""
+"""Gap, relative to the largest displacement, up to which a vertex of Γ3 counts as in contact."""
 SHOWN = 4
+"""Significant digits of bounds in the printed table."""
 
 
 @dataclass(frozen=True, eq=False)
 class Adapted:
-    """u_h on one mesh, the bound of its error and the shares of it."""
+    """u_h on one mesh, the bound of its error and the shares of the bound."""
 
     mesh: Mesh
     computed: DiscreteSolution
@@ -53,7 +54,7 @@ class Adapted:
 
 @dataclass(frozen=True, eq=False)
 class Stage:
-    """What the next bound is computed with, as it is kept: vertices (2, n), cells (3, n), and the number of steps."""
+    """The mesh, by its vertices (2, n) and cells (3, n), and the number of time steps of one bound."""
 
     p: Array
     t: Array
@@ -69,7 +70,7 @@ class Stage:
 
 
 def check_tolerance(tolerance: float, most: int) -> None:
-    """Refuse what no bound reaches.
+    """Refuse a tolerance that no bound reaches.
 
     Raises:
         BoundError: the tolerance is no positive number, or no cells are allowed.
@@ -81,7 +82,7 @@ def check_tolerance(tolerance: float, most: int) -> None:
 
 
 def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adapted:
-    """Compute u_h and the bound of its error from it alone.
+    """Compute u_h and the bound of its error from u_h alone.
 
     Raises:
         MeshError: the mesh does not fit the parts of the body.
@@ -95,7 +96,7 @@ def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adap
 
 
 def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
-    """The mesh and the steps that the shares ask for.
+    """Return the mesh and the number of steps that follow from the shares.
 
     Args:
         cells: shares of the cells, (cells,).
@@ -109,76 +110,70 @@ def next_stage(stage: Stage, cells: Array, in_time: float) -> Stage:
     return Stage(mesh.p, mesh.t, steps)
 
 
+def marked(shares: Array, part: float) -> Array:
+    """Return the fewest cells that together have a part 0 < θ ≤ 1 of all shares, (n,).
+
+    Source: W. Dörfler, SIAM J. Numer. Anal. 33 (1996) 1106–1124.
+    """
+    order = np.argsort(-shares, kind="stable")
+    sums = np.cumsum(shares[order])
+    return np.sort(order[: int(np.searchsorted(sums, part * sums[-1] * (1 - 1e-12))) + 1])
+
+
 def record(number: int, found: Adapted) -> dict[str, Any]:
-    """What is kept of a mesh beside its arrays: its ``row`` of ``adaptive.csv``, and what the bound rests on."""
+    """Return the record of a mesh: its ``row`` of ``adaptive.csv``, whether a known error lies ``inside``, and the
+    ``sentences`` on the evidence for the bound."""
+    enclosure = found.enclosure
     row = {
         "mesh": number,
         "cells": int(found.mesh.t.shape[1]),
         "dofs": found.computed.space.dofs,
         "steps": found.computed.steps,
-        "error": float(found.enclosure.error.max()),
-        "bound": found.enclosure.highest,
+        "error": float(enclosure.error.max()),
+        "bound": enclosure.highest,
         "in_time": found.shares.time / found.shares.total,
-        "kind": found.enclosure.evidence.kind,
+        "kind": enclosure.evidence.kind,
     }
-    inside = found.enclosure.contains
-    return {"row": row, "inside": inside, "sentences": list(found.enclosure.evidence.sentences)}
+    return {"row": row, "inside": enclosure.contains, "sentences": list(enclosure.evidence.sentences)}
 
 
 def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """``adaptive.csv``: ``order`` is that of the bound in unknowns, log(b/b')/log(N'/N), since the mesh before."""
+    """Return ``adaptive.csv``: ``order`` is log(b/b')/log(N'/N), the order of the bound b in unknowns N."""
     found = pd.DataFrame(rows)
     unknowns, bounds = np.log(found["dofs"]).diff(), -np.log(found["bound"]).diff()
-    orders = (bounds / unknowns.where(unknowns > 0)).round(3)
     found["bound"] = [float(up(bound, 9)) for bound in found["bound"]]
-    found = found.assign(in_time=found["in_time"].round(4), order=orders)
-    return found[[*(column for column in found if column != "kind" and column != "order"), "order", "kind"]]
+    found["in_time"] = found["in_time"].round(4)
+    found.insert(len(found.columns) - 1, "order", (bounds / unknowns.where(unknowns > 0)).round(3))
+    return found
 
 
 def text(name: str, rows: pd.DataFrame, tolerance: float, stopped: str, sentences: Sequence[str]) -> list[str]:
-    """What is printed: whether the tolerance is reached, on what that rests, and a line for each mesh."""
-    last = rows.iloc[-1]
+    """Return the printed lines: whether the tolerance is reached, the evidence, and a line for each mesh."""
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
-    found = [f"{name}: max ‖u(t) − u_h(t)‖_V ≤ {up(last['bound'], SHOWN)} {sign} {tolerance:g}, the tolerance {end}"]
-    found += [*sentences, ""]
-    known = bool(rows["error"].notna().all())
-    found.append(
-        f"{'mesh':>4} {'cells':>7} {'unknowns':>8} {'steps':>6} {'bound':>10} {'order':>6} {'in time':>8}"
-        + (f" {'error':>10}" if known else "")
-    )
+    bound, known = up(rows["bound"].iloc[-1], SHOWN), bool(rows["error"].notna().all())
+    found = [f"{name}: max ‖u(t) − u_h(t)‖_V ≤ {bound} {sign} {tolerance:g}, the tolerance {end}", *sentences, ""]
+    head = f"{'mesh':>4} {'cells':>7} {'unknowns':>8} {'steps':>6} {'bound':>10} {'order':>6} {'in time':>8}"
+    found.append(head + (f" {'error':>10}" if known else ""))
     for row in rows.itertuples():
         order = "" if math.isnan(row.order) else f"{row.order:.2f}"
         line = f"{row.mesh:4d} {row.cells:7d} {row.dofs:8d} {row.steps:6d} {up(row.bound, SHOWN):>10} {order:>6}"
         found.append(f"{line} {100 * row.in_time:6.1f} %" + (f" {row.error:10.4g}" if known else ""))
-    return [*found, "", "orders are those of the bound in unknowns; 1/2 is the best there is for P1"]
+    return [*found, "", "order: of the bound in unknowns; 1/2 is the best possible for P1"]
 
 
 def stage_file(directory: Path, number: int) -> Path:
-    """Where a mesh with its displacement and the shares of its cells is."""
+    """Return the path of a mesh with its displacement and the shares of its cells."""
     return directory / f"adapted-{number}.npz"
 
 
 def write_stage(directory: Path, number: int, found: Adapted) -> Path:
-    """p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices), shares (cells,) and in_time."""
-    space = found.computed.space
-    content = {
-        "p": found.mesh.p,
-        "t": found.mesh.t,
-        "times": np.linspace(0, found.computed.T, found.computed.steps + 1),
-        "u": np.array([space.nodal(u) for u in found.computed.nodes]),
-        "shares": found.shares.cells,
-        "in_time": np.array(found.shares.time),
-    }
-    return write_whole(stage_file(directory, number), partial(_save, content=content))
-
-
-def _save(path: Path, content: dict[str, Array]) -> None:
-    with path.open("wb") as file:
-        np.savez_compressed(file, **content)  # type: ignore[arg-type]
+    """Write the displacement (``write_displacement``), shares (cells,) and in_time; return the path."""
+    shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
+    return write_displacement(stage_file(directory, number), found.computed, **shares)
 
 
 def contact_edges(data: Data, mesh: Mesh, displacement: Array) -> tuple[Array, Array]:
-    """The edges of Γ3, their ends (2, 2, n), and which of them are in contact at both ends, (n,).
+    """Return the ends (2, 2, n) of the edges of Γ3, and which edges are in contact at both ends, (n,).
 
     Args:
         displacement: at the vertices, (2, vertices).

@@ -1,4 +1,4 @@
-"""What ``study bound`` computes on each level, prints and writes: a displacement with bounds of its error."""
+"""The command ``study bound``: a displacement with bounds of its error on each level, tables, text and files."""
 
 from __future__ import annotations
 
@@ -6,7 +6,6 @@ import math
 import textwrap
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -19,18 +18,16 @@ from manufactured.data import Data
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation, refuse_solids
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
-from study.bound.moduli import BoundError
-from study.bound.scales import require_units
+from study.bound.problem import BoundError, require_units
 from study.bound.trajectory import DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
-from study.ledger.rounding import down, interval, up
-from study.ledger.terminal import width
+from study.ledger.text import down, interval, up, width
 from study.solve.evolution import Scheme
 from study.solve.steps import require_steps
 
 LINES = 8
-"""Times in the printed table."""
+"""Number of times in the printed table."""
 DIGITS = 9
 """Decimals in files."""
 SHOWN = 4
@@ -39,7 +36,7 @@ SHOWN = 4
 
 @dataclass(frozen=True, eq=False)
 class BoundedSolution:
-    """u_h, the bound of its error from u_h alone, and the two-sided one by a trajectory closer to u."""
+    """u_h, the bound of its error from u_h alone, and the enclosure by a displacement closer to u."""
 
     computed: DiscreteSolution
     plain: Enclosure
@@ -47,12 +44,12 @@ class BoundedSolution:
 
 
 def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: int | None, refined: Refined) -> None:
-    """Refuse what cannot be bounded before time is spent.
+    """Refuse problems and options for which no bound can be given, before time is spent.
 
     Raises:
         BoundError: levels, steps or refinements that make no sense, T, a body or a law of extreme size, a family that
             does not serve the body, a body in 3D or a law without a usable monotonicity constant.
-        LoadError: data that no solution can belong to.
+        LoadError: data to which no solution can belong.
         MeshError: a mesh does not fit the parts of the body.
     """
     if not levels or min(levels) < 2 or any(b <= a for a, b in pairwise(levels)):
@@ -86,7 +83,7 @@ def bounded_solution(
     refined: Refined,
     progress: Callable[[float], object] = lambda time: None,
 ) -> BoundedSolution:
-    """Compute u_h and both bounds; ``progress`` is told the times of the enclosure that are done."""
+    """Compute u_h and both bounds; ``progress`` is called with the times of the enclosure that are done."""
     discretisation = Discretisation(data, family(data.body, level))
     computed = compute(discretisation, scheme, steps)
     error = known_error(case, computed)
@@ -98,12 +95,12 @@ def bounded_solution(
 
 
 def series(level: int, found: BoundedSolution) -> pd.DataFrame:
-    """``enclosure.csv``: the bounds of one level, one row for each knot of ũ."""
-    enclosure, plain = found.enclosure, found.plain
+    """Return the rows of ``enclosure.csv`` for one level: the bounds at each knot of ũ."""
+    enclosure = found.enclosure
     columns = {name: getattr(enclosure, name) for name in ("error", "lower", "upper", "distance", "bound")}
-    columns |= {"plain": plain.bound_at(enclosure.times)}
+    columns |= {"plain": found.plain.bound_at(enclosure.times)}
     frame = pd.DataFrame({"level": level, "time": enclosure.times} | columns)
-    # Ends are rounded away from what they enclose.
+    # Ends are rounded outward.
     below, above = ["lower"], ["upper", "bound", "plain"]
     frame[below] = np.floor(frame[below] * 10**DIGITS) / 10**DIGITS
     frame[above] = np.ceil(frame[above] * 10**DIGITS) / 10**DIGITS
@@ -111,45 +108,45 @@ def series(level: int, found: BoundedSolution) -> pd.DataFrame:
 
 
 def record(level: int, found: BoundedSolution) -> dict[str, Any]:
-    """What is kept of a level: its ``row`` of ``levels.csv`` without orders, its part of ``enclosure.csv`` as
-    ``series``, whether a known error lies ``inside``, and the ``sentences`` on what the bounds rest on."""
+    """Return the record of a level, from which tables and text are made.
+
+    Keys: ``row`` of ``levels.csv`` without orders; ``series``, the level's part of ``enclosure.csv``; ``inside``,
+    whether a known error lies inside; ``sentences`` on the evidence for the bounds.
+    """
+    enclosure = found.enclosure
     row = {
         "level": level,
-        "h": found.enclosure.h,
+        "h": enclosure.h,
         "dofs": found.computed.space.dofs,
         "steps": found.computed.steps,
-        "error": float(found.enclosure.error.max()),
-        "lowest": found.enclosure.lowest,
-        "highest": found.enclosure.highest,
+        "error": float(enclosure.error.max()),
+        "lowest": enclosure.lowest,
+        "highest": enclosure.highest,
         "plain": found.plain.highest,
-        "kind": found.enclosure.evidence.kind,
+        "kind": enclosure.evidence.kind,
     }
     return {
         "row": row,
         "series": series(level, found).to_dict("list"),
-        "inside": found.enclosure.contains and found.plain.contains,
-        "sentences": list(found.enclosure.evidence.sentences),
+        "inside": enclosure.contains and found.plain.contains,
+        "sentences": list(enclosure.evidence.sentences),
     }
 
 
 def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
-    """``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of two observed orders of it.
+    """Return ``levels.csv``: for each level intervals of max_t ‖u − u_h‖_V and of two observed orders.
 
-    ``order`` is the one since the first level, ``pair`` that since the level before.
+    ``order`` is the order since the first level, ``pair`` the order since the level before.
     """
-    found = []
-    for before, row in zip([None, *rows[:-1]], rows, strict=True):
-        orders = {"order": _order(rows[0] if before else None, row), "pair": _order(before, row)}
-        ends = {
-            f"{name}_{end}": x for name, span in orders.items() for end, x in zip(("low", "high"), span, strict=True)
-        }
-        found.append({**row, **ends})
-    table = pd.DataFrame(found)
+    table = pd.DataFrame(rows)
+    for name, earlier in (("order", [None] + [rows[0]] * (len(rows) - 1)), ("pair", [None, *rows[:-1]])):
+        spans = [_order(coarse, fine) for coarse, fine in zip(earlier, rows, strict=True)]
+        table[f"{name}_low"], table[f"{name}_high"] = zip(*spans, strict=True)
     return table[[name for name in table if name != "kind"] + ["kind"]]
 
 
 def _order(coarse: dict[str, Any] | None, fine: dict[str, Any]) -> tuple[float, float]:
-    """The interval of the order between two levels; no numbers without a coarser one."""
+    """The interval of the order between two levels; NaN without a coarser level."""
     if coarse is None:
         return math.nan, math.nan
     before, after = ((one["lowest"], one["highest"]) for one in (coarse, fine))
@@ -157,7 +154,7 @@ def _order(coarse: dict[str, Any] | None, fine: dict[str, Any]) -> tuple[float, 
 
 
 def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Sequence[str]) -> str:
-    """What is printed, from the tables of ``levels`` and ``series`` and the sentences on what they rest on."""
+    """Return the printed text, from the tables of ``levels`` and ``series`` and the sentences on the evidence."""
     known = bool(table["error"].notna().all())
     lines = [
         f"{name}: ‖u(t) − u_h(t)‖_V enclosed, {'exact solution known' if known else 'solution unknown'}",
@@ -177,7 +174,7 @@ def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Seq
 
 
 def _intervals(table: pd.DataFrame, known: bool) -> list[str]:
-    """Lines with the intervals of the error on each level, and of the orders: since the first one, since the last."""
+    """Lines with the intervals of the error on each level, and of the orders since the first and the previous level."""
     several, since = len(table) > 2, f"since level {table['level'].iloc[0]} in"
     head = f"{'level':>6} {'max error in':>22} {'error':>9} {'from u_h alone':>15}  {f'order {since}':>22}"
     lines = [head + (f"  {'since the one before in':>24}" if several else "")]
@@ -190,7 +187,7 @@ def _intervals(table: pd.DataFrame, known: bool) -> list[str]:
         lines.append(f"{row.level:6d} {largest:>22} {error:>9} {up(row.plain, SHOWN):>15}  {orders}".rstrip())
     if len(table) > 1:
         steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
-        lines += ["", f"orders are those of the fully discrete u_h, with {steps}"]
+        lines += ["", f"orders of the fully discrete u_h, with {steps}"]
     return lines
 
 
@@ -199,7 +196,7 @@ def _shown(low: float, high: float, columns: int) -> str:
 
 
 def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list[Path]:
-    """levels.csv and enclosure.csv."""
+    """Write levels.csv and enclosure.csv and return their paths."""
     return [
         write_text(directory / "levels.csv", table.to_csv(index=False)),
         write_text(directory / "enclosure.csv", over_time.to_csv(index=False)),
@@ -207,22 +204,27 @@ def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list
 
 
 def trajectory_file(directory: Path, level: int) -> Path:
-    """Where the displacement of a level is."""
+    """Return the path of the displacement of a level."""
     return directory / f"trajectory-{level}.npz"
 
 
 def write_trajectory(directory: Path, level: int, found: BoundedSolution) -> Path:
-    """The mesh, the times and the nodal values of u_h.
+    """Write the displacement of a level (``write_displacement``) and return the path."""
+    return write_displacement(trajectory_file(directory, level), found.computed)
+
+
+def write_displacement(path: Path, computed: DiscreteSolution, **more: Array) -> Path:
+    """Write the mesh, the times and the nodal values of u_h, and more arrays; return the path.
 
     The arrays are p (2, vertices), t (3, cells), times (steps + 1,), u (steps + 1, 2, vertices).
     """
-    space = found.computed.space
-    values = np.array([space.nodal(u) for u in found.computed.nodes])
-    times = np.linspace(0, found.computed.T, len(values))
-    content = {"p": space.mesh.p, "t": space.mesh.t, "times": times, "u": values}
-    return write_whole(trajectory_file(directory, level), partial(_save, content=content))
+    space = computed.space
+    values = np.array([space.nodal(u) for u in computed.nodes])
+    times = np.linspace(0, computed.T, len(values))
+    arrays = {"p": space.mesh.p, "t": space.mesh.t, "times": times, "u": values, **more}
 
+    def save(path: Path) -> None:
+        with path.open("wb") as file:
+            np.savez_compressed(file, **arrays)  # type: ignore[arg-type]
 
-def _save(path: Path, content: dict[str, Array]) -> None:
-    with path.open("wb") as file:
-        np.savez_compressed(file, **content)  # type: ignore[arg-type]
+    return write_whole(path, save)

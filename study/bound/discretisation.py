@@ -1,6 +1,6 @@
-"""Everything the bound needs on one mesh: displacements of degree 2, stresses of degree 3, data, constants.
+"""The spaces of one mesh for the bound: displacements of degree 2, stresses of degree 3, and the data of the problem.
 
-What cannot be bounded is refused with the reason.
+Problems that cannot be bounded on the mesh are refused with the reason.
 """
 
 from __future__ import annotations
@@ -19,18 +19,17 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.factor import UNIFORM
 from manufactured.tensors import Array, Tensors
-from study.bound.moduli import BoundError, Moduli, moduli
-from study.bound.sampling import Sampling
-from study.bound.scales import require_units
+from study.bound.problem import BoundError, Moduli, moduli, require_units
+from study.bound.remainders import Sampling
 from study.fem.quadratic import Quadratic
 from study.stresses.bernstein import interval_mass
-from study.stresses.hybrid import Equilibrium
+from study.stresses.hybrid import EquilibratedStress, Equilibrium
 from study.stresses.loads import Loads, ProjectedLoads, Snapshot
 from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
-FEWEST, KEPT = 40, 1 << 23
-"""Times whose data are kept, at least, and where they take few numbers, how many of these."""
+LEAST_TIMES, CACHED_NUMBERS = 40, 1 << 23
+"""The least number of times whose data are cached; if these take few numbers, more times up to this many numbers."""
 DEGREE = 3
 """Degree of stresses: P f_0 then has degree 2, rigid motions of the cells among them."""
 GRAM = interval_mass(2, DEGREE)
@@ -59,15 +58,17 @@ class Discretisation:
 
     @cached_property
     def moduli(self) -> Moduli:
-        """Those of G against A, on which the growth of the bound in time rests."""
+        """The moduli of G against A, which decide how the bound grows in time."""
         return moduli(self.data.law)
 
     @cached_property
     def displacements(self) -> Quadratic:
+        """The displacements of degree 2."""
         return Quadratic(self.mesh, self.data.body)
 
     @cached_property
     def stresses(self) -> StressSpace:
+        """The composite stresses of degree 3."""
         return StressSpace(self.mesh, self.data.body, DEGREE)
 
     @cached_property
@@ -79,20 +80,16 @@ class Discretisation:
     def equilibrium(self) -> Equilibrium:
         """Minimises over Σ^h what a step adds to the bound, in the norm of ``Moduli.compliance``."""
         compliance = self.moduli.compliance(self.data.body.T)
-        uniform = self.data.law.A.factor is UNIFORM
-        return Equilibrium(
-            self.stresses, compliance if uniform else np.multiply.outer(self.inverse_viscosity, compliance)
-        )
-
-    @cached_property
-    def loads(self) -> ProjectedLoads:
-        return ProjectedLoads(self.data, self.stresses)
+        if self.data.law.A.factor is not UNIFORM:
+            compliance = np.multiply.outer(self.inverse_viscosity, compliance)
+        return Equilibrium(self.stresses, compliance)
 
     @cached_property
     def snapshot(self) -> Callable[[float], Snapshot]:
-        """t ↦ the data; those of the last times are kept, because loads and bounds ask for the same."""
+        """t ↦ the data; the data of the last times are cached, because loads and bounds ask for the same times."""
         # A snapshot takes as many numbers as there are points.
-        return lru_cache(maxsize=max(FEWEST, KEPT // self.stresses.weights.size))(self.loads.at)
+        times = max(LEAST_TIMES, CACHED_NUMBERS // self.stresses.weights.size)
+        return lru_cache(maxsize=times)(ProjectedLoads(self.data, self.stresses).at)
 
     @cached_property
     def oscillation(self) -> Oscillation:
@@ -106,11 +103,11 @@ class Discretisation:
         return Sampling(self.data, self.stresses)
 
     def load(self, time: float) -> Array:
-        """(P f_0, v)_H + (P f_2, v)_{L²(Γ2)} at a time, (dofs,)."""
+        """Return (P f_0, v)_H + (P f_2, v)_{L²(Γ2)} at a time, (dofs,)."""
         return self.functional(self.snapshot(time).loads)
 
     def functional(self, loads: Loads) -> Array:
-        """(P f_0, v)_H + (P f_2, v)_{L²(Γ2)}, (dofs,)."""
+        """Return (P f_0, v)_H + (P f_2, v)_{L²(Γ2)}, (dofs,)."""
         space, V = self.stresses, self.displacements
         force = space.volumes[:, None, None] * (self._moments @ loads.force.reshape(space.cells, -1, 2))
         places, moments = [V.numbers.T.ravel()], [force.reshape(-1, 2)]
@@ -123,7 +120,7 @@ class Discretisation:
 
     @cached_property
     def _moments(self) -> Array:
-        """∫ B_β b_α/|T| for displacements B_β of a cell and what P f_0 is made of, b_α, (6, 3 thirds · lower)."""
+        """∫ B_β b_α/|T| for displacements B_β of a cell and the shapes b_α of P f_0, (6, 3 thirds · lower)."""
         space = self.stresses
         thirds = np.kron(np.eye(3), space.force_shapes)
         return self.displacements.shapes(space.barycentric) * space.shares @ thirds.T
@@ -143,10 +140,36 @@ class Discretisation:
         return self.displacements.strains(np.eye(3))
 
     def strain(self, v: Array) -> Tensors:
-        """ε(v) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        """Return ε(v) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
         corners = (self._strains @ v.T).reshape(3, self.stresses.cells, 3, *reversed(v.shape[:-1]))
         found: Tensors = np.ascontiguousarray(np.moveaxis(corners, (1, 2), (-2, -1))) @ self.stresses.barycentric
         return found
+
+    @cached_property
+    def _law(self) -> tuple[Callable[[Tensors], Tensors], Callable[[Tensors], Tensors]]:
+        """A and G at the points of the stresses."""
+        law, points = self.data.law, self.stresses.points
+        return law.A.at(points), law.G.at(points)
+
+    def viscous(self, rate: Array) -> Tensors:
+        """Return Aε(rate) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        return self._law[0](self.strain(rate))
+
+    def elastic(self, u: Array) -> Tensors:
+        """Return Gε(u) at the points of the stresses, (..., dofs) → (3, ..., cells, Q)."""
+        return self._law[1](self.strain(u))
+
+    def nearest_stress(self, loads: Loads, target: Tensors, u: Array) -> EquilibratedStress:
+        """Return σ̃ with the least ‖σ̃ − target‖² + 2 ∫_{Γ3} σ̃_ν u_ν among the stresses that balance the loads.
+
+        ``Moduli.compliance`` defines the norm. The values of the result are σ̃ − target.
+
+        Args:
+            loads: one, or several.
+            target: Aε(ũ̇) + Gε(ũ), (3, ..., cells, Q).
+            u: ũ ∈ K, (..., dofs).
+        """
+        return self.equilibrium.nearest(loads, target, self.normal_moments(u))
 
     @cached_property
     def cells_at_contact(self) -> Array:
@@ -155,8 +178,8 @@ class Discretisation:
         return np.asarray(self.stresses.mesh.f2t[0, np.concatenate(edges)])
 
     def normal_moments(self, v: Array) -> Array:
-        """∫_e v_ν B_i on the edges of Γ3, (..., dofs) → (..., edges of Γ3, n)."""
-        found: Array = (self._normal_moments @ v.T).T
+        """Return ∫_e v_ν B_i on the edges of Γ3, (..., dofs) → (..., edges of Γ3, n)."""
+        found: Array = (self._normal_moments @ v.reshape(-1, v.shape[-1]).T).T
         return found.reshape(*v.shape[:-1], -1, DEGREE + 1)
 
     @cached_property

@@ -1,8 +1,8 @@
-"""‖u(t) − u_h(t)‖_V bounded from both sides without u, by another trajectory ũ and a bound y of ‖u(t) − ũ(t)‖_V:
+"""‖u(t) − u_h(t)‖_V enclosed without u, by another displacement ũ and a bound y of ‖u(t) − ũ(t)‖_V:
 
     d(t) − y(t) ≤ ‖u(t) − u_h(t)‖_V ≤ d(t) + y(t),     d = ‖ũ − u_h‖_V.
 
-With ũ = u_h smoothed in time this is an upper bound; with a ũ closer to u the lower end is positive as well
+If ũ is u_h smoothed in time, this is an upper bound. If ũ is closer to u, the lower end is positive as well
 (``study.bound.trajectory``).
 """
 
@@ -14,22 +14,19 @@ from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 
 import numpy as np
-import scipy.sparse as sps
 
 from manufactured.case import Case
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
-from study.bound.majorant import Interval, Majorant
-from study.bound.moduli import Moduli
-from study.bound.sampling import Evidence
-from study.bound.scales import SMALLEST, require_finite, require_visible
-from study.bound.shares import Shares
-from study.bound.trajectory import DiscreteSolution, Parabola, Trajectory, prolongation, spline
+from study.bound.problem import SMALLEST, Moduli, require_finite, require_visible
+from study.bound.remainders import Evidence
+from study.bound.terms import Interval, Majorant, Shares
+from study.bound.trajectory import DiscreteSolution, Parabola, Trajectory, spline
 from study.fem.gauge import Gauge
 from study.fem.quadrature import Line, cell_rules
 
 POOR = 0.5
-"""Share of y from which on it is said where the data are seen poorly."""
+"""Share of y above which the output says where the data are seen poorly."""
 INITIAL_DEGREE = 6
 """Degree of the rule for ‖u_0 − ũ(0)‖_V."""
 
@@ -43,8 +40,8 @@ class Enclosure:
         times: the knots of ũ after 0, (n,).
         distance: d at the times, (n,).
         bound: y at the times, (n,).
-        error: the true error where it is known, else not a number, (n,).
-        intervals: how y came about, one interval up to each time.
+        error: the true error where it is known, otherwise NaN, (n,).
+        intervals: the terms of y, one interval up to each time.
         start: bound of the error at t = 0.
         initial: the squares of ‖u_0 − ũ(0)‖ on the cells of ũ as samples see them, (cells,).
         between: bound of the error over the interval up to each time, (n,).
@@ -63,7 +60,7 @@ class Enclosure:
     evidence: Evidence
 
     def __post_init__(self) -> None:
-        """Raises BoundError unless all bounds are finite: maxima and minima would hide what is no number."""
+        """Raise BoundError unless all bounds are finite: maxima and minima would hide NaN."""
         names = "distance", "bound", "start", "between"
         require_finite({f"the {name} of the enclosure": getattr(self, name) for name in names})
         if not np.isnan(self.error).all():
@@ -75,17 +72,16 @@ class Enclosure:
         return max(self.start, float(self.between.max()))
 
     def bound_at(self, times: Array) -> Array:
-        """Bounds at any times of (0, T]: those of the intervals the times lie in, (m,)."""
+        """Return bounds at any times of (0, T], from the intervals in which the times lie, (m,)."""
         return self.between[np.searchsorted(self.times[:-1], times)]
 
     def shares(self, moduli: Moduli) -> Shares:
-        """The shares of ``highest``: those of all pieces up to that in which it is reached, decayed until then.
+        """Return the shares of ``highest``: of all pieces up to the one in which it is reached, decayed until then.
 
-        What samples miss of u_0 is shared like what they see; what smoothing in time adds is that of time.
+        What samples of u_0 miss is shared like what they see. What smoothing in time adds is the share of time.
         """
         last = int(self.between.argmax()) if self.highest > self.start else -1
-        of_start = self.intervals[0].at_a
-        found = Shares(self.initial, 0.0).of(of_start)
+        found = Shares(self.initial, 0.0).scaled_to(self.intervals[0].at_a)
         for one in self.intervals[: last + 1]:
             found = moduli.decay(one.b - one.a) * found + one.shares
         return found + Shares(0 * self.initial, self.highest - found.total)
@@ -118,79 +114,63 @@ def enclose(
     error: Callable[[float, Array], float] | None = None,
     progress: Callable[[float], object] = lambda time: None,
 ) -> Enclosure:
-    """The bounds for one computed displacement, on whose mesh ``coarse`` is.
+    """Return the bounds of the error of one computed displacement on the mesh of ``coarse``.
 
     Args:
         error: (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, where the exact solution is known.
-        progress: told every time that is done.
+        progress: called with every time that is done.
 
     Raises:
-        BoundError: the nodes of ũ are not equally spaced in time, its mesh is no refinement of that of u_h, or data are
-            so large or so small that their squares overflow or underflow.
+        BoundError: the nodes of ũ are not equally spaced in time, its mesh is no refinement of the mesh of u_h, or
+            data are so large or so small that their squares overflow or underflow.
     """
     fine = trajectory.discretisation(coarse)
-    J = prolongation(computed.space, fine)
-    pieces = spline(trajectory.nodes(fine, computed))
+    u_h, pieces = computed.on(fine), spline(trajectory.nodes(fine, computed))
     first = next(pieces)
     initial = _initial_error(fine, first.start)
     start = math.sqrt(float(initial.sum())) + fine.sampling.missed_at_start()
-    at_0 = start + fine.norm(first.start - J @ computed.nodes[0])
-    intervals, knots = [], []
+    at_0 = start + fine.norm(first.start - u_h(0.0))
+    intervals, rows = [], []
     for piece, interval in Majorant(fine)(chain([first], pieces), start):
-        u = computed.at(piece.b)
-        true = error(piece.b, u) if error else math.nan
-        between = interval.inside + _largest_distance(fine, piece, computed, J)
-        knots.append((piece.b, fine.norm(piece.end - J @ u), interval.at_b, true, between))
+        true = error(piece.b, computed.at(piece.b)) if error else math.nan
+        distance, between = fine.norm(piece.end - u_h(piece.b)), interval.inside + _largest_distance(fine, piece, u_h)
+        rows.append((piece.b, distance, interval.at_b, true, between))
         intervals.append(interval)
         progress(piece.b)
-    times, distances, bounds, errors, all_between = np.array(knots).T.copy()
+    times, distances, bounds, errors, all_between = np.array(rows).T.copy()
+    # Where the data are seen poorly counts if what samples may miss is most of y.
+    worst = max(intervals, key=lambda one: one.unseen / (one.b - one.a))
+    poor = sum(one.unseen for one in intervals) > POOR * intervals[-1].at_b
+    evidence = Evidence(fine.sampling.reasons, fine.sampling.worst(worst.a, worst.b) if poor else "")
     found = Enclosure(
-        computed.space.h,
-        times,
-        distances,
-        bounds,
-        errors,
-        tuple(intervals),
-        at_0,
-        initial,
-        all_between,
-        _evidence(fine, intervals),
+        computed.space.h, times, distances, bounds, errors, tuple(intervals), at_0, initial, all_between, evidence
     )
-    seen = bool(initial.any() or computed.nodes.any() or any(fine.load(time).any() for time in times))
-    require_visible(fine.data, found.highest, seen)
+    sampled = bool(initial.any() or computed.nodes.any() or any(fine.load(time).any() for time in times))
+    require_visible(fine.data, found.highest, sampled)
     # Squares may have vanished at single times.
     return replace(found, bound=np.maximum(bounds, SMALLEST)) if found.highest > 0 else found
 
 
-def _evidence(discretisation: Discretisation, intervals: list[Interval]) -> Evidence:
-    """What the bounds rest on; where the data are seen poorly if what samples may miss is most of y."""
-    sampling, worst = discretisation.sampling, max(intervals, key=lambda one: one.unseen / (one.b - one.a))
-    poor = sum(one.unseen for one in intervals) > POOR * intervals[-1].at_b
-    return Evidence(sampling.reasons, sampling.worst(worst.a, worst.b) if poor else "")
-
-
 def known_error(case: Case | None, computed: DiscreteSolution) -> Callable[[float, Array], float] | None:
-    """(t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V, where there is an exact solution."""
+    """Return (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if there is an exact solution."""
     if case is None:
         return None
     gauge = Gauge(case.solution, computed.space)
     return lambda time, u: gauge.distance(gauge.sample(time), u)
 
 
-def _largest_distance(
-    discretisation: Discretisation, piece: Parabola, computed: DiscreteSolution, J: sps.csr_array
-) -> float:
-    """A bound of ‖ũ(t) − u_h(t)‖_V on a piece: the largest of the Bernstein coefficients in time.
+def _largest_distance(fine: Discretisation, piece: Parabola, u_h: Callable[[float], Array]) -> float:
+    """A bound of ‖ũ(t) − u_h(t)‖_V on a piece: the largest norm of the Bernstein coefficients in time.
 
     A node of u_h can only lie in the middle of a piece, where the parabola is cut.
     """
     middle = (piece.a + piece.b) / 2
     ends = [piece.start, piece.at(middle), piece.end]
     controls = [(piece.start + piece.control) / 2, (piece.control + piece.end) / 2]
-    values = list((J @ np.array([computed.at(time) for time in (piece.a, middle, piece.b)]).T).T)
+    values = [u_h(time) for time in (piece.a, middle, piece.b)]
     differences = [v - w for v, w in zip(ends, values, strict=True)]
     differences += [c - (v + w) / 2 for c, (v, w) in zip(controls, pairwise(values), strict=True)]
-    return float(discretisation.norm(np.array(differences)).max())
+    return float(fine.norm(np.array(differences)).max())
 
 
 def _initial_error(discretisation: Discretisation, start: Array) -> Array:
@@ -205,14 +185,8 @@ def _initial_error(discretisation: Discretisation, start: Array) -> Array:
     return squares
 
 
-def order(coarse: Enclosure, fine: Enclosure) -> tuple[float, float]:
-    """An interval that contains the observed order log(E/E')/log(h/h') of E = max_t ‖u(t) − u_h(t)‖_V."""
-    ends = (coarse.lowest, coarse.highest), (fine.lowest, fine.highest)
-    return order_interval(*ends, math.log(coarse.h / fine.h))
-
-
 def order_interval(coarse: tuple[float, float], fine: tuple[float, float], ratio: float) -> tuple[float, float]:
-    """The interval of log(E/E')/ratio, with infinite ends where a lower bound is 0.
+    """Return the interval of the order log(E/E')/ratio, with infinite ends where a lower bound is 0.
 
     Args:
         coarse, fine: intervals of E and E' ≥ 0 on two meshes of sizes h > h'.

@@ -1,20 +1,20 @@
 """How the bound y of ‖e‖_V grows over one step [a, b] of length k, from means over the step and largest values in it.
 
-With the moduli g_i of G against A (``study.bound.moduli``), |τ|²_i the part of |τ|²_{A⁻¹} in the i-th direction, a
+With the moduli g_i of G against A (``study.bound.problem``), |τ|²_i the part of |τ|²_{A⁻¹} in the i-th direction, a
 modulus 0 ≤ θ ≤ min g_i, the norm ‖·‖ of A⁻¹ and the residual ρ = ρ_A + ρ_G in parts (1 − w_i) and w_i of every
 direction, 0 ≤ w_i ≤ 1,
 
     (ρ, ε(e))_Q ≤ ‖ρ_A‖ ‖e‖_V + q + Σ_i (g_i − θ) ‖ε(e)‖²_i,     q = ¼ Σ_i w_i² ‖ρ‖²_i / (g_i − θ),
 
-and the last sum with θ ‖e‖_V² is at most (Gε(u) − Gε(ũ), ε(e))_Q. So the elasticity damps the error by θ, and the
-rest of it takes up that part of the residual which is large where G is stiff, as it is in volume for G nearly
-incompressible:
+and the last sum plus θ ‖e‖_V² is at most (Gε(u) − Gε(ũ), ε(e))_Q. So the elasticity damps the error by θ. The rest of
+the elasticity takes up the part of the residual in directions in which G is stiff, as a nearly incompressible G is
+against changes of volume:
 
     y(b) ≤ (e^{−2θk} y(a)² + 2 ∫ e^{−2θ(b−t)} (c + q))^{1/2} + ∫ e^{−θ(b−t)} (‖ρ_A‖ + η),
 
-and the least of some θ and w counts. Each integral is at most that of its kernel times the largest value, which serves
-steps much longer than 1/θ, and at most that of the mean value, by the inequality of Cauchy and Schwarz. If the least
-g_i is m < 0, then θ = 0 and the right side has the factor e^{|m|k}.
+and the least value over some θ and w counts. Each integral is at most the integral of its kernel times the largest
+value, which serves steps much longer than 1/θ. By the Cauchy–Schwarz inequality it is also at most a multiple of the
+mean value. If the least g_i is m < 0, then θ = 0 and the right side has the factor e^{|m|k}.
 """
 
 from __future__ import annotations
@@ -27,20 +27,24 @@ import numpy as np
 from manufactured.tensors import Array
 
 ROUNDS = 4
-"""Times that the weights w are improved."""
+"""Number of times that the weights w are improved."""
 SMALL = 2.0**-20
 """k β of weights that are nearly 1."""
+LAGRANGE = np.array([[16.0, 15.0, 4.0], [15.0, 64.0, 15.0], [4.0, 15.0, 16.0]]) / 120
+"""∫_0^1 |L_i L_j| for Lagrange's polynomials of the nodes 0, 1/2 and 1."""
+LEBESGUE = 1.25
+"""The largest Σ |L_i|."""
 
 
 @dataclass(frozen=True, eq=False)
 class Sizes:
-    """What drives the error, at a time of a step.
+    """The terms that drive the error, at one time of a step or as means over it.
 
     Attributes:
-        residual: |ρ|²_i over cells, (directions, cells).
+        residual: |ρ|²_i on cells, (directions, cells).
         oscillation: η_T², (cells,).
         contact: c.
-        rest: the bound of what is no part of a cell.
+        rest: the bound of what belongs to no cell.
     """
 
     residual: Array
@@ -49,45 +53,40 @@ class Sizes:
     rest: float
 
     def joined(self, share: Array) -> float:
-        """The root of Σ_T (‖ρ‖_T + η_T)², with a share of ρ in every direction, (directions,)."""
-        kept = np.sqrt(np.tensordot(share**2, self.residual, axes=1))
-        return float(np.linalg.norm(kept + np.sqrt(self.oscillation)))
+        """Return the root of Σ_T (‖ρ‖_T + η_T)², with a share of ρ in every direction, (directions,)."""
+        residual = np.sqrt(np.tensordot(share**2, self.residual, axes=1))
+        return float(np.linalg.norm(residual + np.sqrt(self.oscillation)))
 
     def squares(self, inverse: Array) -> float:
-        """2 (c + q), from w_i²/(g_i − θ), (directions,)."""
+        """Return 2 (c + q), from w_i²/(g_i − θ), (directions,)."""
         return 2 * self.contact + float(inverse @ self.residual.sum(axis=1)) / 2
 
 
 @dataclass(frozen=True, eq=False)
-class Added:
-    """What one step adds: its length k, means over it (of η_T and |ρ|_i the mean squares) and bounds at any time."""
+class Step:
+    """One step: its length k, means of the terms over it (of η_T and |ρ|_i the mean squares), bounds at any time."""
 
     k: float
     mean: Sizes
     largest: Sizes
 
 
-def grown(y: float, moduli: Array, added: Added) -> tuple[float, float]:
-    """Bounds of ‖e‖_V at the end of a step and at any time of it, from the bound y at its start."""
+def grow(y: float, moduli: Array, step: Step) -> tuple[float, float]:
+    """Return bounds of ‖e‖_V at the end of a step and at any time of it, from the bound y at its start."""
     m = float(moduli.min())
-    growth = float(np.exp(max(-m, 0.0) * added.k))
-    found = [bounds for theta in {0.0, max(m, 0.0)} for bounds in _bounds(y, moduli, theta, added)]
-    at_b, inside = (growth * min(ends) for ends in zip(*found, strict=True))
+    growth = float(np.exp(max(-m, 0.0) * step.k))
+    bounds = [pair for theta in {0.0, max(m, 0.0)} for pair in _bounds(y, moduli, theta, step)]
+    at_b, inside = (growth * min(ends) for ends in zip(*bounds, strict=True))
     return at_b, inside
 
 
-def kernel(rate: float, k: float) -> float:
-    """∫_a^b e^{−rate (b−t)} dt."""
-    return float(-np.expm1(-rate * k) / rate) if rate > 0 else k
+def _bounds(y: float, moduli: Array, theta: float, step: Step) -> Iterator[tuple[float, float]]:
+    """The bounds for some weights w_i = g/(g + β), g = g_i − θ, from w = 0 and from nearly w = 1.
 
-
-def _bounds(y: float, moduli: Array, theta: float, added: Added) -> Iterator[tuple[float, float]]:
-    """Those for some weights w_i = g/(g + β), g = g_i − θ, from w = 0 and from nearly w = 1.
-
-    β, in turns with the weights, makes the bound stationary; any β ≥ 0 gives one that is valid. From w = 0 it does not
-    leave w = 0 where y = c = 0, and towards w = 1, which is best there, it goes slowly.
+    β, in turns with the weights, makes the bound stationary; any β ≥ 0 gives a valid bound. From w = 0 the weights do
+    not change if y = c = 0, and they move slowly towards w = 1, which is best there.
     """
-    k, mean, largest = added.k, added.mean, added.largest
+    k, mean, largest = step.k, step.mean, step.largest
     g = np.maximum(moduli - theta, 0.0)
     single, double = kernel(theta, k), kernel(2 * theta, k)
     decayed = np.exp(-theta * k) * y
@@ -103,22 +102,19 @@ def _bounds(y: float, moduli: Array, theta: float, added: Added) -> Iterator[tup
             w = np.divide(taking, taking + mean.joined(1 - w), out=np.zeros_like(g), where=taking > 0)
 
 
-LAGRANGE = np.array([[16.0, 15.0, 4.0], [15.0, 64.0, 15.0], [4.0, 15.0, 16.0]]) / 120
-"""∫_0^1 |L_i L_j| for Lagrange's polynomials of the nodes 0, 1/2 and 1."""
+def kernel(rate: float, k: float) -> float:
+    """Return ∫_a^b e^{−rate (b−t)} dt."""
+    return float(-np.expm1(-rate * k) / rate) if rate > 0 else k
 
 
 def mean_square(*norms: Array) -> Array:
-    """A bound of the mean of ‖f‖² for a parabola f in time, from ‖f‖ at both ends and in the middle.
+    """Return a bound of the mean of ‖f‖² for a parabola f in time, from ‖f‖ at both ends and in the middle.
 
     ‖f‖ ≤ Σ |L_i| ‖f_i‖ with Lagrange's polynomials.
     """
     return np.einsum("ij,i...,j...->...", LAGRANGE, np.array(norms), np.array(norms))
 
 
-LEBESGUE = 1.25
-"""The largest Σ |L_i|."""
-
-
 def largest_square(*norms: Array) -> Array:
-    """A bound of ‖f‖² at all times for a parabola f in time, from ‖f‖ at both ends and in the middle."""
+    """Return a bound of ‖f‖² at all times for a parabola f in time, from ‖f‖ at both ends and in the middle."""
     return (LEBESGUE * np.max(norms, axis=0)) ** 2

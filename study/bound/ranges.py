@@ -1,26 +1,295 @@
-"""Ranges of Taylor coefficients of a formula over boxes: interval arithmetic on truncated power series.
+"""Ranges of the Taylor coefficients of a formula over boxes: interval arithmetic on truncated power series.
 
 For boxes X_1, …, X_N, variables z and an order m, a formula f has the ranges
 
     {∂^α f(x)/α! : x ∈ X_n} ⊂ [low_αn, high_αn],   |α| ≤ m,
 
-made from those of its parts: sums and products of power series, and for g(u) the series Σ_j g^(j)(u)/j! δ^j with δ the
-series of u less its value (R. E. Moore, Methods and Applications of Interval Analysis, SIAM 1979, chapter 3). Ends are
-not rounded outward: ranges are those of exact arithmetic up to rounding.
+made from the ranges of its parts: sums and products of power series, and for g(u) the series Σ_j g^(j)(u)/j! δ^j with
+δ the series of u less its value (R. E. Moore, Methods and Applications of Interval Analysis, SIAM 1979, chapter 3).
+Ends are not rounded outward: ranges hold in exact arithmetic.
+
+Where a derivative does not exist, because pos(x, a) has its kink between the ends, its range is the whole line. The
+range of the derivative of order a covers both sides of the kink: Taylor's theorem needs no more of a function with
+Lipschitz derivatives.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property, lru_cache, reduce
+from typing import Any
 
 import numpy as np
 import sympy as sp
+from numpy.polynomial import Polynomial
 
-from manufactured.symbols import Index, indices
+from manufactured.symbols import Index, indices, pos
 from manufactured.tensors import Array
-from study.bound.univariate import REWRITTEN, Pair, coefficients, enclosed, times, with_pos
+
+Pair = tuple[Array, Array]
+"""The ends of ranges, (boxes,) each."""
+TINY, LARGEST = np.finfo(float).tiny, np.finfo(float).max
+REAL = 1e-9
+"""Imaginary part below which a root counts as real."""
+
+
+class RangeError(ValueError):
+    """A formula with a function whose derivatives have no known ranges."""
+
+
+# ---- arithmetic of ranges
+
+
+def enclosed(low: Array, high: Array) -> Pair:
+    """Return the ends of a range; a number that overflowed lies between the largest number and infinity."""
+    return np.minimum(low, LARGEST), np.maximum(high, -LARGEST)
+
+
+def times(a: Pair, b: Pair) -> Pair:
+    """Return the range of a product. Zero times the whole line is zero; a product that underflows lies around zero."""
+    with np.errstate(invalid="ignore", over="ignore", under="ignore"):
+        every = [x * y for x in a for y in b]
+        low, high = reduce(np.minimum, every), reduce(np.maximum, every)
+    if np.isnan(low).any():
+        # Minima and maxima of NaN are NaN: only then look for the product that was 0 · ∞.
+        every = [np.where(np.isnan(product), 0.0, product) for product in every]
+        low, high = reduce(np.minimum, every), reduce(np.maximum, every)
+    zero = (low == 0) & (high == 0)
+    if zero.any():
+        zero &= ((a[0] != 0) | (a[1] != 0)) & ((b[0] != 0) | (b[1] != 0))
+        low, high = np.where(zero, -TINY, low), np.where(zero, TINY, high)
+    return enclosed(low, high)
+
+
+def _scaled(c: float, ends: Pair) -> Pair:
+    return times((np.array(c), np.array(c)), ends)
+
+
+def _monotone(u: Pair, function: Callable[[Array], Array]) -> Pair:
+    ends = function(u[0]), function(u[1])
+    return np.minimum(*ends), np.maximum(*ends)
+
+
+def _or_line(where: Array, ends: Pair) -> Pair:
+    """The ends, and the whole line at some boxes."""
+    return np.where(where, -np.inf, ends[0]), np.where(where, np.inf, ends[1])
+
+
+# ---- functions of one variable: ranges of g^(j)(u)/j! for all u between two ends and j ≤ order
+
+
+def _power(u: Pair, q: float) -> Pair:
+    """The range of x^q."""
+    low, high = u
+
+    def monotone(u: Pair, q: float) -> Pair:
+        """The range between ends of one sign: away from 0 where u is, also if the power underflows."""
+        bottom, top = enclosed(*_monotone(u, lambda x: x**q))
+        zero = (bottom == 0) & (top == 0) & ((u[0] != 0) | (u[1] != 0))
+        return np.where(zero, -TINY * (u[0] < 0), bottom), np.where(zero, TINY, top)
+
+    with np.errstate(all="ignore"):
+        if q == 0:
+            return np.ones_like(low), np.ones_like(low)
+        if q == int(q):
+            ends, inside = monotone(u, int(q)), (low <= 0) & (high >= 0)
+            if q < 0:
+                return _or_line(inside, ends)
+            return (np.where(inside, 0.0, ends[0]), ends[1]) if q % 2 == 0 else ends
+        ends = monotone((np.maximum(low, 0.0), np.maximum(high, 0.0)), q)
+        return _or_line((low < 0) | ((low == 0) & (q < 0)), ends)
+
+
+def _truncated(u: Pair, q: float) -> Pair:
+    """The range of x_+^q away from x = 0; the range of the step for q = 0."""
+    low, high = u
+    if q == 0:
+        return (low > 0).astype(float), (high > 0).astype(float)
+    if q > 0:
+        return _power((np.maximum(low, 0.0), np.maximum(high, 0.0)), q)
+    ends = _power((np.where(low > 0, low, 1.0), np.where(low > 0, high, 1.0)), q)
+    beyond = high < 0
+    return _or_line((low <= 0) & ~beyond, (np.where(beyond, 0.0, ends[0]), np.where(beyond, 0.0, ends[1])))
+
+
+def _of_power(u: Pair, q: float, order: int, truncated: bool = False) -> list[Pair]:
+    """x^q, or x_+^q, which has a kink at 0."""
+    kink = (u[0] <= 0) & (u[1] >= 0)
+    found, binomial = [], 1.0
+    for j in range(order + 1):
+        ends = _scaled(binomial, _truncated(u, q - j) if truncated else _power(u, q - j))
+        # Beyond the order of a whole power the derivative is 0 on both sides, and a measure at the kink.
+        found.append(_or_line(kink, ends) if truncated and q - j < 0 else ends)
+        binomial *= (q - j) / (j + 1)
+    return found
+
+
+def _of_exp(u: Pair, order: int) -> list[Pair]:
+    with np.errstate(over="ignore", under="ignore"):
+        low, high = enclosed(*_monotone(u, np.exp))
+    return [_scaled(1 / math.factorial(j), (low, np.maximum(high, TINY))) for j in range(order + 1)]
+
+
+def _of_log(u: Pair, order: int) -> list[Pair]:
+    with np.errstate(all="ignore"):
+        ends = _monotone((np.maximum(u[0], 0.0), np.maximum(u[1], 0.0)), np.log)
+        # At 0 the logarithm is unbounded from below alone; negative numbers have none.
+        value = _or_line((u[0] < 0) | (u[1] <= 0), ends)
+    return [value, *(_scaled((-1) ** (j - 1) / j, _power(u, -j)) for j in range(1, order + 1))]
+
+
+def _cosine(u: Pair) -> Pair:
+    """The range of cos: 1 and −1 where a multiple of π lies inside."""
+    with np.errstate(invalid="ignore"):
+        ends = _monotone(u, np.cos)
+    tops = np.floor(u[1] / (2 * np.pi)) >= np.ceil(u[0] / (2 * np.pi))
+    bottoms = np.floor((u[1] - np.pi) / (2 * np.pi)) >= np.ceil((u[0] - np.pi) / (2 * np.pi))
+    return np.where(bottoms, -1.0, ends[0]), np.where(tops, 1.0, ends[1])
+
+
+def _of_cosine(u: Pair, order: int, shift: float = 0.0) -> list[Pair]:
+    """cos(x + shift); each derivative shifts by π/2."""
+    shifts = [shift + j * np.pi / 2 for j in range(order + 1)]
+    return [_scaled(1 / math.factorial(j), _cosine((u[0] + c, u[1] + c))) for j, c in enumerate(shifts)]
+
+
+def _of_sinh(u: Pair, order: int, shift: int = 0) -> list[Pair]:
+    """sinh, or cosh for an odd shift; each is the derivative of the other."""
+    with np.errstate(over="ignore"):
+        sinh, (low, high) = enclosed(*_monotone(u, np.sinh)), enclosed(*_monotone(u, np.cosh))
+    cosh = np.where((u[0] <= 0) & (u[1] >= 0), 1.0, low), high
+    return [_scaled(1 / math.factorial(j), cosh if (shift + j) % 2 else sinh) for j in range(order + 1)]
+
+
+def _of_polynomials(value: Pair, derivative: Polynomial, order: int) -> list[Pair]:
+    """A function f with f' = derivative(f): all its Taylor coefficients are polynomials of f.
+
+    A polynomial takes its extrema at the ends of the range of f or where its derivative vanishes.
+    """
+    found, polynomial = [], Polynomial([0.0, 1.0])
+    for j in range(order + 1):
+        roots = polynomial.deriv().roots() if polynomial.degree() > 1 else np.empty(0)
+        places = [*value, *(np.clip(root.real, *value) for root in roots if abs(root.imag) < REAL)]
+        with np.errstate(over="ignore"):
+            values = [polynomial(place) for place in places]
+        found.append(enclosed(reduce(np.minimum, values), reduce(np.maximum, values)))
+        polynomial = polynomial.deriv() * derivative / (j + 1)
+    return found
+
+
+def _of_tanh(u: Pair, order: int) -> list[Pair]:
+    return _of_polynomials(_monotone(u, np.tanh), Polynomial([1.0, 0.0, -1.0]), order)
+
+
+def _of_tan(u: Pair, order: int) -> list[Pair]:
+    # Between two poles tan increases.
+    poles = np.floor(u[0] / np.pi + 0.5) != np.floor(u[1] / np.pi + 0.5)
+    ends = np.tan(np.where(poles, 0.0, u[0])), np.tan(np.where(poles, 0.0, u[1]))
+    return [_or_line(poles, range_) for range_ in _of_polynomials(ends, Polynomial([1.0, 0.0, 1.0]), order)]
+
+
+def _of_cot(u: Pair, order: int) -> list[Pair]:
+    """cot x = −tan(x − π/2)."""
+    return [(-high, -low) for low, high in _of_tan((u[0] - np.pi / 2, u[1] - np.pi / 2), order)]
+
+
+KNOWN: dict[type, Callable[[Pair, int], list[Pair]]] = {
+    sp.exp: _of_exp,
+    sp.log: _of_log,
+    sp.cos: _of_cosine,
+    sp.sin: lambda u, order: _of_cosine(u, order, -np.pi / 2),
+    sp.sinh: _of_sinh,
+    sp.cosh: lambda u, order: _of_sinh(u, order, 1),
+    sp.tanh: _of_tanh,
+    sp.tan: _of_tan,
+    sp.cot: _of_cot,
+}
+"""Taylor coefficients of functions of one variable."""
+
+
+# ---- functions with kinks or jumps, which are written with ``pos`` first
+
+
+def _piecewise(*branches: tuple[sp.Expr, sp.Basic]) -> sp.Expr:
+    """Σ value · (1 where its condition holds and no earlier one does)."""
+    total, rest = sp.Integer(0), sp.Integer(1)
+    for value, condition in branches:
+        holds = _indicator(condition)
+        total, rest = total + value * rest * holds, rest * (1 - holds)
+    return total
+
+
+def _indicator(condition: sp.Basic) -> sp.Expr:
+    """1 where a condition holds and 0 elsewhere, up to the points at which two sides are equal."""
+    if condition in (sp.true, sp.false):
+        return sp.Integer(condition == sp.true)
+    if isinstance(condition, sp.And):
+        return sp.Mul(*map(_indicator, condition.args))
+    if isinstance(condition, sp.Or):
+        return 1 - sp.Mul(*(1 - _indicator(part) for part in condition.args))
+    if isinstance(condition, sp.Not):
+        return 1 - _indicator(condition.args[0])
+    if isinstance(condition, sp.Gt | sp.Ge | sp.Lt | sp.Le):
+        return pos(condition.gts - condition.lts, 0)
+    if isinstance(condition, sp.ITE | sp.Xor):
+        return _indicator(sp.to_nnf(condition))
+    raise RangeError(f"{condition} in a Piecewise is no inequality; write its condition with <, ≤, > or ≥")
+
+
+REWRITTEN: dict[type, Callable[..., sp.Expr]] = {
+    sp.Max: lambda *args: reduce(lambda a, b: a + pos(b - a, 1), args),
+    sp.Min: lambda *args: reduce(lambda a, b: a - pos(a - b, 1), args),
+    sp.Abs: lambda x: pos(x, 1) + pos(-x, 1),
+    sp.sign: lambda x: pos(x, 0) - pos(-x, 0),
+    sp.Heaviside: lambda x, at_0=None: pos(x, 0),
+    sp.Piecewise: _piecewise,
+}
+"""Functions written with ``pos``, which may change values where a jump is."""
+SERVED: tuple[Any, ...] = (sp.Add, sp.Mul, sp.Pow, pos, *KNOWN, *REWRITTEN)
+"""What formulas are made of."""
+
+
+def coefficients(formula: sp.Expr, u: Pair, order: int) -> list[Pair]:
+    """Return the Taylor coefficients of the outermost function of a formula at the values u of its argument.
+
+    Raises:
+        RangeError: the function is not known.
+    """
+    if formula.is_Pow or isinstance(formula, pos):
+        return _of_power(u, float(formula.args[1]), order, truncated=not formula.is_Pow)
+    if type(formula) in KNOWN:
+        return KNOWN[type(formula)](u, order)
+    raise unknown(formula)
+
+
+def require_known(formula: sp.Expr) -> None:
+    """Refuse a formula some part of which has no known ranges.
+
+    Raises:
+        RangeError: names the part.
+    """
+    if formula.is_number or formula.is_Symbol:
+        return
+    if not isinstance(formula, SERVED):
+        raise unknown(formula)
+    if type(formula) in REWRITTEN:
+        require_known(REWRITTEN[type(formula)](*formula.args))
+        return
+    if isinstance(formula, pos) and not formula.args[1].is_number:
+        raise RangeError(f"{formula} has an exponent that is no number; give it a number")
+    for part in formula.args:
+        require_known(part)
+
+
+def unknown(formula: sp.Expr) -> RangeError:
+    """Return the error for a formula without known ranges."""
+    names = ", ".join(sorted(kind.__name__ for kind in (*KNOWN, *REWRITTEN, pos)))
+    return RangeError(f"{formula} has no known range of its derivatives; known are powers and {names}")
+
+
+# ---- formulas of several variables
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +300,7 @@ class Series:
     high: Array
 
     @cached_property
-    def something(self) -> Array:
+    def nonzero(self) -> Array:
         """Which coefficients are not 0 on all boxes, (terms,)."""
         return np.asarray(self.low.any(axis=1) | self.high.any(axis=1))
 
@@ -70,6 +339,7 @@ class Boxes:
 
     @property
     def count(self) -> int:
+        """The number of boxes."""
         return len(next(iter(self.sides.values()))[0])
 
     @property
@@ -78,34 +348,34 @@ class Boxes:
         return indices(len(self.variables), self.order)
 
     def __call__(self, formula: sp.Expr) -> Series:
-        """Ranges of all Taylor coefficients of a formula.
+        """Return the ranges of all Taylor coefficients of a formula.
 
         Raises:
-            RangeError: the formula has a function that is not known here.
+            RangeError: the formula has a function that is not known.
         """
-        return self._series(formula, {})
+        if formula not in self._known:
+            self._known[formula] = self._expand(formula)
+        return self._known[formula]
 
-    def _series(self, formula: sp.Expr, known: dict[sp.Expr, Series]) -> Series:
-        if formula not in known:
-            known[formula] = self._made(formula, known)
-        return known[formula]
+    @cached_property
+    def _known(self) -> dict[sp.Expr, Series]:
+        """The series of all formulas and of their parts, which formulas share."""
+        return {}
 
-    def _made(self, formula: sp.Expr, known: dict[sp.Expr, Series]) -> Series:
+    def _expand(self, formula: sp.Expr) -> Series:
         if formula.is_Symbol:
             return self._variable(formula)
         if formula.is_number:
             value = np.full(self.count, float(formula))
             return self._constant((value, value))
-        parts = formula.args
-        if formula.is_Add:
-            return reduce(lambda a, b: a + b, (self._series(part, known) for part in parts))
-        if formula.is_Mul:
-            return reduce(self._product, (self._series(part, known) for part in parts))
         if type(formula) in REWRITTEN:
-            return self._series(with_pos(formula), known)
+            return self(REWRITTEN[type(formula)](*formula.args))
         if formula.is_Pow and not formula.exp.is_number:
-            return self._series(sp.exp(formula.exp * sp.log(formula.base)), known)
-        inner = self._series(parts[0], known)
+            return self(sp.exp(formula.exp * sp.log(formula.base)))
+        if formula.is_Add or formula.is_Mul:
+            combine = Series.__add__ if formula.is_Add else self._product
+            return reduce(combine, map(self, formula.args))
+        inner = self(formula.args[0])
         return self._composed(inner, coefficients(formula, (inner.low[0], inner.high[0]), self.order))
 
     def _constant(self, value: Pair) -> Series:
@@ -116,15 +386,15 @@ class Boxes:
     def _variable(self, symbol: sp.Symbol) -> Series:
         found = self._constant(self.sides[symbol])
         if symbol in self.variables and self.order > 0:
-            unit = tuple(int(symbol == variable) for variable in self.variables)
-            found.low[self.keys.index(unit)] = found.high[self.keys.index(unit)] = 1.0
+            unit = self.keys.index(tuple(int(symbol == variable) for variable in self.variables))
+            found.low[unit] = found.high[unit] = 1.0
         return found
 
     def _product(self, a: Series, b: Series) -> Series:
         low, high = np.zeros((2, *a.low.shape))
         i, j, k = _products(len(self.variables), self.order)
-        something = a.something[i] & b.something[j]
-        i, j, k = i[something], j[something], k[something]
+        nonzero = a.nonzero[i] & b.nonzero[j]
+        i, j, k = i[nonzero], j[nonzero], k[nonzero]
         if k.size:
             ends = times((a.low[i], a.high[i]), (b.low[j], b.high[j]))
             first = np.flatnonzero(np.diff(k, prepend=-1))

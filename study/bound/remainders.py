@@ -1,49 +1,59 @@
-"""What samples of the data cannot see: bounds of f_0, f_2 and ε(u_0) less polynomials, from ranges of derivatives.
+"""What samples of the data do not see, and whether a bound is guaranteed.
 
-The majorant knows the data at quadrature points and at four times of each piece [a, b] of ũ, k = b − a. On a cell T
-with centre z and half widths r let F be the Taylor polynomial of f(·, t) at z of degree j − 1 ≤ 3. Then
+*Guaranteed*: the bound holds for the data between all quadrature points and times, by ranges of the formulas. Rounding
+and the floating point eigenvalues of the constants are not enclosed. *Estimated*: some datum is known at sampled points
+only, and nothing is added for what lies between them.
+
+The terms of the bound know the data at quadrature points and at four times of each piece [a, b] of ũ, k = b − a. On a
+cell T with centre z and half widths r let F be the Taylor polynomial of f(·, t) at z of degree j − 1 ≤ 3. Then
 
     |f − F| ≤ Σ_{|α| = j} r^α sup_{T×[a,b]} |∂^α f|/α!  =: e_T,    or  e_T = half the range of f for j = 0,
 
-and the least of these counts, which is that of a low order where f has kinks. Every step of the computation is exact
-for F, whose place f takes: the rules integrate products of degree 6, and their weights are positive. So for each norm
-of the samples a term |T|^{1/2} e_T makes up for the difference, and (f − F) − P(f − F), which has no reason to be
-orthogonal to rigid motions, is bounded by 2 C_Ω |T|^{1/2} e_T with C_Ω of ``study.bound.load_constants``. In time
+and the least of these counts; where f has kinks, it is one of low order. Every step of the computation is exact for F:
+the rules integrate products of degree 6, and their weights are positive. So for each norm of the samples a term
+|T|^{1/2} e_T makes up for the difference f − F. The remainder (f − F) − P(f − F) need not be orthogonal to rigid
+motions and is bounded by 2 C_Ω |T|^{1/2} e_T, with C_Ω of ``study.bound.problem``. In time
 
     |f − (parabola through a, a + k/2 and b)|       ≤ (1 + Λ₃) min_j (k/2)^j |∂_t^j f|/j! =: p_T,   j ≤ 3,
     |f − (cubic through a, a + k/4, a + k/2 and b)| ≤ (1 + Λ₄) min_j (k/2)^j |∂_t^j f|/j! =: q_T,   j ≤ 4,
 
 Λ the Lebesgue constants of these points, and half the range for j = 0. On edges of Γ2 the same holds with the arc
-length in place of x, on each of the parts with a rule of their own.
+length for x, on each of the parts of an edge that have their own quadrature rule.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache, reduce
 
 import numpy as np
 import sympy as sp
 
-from manufactured.body import Kind, Part
+from manufactured.body import Kind
 from manufactured.data import Data, Expressions
-from manufactured.factor import x1, x2
+from manufactured.factor import UNIFORM, x1, x2
+from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array
-from study.bound.ranges import Boxes, Series
-from study.bound.univariate import Pair, require_known
-from study.stresses.loads import EDGE_PARTS
+from study.bound.problem import LoadConstants, load_constants, require_finite
+from study.bound.ranges import Boxes, Pair, RangeError, Series, require_known
+from study.fem.quadrature import Line, rough_cells
+from study.stresses.loads import EDGE_PARTS, LeftOut
+from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
 ORDER = 4
 """One more than the degree of F."""
 ARC = sp.Symbol("arc", real=True)
 """Arc length along a part."""
+CACHED = 64
+"""Number of pieces whose remainders are stored."""
+GUARANTEED, ESTIMATED = "guaranteed", "estimated"
 
 
 def lebesgue(nodes: Array) -> float:
-    """The Lebesgue constant of some nodes on [0, 1], from a fine grid and rounded up by more than the grid misses."""
+    """Return the Lebesgue constant of nodes on [0, 1], from a fine grid and rounded up by more than the grid misses."""
     x = np.linspace(0, 1, 4001)
     basis = [np.prod([(x - b) / (a - b) for b in np.delete(nodes, i)], axis=0) for i, a in enumerate(nodes)]
     return float(abs(np.array(basis)).sum(axis=0).max()) * 1.001
@@ -53,28 +63,45 @@ PARABOLA, CUBIC = (1 + lebesgue(np.array(nodes)) for nodes in ([0, 0.5, 1], [0, 
 """1 + Λ for the relative times of the samples of a piece."""
 
 
-@dataclass(frozen=True, eq=False)
-class Remainders:
-    """e, p and q on the cells or on the edges of Γ2, Euclidean over components, (boxes,) each."""
+def proportional(squares: Array) -> Array:
+    """Return parts of the root of a sum of squares, in the proportions of the squares."""
+    return np.asarray(squares / max(np.sqrt(squares.sum()), np.finfo(float).tiny))
 
-    space: Array
-    parabola: Array
-    cubic: Array
 
-    def times(self, roots: Array) -> Remainders:
-        """Those of the L² norms, from the roots of the sizes of cells or edges."""
-        return Remainders(roots * self.space, roots * self.parabola, roots * self.cubic)
+@dataclass(frozen=True)
+class Evidence:
+    """The evidence for a bound.
+
+    Attributes:
+        reasons: why it is estimated; none if it is guaranteed.
+        poorly_seen: the datum, the place and the time where samples of the data may miss most, if that is much.
+    """
+
+    reasons: tuple[str, ...]
+    poorly_seen: str = ""
+
+    @property
+    def kind(self) -> str:
+        """``GUARANTEED`` or ``ESTIMATED``."""
+        return ESTIMATED if self.reasons else GUARANTEED
+
+    @property
+    def sentences(self) -> list[str]:
+        """The meaning of the kind, and what to do."""
+        if self.reasons:
+            found = [f"estimated: {reason}; what lies between its samples is not bounded" for reason in self.reasons]
+        else:
+            found = ["guaranteed: also between quadrature points and times; rounding is not enclosed"]
+        if self.poorly_seen:
+            found.append(f"{self.poorly_seen}: take finer levels or more --steps for a narrower interval")
+        return found
 
 
 @dataclass(frozen=True, eq=False)
 class Regions:
-    """Cells, or the edges of a part: the sides of their boxes and the coordinates in which they are expanded."""
+    """Cells, or parts of edges: the sides of their boxes and the coordinates in which formulas are expanded."""
 
     sides: Mapping[sp.Symbol, Pair]
-
-    @property
-    def variables(self) -> tuple[sp.Symbol, ...]:
-        return tuple(self.sides)
 
     @property
     def radii(self) -> Array:
@@ -82,114 +109,188 @@ class Regions:
         return np.array([(high - low) / 2 for low, high in self.sides.values()])
 
     def in_space(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
-        """e for a ≤ t ≤ b, (boxes,)."""
-        boxes = self._boxes(a, b, self.variables)
-        powers = [np.prod(self.radii ** np.array(key)[:, None], axis=0) for key in boxes.keys]
+        """Return e for a ≤ t ≤ b, (boxes,)."""
+        boxes = self._boxes(a, b, tuple(self.sides))
+        orders = np.array([sum(key) for key in boxes.keys])
+        powers = np.array([np.prod(self.radii ** np.array(key)[:, None], axis=0) for key in boxes.keys])
 
         def least(series: Series) -> Array:
-            found = [(series.high[0] - series.low[0]) / 2]
-            for order in range(1, ORDER + 1):
-                terms = [i for i, key in enumerate(boxes.keys) if sum(key) == order]
-                found.append(sum(_size(series, i) * powers[i] for i in terms))
-            return np.minimum.reduce(found)
+            sizes = _sizes(series) * powers
+            by_order = [sizes[orders == order].sum(axis=0) for order in range(1, ORDER + 1)]
+            return np.minimum.reduce([_half_range(series), *by_order])
 
-        return _norm(boxes, formulas, least)
+        return _norm(boxes, formulas, least, np.zeros(boxes.count))
 
-    def in_time(self, formulas: Sequence[sp.Expr], a: float, b: float) -> tuple[Array, Array]:
-        """p and q, (boxes,) each."""
+    def in_time(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
+        """Return p and q, (2, boxes)."""
         boxes, k = self._boxes(a, b, (t,)), b - a
+        powers = (k / 2) ** np.arange(ORDER + 1)[:, None]
 
-        def through(points: int, factor: float) -> Callable[[Series], Array]:
-            def bound(series: Series) -> Array:
-                half = (series.high[0] - series.low[0]) / 2
-                found = [half, *((k / 2) ** j * _size(series, j) for j in range(1, points + 1))]
-                return factor * np.minimum.reduce(found)
+        def least(series: Series) -> Array:
+            sizes = _sizes(series) * powers
+            sizes[0] = _half_range(series)
+            return np.array([PARABOLA * sizes[:4].min(axis=0), CUBIC * sizes.min(axis=0)])
 
-            return bound
+        return _norm(boxes, formulas, least, np.zeros((2, boxes.count)))
 
-        return _norm(boxes, formulas, through(3, PARABOLA)), _norm(boxes, formulas, through(4, CUBIC))
+    def all(self, formulas: Sequence[sp.Expr], a: float, b: float) -> Array:
+        """Return e, p and q, (3, boxes)."""
+        return np.array([self.in_space(formulas, a, b), *self.in_time(formulas, a, b)])
 
     def _boxes(self, a: float, b: float, variables: tuple[sp.Symbol, ...]) -> Boxes:
         count = self.radii.shape[1]
         return Boxes({**self.sides, t: (np.full(count, a), np.full(count, b))}, variables, ORDER)
 
 
-def _size(series: Series, term: int) -> Array:
-    return np.maximum(abs(series.low[term]), abs(series.high[term]))
+def _half_range(series: Series) -> Array:
+    return (series.high[0] - series.low[0]) / 2
 
 
-def _norm(boxes: Boxes, formulas: Sequence[sp.Expr], bound: Callable[[Series], Array]) -> Array:
+def _sizes(series: Series) -> Array:
+    """The largest absolute values of all coefficients, (terms, boxes)."""
+    return np.maximum(abs(series.low), abs(series.high))
+
+
+def _norm(boxes: Boxes, formulas: Sequence[sp.Expr], bound: Callable[[Series], Array], zero: Array) -> Array:
     """The Euclidean norm of the bounds of all components; formulas that are 0 cost nothing."""
-    found = np.zeros(boxes.count)
-    for formula in formulas:
-        if formula != 0:
-            found = np.hypot(found, bound(boxes(formula)))
-    return found
+    return reduce(np.hypot, (bound(boxes(formula)) for formula in formulas if formula != 0), zero)
 
 
-class Unseen:
-    """The remainders of the data of a problem on one mesh.
-
-    Raises:
-        RangeError: a formula has a function whose derivatives have no ranges.
-    """
-
-    def __init__(self, data: Data, space: StressSpace, expressions: Expressions) -> None:
-        self.expressions = expressions
-        corners = space.mesh.p[:, space.mesh.t]
-        self.cells = Regions({x: (c.min(axis=0), c.max(axis=0)) for x, c in zip((x1, x2), corners, strict=True)})
-        loads = dict(expressions.loads)
-        self.parts = []
-        for part, edges in space.on(Kind.LOADED):
-            formulas = [_along(part, formula) for formula in loads.get(data.body.parts.index(part), ())]
-            self.parts.append((edges, _pieces(space, part, edges), formulas))
-        self._edges = len(space.lengths)
-
-    def force(self, a: float, b: float) -> Remainders:
-        """Those of f_0 for a ≤ t ≤ b on the cells."""
-        formulas = self.expressions.force
-        return Remainders(self.cells.in_space(formulas, a, b), *self.cells.in_time(formulas, a, b))
-
-    def surface(self, a: float, b: float) -> Remainders:
-        """Those of f_2 on all edges, 0 off Γ2."""
-        found = np.zeros((3, self._edges))
-        for edges, region, formulas in self.parts:
-            every = np.array([region.in_space(formulas, a, b), *region.in_time(formulas, a, b)])
-            # The norms on the parts of an edge, to be multiplied by the root of its length.
-            found[:, edges] = np.sqrt(np.mean(every.reshape(3, EDGE_PARTS, -1) ** 2, axis=1))
-        return Remainders(*found)
-
-    @cached_property
-    def start(self) -> Array:
-        """e of ε(u_0), (cells,)."""
-        return self.cells.in_space(_strain(self.expressions), 0.0, 0.0)
-
-
-def require_ranges(expressions: Expressions) -> None:
-    """Refuse data some of which have no ranges, before time is spent.
-
-    Raises:
-        RangeError: names the part of a formula that has none.
-    """
-    for formula in (*expressions.force, *(f for _, load in expressions.loads for f in load), *_strain(expressions)):
-        require_known(formula)
-
-
-def _strain(expressions: Expressions) -> tuple[sp.Expr, ...]:
-    """ε(u_0) in Mandel's components."""
+def strain_of_start(expressions: Expressions) -> tuple[sp.Expr, ...]:
+    """Return ε(u_0) in Mandel's components."""
     u = expressions.start
     return sp.diff(u[0], x1), sp.diff(u[1], x2), (sp.diff(u[0], x2) + sp.diff(u[1], x1)) / sp.sqrt(2)
 
 
-def _pieces(space: StressSpace, part: Part, edges: Array) -> Regions:
-    """The parts of edges, which have rules of their own: all first ones, all second ones, …"""
-    corners = space.mesh.p[:, space.mesh.facets[:, edges]]
-    low, high = np.sort(np.einsum("d,den->en", part.tangent, corners - part.start[:, None, None]), axis=0)
-    cuts = low + np.linspace(0, 1, EDGE_PARTS + 1)[:, None] * (high - low)
-    return Regions({ARC: (cuts[:-1].ravel(), cuts[1:].ravel())})
+@dataclass(frozen=True, eq=False)
+class Missed:
+    """Bounds of what samples of the data of one piece of ũ miss.
+
+    Attributes:
+        cells: to be added to η_T at every time, (cells,).
+        everywhere: bound of the rest in the dual of V at every time of the piece.
+        in_cells: parts of the rest that finer cells would lessen, (cells,).
+    """
+
+    cells: Array
+    everywhere: float
+    in_cells: Array
 
 
-def _along(part: Part, formula: sp.Expr) -> sp.Expr:
-    """A formula on a part, by the arc length."""
-    place = [sp.Float(float(c)) + sp.Float(float(d)) * ARC for c, d in zip(part.start, part.tangent, strict=True)]
-    return formula.subs(dict(zip((x1, x2), place, strict=True)), simultaneous=True)
+@dataclass(frozen=True, eq=False)
+class Sampling:
+    """The samples of the data on one mesh."""
+
+    data: Data
+    space: StressSpace
+
+    @cached_property
+    def reasons(self) -> tuple[str, ...]:
+        """Why the bound is estimated; none if it is guaranteed."""
+        law, data, found = self.data.law, self.data, []
+        if not isinstance(data.formulas_of, Expressions):
+            found.append("f_0, f_2 and u_0 are known at points and times only, not as formulas")
+        else:
+            try:
+                for formula in (*_loads(data.formulas_of), *strain_of_start(data.formulas_of)):
+                    require_known(formula)
+            except RangeError as error:
+                found.append(str(error))
+        if law.A.factor is not UNIFORM or getattr(law.G, "factor", UNIFORM) is not UNIFORM:
+            found.append("A or G varies in x, and norms with it are quadratures")
+        if not isinstance(law.G, Linear):
+            found.append(f"the term of the nonlinear G of {law.name} is a quadrature")
+        lines = [Line(direction, offset) for direction, offset in data.lines]
+        if any(cells.size for cells in rough_cells(self.space.mesh, lines, data.points)):
+            found.append(
+                "cells at the lines and points where the data are rough have graded rules, which are not exact"
+            )
+        return tuple(found)
+
+    @cached_property
+    def constants(self) -> LoadConstants:
+        """C_Ω and C_Γ."""
+        assert isinstance(self.data.law.A, Linear)
+        return load_constants(self.data.body, self.data.law.A)
+
+    def missed(self, oscillation: Oscillation, a: float, b: float) -> Missed:
+        """Return what samples miss of f_0 and f_2 for a ≤ t ≤ b; zeros where the bound is estimated."""
+        if self.reasons:
+            return Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
+        (e, p, q), (e_Γ, p_Γ, q_Γ) = self._remainders(a, b)
+        C = self.constants
+        rest = C.volume * np.linalg.norm(2 * e + q) + C.surface * np.linalg.norm(2 * e_Γ + q_Γ)
+        in_cells = C.volume * proportional((2 * e) ** 2)
+        np.add.at(in_cells, self.space.mesh.f2t[0], C.surface * proportional((2 * e_Γ) ** 2))
+        return Missed(oscillation(LeftOut(e + p, e + p, e_Γ + p_Γ)), float(rest), in_cells)
+
+    def missed_at_start(self) -> float:
+        """Return a bound of what samples miss of ‖u_0 − ũ(0)‖_V."""
+        if self.reasons:
+            return 0.0
+        e = self._cells.in_space(strain_of_start(self._expressions), 0.0, 0.0)
+        require_finite({"what samples of ε(u_0) miss": e})
+        return 2 * float(np.sqrt(self.data.law.A.lipschitz) * np.linalg.norm(np.sqrt(self.space.volumes) * e))
+
+    def worst(self, a: float, b: float) -> str:
+        """Return the datum and the place of which samples for a ≤ t ≤ b may miss most; empty where unknown."""
+        if self.reasons:
+            return ""
+        force, surface = (2 * e + q for e, _, q in self._remainders(a, b))
+        inside = self.constants.volume * force.max() >= self.constants.surface * surface.max(initial=0.0)
+        mesh = self.space.mesh
+        place = mesh.p[:, mesh.t[:, force.argmax()] if inside else mesh.facets[:, surface.argmax()]].mean(axis=1)
+        x = ", ".join(f"{c:.3g}" for c in place)
+        return f"{'f_0' if inside else 'f_2'} is seen poorly near x = ({x}), {a:.3g} ≤ t ≤ {b:.3g}"
+
+    @property
+    def _expressions(self) -> Expressions:
+        assert isinstance(self.data.formulas_of, Expressions)
+        return self.data.formulas_of
+
+    @cached_property
+    def _cells(self) -> Regions:
+        corners = self.space.mesh.p[:, self.space.mesh.t]
+        return Regions({x: (c.min(axis=0), c.max(axis=0)) for x, c in zip((x1, x2), corners, strict=True)})
+
+    @cached_property
+    def _loaded(self) -> list[tuple[Array, Regions, list[sp.Expr]]]:
+        """Edges of each loaded part, the parts of these edges that have their own rules, f_2 by the arc length."""
+        space, found, loads = self.space, [], dict(self._expressions.loads)
+        for part, edges in space.on(Kind.LOADED):
+            corners = space.mesh.p[:, space.mesh.facets[:, edges]]
+            low, high = np.sort(np.einsum("d,den->en", part.tangent, corners - part.start[:, None, None]), axis=0)
+            cuts = low + np.linspace(0, 1, EDGE_PARTS + 1)[:, None] * (high - low)
+            place = [
+                sp.Float(float(c)) + sp.Float(float(d)) * ARC for c, d in zip(part.start, part.tangent, strict=True)
+            ]
+            along = dict(zip((x1, x2), place, strict=True))
+            formulas = loads.get(self.data.body.parts.index(part), ())
+            of_arc = [formula.subs(along, simultaneous=True) for formula in formulas]
+            found.append((edges, Regions({ARC: (cuts[:-1].ravel(), cuts[1:].ravel())}), of_arc))
+        return found
+
+    @cached_property
+    def _remainders(self) -> Callable[[float, float], tuple[Array, Array]]:
+        """(a, b) ↦ e, p, q of f_0 on cells, (3, cells), and of f_2 on edges, (3, edges), in L² norms."""
+        # Other trajectories and ``worst`` ask for the same pieces again; loads at rest are the same on all pieces.
+        at_rest = not any(formula.has(t) for formula in _loads(self._expressions))
+        cached = lru_cache(maxsize=CACHED)(self._compute_remainders)
+        return (lambda a, b: cached(0.0, 0.0)) if at_rest else cached
+
+    def _compute_remainders(self, a: float, b: float) -> tuple[Array, Array]:
+        force = self._cells.all(self._expressions.force, a, b)
+        surface = np.zeros((3, len(self.space.lengths)))
+        for edges, regions, formulas in self._loaded:
+            # Means over the parts of an edge, to be multiplied by the root of its length.
+            of_parts = regions.all(formulas, a, b).reshape(3, EDGE_PARTS, -1)
+            surface[:, edges] = np.sqrt(np.mean(of_parts**2, axis=1))
+        for name, (e, p, q) in (("f_0", force), ("f_2", surface)):
+            missed = {"space": e, "time": np.maximum(p, q)}
+            require_finite({f"what samples of {name} in {where} miss": value for where, value in missed.items()})
+        return force * np.sqrt(self.space.volumes), surface * np.sqrt(self.space.lengths)
+
+
+def _loads(expressions: Expressions) -> tuple[sp.Expr, ...]:
+    """The components of f_0 and f_2."""
+    return (*expressions.force, *(formula for _, load in expressions.loads for formula in load))

@@ -1,19 +1,19 @@
-"""Displacements in time: u_h, whose error is bounded, and trajectories ũ(t) ∈ K that are close to the solution.
+"""Displacements in time: u_h, whose error is bounded, and displacements ũ(t) ∈ K that are close to the solution.
 
-u_h is P1 and linear in time between the nodes of a scheme. ũ has degree 2, on the same mesh or on a refinement of it,
-and is differentiable in time: nodes d_0, …, d_N ∈ K of any scheme are the control points of a quadratic B-spline with
-knots at the midpoints of the steps,
+u_h is P1 and linear in time between the nodes of a time scheme. ũ has degree 2, lives on the same mesh or on a
+refinement of it, and is differentiable in time: nodes d_0, …, d_N ∈ K of any scheme are the control points of a
+quadratic B-spline with knots at the midpoints of the steps,
 
     ũ(t_{j−1/2}) = (d_{j−1} + d_j)/2,    ũ̇(t_{j−1/2}) = (d_j − d_{j−1})/k,    ũ̇ linear in between,
 
-and the straight line on the first and the last half step. All its points are convex combinations of nodes: ũ(t) ∈ K for
-every t, however wrong the nodes are. At the knots ũ and ũ̇ are the value and the difference quotient of the midpoint
-scheme.
+and a straight line on the first and the last half step. All points of the spline are convex combinations of nodes: so
+ũ(t) ∈ K for every t, however inaccurate the nodes are. At the knots ũ and ũ̇ are the value and the difference quotient
+of the midpoint scheme.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from functools import partial
 from typing import Protocol
@@ -23,7 +23,7 @@ import scipy.sparse as sps
 
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.fem.mesh import with_midpoints
 from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete, remainder
@@ -34,7 +34,11 @@ from study.solve.tableau import MIDPOINT
 
 @dataclass(frozen=True, eq=False)
 class DiscreteSolution:
-    """u_h ∈ V^h of P1, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs)."""
+    """u_h ∈ V^h of P1, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs).
+
+    A bound needs of a displacement, however it was computed, only ``T``, the mesh size of ``space`` and the function
+    ``on``. Only ``SmoothedInTime`` also needs equal steps and u_h(t) ∈ K.
+    """
 
     space: Space
     nodes: Array
@@ -42,19 +46,25 @@ class DiscreteSolution:
 
     @property
     def steps(self) -> int:
+        """The number of steps."""
         return len(self.nodes) - 1
 
     def at(self, time: float) -> Array:
-        """u_h(t), (n_dofs,)."""
+        """Return u_h(t), (n_dofs,)."""
         place = time / self.T * self.steps
         # The time of a node belongs to the interval after it, also where rounding puts it before.
         low = min(int(place + 1e-9), self.steps - 1)
         share = place - low
         return (1 - share) * self.nodes[low] + share * self.nodes[low + 1]
 
+    def on(self, fine: Discretisation) -> Callable[[float], Array]:
+        """Return t ↦ u_h(t) by coefficients of degree 2 on the same mesh or a refinement of it, (dofs,)."""
+        J = prolongation(self.space, fine)
+        return lambda time: J @ self.at(time)
+
 
 def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:
-    """Problem 5.1 from the data alone, with the load (P f, ·)_V and u_0^h = Π^h u_0."""
+    """Return the solution of Problem 5.1 from the data alone, with the load (P f, ·)_V and u_0^h = Π^h u_0."""
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
     J, start = prolongation(space, discretisation), space.interpolate(data.start(space.mesh.p))
     problem = SemiDiscrete.of(space, data.law, lambda time: J.T @ discretisation.load(time), start)
@@ -62,10 +72,10 @@ def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> Discr
 
 
 def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
-    """The matrix from P1 to degree 2 on the same mesh or one that is uniformly refined some times, (dofs, n_dofs).
+    """Return the matrix from P1 to degree 2 on the same mesh or a uniform refinement of it, (dofs, n_dofs).
 
     Raises:
-        BoundError: the mesh of degree 2 is another one.
+        BoundError: the mesh of degree 2 is no such refinement.
     """
     mesh, refined = space.mesh, sps.csr_array(sps.eye_array(space.mesh.p.shape[1]))
     while mesh.t.shape[1] < discretisation.mesh.t.shape[1]:
@@ -79,9 +89,9 @@ def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
 
 
 class Trajectory(Protocol):
-    """A choice of ũ: the discretisation it lives in and its nodes (t_j, d_j), d_j ∈ K of degree 2.
+    """A way to compute ũ: the discretisation that ũ lives in and the nodes (t_j, d_j), d_j ∈ K of degree 2.
 
-    ``name`` is what the column ``trajectory`` of ``bounds.csv`` says.
+    ``name`` stands in the column ``trajectory`` of ``bounds.csv``.
     """
 
     @property
@@ -92,7 +102,7 @@ class Trajectory(Protocol):
 
 @dataclass(frozen=True)
 class SmoothedInTime:
-    """ũ is u_h itself, smoothed in time: the bound needs nothing but the computed displacement."""
+    """ũ is u_h itself, smoothed in time: the bound from the computed displacement alone."""
 
     name: str = "bound"
 
@@ -110,7 +120,7 @@ class SmoothedInTime:
 class Refined:
     """ũ solves Problem 5.1 in degree 2 by the midpoint scheme.
 
-    The mesh of u_h is refined uniformly ``refinements`` times, with ``shorter`` steps in each step of u_h.
+    The mesh of u_h is refined uniformly ``refinements`` times, and each step of u_h has ``shorter`` steps of ũ.
     """
 
     refinements: int = 1
@@ -130,7 +140,7 @@ class Refined:
 
 
 def quadratic_problem(discretisation: Discretisation, u0: Array) -> SemiDiscrete:
-    """Problem 5.1 on displacements of degree 2 with the load (P f, ·)_V."""
+    """Return Problem 5.1 on displacements of degree 2 with the load (P f, ·)_V."""
     G, V = discretisation.data.law.G, discretisation.displacements
     factor = G.factor(V.points)
     return SemiDiscrete(
@@ -157,18 +167,18 @@ class Parabola:
     end: Array
 
     def at(self, time: float) -> Array:
-        """ũ(t) for a ≤ t ≤ b."""
+        """Return ũ(t) for a ≤ t ≤ b."""
         x = (time - self.a) / (self.b - self.a)
         return (1 - x) ** 2 * self.start + 2 * x * (1 - x) * self.control + x**2 * self.end
 
     def rate(self, end: bool) -> Array:
-        """ũ̇ at a or b."""
+        """Return ũ̇ at a or b."""
         difference = self.end - self.control if end else self.control - self.start
         return 2 * difference / (self.b - self.a)
 
 
 def spline(nodes: Iterable[tuple[float, Array]]) -> Iterator[Parabola]:
-    """The pieces of the quadratic B-spline with nodes (t_j, d_j), equally spaced in time, as control points."""
+    """Yield the pieces of the quadratic B-spline with the control points (t_j, d_j), equally spaced in time."""
     iterator = iter(nodes)
     before, old = next(iterator)
     knot, point = before, old

@@ -1,7 +1,7 @@
 """Certificates: bounds of errors that hold as a theorem, floating point included; the command ``study certify``.
 
-``statement`` writes a problem in rational numbers, ``rational_mesh`` its meshes; ``witnesses`` rounds what is found by
-``study.bound``; ``reference_element`` solves for stresses of the element, ``tensor_field`` for constants of the body,
-both of which certificates state and the checker verifies. ``checker`` is a program of its own that computes the
-bounds from the certificate alone; nothing that is trusted lies outside it.
+``statement`` writes a problem and its meshes in rational numbers. ``constants`` solves for the stresses of the element
+and for the constants of the body, which certificates state and the checker verifies. ``witnesses`` rounds what
+``study.bound`` computes. ``certified`` makes the certificate of one level. ``checker`` is a stand-alone program that
+computes the bounds from the certificate alone: a proof depends on no other file.
 """

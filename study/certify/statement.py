@@ -1,17 +1,25 @@
-"""Data of a problem in rational numbers, as a certificate states them.
+"""The problem and its meshes in rational numbers, as a certificate states them.
 
-A double stands for the simplest fraction that rounds to it, 0.8 for 4/5, if its denominator is at most ``SIMPLE``, and
-for itself otherwise. What the certificate proves is about the problem that it states.
+**Numbers.** A double stands for the simplest fraction that rounds to it, 0.8 for 4/5, if the denominator is at most
+``SIMPLE``, otherwise for its exact value. What the certificate proves is about the problem that it states.
+
+**Meshes.** The vertices are rational and the cells tile the polygon exactly. A vertex inside moves to the nearest point
+of a lattice of width 2^{−b}, with b from the size of cells. A vertex on a part of the boundary moves to the point that
+divides the part in the nearest ratio with the denominator 2^b.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import math
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 import sympy as sp
+from scipy.spatial import cKDTree
+from skfem import Mesh
 
 from manufactured.body import Body, Kind
 from manufactured.data import Data, Expressions
@@ -19,22 +27,26 @@ from manufactured.factor import UNIFORM, x1, x2
 from manufactured.law import Indefinite, KelvinVoigt, Linear
 from manufactured.symbols import pos, t
 from manufactured.tensors import Array
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
+from study.certify import checker
+from study.fem.mesh.geometry import determinants, simplicial_mesh, size
 
 SIMPLE = 10**6
-"""The largest denominator of a fraction that a double is read as."""
+"""The largest denominator of a fraction for which a double stands."""
+FINENESS = 64
+"""How many times finer than a cell the lattice is, at least."""
 NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
 SERVED = "certificates serve polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
 
 
 def rational(x: float) -> Fraction:
-    """The fraction that a double stands for."""
+    """Return the fraction for which a double stands."""
     simple = Fraction(x).limit_denominator(SIMPLE)
     return simple if float(simple) == x else Fraction(x)
 
 
 def statement(data: Data) -> dict[str, Any]:
-    """What a certificate says of the problem.
+    """Return the problem as a certificate states it.
 
     Raises:
         BoundError: body, law or data are not served, and why.
@@ -63,7 +75,7 @@ def statement(data: Data) -> dict[str, Any]:
 
 
 def corners(body: Body) -> list[tuple[Fraction, Fraction]]:
-    """The corners of a polygon."""
+    """Return the corners of a polygon."""
     return [(rational(float(part.start[0])), rational(float(part.start[1]))) for part in body.parts]
 
 
@@ -79,15 +91,15 @@ def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
 
 
 def voigt(matrix: Array) -> list[list[Fraction]]:
-    """A tensor in Voigt's components, stresses (11, 22, 12) from strains (11, 22, 2·12), from Mandel's."""
+    """Return a tensor in Voigt's components, stresses (11, 22, 12) from strains (11, 22, 2·12), from Mandel's."""
     scale = np.sqrt([1.0, 1.0, 0.5])
     # The root of 2 is rounded twice: a simple fraction that is as close is meant.
     values = scale[:, None] * ((matrix + matrix.T) / 2) * scale
-    found = [[_near(float(c)) for c in row] for row in values]
+    found = [[_simplest(float(c)) for c in row] for row in values]
     return [[found[min(i, j)][max(i, j)] for j in range(3)] for i in range(3)]
 
 
-def _near(x: float) -> Fraction:
+def _simplest(x: float) -> Fraction:
     simple = Fraction(x).limit_denominator(SIMPLE)
     return simple if abs(float(simple) - x) <= 4e-16 * abs(x) else Fraction(x)
 
@@ -107,24 +119,20 @@ def _terms(name: str, formula: sp.Expr) -> list[list[Any]]:
 
 def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
     """A summand as p · g_+^q: p and (g, q)."""
-    plain, truncated = sp.Integer(1), list(_truncated(summand))
+    plain, truncated = sp.Integer(1), []
     for factor in sp.Mul.make_args(summand):
         if not factor.has(pos):
             plain *= factor
+            continue
+        base, power = factor.as_base_exp()
+        # A power of 1/2 is refused below.
+        truncated.append((base.args[0], base.args[1] * power) if isinstance(base, pos) else (base, sp.Rational(1, 2)))
     if not truncated:
         return plain, (sp.Integer(0), 0)
     if len(truncated) > 1 or not truncated[0][1].is_Integer or truncated[0][1] < 1:
         raise BoundError(f"{name} has the summand {summand}; {SERVED}, q = 1, 2, …")
     g, q = truncated[0]
     return plain, (sp.expand(g), int(q))
-
-
-def _truncated(summand: sp.Expr) -> Iterator[tuple[sp.Expr, sp.Expr]]:
-    """The factors g_+^q."""
-    for factor in sp.Mul.make_args(summand):
-        if factor.has(pos):
-            base, power = factor.as_base_exp()
-            yield (base.args[0], base.args[1] * power) if isinstance(base, pos) else (base, sp.Rational(1, 2))
 
 
 def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> list[list[Any]]:
@@ -136,3 +144,80 @@ def _polynomial(name: str, formula: sp.Expr, symbols: tuple[sp.Symbol, ...]) -> 
     except (sp.CoercionFailed, ValueError) as error:
         raise BoundError(f"{name} has {formula}, whose coefficients are not rational; {SERVED}") from error
     return [[str(Fraction(int(c.p), int(c.q))), *key] for key, c in p.terms() if c != 0]
+
+
+def rational_mesh(mesh: Mesh, body: Body) -> dict[str, Any]:
+    """Return the mesh as a certificate states it: integers over one denominator, cells counter-clockwise."""
+    bits = math.ceil(math.log2(FINENESS / size(mesh)))
+    unit, sides = 1 << bits, corners(body)
+    points = [(Fraction(round(x * unit), unit), Fraction(round(y * unit), unit)) for x, y in mesh.p.T.tolist()]
+    tolerance, chains = 1e-7 * size(mesh), []
+    for part, start, end in zip(body.parts, sides, [*sides[1:], sides[0]], strict=True):
+        shares = {}
+        for v in np.flatnonzero(part.contains(mesh.p, tolerance)).tolist():
+            along = float(np.dot(mesh.p[:, v] - part.start, part.tangent)) / part.measure
+            share = Fraction(round(along * unit), unit) if rational(along).denominator > unit else rational(along)
+            points[v] = tuple(a + share * (b - a) for a, b in zip(start, end, strict=True))  # type: ignore[assignment]
+            shares[v] = share
+        chains.append(sorted(shares, key=lambda v, shares=shares: shares[v]))  # type: ignore[misc]
+    denominator = math.lcm(*(c.denominator for point in points for c in point))
+    cells = mesh.t.copy()
+    turned = determinants(mesh.p, cells) < 0
+    cells[1:, turned] = cells[:0:-1, turned]
+    return {
+        "denominator": denominator,
+        "points": [[int(c * denominator) for c in point] for point in points],
+        "cells": cells.T.tolist(),
+        "sides": chains,
+    }
+
+
+def in_doubles(mesh: checker.Mesh) -> Mesh:
+    """Return the same mesh for scikit-fem."""
+    points = np.array([[float(c) for c in mesh.place(v)] for v in range(len(mesh.points))]).T
+    return simplicial_mesh(points, np.array([cell.v for cell in mesh.cells]).T)
+
+
+@dataclass(frozen=True, eq=False)
+class Twins:
+    """The same mesh of scikit-fem and of the checker, which number vertices, edges and cells differently."""
+
+    skfem: Mesh
+    exact: checker.Mesh
+
+    @property
+    def triangles(self) -> Array:
+        """The vertices of the exact cells, (cells, 3)."""
+        return np.array([cell.v for cell in self.exact.cells])
+
+    @cached_property
+    def vertices(self) -> Array:
+        """The number of each exact vertex in scikit-fem."""
+        points = np.array(self.exact.points, dtype=float) / self.exact.h
+        return cKDTree(self.skfem.p.T).query(points)[1]
+
+    @cached_property
+    def edges(self) -> Array:
+        """The number of each exact edge in scikit-fem."""
+        known = {frozenset(ends): n for n, ends in enumerate(self.skfem.facets.T.tolist())}
+        return np.array([known[frozenset(ends)] for ends in self.vertices[np.array(self.exact.edges)].tolist()])
+
+    @cached_property
+    def cells(self) -> Array:
+        """The number of each exact cell in scikit-fem."""
+        known = {frozenset(corners): n for n, corners in enumerate(self.skfem.t.T.tolist())}
+        mine = self.vertices[self.triangles].tolist()
+        return np.array([known[frozenset(corners)] for corners in mine])
+
+    @cached_property
+    def corners(self) -> Array:
+        """The local number in scikit-fem of each corner of the exact cells, (cells, 3)."""
+        theirs = self.skfem.t.T[self.cells]
+        mine = self.vertices[self.triangles]
+        return (theirs[:, None, :] == mine[:, :, None]).argmax(axis=2)
+
+    @cached_property
+    def turned(self) -> Array:
+        """Whether the lower vertex of each exact edge is the second one in scikit-fem."""
+        first = self.vertices[np.array(self.exact.edges)[:, 0]]
+        return self.skfem.facets[0, self.edges] != first

@@ -1,8 +1,8 @@
-"""The witnesses of a certificate: what ``study.bound`` computes, rounded so that its signs hold exactly.
+"""The witnesses of a certificate: ũ and σ̃ as ``study.bound`` computes them, rounded so that signs hold exactly.
 
-ũ and σ̃ are those of the bound, with two differences: the stress balances the loads f̃ of the checker, not projections,
-and σ̃ is given by its tractions on edges and nine inner numbers a cell, from which the checker makes a stress
-whose tractions are exactly continuous. Rounding need not respect more than signs: what is not balanced is paid for.
+Two things differ from the bound: the stress balances the loads f̃ of the checker, not projections, and σ̃ is given by
+its tractions on edges and nine inner numbers for each cell. From these the checker makes a stress whose tractions are
+exactly continuous. Rounding must preserve signs only: the checker adds what is not balanced to the bound.
 """
 
 from __future__ import annotations
@@ -17,14 +17,14 @@ import numpy as np
 from manufactured.tensors import Array, Tensors
 from study.bound.discretisation import Discretisation
 from study.certify import checker
-from study.certify.rational_mesh import Twins
-from study.certify.reference_element import GIVEN, INNER, bernstein, columns
+from study.certify.constants import GIVEN, INNER, bernstein, columns
+from study.certify.statement import Twins
 from study.stresses.bernstein import indices
 from study.stresses.composite import SIDES
 from study.stresses.loads import Loads
 
 FINE, COARSE = 38, 20
-"""Bits of the numbers on which balance rests, and of the others, relative to the largest traction."""
+"""Bits of the numbers that decide the balance, and of the others, relative to the largest traction."""
 DISPLACEMENT = 38
 """Bits of ũ, relative to its largest value."""
 EDGE_PLACES = np.array([[math.comb(3, i) * (n / 3) ** i * (1 - n / 3) ** (3 - i) for i in range(4)] for n in range(4)])
@@ -33,12 +33,12 @@ EDGE_PLACES = np.array([[math.comb(3, i) * (n / 3) ** i * (1 - n / 3) ** (3 - i)
 
 CUBICS = indices(3)
 LOAD_BITS = 60
-"""f̃_0 is taken over from the checker up to 2^−LOAD_BITS."""
+"""f̃_0 agrees with the checker's up to 2^−LOAD_BITS."""
 Edge = tuple[int, int]
 
 
 def bits_below(size: float, digits: int) -> int:
-    """b with 2^{−b} about 2^{−digits} times a size."""
+    """Return b with 2^{−b} about 2^{−digits} times a size."""
     return max(digits - math.ceil(math.log2(size)), 1) if size > 0 else 1
 
 
@@ -78,27 +78,26 @@ class AdmissibleRounding:
         """A nearby integer vector with value·N ≤ 0 for one or two normals; 0 without normals."""
         if not normals:
             return [0, 0]
-        (x, y), *more = normals
-        # Directions in which the one product, or the other, stays as it is.
-        p, q = ((-y, x), (x, y)) if not more else ((-more[0][1], more[0][0]), (-y, x))
-        a, b = np.linalg.solve(np.array([p, q], dtype=float).T, np.array(value, dtype=float))
-        a, b = round(a), round(b)
-        if not more:
-            b = min(b, 0)
+        x, y = normals[0]
+        if len(normals) == 1:
+            # Along the side, and against the normal.
+            p, q, signs = (-y, x), (x, y), (0, 1)
         else:
-            a = _with_sign(a, p[0] * x + p[1] * y)
-            b = _with_sign(b, q[0] * more[0][0] + q[1] * more[0][1])
+            # Each direction changes one of both products only.
+            (u, v) = normals[1]
+            p, q = (-v, u), (-y, x)
+            signs = p[0] * x + p[1] * y, q[0] * u + q[1] * v
+        factors = np.linalg.solve(np.array([p, q], dtype=float).T, np.array(value, dtype=float))
+        a, b = (
+            round(factor) if not sign else min(round(factor), 0) if sign > 0 else max(round(factor), 0)
+            for factor, sign in zip(factors, signs, strict=True)
+        )
         return [a * p[0] + b * q[0], a * p[1] + b * q[1]]
-
-
-def _with_sign(a: int, product: int) -> int:
-    """a, or 0 where a · product is positive."""
-    return min(a, 0) if product > 0 else max(a, 0)
 
 
 @cache
 def element() -> checker.Element:
-    """That of the checker."""
+    """Return the element as the checker reads it."""
     return checker.Element.of(columns())
 
 
@@ -114,7 +113,7 @@ class Load:
 
 
 class StressEncoder:
-    """Stresses of the study as tractions and inner numbers of the checker, and loads of the checker as the study's."""
+    """Converts stresses of the study to tractions and inner numbers of the checker, and loads of the checker back."""
 
     def __init__(self, problem: checker.Problem, twins: Twins, fine: Discretisation) -> None:
         self.problem, self.twins, self.fine = problem, twins, fine
@@ -142,7 +141,7 @@ class StressEncoder:
         )
 
     def loads(self, a: Fraction, b: Fraction) -> list[Load]:
-        """f̃ at the ends of a piece and its control point between them."""
+        """Return f̃ at the ends of a piece and its control point between them."""
         inside = [self._force(control) for control in self._exact.controls(a, b)]
         first, middle, last = (self._surface(t) for t in (a, (a + b) / 2, b))
         outside = [first, 2 * middle - (first + last) / 2, last]
@@ -168,7 +167,7 @@ class StressEncoder:
         return np.linalg.solve(EDGE_PLACES, found)
 
     def study_loads(self, load: Load) -> Loads:
-        """f̃ as the study takes loads."""
+        """Return f̃ in the form of the study's loads."""
         space = self.fine.stresses
         nodal = np.einsum("nm,cmd->cnd", [_square(place) for place in PLACES], load.force) / self.J[:, None, None]
         theirs, force = np.empty_like(nodal), np.zeros((space.cells, 3, 6, 2))
@@ -184,7 +183,7 @@ class StressEncoder:
         return Loads(force, surface)
 
     def numbers(self, stress: Array, load: Load, bits: int, coarse: int) -> tuple[list[int], list[int]]:
-        """The integers of the certificate; those on Γ3 are of the right sign."""
+        """Return the integers of the certificate: tractions, with σ̃_ν ≤ 0 on Γ3, and inner numbers."""
         layout, T, unit = self.layout, self.tractions(stress), 2.0**bits
         n = np.array([self.exact.along(edge) for edge in layout.contact])[:, None, ::-1] * [1, -1] / self.exact.h
         tau = np.round(np.minimum((self._turned(T, layout.contact) * n).sum(axis=2) / (n * n).sum(axis=2), 0) * unit)
@@ -212,7 +211,7 @@ class StressEncoder:
         return np.where(flip, -values[:, ::-1], values)
 
     def bernstein(self, values: Tensors) -> Array:
-        """Values of a stress at the points of the study → (cells, 3 thirds, 10, 3) of Voigt's components."""
+        """Return Voigt's components in Bernstein form, (cells, 3 thirds, 10, 3), from values at the study's points."""
         coefficients = np.moveaxis(self.fine.stresses.coefficients(values).reshape(3, -1, 3, 10), 0, 3)
         coefficients = coefficients / np.array([1, 1, np.sqrt(2)])
         of_cells = coefficients[self.twins.cells]
@@ -229,7 +228,7 @@ class StressEncoder:
         return found
 
     def tractions(self, stress: Array) -> Array:
-        """σN of the edges in Bernstein form from the lower vertex, (edges, 4, 2), means of both sides."""
+        """Return σN of the edges in Bernstein form from the lower vertex, (edges, 4, 2), means of both sides."""
         places = [CUBICS.index((3 - i, i, 0)) for i in range(4)]
         found, count = np.zeros((len(self.normals), 4, 2)), np.zeros(len(self.normals))
         for side in range(3):
@@ -245,9 +244,11 @@ class StressEncoder:
         return found / count[:, None, None]
 
     def inner(self, stress: Array, T: Array, force: Array) -> Array:
-        """The nine inner numbers of each cell that are left of a stress when its tractions and loads are taken off.
+        """Return the nine inner numbers of each cell: the stress minus the part given by tractions and loads.
 
-        T: σN of the edges in Bernstein form (edges, 4, 2); force: twice the area times f̃_0 by monomials (cells, 6, 2).
+        Args:
+            T: σN of the edges in Bernstein form, (edges, 4, 2).
+            force: twice the area times f̃_0 by monomials, (cells, 6, 2).
         """
         given = [
             np.where(self.forward[:, i, None, None], T[self.sides[:, i]], -T[self.sides[:, i]][:, ::-1])
@@ -271,7 +272,7 @@ class StressEncoder:
 
 
 def value_of(formula: list[checker.Term], place: tuple[Fraction, ...]) -> float:
-    """A formula at a point of space and time."""
+    """Return the value of a formula at a point of space and time."""
     terms = [term(*map(checker.constant, place)).plain() for term in formula]
     return float(sum((p.get((0, 0, 0), Fraction(0)) for p in terms if p is not None), Fraction(0)))
 

@@ -1,4 +1,4 @@
-"""``study bound --adapt``: meshes and steps that follow the bound down to a tolerance; resumes where it was stopped."""
+"""``study bound --adapt``: refine mesh and time steps until the bound is at most a tolerance; resumes after Ctrl-C."""
 
 from __future__ import annotations
 
@@ -16,14 +16,13 @@ from study.bound.adaptive import Adapted, Stage
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.common import listed
-from study.cli.exits import FAILED, OK
+from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
 from study.ledger.files import write_text
-from study.ledger.rounding import up
-from study.ledger.terminal import folded
+from study.ledger.text import folded, up
 from study.present.figures import AdaptedMesh, adapted_mesh, draw_one
+from study.run.executor import GIB, available
 from study.run.fingerprint import of_problem
-from study.run.resources import GIB, available
 from study.run.store import Store
 from study.solve.steps import MOST, rate_steps
 from study.solve.tableau import SCHEMES
@@ -31,7 +30,7 @@ from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
-    """Compute, bound, refine, write every mesh as it is done; 0 if the tolerance is reached, 1 if a limit is."""
+    """Compute, bound and refine, and write each mesh; 0 if the tolerance is reached, 1 if a limit is reached first."""
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     level = min(options.levels)
@@ -45,8 +44,8 @@ def do_adapt(options: argparse.Namespace) -> int:
     with store.locked():
         while True:
             number = len(kept)
-            # The meshes before decide on this one; the tolerance only says when to stop.
-            made_by = of_problem(data, case, (family, level, options.steps, scheme, number), adaptive.__name__)
+            # The tolerance is not part of the key: it only decides when to stop.
+            made_by = of_problem(data, case, (family, level, options.steps, scheme, number))
             kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
             rows = adaptive.table([one["row"] for one in kept])
             table = write_text(store.directory / "adaptive.csv", rows.to_csv(index=False))
@@ -68,7 +67,7 @@ def do_adapt(options: argparse.Namespace) -> int:
 
 
 def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
-    """What is kept of a mesh, from disk or computed."""
+    """Return the record of a mesh, from disk or computed."""
     key = f"adapted-{number}"
     kept = store.load(key, made_by) if adaptive.stage_file(store.directory, number).is_file() else None
     if kept is not None:
@@ -81,7 +80,7 @@ def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapte
 
 
 def _limit(stage: Stage, cells: int) -> str:
-    """Why the next mesh is not taken; empty if it is."""
+    """Return why the next mesh is not computed; "" if it is."""
     if stage.cells > cells:
         return f"the next mesh has {stage.cells} cells, and {cells} are allowed: raise --cells or the tolerance"
     if stage.steps > MOST:
@@ -96,6 +95,6 @@ def _limit(stage: Stage, cells: int) -> str:
 
 
 def _uniform(directory: Path) -> pd.DataFrame:
-    """``levels.csv`` of ``study bound`` for the same problem, if there is one."""
+    """Return ``levels.csv`` of ``study bound`` for the same problem; empty if there is none."""
     file = directory / "levels.csv"
     return pd.read_csv(file) if file.is_file() else pd.DataFrame()

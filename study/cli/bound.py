@@ -1,4 +1,4 @@
-"""``study bound``: compute, enclose, write, draw; resumes where it was stopped."""
+"""``study bound``: compute displacements, enclose their errors, write and draw; resumes after Ctrl-C."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.adapt import do_adapt
 from study.cli.common import listed, progress_bar
-from study.cli.exits import FAILED, OK
+from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.terminal import folded
+from study.ledger.text import folded
 from study.present.figures import draw_one, enclosure
+from study.run.executor import available, require
 from study.run.fingerprint import of_problem
-from study.run.resources import available, require
 from study.run.store import Store
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
@@ -29,14 +29,14 @@ from study.statements.shared import estimates
 
 
 def do_bound(options: argparse.Namespace) -> int:
-    """``study bound``: compute, enclose, write, draw."""
+    """Enclose the error at each level; 0 if the solution is unknown or every error lies in its enclosure."""
     if options.adapt is not None:
         return do_adapt(options)
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
     check_force(case)
-    # Before the meshes are made, on which it is looked whether they fit.
+    # Before check_bound makes meshes.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)
@@ -47,7 +47,7 @@ def do_bound(options: argparse.Namespace) -> int:
     with store.locked():
         kept = []
         for level, steps in plan.items():
-            made_by = of_problem(data, case, (family, level, scheme, steps, refined), bounded.__name__)
+            made_by = of_problem(data, case, (family, level, scheme, steps, refined))
             compute = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
             kept.append(_level(store, level, made_by, compute, data.body.T))
         table = bounded.levels([one["row"] for one in kept])
@@ -64,7 +64,7 @@ def do_bound(options: argparse.Namespace) -> int:
 def _level(
     store: Store, level: int, made_by: str, compute: Callable[..., bounded.BoundedSolution], T: float
 ) -> dict[str, Any]:
-    """What is kept of a level, from disk or computed."""
+    """Return the record of a level, from disk or computed."""
     key, trajectory = f"level-{level}", bounded.trajectory_file(store.directory, level)
     kept = store.load(key, made_by) if trajectory.is_file() else None
     if kept is not None:

@@ -1,4 +1,4 @@
-"""``study cases``: the exact solutions."""
+"""``study cases``: list the exact solutions."""
 
 from __future__ import annotations
 
@@ -7,15 +7,15 @@ import json
 import textwrap
 
 from manufactured.catalogue import catalogue
-from study.cli.exits import OK
-from study.ledger.terminal import width
+from study.cli.options import OK
+from study.ledger.text import width
 from study.run.case_line import describe
 
 INDENT = 4 * " "
 
 
 def do_cases(options: argparse.Namespace) -> int:
-    """``study cases``."""
+    """List the exact solutions."""
     lines = [describe(case) for case in catalogue()]
     if options.json:
         print(json.dumps(lines, indent=2))

@@ -1,4 +1,4 @@
-"""``study certify``: compute, write certificates, check them."""
+"""``study certify``: compute certificates, write them, and check them."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ from study.bound.trajectory import Refined
 from study.certify import checker
 from study.certify.certified import Making, write
 from study.cli.common import listed, progress_bar
-from study.cli.exits import OK
+from study.cli.options import OK
 from study.fem.naming import choose, family_named, resolve_data
-from study.ledger.terminal import folded
-from study.run.resources import available, require
+from study.ledger.text import folded
+from study.run.executor import available, require
 from study.run.store import Store
 from study.solve.steps import rate_steps
 from study.solve.tableau import SCHEMES
@@ -22,13 +22,13 @@ from study.statements.shared import estimates
 
 
 def do_certify(options: argparse.Namespace) -> int:
-    """``study certify``: one certificate for each level, and what the checker finds in them."""
+    """Write one certificate for each level; returns the exit code of the checker."""
     name, data, _ = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
     making = Making(data, family, scheme, refined)
     making.check()
-    # Before the meshes are made, on which it is looked whether they fit.
+    # Before check_bound makes meshes.
     finest = max(options.levels)
     require(f"level {finest}", estimates.bound(finest, refined.refinements, family.name), available())
     bounded.check_bound(data, family, options.levels, options.steps, refined)

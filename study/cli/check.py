@@ -1,39 +1,46 @@
-"""``study check``: whether data, verdicts, tables and the inputs of the article are what they must be."""
+"""``study check``: compare data, verdicts, tables and the inputs of the article with what they must be."""
 
 from __future__ import annotations
 
 import argparse
 import secrets
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from study.cli.common import check_jobs, progress_bar
-from study.cli.coverage import by_folder, not_compared
-from study.cli.exits import FAILED, OK
-from study.cli.tolerance import tolerance_from
+from study.cli.compare import tolerance_from
+from study.cli.options import FAILED, OK
 from study.controls.record_check import compare_record
-from study.ledger.compare import as_text
-from study.ledger.datafiles import DataError, read_claims, table_text
-from study.ledger.differing import NUMBERS, difference
-from study.ledger.errors import UsageError
-from study.ledger.terminal import folded
+from study.ledger.codes import FOLDER, MARCHES
+from study.ledger.compare import ROUNDED, as_text, difference
+from study.ledger.datafiles import CsvFile, DataError, read_claims, table_text
+from study.ledger.files import UsageError
+from study.ledger.text import folded
 from study.ledger.verdict import Verdict, all_pass
 from study.present.expected import expected_texts
 from study.present.outcome import ledger_text, write_junit
 from study.run.again import compare_again, draw_jobs, expected_seconds, planned_jobs
-from study.run.execute import Pool
+from study.run.check import verify
+from study.run.executor import Pool, Processes
 from study.run.judgement import claims, claims_file, verdicts
-from study.run.processes import Processes
+from study.run.provenance import compare_sums
+from study.run.results import data_files
 from study.run.store import Store
-from study.run.sums import compare_sums
-from study.run.verification import verify
 
 SEED_BITS = 62
 """Bits of a fresh seed: 64-bit integers of other programs hold it."""
+IN_PART = (
+    "data/provenance.json",
+    "data/controls.csv",
+    "data/sensitivity.csv",
+    *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
+)
+"""Files in which relations between columns, or the tables made from them, show some edits and not all. The tables of a
+run whose provenance has no checksums are among them."""
 
 
 def do_check(options: argparse.Namespace) -> int:
-    """``study check``: exit 0 all hold and stand as they would be written, 1 a verdict is no pass, 2 they do not."""
+    """Check a result directory: 0 everything agrees, 1 a verdict is no pass, 2 a file differs from what it must be."""
     _require_sample(options)
     with Store(options.out).steady():
         verified = verify(options.out)
@@ -43,7 +50,7 @@ def do_check(options: argparse.Namespace) -> int:
         print(ledger_text(claims(found)))
         if not all_pass(found) or (options.again is not None and _again(options) == FAILED):
             return FAILED
-        # Data first: a table that follows from damaged data must not be written again.
+        # Data first: nobody should write tables again from damaged data.
         compared = compare_sums(options.out) | compare_record(options.out) | as_written(options.out, found)
     compared |= {options.out / "data" / "cases.csv"}
     inside = len([path for path in compared if options.out in path.parents])
@@ -56,7 +63,7 @@ def do_check(options: argparse.Namespace) -> int:
 
 
 def _require_sample(options: argparse.Namespace) -> None:
-    """Refuse options of ``--again`` that make no sense, before time is spent."""
+    """Refuse bad options of ``--again`` before time is spent."""
     check_jobs(options.jobs)
     tolerance_from(options)
     if options.again is None:
@@ -70,7 +77,7 @@ def _require_sample(options: argparse.Namespace) -> None:
 
 
 def _again(options: argparse.Namespace) -> int:
-    """Measure a random sample of the rows again: 0 if all numbers agree, 1 if one differs."""
+    """Measure a random sample of the rows again; returns 0 if all numbers agree, 1 if one differs."""
     seed = secrets.randbits(SEED_BITS) if options.seed is None else options.seed
     every = planned_jobs(options.out)
     jobs = draw_jobs(every, options.again, seed)
@@ -92,7 +99,7 @@ def _again(options: argparse.Namespace) -> int:
 
 
 def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
-    """Compares verdicts, tables, captions, badges and README with what would be written now; returns their files.
+    """Compare verdicts, tables, captions, badges and README with what would be written now; returns their files.
 
     Raises:
         DataError: names the first line that differs, both texts, and the command that mends it.
@@ -100,14 +107,46 @@ def as_written(directory: Path, found: Sequence[Verdict]) -> set[Path]:
     path, again = claims_file(directory), f"`study tables --out {directory}` writes it again"
     if not path.is_file():
         raise DataError(f"{path} is missing: {again}")
-    _refuse(difference(path, table_text(claims(found)), frozenset(NUMBERS)), again)
+    if differs := difference(path, table_text(claims(found)), frozenset(ROUNDED)):
+        raise DataError(f"{differs}: {again}")
     read_claims(directory)
-    there = expected_texts(directory)
-    for file, (text, command) in there.items():
-        _refuse(difference(file, text), f"`{command}` writes it again")
-    return {path, *there}
+    return {path, *compare_texts(expected_texts(directory))}
 
 
-def _refuse(found: str | None, mend: str) -> None:
-    if found:
-        raise DataError(f"{found}: {mend}")
+def compare_texts(expected: Mapping[Path, tuple[str, str]]) -> set[Path]:
+    """Compare files with their texts; returns the files.
+
+    Args:
+        expected: file ↦ (text, command that writes it).
+
+    Raises:
+        DataError: as ``as_written``.
+    """
+    for file, (text, command) in expected.items():
+        if differs := difference(file, text):
+            raise DataError(f"{differs}: `{command}` writes it again")
+    return set(expected)
+
+
+def files_of(directory: Path) -> Iterator[Path]:
+    """Yield the files of a result directory, without hidden files, finished jobs and result directories inside it."""
+    inside = (path.parent.parent for path in directory.rglob("data/provenance.json"))
+    left_out = {directory / "data" / "jobs", *inside} - {directory}
+    for path in sorted(directory.rglob("*")):
+        if path.is_file() and not path.name.startswith(".") and not left_out & {*path.parents}:
+            yield path
+
+
+def not_compared(directory: Path, compared: set[Path]) -> tuple[list[Path], list[Path]]:
+    """Return the files that are checked in part, and those that are not checked, whatever their kind."""
+    rest = [path for path in files_of(directory) if path not in compared]
+    tables = [f"data/{file.name}" for file in data_files() if isinstance(file, CsvFile)]
+    in_part = {directory / name for name in (*IN_PART, *tables)}
+    return [path for path in rest if path in in_part], [path for path in rest if path not in in_part]
+
+
+def by_folder(paths: list[Path]) -> str:
+    """Return the names of files as text, by folder."""
+    folders = dict.fromkeys(path.parent for path in paths)
+    names = {folder: " ".join(path.name for path in paths if path.parent == folder) for folder in folders}
+    return "; ".join(f"{folder}/: {of}" for folder, of in names.items())

@@ -1,4 +1,4 @@
-"""What the commands share: exit codes, processes, progress."""
+"""Shared by the commands: progress, drawing, lists of files."""
 
 from __future__ import annotations
 
@@ -8,14 +8,9 @@ from pathlib import Path
 
 from tqdm import tqdm
 
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.present.figures import Drawing, draw_figures
-from study.run.collect import collect
-from study.run.execute import Pool, execute
-from study.run.plan import Plan
-from study.run.processes import Processes
-from study.run.provenance import protect
-from study.run.store import Store
+from study.run.executor import Processes
 
 
 def check_jobs(jobs: int) -> None:
@@ -25,23 +20,13 @@ def check_jobs(jobs: int) -> None:
 
 
 def progress_bar(total: int) -> tqdm:
-    """Progress on standard error, with fewer lines where nobody watches."""
+    """Return a progress bar on standard error, with fewer lines if that is no terminal."""
     pause = 0.5 if sys.stderr.isatty() else 10
     return tqdm(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{remaining}", mininterval=pause)
 
 
-def measure(plan: Plan, store: Store, pool: Pool) -> None:
-    """Measure what is missing in a directory of one's own, and collect all of it."""
-    protect(plan, store.directory)
-    store.check()
-    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
-        bar.set_description(f"{len(plan.jobs)} jobs")
-        execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
-        collect(plan, store)
-
-
 def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:
-    """Draw figures, and show how far that is."""
+    """Draw figures and show the progress; returns their files."""
     with progress_bar(0) as bar:
 
         def show(done: int, total: int, name: str) -> None:
@@ -53,7 +38,7 @@ def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Dr
 
 
 def listed(paths: Sequence[Path]) -> str:
-    """Files in a line, those of one kind in one folder as one pattern."""
+    """Return files as text, three or more files of one kind and folder as one pattern."""
     kinds: dict[str, list[Path]] = {}
     for path in paths:
         kinds.setdefault(f"{path.parent}/*{path.suffix}", []).append(path)

@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 
-from study.cli.exits import FAILED, OK
-from study.cli.tolerance import tolerance_from
-from study.ledger.compare import as_json, as_text, compare
+from study.cli.options import FAILED, OK
+from study.ledger.compare import Tolerance, as_json, as_text, compare
+from study.ledger.files import UsageError
 from study.run.store import Store
 
 
 def do_compare(options: argparse.Namespace) -> int:
-    """``study compare``."""
+    """Compare two result directories; 0 if they agree within the tolerance."""
     tolerance = tolerance_from(options)
     with Store(options.old).steady(), Store(options.new).steady():
         found = compare(options.old, options.new, tolerance)
@@ -21,3 +22,11 @@ def do_compare(options: argparse.Namespace) -> int:
     else:
         print(as_text(found))
     return FAILED if found.differs else OK
+
+
+def tolerance_from(options: argparse.Namespace) -> Tolerance:
+    """Return the tolerance of ``--tolerance`` and ``--absolute``; UsageError if one is negative or not finite."""
+    for name in ("tolerance", "absolute"):
+        if not 0 <= getattr(options, name) < math.inf:
+            raise UsageError(f"--{name} must be a number, 0 or more, got {getattr(options, name):g}")
+    return Tolerance(options.tolerance, options.absolute)

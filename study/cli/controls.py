@@ -1,27 +1,42 @@
-"""What the verdicts are worth: ``study controls`` with deliberate defects (``seeds``: on other random meshes)."""
+"""``study controls``: deliberate defects that the verdicts must catch; ``study sensitivity``: the smallest of them."""
 
 from __future__ import annotations
 
 import argparse
 
 from study.cli.common import check_jobs, progress_bar
-from study.cli.exits import FAILED, OK
+from study.cli.options import FAILED, OK
 from study.controls import table
 from study.controls.run_controls import controls_text, run_controls, settings, write_controls
-from study.run.processes import Processes
+from study.controls.sensitivity import MOST, PLACES, run_sensitivity, sensitivity_text, write_sensitivity
+from study.run.executor import Processes
 from study.run.store import Store
 
 
 def do_controls(options: argparse.Namespace) -> int:
-    """``study controls``: measure with every defect and without one, write what caught it."""
+    """Measure with each defect and without any, and write which verdicts failed; 0 if every defect is caught."""
     check_jobs(options.jobs)
     store = Store(options.out)
     store.check()
-    chosen = table.CONTROLS
+    controls = table.CONTROLS
     with Processes(options.jobs) as executor, store.locked():
-        with progress_bar(len(settings(chosen)) + len(chosen)) as bar:
-            bar.set_description(f"{len(chosen)} defects")
-            findings = run_controls(chosen, executor, store, bar.update)
+        with progress_bar(len(settings(controls)) + len(controls)) as bar:
+            bar.set_description(f"{len(controls)} defects")
+            findings = run_controls(controls, executor, store, bar.update)
         written = write_controls(options.out, findings)
     print(f"\ndata: {written}\n\n{controls_text(findings)}")
     return OK if all(finding.passes for finding in findings) else FAILED
+
+
+def do_sensitivity(options: argparse.Namespace) -> int:
+    """Find the smallest relative defect of each part that makes a row fail; 0 if all are found."""
+    check_jobs(options.jobs)
+    store = Store(options.out)
+    store.check()
+    with Processes(min(options.jobs, len(PLACES))) as executor, store.locked():
+        with progress_bar(len(PLACES)) as bar:
+            amounts = run_sensitivity(executor, bar.update)
+        written = write_sensitivity(options.out, amounts)
+    print(f"\n{sensitivity_text(amounts)}")
+    print(f"data: {written}")
+    return OK if (amounts["amount"] < MOST).all() else FAILED

@@ -1,4 +1,4 @@
-"""``study export``: tasks for other people's codes."""
+"""``study export``: contact problems as files for other codes."""
 
 from __future__ import annotations
 
@@ -6,28 +6,29 @@ import argparse
 
 from manufactured.case import Case
 from manufactured.self_proof import prove
-from study.cli.exits import OK
+from study.cli.options import OK
 from study.fem.mesh import boundary_parts
 from study.fem.naming import family_named, resolve
-from study.ledger.errors import UsageError
-from study.run.foundation import require_segments
-from study.run.resources import available, require
-from study.run.task_data import (
+from study.ledger.files import UsageError
+from study.run.executor import available, require
+from study.run.tasks import (
     Data,
+    TaskStore,
     frozen,
     march,
     require_instants,
     require_scale,
+    require_segments,
     with_foundation,
+    write_task,
 )
-from study.run.task_files import TaskStore, write_task
 from study.solve.steps import require_steps
-from study.statements.other_codes.tasks import INSTANTS, Task
 from study.statements.shared import estimates
+from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 
 def do_export(options: argparse.Namespace) -> int:
-    """``study export``."""
+    """Write a task for each mesh family and level."""
     case = resolve(options.case)
     wanted = [(family_named(name), level) for name in options.family for level in options.levels]
     _check(options, case)
@@ -50,11 +51,11 @@ def _data(task: Task, options: argparse.Namespace) -> Data:
 
 
 def _instants(options: argparse.Namespace, case: Case) -> list[float]:
-    return options.instants or [case.solution.body.T * part for part in INSTANTS]
+    return options.instants or [case.solution.body.T * part for part in FROZEN_TIMES]
 
 
 def _check_mesh(options: argparse.Namespace, task: Task) -> None:
-    """Refuse a mesh that is too large or does not fit the parts of the body."""
+    """Refuse a mesh that needs too much memory or does not fit the boundary parts of the body."""
     steps = (options.steps or task.level) if options.mode == "march" else len(_instants(options, task.case))
     need = estimates.task(task.solution.body.dim, task.level, task.family.name, steps)
     require(f"level {task.level}", need, available())
@@ -62,7 +63,7 @@ def _check_mesh(options: argparse.Namespace, task: Task) -> None:
 
 
 def _check(options: argparse.Namespace, case: Case) -> None:
-    """Refuse, before the directory is marked, what cannot be written."""
+    """Refuse bad options before anything is written."""
     if min(options.levels) < 2:
         raise UsageError(f"--levels must be 2 or more, got {min(options.levels)}")
     if options.mode == "march" and options.instants:

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
+import importlib
 import io
 import os
 import sys
 from collections.abc import Sequence
 from types import ModuleType
 
-from study.cli.arguments import parser
-from study.cli.exits import CLOSED, INTERRUPTED, USAGE
-from study.ledger.garbage import imported
+from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command; returns its exit code: 0 all claims hold, 1 one does not, 2 what cannot be done as asked."""
+    """Run a command; returns its exit code: 0 all claims hold, 1 one does not, 2 bad usage or input."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # A terminal in ASCII or cp1252 has no ‖: it is shown as \u2016, also within JSON.
@@ -22,7 +21,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     options = parser().parse_args(arguments)
     module, name = options.command
     try:
-        # Not before it is known what is asked for: what solves takes seconds to import.
+        # Only now, as the solvers take seconds to import.
         command = getattr(_command_module(module), name)
         code = int(command(options))
         sys.stdout.flush()
@@ -31,7 +30,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"study: interrupted; {options.interrupted}", file=sys.stderr)
         return INTERRUPTED
     except BrokenPipeError:
-        # Whoever read the output has seen enough.
         _close_output()
         return CLOSED
     except ModuleNotFoundError as error:
@@ -40,12 +38,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(f"study: {LACKING.format(error.name)}", file=sys.stderr)
         return USAGE
     except ImportError as error:
-        if sys.flags.optimize < 2:
+        if str(error) != STRIPPED:
             raise
         print(f"study: {error}", file=sys.stderr)
         return USAGE
     except Exception as error:
-        code, message = imported("study.cli.refusals").answer(error)
+        code, message = importlib.import_module("study.cli.refusals").exit_code_and_message(error)
         print(f"study: {message}", file=sys.stderr)
         if isinstance(error, OSError):
             _close_output()
@@ -55,27 +53,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
 LACKING = "this command needs {}, which is not installed: python -m pip install '.[study]' in a clone of the repository"
 
 
+WITH_PYAMG = ("adapt", "bound", "certify", "check", "controls", "export", "present", "run", "seeds", "show")
+"""Modules of commands that import pyamg, directly or through others."""
 STRIPPED = (
-    "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them ({}): "
+    "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them: "
     "run python or python -O"
 )
 
 
 def _command_module(name: str) -> ModuleType:
-    """Imports the module of a command.
+    """Return the module of a command.
 
     Raises:
-        ImportError: a package cannot be imported, as ``python -OO`` has removed its docstrings.
+        ImportError: the command needs pyamg, and Python was started with -OO.
     """
-    try:
-        return imported(f"study.cli.{name}")
-    except TypeError as error:
-        if sys.flags.optimize < 2:
-            raise
-        raise ImportError(STRIPPED.format(error)) from error
+    if sys.flags.optimize >= 2 and name in WITH_PYAMG:
+        raise ImportError(STRIPPED)
+    return importlib.import_module(f"study.cli.{name}")
 
 
 def _close_output() -> None:
-    """Let what is left of the output go nowhere: at the end it could not be written either."""
+    """Discard the rest of the output, which Python would fail to write at its end."""
     with open(os.devnull, "w") as nowhere:
         os.dup2(nowhere.fileno(), 1)

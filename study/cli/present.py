@@ -5,19 +5,19 @@ from __future__ import annotations
 import argparse
 
 from study.cli.common import check_jobs, draw, listed
-from study.cli.exits import OK
-from study.ledger.terminal import folded
+from study.cli.options import OK
+from study.ledger.text import folded
 from study.present.figures import drawings
 from study.present.report import write_report
 from study.present.tables import write_tables
+from study.run.executor import Processes
 from study.run.judgement import claims_file, judge
-from study.run.processes import Processes
 from study.run.provenance import read_provenance
 from study.run.store import Store
 
 
 def do_tables(options: argparse.Namespace) -> int:
-    """``study tables``: the verdicts and what shows them."""
+    """Judge the data and write the tables."""
     read_provenance(options.out)
     with Store(options.out).steady():
         judge(options.out)
@@ -26,14 +26,14 @@ def do_tables(options: argparse.Namespace) -> int:
 
 
 def do_report(options: argparse.Namespace) -> int:
-    """``study report``."""
+    """Write the report page."""
     with Store(options.out).steady():
         print(write_report(options.out, read_provenance(options.out)))
     return OK
 
 
 def do_figures(options: argparse.Namespace) -> int:
-    """``study figures``."""
+    """Draw all figures."""
     check_jobs(options.jobs)
     read_provenance(options.out)
     with Processes(options.jobs) as executor, Store(options.out).steady():

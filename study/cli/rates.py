@@ -4,68 +4,95 @@ from __future__ import annotations
 
 import argparse
 import json
+import math
 import sys
 from dataclasses import asdict
 from pathlib import Path
 
-from study.cli.exits import OK
+from study.cli.options import OK, USAGE
 from study.ledger.files import write_text
 from study.orders import OrderError, observed_orders
-from study.orders.columns import choose
-from study.orders.reading import MAX_BYTES, read_tables
-from study.orders.report import Found, as_json, as_junit, as_markdown, as_text, exit_code
-from study.orders.values import GridConvergence, grid_convergence
+from study.orders.columns import Options, Series, read_series
+from study.orders.reading import MAX_BYTES
+from study.orders.report import Judged, as_json, as_junit, as_markdown, as_text, exit_code, plot
+from study.orders.sequences import OrderResult
+from study.orders.values import grid_convergence
 
 
 def do_rates(options: argparse.Namespace) -> int:
-    """``study rates``."""
-    expected, at_least = _wishes(options.expected), _wishes(options.at_least)
-    columns = options.columns.split(",") if options.columns else None
-    if options.dim is not None and not 1 <= options.dim <= 3:
-        raise OrderError(f"--dim must be 1, 2 or 3, got {options.dim}")
-    found: list[Found] = []
-    indices: dict[str, GridConvergence] = {}
-    if options.values and (expected or at_least):
-        raise OrderError("--values has no errors to judge: leave out --expected and --at-least")
+    """``study rates``: 0 all orders hold or none is expected, 1 one fails, 2 input is not understood, 3 undecided."""
     try:
-        for table in read_tables(_read(options.file)):
-            series = choose(table, options.dim, options.size, options.ratio, columns, signed=options.values)
-            if options.values:
-                indices |= {name: grid_convergence(series.h, values) for name, values in series.errors.items()}
-                continue
-            reports = []
-            for name, errors in series.errors.items():
-                wanted, least = _of(expected, name), _of(at_least, name)
-                reports.append(observed_orders(series.h, errors, wanted, least, options.tolerance, name))
-            found.append((series, reports))
+        return _rates(options)
+    except OrderError as error:
+        # Here, as the refusals of other commands import packages that ``[orders]`` does not install.
+        print(f"study: {error}", file=sys.stderr)
+        return USAGE
+
+
+def _rates(options: argparse.Namespace) -> int:
+    judging = {name: getattr(options, name) for name in ("expected", "at_least", "junit", "markdown", "plot")}
+    given = [f"--{name.replace('_', '-')}" for name, value in judging.items() if value is not None]
+    if options.values and given:
+        raise OrderError(f"--values has no errors to judge: leave out {', '.join(given)}")
+    columns = tuple(options.columns.split(",")) if options.columns else ()
+    reading = Options(options.dim, options.size, options.ratio, columns, signed=options.values)
+    try:
+        tables = read_series(_read(options.file), reading)
+        judged = [] if options.values else _judged(tables, options)
     except OrderError as error:
         raise OrderError(f"{options.file}: {error}") from None
     if options.values:
-        print(_values(indices, options.json))
+        print(_values(tables, options.json))
         return OK
-    names = {column.name for _, reports in found for column in reports}
-    for name in {*expected, *at_least} - {"", *names}:
-        raise OrderError(f"an order is expected of {name}, but the columns of errors are {', '.join(sorted(names))}")
-    print(json.dumps(as_json(found), indent=2) if options.json else as_text(found))
+    if options.plot:
+        plot(judged, options.plot)
     if options.junit:
-        write_text(options.junit, as_junit(found))
+        write_text(options.junit, as_junit(judged))
     if options.markdown:
-        write_text(options.markdown, as_markdown(found) + "\n")
-    return exit_code(found)
+        write_text(options.markdown, as_markdown(judged))
+    print(json.dumps(as_json(judged), indent=2, ensure_ascii=False) if options.json else as_text(judged))
+    return exit_code(judged)
 
 
-def _values(indices: dict[str, GridConvergence], as_json: bool) -> str:
+def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
+    """The results of all columns; an expectation is found by the column's name with its case, its name, or its case."""
+    wishes = [
+        wish if isinstance(wish, dict) else {} if wish is None else {"": wish}
+        for wish in (options.expected, options.at_least)
+    ]
+    used: set[str] = set()
+
+    def result(series: Series, name: str, errors: list[float]) -> OrderResult:
+        full = f"{name} ({series.label})" if series.label else name
+        keys = (full, name, series.label, "")
+        used.update(keys)
+        expected, at_least = (next((wish[key] for key in keys if key in wish), None) for wish in wishes)
+        return observed_orders(series.h, errors, expected, at_least, options.tolerance, full)
+
+    judged = [(series, [result(series, *column) for column in series.errors.items()]) for series in tables]
+    if unknown := {name for wish in wishes for name in wish} - used:
+        names = ", ".join(result.name for _, results in judged for result in results)
+        raise OrderError(f"an order is expected of {', '.join(sorted(unknown))}, but the columns of errors are {names}")
+    return judged
+
+
+def _values(tables: list[Series], as_json: bool) -> str:
     """Order, extrapolated value and grid convergence index of each quantity."""
+    found = {
+        f"{name} ({series.label})" if series.label else name: grid_convergence(series.h, values)
+        for series in tables
+        for name, values in series.errors.items()
+    }
     if as_json:
-        entries = [{"name": name} | asdict(found) for name, found in indices.items()]
-        return json.dumps(
-            [{key: None if value != value else value for key, value in e.items()} for e in entries], indent=2
-        )
+        entries = [{"name": name} | asdict(result) for name, result in found.items()]
+        finite = [{key: None if value != value else value for key, value in entry.items()} for entry in entries]
+        return json.dumps(finite, indent=2, ensure_ascii=False)
     lines = []
-    for name, found in indices.items():
-        line = f"{name}: {found.kind}"
-        if found.extrapolated == found.extrapolated:
-            line += f", order {found.order:.2f}, extrapolated {found.extrapolated:.6g}, GCI {found.index:.2%} on the finest mesh"  # noqa: E501
+    for name, result in found.items():
+        line = f"{name}: {result.kind}"
+        if math.isfinite(result.order) and math.isfinite(result.extrapolated):
+            line += f", order {result.order:.2f}, extrapolated {result.extrapolated:.6g}"
+            line += f", GCI {result.index:.2%} on the finest mesh" if math.isfinite(result.index) else ""
         lines.append(line)
     return "\n".join(lines)
 
@@ -80,12 +107,3 @@ def _read(file: Path) -> bytes:
         raise OrderError("there is no file of this name")
     with file.open("rb") as stream:
         return stream.read(MAX_BYTES + 1)
-
-
-def _wishes(wanted: float | dict[str, float] | None) -> dict[str, float]:
-    """Name ↦ order; the empty name stands for all columns."""
-    return wanted if isinstance(wanted, dict) else {} if wanted is None else {"": wanted}
-
-
-def _of(wishes: dict[str, float], name: str) -> float | None:
-    return wishes.get(name, wishes.get(""))

@@ -1,4 +1,4 @@
-"""What is said, without a traceback, when a command cannot do what it was asked."""
+"""Exit codes and messages, without a traceback, for errors that end a command."""
 
 from __future__ import annotations
 
@@ -10,13 +10,12 @@ from manufactured.data import LoadError
 from manufactured.law import LawError
 from manufactured.self_proof import SelfProofError
 from manufactured.symbols import FormulaError
-from study.bound.moduli import BoundError
-from study.cli.exits import FAILED, USAGE
+from study.bound.problem import BoundError
+from study.cli.options import FAILED, USAGE
 from study.fem.gauge import NormError
 from study.fem.mesh import MeshError
 from study.ledger.datafiles import DataError
-from study.ledger.errors import JobsError, UsageError
-from study.ledger.files import StoreError, disk_full
+from study.ledger.files import JobsError, StoreError, UsageError, disk_full
 from study.ledger.orders import RatesError
 from study.orders import OrderError
 
@@ -33,8 +32,8 @@ KILLED = (
 OUT_OF_MEMORY = "there is not enough memory for this: take coarser levels, fewer --jobs, or a machine with more"
 
 
-def answer(error: Exception) -> tuple[int, str]:
-    """The exit code and what to print; an error that is none of ours is raised again."""
+def exit_code_and_message(error: Exception) -> tuple[int, str]:
+    """Return the exit code and the message of an error; an error of another kind is raised again."""
     if isinstance(error, REFUSALS):
         return USAGE, str(error)
     if isinstance(error, JobsError):

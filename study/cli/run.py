@@ -3,49 +3,49 @@
 from __future__ import annotations
 
 import argparse
+import shlex
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from study.cli.common import check_jobs, draw, listed, measure
-from study.cli.exits import FAILED, OK
-from study.cli.typed import run_line
+from study.cli.common import check_jobs, draw, listed, progress_bar
+from study.cli.options import FAILED, OK
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
-from study.ledger.terminal import folded
-from study.ledger.verdict import Verdict, all_pass
+from study.ledger.text import folded
+from study.ledger.verdict import all_pass
 from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
 from study.run.cluster import connected
-from study.run.execute import Pool, refuse_too_large, unfinished
+from study.run.executor import Pool, Processes, execute, refuse_too_large, unfinished
 from study.run.judgement import judge
 from study.run.plan import Plan, full, quick
-from study.run.processes import Processes
-from study.run.provenance import read_provenance
+from study.run.provenance import read_provenance, refuse_to_replace
+from study.run.results import collect
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
 from study.statements.own_cases import TRY, enough, finer, least_levels
 from study.statements.shared.scope import Levels, Scope
 
 PLACES = {"quick": Path("results/quick"), "full": Path("results")}
-"""Where a run of a plan goes unless it is told."""
+"""Default directories of the quick and the full study."""
 
 
 def do_run(options: argparse.Namespace) -> int:
-    """``study run``: refuse bad input, compute, write data, judge, present."""
+    """Refuse bad input, measure, write data, judge, write tables, draw figures; 0 if every claim holds."""
     choose("scheme", options.scheme, SCHEMES)
     check_jobs(options.jobs)
-    scope = chosen(options)
+    scope = scope_from_options(options)
     scope.check()
     warn_of_few_levels(scope)
     store = Store(options.out or PLACES[options.plan])
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)
-    # More processes than there is work would only be started.
+    # No more processes than there are jobs and cases.
     with (
         Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
         _pool(options.cluster, plan, processes) as pool,
@@ -54,11 +54,10 @@ def do_run(options: argparse.Namespace) -> int:
         plan.check(processes.map)
         with store.locked():
             measure(plan, store, pool)
-            # Neither verdicts nor figures wait for the other.
-            judged = processes.submit(concluded, store.directory)
-            # Drawing all takes as long as a third of the quick study.
+            verdicts = judge(store.directory)
+            tables = write_tables(store.directory)
+            # The figures of all cases would take a third of the time of the quick study.
             drawn = draw(store.directory, processes, drawings if options.case else overview)
-            verdicts, tables = judged.result()
     data = "rates.csv, equivalence.csv, claims.csv, cases.csv, provenance.json, pictures/"
     print(f"\n{folded(f'data: {store.data}/{data}')}")
     print(folded(f"written: {listed([*tables, *drawn])}"))
@@ -69,13 +68,18 @@ def do_run(options: argparse.Namespace) -> int:
     return OK if all_pass(verdicts) else FAILED
 
 
-def concluded(directory: Path) -> tuple[list[Verdict], list[Path]]:
-    """Judge the data, and show it in tables: the verdicts, and the files of the tables."""
-    return judge(directory), write_tables(directory)
+def measure(plan: Plan, store: Store, pool: Pool) -> None:
+    """Run the jobs of a plan that a directory lacks, and write its data files."""
+    refuse_to_replace(plan, store.directory)
+    store.check()
+    with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
+        bar.set_description(f"{len(plan.jobs)} jobs")
+        execute(plan.jobs, store, pool, lambda cost: bar.update(round(cost)))
+        collect(plan, store)
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:
-    """A scope with the levels that a directory has of its cases, where it asks for others beside them."""
+    """Return a scope with the levels that a directory already has of its cases, if the scope adds others."""
     if not (directory / "data" / "provenance.json").exists():
         return scope
     planned = read_provenance(directory)["planned"]
@@ -101,20 +105,20 @@ def with_levels_of(directory: Path, scope: Scope) -> Scope:
 
 
 def spaced(levels: Iterable[int]) -> str:
-    """Levels in order."""
+    """Return levels as text, in increasing order."""
     return " ".join(map(str, sorted(levels)))
 
 
 def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) -> str:
-    """The same command on finer meshes, into a directory beside."""
+    """Return the command line of the same run on finer meshes, into a second directory."""
     cases = scope.resolved()
     dim = max(case.solution.body.dim for case in cases)
     levels = finer(sorted({level for case in cases for level in scope.levels_of(case).all}), dim)
-    return run_line(options, levels, directory.with_name(f"{directory.name}-finer"))
+    return command_line(options, levels, directory.with_name(f"{directory.name}-finer"))
 
 
 def warn_of_few_levels(scope: Scope) -> None:
-    """Say beforehand where there are too few levels to decide anything about orders."""
+    """Print which cases have too few levels to decide about an observed order."""
     for case in scope.resolved():
         needed, given = least_levels(case.proposition), scope.levels_of(case).all
         if len(given) < needed:
@@ -126,15 +130,15 @@ def warn_of_few_levels(scope: Scope) -> None:
             )
 
 
-def chosen(options: argparse.Namespace) -> Scope:
-    """The quick or the full study, or what the options make of it."""
+def scope_from_options(options: argparse.Namespace) -> Scope:
+    """Return the scope of the quick or the full study, restricted by the options."""
     study = {"quick": quick, "full": full}[options.plan]()
-    scope = replace(study, scheme=options.scheme, k=options.step, command=run_line(options))
+    scope = replace(study, scheme=options.scheme, k=options.step, command=command_line(options))
     if options.case:
         scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
-        # The interior point method is for small problems, whatever the levels of the others.
+        # The interior-point method solves small problems only.
         plane, solid = ([n for n in options.levels if n <= most] for most in (16, 6))
         scope = replace(
             scope,
@@ -146,6 +150,18 @@ def chosen(options: argparse.Namespace) -> Scope:
             solid_equivalence=tuple(solid[:1]) or scope.solid_equivalence,
         )
     return scope
+
+
+def command_line(options: argparse.Namespace, levels: Sequence[int] | None = None, out: Path | None = None) -> str:
+    """Return the command line of ``study run`` with some options, with other levels or another directory if given."""
+    words = ["study", "run", *(["--full"] if options.plan == "full" else [])]
+    words += ["--case", *options.case] if options.case else []
+    levels = levels or options.levels
+    words += ["--levels", *map(str, levels)] if levels else []
+    words += ["--scheme", options.scheme] if options.scheme != "midpoint" else []
+    words += ["--step", f"{options.step:g}"] if options.step is not None else []
+    words += ["--out", str(out)] if out else []
+    return shlex.join(words)
 
 
 def _pool(cluster: str | None, plan: Plan, processes: Processes) -> AbstractContextManager[Pool]:

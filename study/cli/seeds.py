@@ -1,4 +1,4 @@
-"""``study seeds``: judge what the ledger claims on fresh random meshes, and add what was found to the record."""
+"""``study seeds``: judge the claims of the ledger on fresh random meshes, and add the results to the record."""
 
 from __future__ import annotations
 
@@ -13,45 +13,44 @@ from pathlib import Path
 from tqdm import tqdm
 
 from study.cli.common import check_jobs, progress_bar
-from study.cli.exits import FAILED, OK
+from study.cli.options import FAILED, OK
 from study.controls.alarms import tally, text, verdict, write_seeds
 from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
 from study.fem.naming import family_named
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.ledger.verdict import HOLDS, REPORTED, Verdict
-from study.run.collect import collect
-from study.run.execute import Pool, execute
+from study.run.executor import Pool, Processes, execute
 from study.run.judgement import judge
 from study.run.plan import Plan
-from study.run.processes import Processes
+from study.run.results import collect
 from study.run.store import Store
 
 BITS = 62
-"""Of a seed: no two that are drawn are the same, and 64-bit integers of other programs hold them."""
+"""Bits of a seed: seeds do not repeat, and 64-bit integers of other programs hold them."""
 
 
 class TimeIsUpError(Exception):
-    """The time that was asked for is over; what is measured is kept."""
+    """The time of ``--minutes`` is over; finished measurements are stored."""
 
 
 @dataclass(frozen=True)
 class Watch:
-    """Shows progress, and ends the work when its time is up."""
+    """Shows progress, and stops when the time is over."""
 
     bar: tqdm
     end: float
 
     def __call__(self, cost: float) -> None:
-        """A job has ended, and is kept."""
+        """Called after each job; raises TimeIsUpError when the time is over."""
         self.bar.update(round(cost))
         if time.monotonic() >= self.end:
             raise TimeIsUpError
 
 
 def do_seeds(options: argparse.Namespace) -> int:
-    """``study seeds``: as many fresh seeds as the time allows, or one again."""
+    """Judge as many fresh seeds as the time allows, or one seed again; 0 if the false-alarm rate is small enough."""
     check_jobs(options.jobs)
     if options.minutes < 0:
         raise UsageError(
@@ -82,7 +81,7 @@ def do_seeds(options: argparse.Namespace) -> int:
 
 
 def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
-    """Judge at most so many seeds until the time is up: first the one that was begun, then others as they are drawn."""
+    """Judge at most so many seeds until the time is over, first an unfinished one."""
     done = 0
     while done < most and time.monotonic() < end:
         done += 1
@@ -90,7 +89,7 @@ def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
         draw = record.pending()
         if draw is None:
             draw = Draw(secrets.randbits(BITS), LIGHT if (len(record.draws) + 1) % EVERY else WHOLE)
-            # Before anything is known of it: no seed that was drawn can be left out.
+            # Recorded before it is judged, so that no seed can be left out afterwards.
             record = record.drawn(draw.seed, draw.part)
             record.write(directory)
         store, plan = _store(directory, draw.seed), seeded(draw.seed, draw.part)
@@ -109,10 +108,10 @@ def _store(directory: Path, seed: int) -> Store:
 
 
 def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[Verdict]:
-    """Measure what is missing and judge all of it.
+    """Run the missing jobs of a plan and return its verdicts.
 
     Raises:
-        TimeIsUpError: before all is measured.
+        TimeIsUpError: the time is over before all jobs are finished.
     """
     with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
         bar.set_description(name)
@@ -122,7 +121,7 @@ def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[
 
 
 def _again(seed: int, directory: Path, pool: Pool) -> int:
-    """One seed, whole: what it says, and whether the record says the same."""
+    """Measure one seed again, print its failures and compare it with the record."""
     store, plan = _store(directory, seed), seeded(seed)
     found = judged(plan, store, pool, f"seed {seed}", float("inf"))
     record, known = Record.read(directory), rules(store.directory, plan, plan)
@@ -138,7 +137,7 @@ def _again(seed: int, directory: Path, pool: Pool) -> int:
 
 
 def _beside(record: Record, seed: int, rows: Sequence[Verdict], known: dict[tuple[str, str, str], str]) -> str:
-    """Whether the record has the same places for a seed."""
+    """Return whether the record has the same places for a seed, in words."""
     if all(draw.seed != seed for draw in record.draws):
         return "the record does not have this seed"
     same, other = record.agreement(seed, rows, known)

@@ -1,4 +1,4 @@
-"""``study show``: solve once, draw, write for ParaView."""
+"""``study show``: solve a case on one mesh, draw it, write files for ParaView."""
 
 from __future__ import annotations
 
@@ -6,17 +6,17 @@ import argparse
 
 from manufactured.self_proof import prove
 from study.cli.common import listed, progress_bar
-from study.cli.exits import OK
+from study.cli.options import OK
 from study.fem.naming import resolve
-from study.ledger.errors import UsageError
-from study.ledger.terminal import folded
+from study.ledger.files import UsageError
+from study.ledger.text import folded
 from study.present.show import count_images, draw_show
 from study.run.showcase import LEVELS, STEPS, affordable_family, solve_showcase
 from study.run.store import Store
 
 
 def do_show(options: argparse.Namespace) -> int:
-    """``study show``: solve once, draw, write for ParaView."""
+    """Solve a case on one mesh, draw it, write files for ParaView."""
     case = resolve(options.case)
     level = LEVELS[case.solution.body.dim] if options.level is None else options.level
     if level < 2:

@@ -17,19 +17,15 @@ from study.fem.naming import family_named, resolve
 from study.ledger.verdict import REPORTED, Verdict
 from study.solve.steps import rate_steps, stress_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.contact_force.judge import ContactForce
-from study.statements.contact_force.measure import measure_contact
+from study.statements import thm_4_2_own_space as own
+from study.statements.contact_force import ContactForce, measure_contact
+from study.statements.from_rates import SizeOfInterpolation
 from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4.experiment import Experiment
-from study.statements.prop_5_4.from_rates import SizeOfInterpolation
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.measure import measure
+from study.statements.prop_5_4 import FirstOrder, measure
 from study.statements.shared.base import ListedNumbers, Setting
-from study.statements.thm_4_2 import stress_errors as own
-from study.statements.thm_4_2.gaps import gaps
-from study.statements.thm_4_2.own_space import OwnSpace
-from study.statements.thm_4_2.same_mesh import SameMesh
-from study.statements.thm_4_2.stands_alone import Sides, StandsAlone, independence
+from study.statements.shared.experiment import Experiment
+from study.statements.thm_4_2 import SameMesh, Sides, StandsAlone, gaps, independence
+from study.statements.thm_4_2_own_space import OwnSpace
 
 S = TypeVar("S")
 
@@ -167,7 +163,7 @@ class StressSweep:
         for level in self.levels:
             steps = stress_steps(case.solution.body.T, level, case.pace)
             setup = defect(own.StressExperiment.of(case.solution, family, level, steps))
-            rows.append(own.row(setup, case.name, family.name, level))
+            rows.append({"case": case.name, "family": family.name, "level": level, **own.measure(setup)})
         return [verdict for verdict in OwnSpace().judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
 
 

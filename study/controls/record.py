@@ -28,10 +28,9 @@ import pandas as pd
 from manufactured.tensors import Array
 from study.ledger.datafiles import DataError, read_table, table_text, write_csv
 from study.ledger.files import write_packed
-from study.ledger.margin import worst
-from study.ledger.verdict import HOLDS, Verdict
+from study.ledger.verdict import HOLDS, Verdict, worst
 from study.ledger.window import SMALL
-from study.statements.prop_5_4.judge import errors
+from study.statements.prop_5_4 import error_orders
 
 DIGITS = ascii_letters + digits + "+-"
 NONE = ".."
@@ -46,7 +45,7 @@ RowKey = tuple[str, str, str]
 Known = tuple[str, str, str, str]
 """(label, key, case, rule)."""
 MADE = "study seeds"
-INTERVALS = {criterion.key for criterion in errors(1.0) if criterion.spread is not None}
+INTERVALS = {criterion.key for criterion in error_orders(1.0) if criterion.spread is not None}
 """Rows whose range is an interval for the observed value, and has a window of its own."""
 DRAWN = ["seed", "part", "rules", "judged", "alarms"]
 PLACES = ["label", "key", "case", "rule", "window_low", "window_high", "places"]

@@ -9,8 +9,8 @@ import numpy as np
 from study.controls.alarms import newest, tally
 from study.controls.record import Record, fingerprint, unpacked
 from study.controls.seeded import claimed
+from study.ledger.compare import difference
 from study.ledger.datafiles import DataError, table_text
-from study.ledger.differing import difference
 
 FITTED = frozenset({"rate_low", "rate_high", "rate_tail", "fit"})
 """Columns of ``seeds.csv`` whose last digits depend on the machine, as they are found by iteration."""

@@ -26,7 +26,7 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.growing_errors import projection
 from study.statements.shared.eigen import mass
-from study.statements.thm_4_2.stands_alone import Derived
+from study.statements.thm_4_2 import Derived
 
 Function = Callable[..., Any]
 

@@ -20,8 +20,7 @@ from study.controls import table
 from study.controls.baselines import Baseline
 from study.controls.control import Control
 from study.ledger.files import write_text
-from study.ledger.rounding import cell
-from study.ledger.terminal import is_narrow
+from study.ledger.text import cell, is_narrow
 from study.ledger.verdict import FAILS, HOLDS, Verdict
 from study.run.fingerprint import of_everything
 from study.run.store import Store

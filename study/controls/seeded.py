@@ -12,20 +12,19 @@ from dataclasses import dataclass, fields, replace
 from manufactured.case import Case
 from study.fem.mesh import MeshFamily, Shaken
 from study.fem.naming import family_named
-from study.run.job import Job
-from study.run.plan import Plan, full, quick
+from study.run.plan import Job, Plan, full, quick
 from study.statements import STATEMENTS
-from study.statements.enclosure.courses import Bounds
+from study.statements.enclosure import Bounds
 from study.statements.interpolation import InterpolationOnContact
-from study.statements.other_codes.judge import OtherCodes
+from study.statements.other_codes import OtherCodes
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.recomputed.judge import Recomputed
+from study.statements.prop_5_4 import FirstOrder
+from study.statements.recomputed import Recomputed
 from study.statements.shared.base import Setting, Statement, grid
-from study.statements.shared.random_meshes import is_random
+from study.statements.shared.meshes import is_random
 from study.statements.shared.scope import Scope
-from study.statements.thm_4_2.own_space import OwnSpace
+from study.statements.thm_4_2_own_space import OwnSpace
 
 WHOLE, LIGHT = "whole", "light"
 """The parts of the plan: all of it, and what costs little."""

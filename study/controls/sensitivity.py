@@ -25,11 +25,10 @@ from study.ledger.datafiles import CsvFile, Row, write_csv
 from study.ledger.verdict import FAILS
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
-from study.statements.recomputed.judge import TRAJECTORIES, Recomputed
-from study.statements.recomputed.measure import gaps, same_load
-from study.statements.recomputed.plain import Course, PlainProblem
+from study.statements.recomputed import TRAJECTORIES, Recomputed, gaps
+from study.statements.recomputed_solver import PlainProblem, Trajectory
 from study.statements.shared.base import Setting, grid
+from study.statements.shared.experiment import Experiment
 
 LEAST, MOST = 1e-12, 1.0
 """Amounts between which the smallest is looked for."""
@@ -52,8 +51,8 @@ class Place:
     setting: Setting
     setup: Experiment
     plain: PlainProblem
-    course: Course
-    alike: Course
+    course: Trajectory
+    alike: Trajectory
 
     @classmethod
     def of(cls, setting: Setting) -> Place:
@@ -63,12 +62,12 @@ class Place:
         setup = Experiment.of(case.solution, family_named(setting.family), setting.level, MIDPOINT, steps)
         setup = replace(setup, problem=replace(setup.problem, load=cache(setup.problem.load)))
         plain = PlainProblem(setup.solution, setup.space.mesh)
-        return cls(setting, setup, plain, *plain.courses(2 * steps, plain.load, setup.problem.load))
+        return cls(setting, setup, plain, *plain.trajectories(2 * steps, plain.load, setup.problem.load))
 
     def failing(self, setup: Experiment) -> list[str]:
         """The keys of rows that fail."""
         right = setup.problem.load is self.setup.problem.load
-        alike = self.alike if right else same_load(setup, self.plain)
+        alike = self.alike if right else self.plain.trajectories(2 * setup.steps, setup.problem.load)[0]
         row = {**vars(self.setting), "h": setup.space.h, **gaps(setup, self.plain, self.course, alike)}
         table = {self.setting.family: pd.DataFrame([row])}
         verdicts = [rule.verdict(Recomputed(), self.setting.case, table) for rule in TRAJECTORIES]

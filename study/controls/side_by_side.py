@@ -14,15 +14,12 @@ from study.ledger.verdict import REPORTED, Verdict
 from study.run.judgement import beside
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.enclosure.bound_rows import measure as bounded
-from study.statements.enclosure.bound_rows import posed
-from study.statements.enclosure.courses import Bounds, BoundSetting
-from study.statements.prop_5_4.experiment import Experiment
-from study.statements.prop_5_4.from_rates import Turned
-from study.statements.prop_5_4.measure import measure
-from study.statements.prop_5_4.sweep import RATES
-from study.statements.recomputed.judge import Recomputed
-from study.statements.recomputed.measure import recompute
+from study.statements.enclosure import Bounds, BoundSetting, posed
+from study.statements.enclosure import measure as bounded
+from study.statements.from_rates import Turned
+from study.statements.prop_5_4 import RATES, measure
+from study.statements.recomputed import Recomputed, recompute
+from study.statements.shared.experiment import Experiment
 
 Defect = Callable[[Experiment], Experiment]
 

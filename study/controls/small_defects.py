@@ -16,7 +16,7 @@ from study.controls.replacements import forces_times, solving
 from study.fem.gauge import Gauge
 from study.fem.independent import work_on
 from study.fem.material import means
-from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.experiment import Experiment
 
 
 @dataclass(frozen=True)

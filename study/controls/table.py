@@ -24,8 +24,7 @@ from study.statements.advancing_front import AdvancingFront
 from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
 from study.statements.constraint import Interpolant, VertexConstraint
-from study.statements.enclosure.courses import by_midpoint
-from study.statements.enclosure.inside import BoundedError, EnclosedError
+from study.statements.enclosure import BoundedError, EnclosedError, by_midpoint
 from study.statements.error_bounds import ErrorBounds
 from study.statements.green import Green
 from study.statements.growing_errors import GrowingErrors
@@ -36,15 +35,15 @@ from study.statements.lipschitz import Lipschitz
 from study.statements.no_potential import NoPotential
 from study.statements.nodal_start import NodalStart
 from study.statements.norms_in_time import LoadInTime, TractionInTime
-from study.statements.parting import Parting
 from study.statements.residual import Residual
 from study.statements.residual_bound import ResidualBound
 from study.statements.resolvent import Resolvent
 from study.statements.separation import Separation
 from study.statements.shared import eigen
+from study.statements.solution_divergence import SolutionDivergence
 from study.statements.steps_of_the_estimate import StepsOfTheEstimate
 from study.statements.superclose import Superclose
-from study.statements.thm_4_2.gaps import Gaps
+from study.statements.thm_4_2 import Gaps
 from study.statements.uniqueness import OneStress, OneTrajectory
 from study.statements.wellposed import BoundedVelocity, Dependence
 
@@ -101,7 +100,10 @@ APART, MONOTONE = (
 )
 LOADS = on(LoadInTime(), "lift-and-land", "unstructured", 4, 8)
 TRACTION, LOGARITHM = (on(TractionInTime(), case, "one-diagonal", 8, 16, 32) for case in ("advance-recede", "junction"))
-AT_REST, PARTING = on(ResidualBound(), "full-contact", "unstructured", 8), on(Parting(), "softening", "shaken", 4)
+AT_REST, PARTING = (
+    on(ResidualBound(), "full-contact", "unstructured", 8),
+    on(SolutionDivergence(), "softening", "shaken", 4),
+)
 GROWING, ADVANCING = (
     on(GrowingErrors(), "softening", "unstructured", 4),
     on(AdvancingFront(), "natural-motion", "unstructured", 6, 12, 24),
@@ -112,8 +114,8 @@ NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
 # Places that are replaced more than once.
 
 SOLVER, LOAD, START, DISTANCE = "problem.solver", "problem.load", "problem.u0", "gauge.distance"
-MEASURE, OWN_ERRORS = "statements.prop_5_4.measure:Measurement", "statements.thm_4_2.stress_errors"
-PLAIN, KNOWN_ERROR = "statements.recomputed.plain:PlainProblem", "statements.enclosure.bound_rows:known_error"
+MEASURE, OWN_ERRORS = "statements.prop_5_4:Measurement", "statements.thm_4_2_own_space"
+PLAIN, KNOWN_ERROR = "statements.recomputed_solver:PlainProblem", "statements.enclosure:known_error"
 DISCRETE, SAME_DISPLACEMENT, SAME_FORCES = (
     "discrete-order-superclose",
     "displacement-same-load",
@@ -201,7 +203,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("3.2: load late", "the load of the step before in 3.2", BOTH, "", wrong.stress_load_late, "admissibility"),
     Control("3.2: work late", "u of the step before in the work", BOTH, "", wrong.displacement_late, "energy"),
     Control("3.2: contact with gaps", "v_ν ≤ 0 at every other vertex in 3.2", BOTH, "", wrong.stress_gaps, "membership"),
-    Control("blind: comparison", "no distance of 3.2 and 3.1", BOTH, "statements.thm_4_2.stands_alone:gaps", wrong.returns(Gaps(*[0.0] * len(Gaps._fields))), "alone-displacement"),
+    Control("blind: comparison", "no distance of 3.2 and 3.1", BOTH, "statements.thm_4_2:gaps", wrong.returns(Gaps(*[0.0] * len(Gaps._fields))), "alone-displacement"),
     Control("blind: two problems", "3.1 beside itself", BOTH, "", wrong.compared_with_itself, "displacement"),
     Control("blind: companion of 3.2", "the run itself in place of that with 2k", OWN, f"{OWN_ERRORS}:StressExperiment.companion", wrong.every_other_state, "time-share"),
     Control("blind: admissibility", "nothing contradicts (2.4), (2.5)", OWN, f"{OWN_ERRORS}:inadmissible", wrong.returns(0.0), "admissible"),
@@ -292,7 +294,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("0.9 Π^h u̇", "0.9 Π^h u̇ for Π^h u̇", ESTIMATE, "steps_of_the_estimate:Energies.interpolated_rate", wrong.times(0.9), "5.15"),
     Control("no interpolant", "0 for Π^h u, but for its velocity", FROM_REST, "steps_of_the_estimate:Energies.interpolant", wrong.times(0.0), "5.18"),
     Control("cut off", "v_ν cut off at vertices for P", APART, "separation:projected", wrong.cut_off, "cone"),
-    Control("2A in τ̃", "2A ε(Pu − u) for A ε(Pu − u)", APART, "separation:Separated.separating", wrong.times(2.0), "gap"),
+    Control("2A in τ̃", "2A ε(Pu − u) for A ε(Pu − u)", APART, "separation:separating", wrong.times(2.0), "gap"),
     Control("reflected twice", "σ̃ − 2σ for 2σ − σ̃", APART, "separation:reflected", wrong.times(-1.0), "stresses"),
     Control("not reflected", "σ for 2σ − σ̃", APART, "separation:reflected", wrong.instead(lambda *given: given[0]), "refuted"),
     Control("foundation pulls", "μ ≤ 0 in Nᵀμ", MONOTONE, "resolvent:in_graph", wrong.result(lambda pair: (pair[0], -pair[1])), "normal-cone"),
@@ -309,13 +311,13 @@ CONTROLS: tuple[Control, ...] = (
     Control("other sign of z", "−A ε(z)", AT_REST, "residual_bound:prestress", wrong.times(-1.0), "rest"),
     Control("1.2 ‖R‖", "1.2 ‖R‖ for ‖R‖", AT_REST, "residual_bound:dual_norm", wrong.times(1.2), "prestress"),
     Control("0.5 ‖R‖", "0.5 ‖R‖ for ‖R‖", AT_REST, "residual_bound:dual_norm", wrong.times(0.5), "attained"),
-    Control("softening by a tenth", "1.1 G'(0) for G'(0), in the eigenvalue alone", PARTING, "parting:derivative", wrong.times(1.1), "rate"),
-    Control("backward Euler for midpoint", "growth by 1/(1 − z) for e^z", PARTING, "parting:MIDPOINT", wrong.instead(BACKWARD_EULER), "rate-even"),
-    Control("growth a tenth too fast", "1.1 ‖u − v‖ for ‖u − v‖", PARTING, "parting:quotients", wrong.times(1.1), "bound"),
-    Control("growth a tenth too slow", "0.9 ‖u − v‖ for ‖u − v‖", PARTING, "parting:quotients", wrong.times(0.9), "bound-even"),
+    Control("softening by a tenth", "1.1 G'(0) for G'(0), in the eigenvalue alone", PARTING, "solution_divergence:derivative", wrong.times(1.1), "rate"),
+    Control("backward Euler for midpoint", "growth by 1/(1 − z) for e^z", PARTING, "solution_divergence:MIDPOINT", wrong.instead(BACKWARD_EULER), "rate-even"),
+    Control("growth a tenth too fast", "1.1 ‖u − v‖ for ‖u − v‖", PARTING, "solution_divergence:quotients", wrong.times(1.1), "bound"),
+    Control("growth a tenth too slow", "0.9 ‖u − v‖ for ‖u − v‖", PARTING, "solution_divergence:quotients", wrong.times(0.9), "bound-even"),
     Control("f off by a tenth at a front", "0.9 f for f", ADVANCING, "advancing_front:load_from_forces", wrong.times(0.9), "order"),
     Control("squares of velocities", "‖u̇ − Π^h u̇‖² for its root", ADVANCING, "advancing_front:Velocity.interpolation_error", wrong.squared, "rate"),
-    Control("traction off by a tenth", "0.9 σ_ν for σ_ν in the linear problem", ADVANCING, "advancing_front:Traction.__call__", wrong.times(0.9), "excess"),
+    Control("traction off by a tenth", "0.9 σ_ν for σ_ν in the linear problem", ADVANCING, "advancing_front:pressure_load", wrong.times(0.9), "excess"),
     Control("blind: steps at a front", "one trajectory beside itself", ADVANCING, "", wrong.zeroed("time share"), "time"),
     Control("blind: a rule beside itself", "the finer rule for f_0 is no finer", ADVANCING, "advancing_front:RAISED", wrong.instead(2), "quadrature"),
     Control("P_h off by a tenth", "1.1 P_h u for P_h u", GROWING, "growing_errors:projection", wrong.times(1.1), "known"),
@@ -340,7 +342,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("again: multipliers", "1.2 λ beside the right u^h", AGAIN, SOLVER, wrong.forces_times(1.2), "multipliers"),
     Control("again: modulus", "λ of A larger by a millionth", AGAIN, "", by_amount("λ of A", 1e-6), SAME_DISPLACEMENT),
     Control("again: forces", "λ larger by a millionth beside the right u^h", AGAIN, "", by_amount("contact force λ", 1e-6), SAME_FORCES),
-    Control("bound without residual", "nothing for what the law misses", BOUND, "bound.equilibration:Equilibration.products", wrong.times(0.0), "above"),
+    Control("bound without residual", "nothing for what the law misses", BOUND, "bound.terms:Majorant.products", wrong.times(0.0), "above"),
     Control("enclosure: half the norm", "½ ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(0.5), "above"),
     Control("enclosure: twice the norm", "2 ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(2.0), "below"),
 

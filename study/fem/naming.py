@@ -22,7 +22,7 @@ from manufactured.natural_motion import natural_motion
 from manufactured.no_potential import no_potential
 from manufactured.problems import OpenProblem, problems
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, Shaken
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 
 SEED_DIGITS = 20
 """Digits of a seed of 64 bits; the seed is part of file names."""

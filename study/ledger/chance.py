@@ -1,10 +1,10 @@
-"""How often a row of the ledger that is true would not hold by chance: by count, and from the tail of its distribution.
+"""The false-alarm rate of a row of the ledger: by counting seeds, and from the tail of its distribution.
 
-A row lies at a *place* in its window: −1 and 1 are the ends of a window with two, (2v − low − high)/(high − low), and
-1 is the end of one that has only one, v/high or low/v. An alarm is a place beyond.
+A value v has a *place* in its window: (2v − low − high)/(high − low) in a window with two ends, which are −1 and 1;
+v/high or low/v in a window with one end, which is 1. A place beyond an end is an alarm.
 
-By count, the interval at 95 % is that of Clopper and Pearson. No alarm on 100 seeds only says that the rate is at most
-3.6 %, so that the tail is extrapolated as well:
+By count, the confidence interval at 95 % is that of Clopper and Pearson. No alarm on 100 seeds only shows that the rate
+is at most 3.6 %, so that the tail is extrapolated as well:
 
 * *normal*: for a sample with mean m and deviation s the place of one more seed lies beyond an end at the distance d
   from m with the probability P(t_{N−1} > d/(s √(1 + 1/N))), Student's, which counts that m and s are estimates. Taken
@@ -14,8 +14,8 @@ By count, the interval at 95 % is that of Clopper and Pearson. No alarm on 100 s
   estimation for the generalized Pareto distribution, Technometrics 29 (1987) 339–349). Bounded tails, as those of rows
   that a theorem bounds, and heavy ones are both among them. Kolmogorov and Smirnov's test says how well it fits.
 
-What does not vary from seed to seed cannot be red by chance. The rate of the whole ledger is at most the sum of those
-of its rows, however they depend on each other.
+A row that does not vary from seed to seed has no false alarms. The rate of the whole ledger is at most the sum of the
+rates of its rows, however they depend on each other.
 """
 
 from __future__ import annotations
@@ -32,20 +32,20 @@ from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 Array = NDArray[np.float64]
 CONFIDENCE = 0.95
 PROMISE = 0.01
-"""The rate of alarms of the whole ledger on a fresh seed that the gate must keep."""
+"""The largest false-alarm rate of the whole ledger on a fresh seed."""
 AGAINST = 0.01
-"""A fit whose test has a smaller p-value is none."""
+"""The least p-value of a fit that is accepted."""
 UPPER = 0.25
-"""The part of a sample that is its tail."""
+"""The fraction of a sample that is its tail."""
 FEWEST = 8
-"""With fewer seeds nothing is said of a tail."""
+"""The least number of seeds for a model of the tail."""
 SAME = 2e-3
-"""A spread of places that is none: twice what the record resolves."""
+"""A spread of places up to which they count as constant: twice the resolution of the record."""
 
 
 @cache
 def interval(alarms: int, judged: int) -> tuple[float, float]:
-    """The interval of Clopper and Pearson for a rate, at 95 %; (0, 1) if nothing was judged."""
+    """Return the interval of Clopper and Pearson for a rate, at 95 %; (0, 1) if nothing was judged."""
     if judged == 0:
         return 0.0, 1.0
     found = scipy.stats.binomtest(alarms, judged).proportion_ci(CONFIDENCE, method="exact")
@@ -59,7 +59,7 @@ class Tail:
     Attributes:
         model: normal, Pareto, constant, or none where there are too few seeds.
         rate: the probability of an alarm on one more seed.
-        fit: p-value of the test of the model; not a number without one.
+        fit: p-value of the test of the model; NaN without a model.
     """
 
     model: str
@@ -68,12 +68,12 @@ class Tail:
 
     @property
     def serves(self) -> bool:
-        """Whether there is a model that its test does not contradict."""
+        """Whether there is a model that its test accepts."""
         return self.model == "constant" or self.fit >= AGAINST
 
 
 def tail(places: Array, two_sided: bool) -> Tail:
-    """The model of a row from its places on some seeds, (n,)."""
+    """Return the model of a row from its places on n seeds, (n,)."""
     if len(places) < FEWEST or not np.isfinite(places).all():
         return Tail("none", float("nan"))
     if np.ptp(places) <= SAME:
@@ -87,14 +87,14 @@ def tail(places: Array, two_sided: bool) -> Tail:
 
 
 def normal(places: Array) -> float:
-    """The probability that one more normal place is larger than 1."""
+    """Return the probability that one more normal place is larger than 1."""
     n = len(places)
     distance = (1 - places.mean()) / (places.std(ddof=1) * np.sqrt(1 + 1 / n))
     return float(scipy.stats.t.sf(distance, n - 1))
 
 
 def pareto(places: Array) -> tuple[float, float]:
-    """The probability that one more place is larger than 1 by a Pareto tail, and the p-value of its test."""
+    """Return the probability, by a Pareto tail, that one more place is larger than 1, and the p-value of its test."""
     ordered = np.sort(places)
     most = max(FEWEST // 2, round(UPPER * len(places)))
     threshold = (ordered[-most - 1] + ordered[-most]) / 2
@@ -110,10 +110,10 @@ def pareto(places: Array) -> tuple[float, float]:
 
 
 def kept(least: float, by_tail: float) -> str:
-    """Whether the promise is kept, from the lower end of the rate by count and the rate by the tails.
+    """Return the verdict on the promised rate, from the lower end of the rate by count and the rate by the tails.
 
-    It fails if the count contradicts it, and is undecided while there is a row without a model of its tail, or where
-    the tails say more than is promised.
+    It fails if the count contradicts the promise. It is undecided if the tails give a larger rate, or if a row has no
+    model of its tail.
     """
     if least > PROMISE:
         return FAILS

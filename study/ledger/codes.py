@@ -1,7 +1,7 @@
-"""What other people's contact codes did on the exact solutions: ``codes/errors.csv`` and ``codes/classes.csv``.
+"""Results of other people's contact codes on the exact solutions: ``codes/errors.csv`` and ``codes/classes.csv``.
 
-No run makes these files: ``make codes`` does, where the codes are installed. They are read like the data of a run, and
-a statement is judged by them beside what it measures (``OtherErrors``).
+``make codes`` writes these files where the codes are installed. They are read like the data of a run, and a statement
+is judged by them together with its own measurements (``OtherErrors``).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ GRADES = ("exact for P1", "consistent", "stagnates", "wrong", "undecided")
 MADE = "make codes"
 AGAIN = f"make it again with `{MADE}`"
 FOLDER, MARCHES = "codes", "codes/march"
-"""Where the files of frozen problems are, and those of marches in time."""
+"""Folders of static problems and of marches in time."""
 FROZEN, MARCH = "frozen", "march"
 
 
@@ -41,7 +41,7 @@ class Codes:
 
     @classmethod
     def read(cls, directory: Path, folder: str = FOLDER) -> Codes | None:
-        """The data of a directory of results, None where there are none.
+        """Return the data in a directory of results; None if there are none.
 
         Raises:
             DataError: a file is missing, lacks a column, has no number where one belongs, or has a row twice.
@@ -52,11 +52,11 @@ class Codes:
         errors = _table(place / "errors.csv", ERRORS, ["series", "level"])
         classes = _table(place / "classes.csv", CLASSES, ["series"], empty=True)
         refuse_repeated(place / "classes.csv", classes, SERIES, AGAIN)
-        # Rows of a series that is not there keep their places, with nothing for its name.
+        # Rows of an unknown series stay, with empty names.
         return cls(errors.merge(classes[["series", *SERIES]], on="series", how="left"), classes)
 
     def series(self) -> pd.DataFrame:
-        """One row for each code, parameters, case and family: its class, and what is left on the finest mesh.
+        """Return one row for each code, parameters, case and family: its class, and quotients on the finest mesh.
 
         ``share``: distance from the solution in K^h over the discretisation error. ``excess``: error of the pressure
         over that of K^h.
@@ -68,7 +68,7 @@ class Codes:
         return found.assign(share=share, excess=excess).replace([np.inf, -np.inf], np.nan)
 
     def rows(self) -> pd.DataFrame:
-        """One row for each code with its parameters: what classes it got on how many series, and the worst of each.
+        """Return one row for each code with its parameters: the classes of its series, and the worst quotients.
 
         Columns: the key, ``classes`` as text, ``order_low``, ``order_high`` in V, the largest ``share``, ``excess`` and
         ``invariance``.
@@ -83,7 +83,7 @@ class Codes:
         return pd.DataFrame(found)
 
     def on_meshes(self) -> pd.DataFrame:
-        """``errors`` with version and class, and a row without numbers for each mesh that a code cannot express."""
+        """Return ``errors`` with version and class, and a row of NaN for each mesh that a code cannot express."""
         told = self.classes[[*SERIES, "version", "class"]]
         meshes = self.errors[MESH].drop_duplicates()
         left_out = told[told["class"] == NOT_EXPRESSED].merge(meshes, on=MESH[:2])
@@ -92,12 +92,12 @@ class Codes:
 
 @dataclass(frozen=True)
 class OtherErrors(CsvFile):
-    """Errors of frozen problems and of marches as a file that lies beside the rows of a statement."""
+    """Errors of other codes as a file that a statement is compared with."""
 
     label: str = ""
 
     def read(self, directory: Path) -> pd.DataFrame:
-        """``Codes.on_meshes`` with the mode and the label of the statement; nothing where there are no such data."""
+        """Return ``Codes.on_meshes`` with the mode and the label of the statement; an empty table without such data."""
         there = {FROZEN: Codes.read(directory, FOLDER), MARCH: Codes.read(directory, MARCHES)}
         found = [codes.on_meshes().assign(mode=mode, label=self.label) for mode, codes in there.items() if codes]
         return pd.concat(found, ignore_index=True)[[*self.columns]] if found else pd.DataFrame(columns=[*self.columns])

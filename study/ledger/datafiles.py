@@ -1,4 +1,4 @@
-"""The data files between measuring, judging and showing, read with clear errors and written whole."""
+"""The data files of a run: columns and keys, reading with errors that name file, line and column, writing."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interp
 RATES += ["time_share", "predicted_interpolation"]
 SEEDS = ["label", "key", "case", "since", "seeds", "alarms", "rate_low", "rate_high", "rate_tail", "claimed"]
 ALL_ROWS = "all claimed rows"
-"""The label of the lines of ``seeds.csv`` about all that is claimed."""
+"""The label of the lines of ``seeds.csv`` about all claimed rows together."""
 LEDGER = [field.name for field in fields(Verdict)]
 TEXT = {
     *SERIES,
@@ -60,15 +60,15 @@ TEXT = {
     "variant",
     "class",
 }
-"""Columns that hold words even where they look like numbers or are empty."""
+"""Columns of text, even if a cell looks like a number or is empty."""
 
 
 COMMANDS = {"controls.csv": "study controls", "seeds.csv": "study seeds"}
-"""What makes data files that no run makes."""
+"""Commands that write data files which ``study run`` does not write."""
 
 
 NO_TABLE = pd.errors.EmptyDataError, pd.errors.ParserError, UnicodeDecodeError, gzip.BadGzipFile, EOFError, zlib.error
-"""What reading raises of a file that is no table, or that gzip did not pack."""
+"""Errors of pandas and gzip for a file that is no table."""
 
 
 class DataError(ValueError):
@@ -76,10 +76,10 @@ class DataError(ValueError):
 
 
 def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFrame:
-    """The table ``directory/data/name`` of a run; otherwise as ``read_table``.
+    """Return the table ``directory/data/name`` of a run.
 
     Raises:
-        DataError: as there, or a column has words where numbers belong; the message names file, line and column.
+        DataError: as ``read_table``, or a column of numbers has words; the message names file, line and column.
     """
     command, path = COMMANDS.get(name), directory / "data" / name
     again = f"{command} --out {directory}" if command else made_by(directory)
@@ -90,7 +90,7 @@ def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFra
 
 
 def made_by(directory: Path) -> str:
-    """The command that made a directory, from its provenance; ``study run`` where that says none."""
+    """Return the command that made a directory, from its provenance; ``study run`` without one."""
     try:
         content = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))
         plain = "study run --full" if content.get("plan") == "full" else "study run"
@@ -101,9 +101,9 @@ def made_by(directory: Path) -> str:
 
 
 def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFrame:
-    """The table that a command has written to a path, with at least the given columns; empty text is "".
+    """Return the table that a command has written to a path, with at least some columns; empty text is "".
 
-    A path that ends in ``.gz`` is one that gzip packed.
+    A path that ends in ``.gz`` is uncompressed first.
 
     Raises:
         DataError: there is no such file, it is not a table, it ends within a line, or it lacks a column.
@@ -112,7 +112,7 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
         raise DataError(f"{path} is missing: make it with `{command}`")
     again = f"make it again with `{command}`"
     try:
-        # Only what is empty is no number: "nan" is a word, which no command writes.
+        # Only empty cells are NaN: no command writes the word "nan".
         kinds = dict.fromkeys(TEXT, str)
         content = path.read_bytes()
         content = gzip.decompress(content) if path.suffix == ".gz" else content
@@ -127,12 +127,12 @@ def read_table(path: Path, columns: Collection[str], command: str) -> pd.DataFra
 
 
 def line(row: int) -> int:
-    """The line of a data file in which a row stands, counted from 0 below the header."""
+    """Return the line of a data file that holds a row; rows are counted from 0."""
     return row + 2
 
 
 def refuse_words(path: Path, table: pd.DataFrame, columns: Collection[str], mend: str, empty: bool = False) -> None:
-    """DataError, which names line and column, where a column of numbers has none; ``empty`` cells may be allowed."""
+    """Raise DataError, with line and column, if a column has a cell that is no number; ``empty`` allows empty cells."""
     for column in columns:
         wrong = pd.to_numeric(table[column], errors="coerce").isna().to_numpy()
         if empty:
@@ -144,7 +144,7 @@ def refuse_words(path: Path, table: pd.DataFrame, columns: Collection[str], mend
 
 
 def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: str) -> None:
-    """DataError, which names both lines, where two rows have the same key."""
+    """Raise DataError, with both lines, if two rows have the same key."""
     if (again := table.duplicated([*key]).to_numpy()).any():
         row = int(again.argmax())
         first = int((table[[*key]] == table[[*key]].iloc[row]).all(axis=1).to_numpy().argmax())
@@ -160,7 +160,7 @@ def write_csv(path: Path, table: pd.DataFrame) -> None:
 
 
 def table_text(table: pd.DataFrame) -> str:
-    """The text of a data file."""
+    """Return the text of a data file."""
     return str(table.to_csv(index=False, float_format="%.12g", lineterminator="\n"))
 
 
@@ -168,7 +168,7 @@ Row = Mapping[str, Any]
 
 
 class DataFile(Protocol):
-    """Where measurements are kept: its name, and which columns tell its rows apart."""
+    """A file or folder of measurements: its name, and the columns that tell its rows apart."""
 
     @property
     def name(self) -> str: ...
@@ -185,8 +185,8 @@ class CsvFile:
     Attributes:
         name: of the file in ``data``.
         key: the columns that tell its rows apart.
-        columns: all columns that are measured.
-        derive: adds columns that follow from the others.
+        columns: all measured columns.
+        derive: adds columns that are computed from the others.
     """
 
     name: str
@@ -200,11 +200,11 @@ class CsvFile:
         return [data / self.name]
 
     def read(self, directory: Path) -> pd.DataFrame:
-        """The table in ``directory/data``; DataError as ``read_csv``."""
+        """Return the table in ``directory/data``; raises DataError like ``read_csv``."""
         return read_csv(directory, self.name, self.columns)
 
     def keys(self, table: pd.DataFrame) -> set[tuple[str, ...]]:
-        """What identifies the rows: the name of the file and their key, as text."""
+        """Return (name of the file, key of the row, …) of all rows, as text."""
         return {(self.name, *row) for row in table[list(self.key)].astype(str).itertuples(index=False, name=None)}
 
 
@@ -216,16 +216,16 @@ class JsonFiles:
     key: tuple[str, ...]
 
     def write(self, data: Path, rows: Sequence[Row]) -> list[Path]:
-        """Write every file, without spaces after separators, which would be a tenth of it; returns their paths."""
+        """Write a file for each row, without spaces after separators (a tenth of its size); returns the paths."""
         texts = {row[self.key[0]]: json.dumps(row, separators=(",", ":")) + "\n" for row in rows}
         return [write_text(data / self.name / f"{name}.json", text) for name, text in texts.items()]
 
 
 def read_rates(directory: Path) -> pd.DataFrame:
-    """``rates.csv`` with the levels of every series in order and a column ``discrete_order``."""
+    """Return ``rates.csv`` with the levels of each series in order and a column ``discrete_order``."""
     rates = read_csv(directory, "rates.csv", RATES)
     path, again = directory / "data" / "rates.csv", f"make it again with `{made_by(directory)}`"
-    # Nothing can be drawn of an error that is infinite, either.
+    # Figures cannot show infinite errors.
     finite = rates.replace([np.inf, -np.inf], np.nan)
     refuse_words(path, finite, [column for column in RATES if column not in {*TEXT, "order"}], again)
     refuse_repeated(path, rates, [*SERIES, "level"], again)
@@ -235,27 +235,27 @@ def read_rates(directory: Path) -> pd.DataFrame:
 
 
 def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
-    """The levels of a series in order with the consecutive orders of a column as ``order``."""
+    """Return the levels of a series in order, with the observed orders of a column as ``order``."""
     ordered = series.sort_values("level")
     return ordered.assign(order=since_before(ordered["h"].to_numpy(), ordered[column].to_numpy()))
 
 
 def caught(controls: pd.DataFrame) -> tuple[int, int]:
-    """How many defects in ``controls.csv`` were caught, and how many were injected; a setting has no entry."""
+    """Return how many defects in ``controls.csv`` were caught, and how many were injected."""
     injected = controls[controls["caught"] != ""]
     return int((injected["caught"] == "yes").sum()), len(injected)
 
 
 class Alarms(NamedTuple):
-    """What other random meshes made of all claimed rows.
+    """Verdicts of all claimed rows on other random meshes.
 
     Attributes:
-        rows: how many there are.
-        seeds, red: seeds that were measured whole, and those of them on which a row or more did not hold.
-        low, high: the interval of that rate at 95 %.
-        by_tail: the rate that the tails of all rows together let one expect, at most.
-        light_seeds, light_red: all seeds, and those on which a row or more of those measured on each did not hold.
-        verdict: whether the rate that is promised is kept.
+        rows: number of claimed rows.
+        seeds, red: number of seeds on which all rows were measured, and of those on which some row did not hold.
+        low, high: confidence interval of red/seeds at 95 %.
+        by_tail: upper estimate of the rate from the tails of the distributions of all rows.
+        light_seeds, light_red: number of all seeds, and of those on which a row that is measured on all did not hold.
+        verdict: whether the false-alarm rate is at most the promised one.
     """
 
     rows: int
@@ -270,7 +270,7 @@ class Alarms(NamedTuple):
 
 
 def raised(seeds: pd.DataFrame) -> Alarms:
-    """What ``seeds.csv`` says of all claimed rows; DataError if it has no such lines."""
+    """Return the summary of all claimed rows in ``seeds.csv``; DataError if it has no such lines."""
     together = seeds[seeds["label"] == ALL_ROWS].set_index("key")
     if not {"every", "light"} <= set(together.index):
         raise DataError("seeds.csv has no lines about all claimed rows: make it again with `study seeds`")
@@ -283,7 +283,7 @@ def raised(seeds: pd.DataFrame) -> Alarms:
 
 
 def read_claims(directory: Path) -> pd.DataFrame:
-    """``claims.csv``, in which every verdict is one that is known."""
+    """Return ``claims.csv``; DataError if it has an unknown verdict."""
     claims = read_csv(directory, "claims.csv", LEDGER)
     unknown = sorted(set(claims["verdict"]) - set(VERDICTS))
     if unknown:
@@ -292,25 +292,25 @@ def read_claims(directory: Path) -> pd.DataFrame:
 
 
 def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
-    """How many rows of the ledger have each verdict."""
+    """Return verdict ↦ number of rows of the ledger."""
     return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
 
 
 def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:
-    """Label, claim and rows of each statement, in the order of the ledger; a label may stand for several claims."""
+    """Yield (label, claim, rows) of each statement in the order of the ledger; a label may have several claims."""
     for (label, claim), rows in claims.groupby(["label", "statement"], sort=False):
         yield str(label), str(claim), rows
 
 
 def with_orders(table: pd.DataFrame) -> pd.DataFrame:
-    """Rows with the order of their error since the level before, in the column ``order`` behind the time share."""
+    """Return a table with the observed order of its errors in the column ``order``, after the time share."""
     found = table.copy()
     found.insert(table.columns.tolist().index("time_share") + 1, "order", in_series(table, "error"))
     return found
 
 
 def in_series(table: pd.DataFrame, column: str) -> pd.Series:
-    """Orders of a column of every series since the level before."""
+    """Return the observed orders of a column between each level and the level before, in each series."""
     found = pd.Series(np.nan, table.index)
     for _, group in table.groupby(SERIES, sort=False):
         found[group.index] = since_before(group["h"].to_numpy(), group[column].to_numpy())
@@ -318,7 +318,7 @@ def in_series(table: pd.DataFrame, column: str) -> pd.Series:
 
 
 def since_before(h: NDArray[np.float64], error: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Orders of every level since the one before; not a number for the first, and where an error has none."""
+    """Return the observed order between each level and the one before; NaN for the first, and without an order."""
     found = np.full(len(h), np.nan)
     for i in range(1, len(h)):
         with suppress(RatesError):

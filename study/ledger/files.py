@@ -1,4 +1,4 @@
-"""Files that are written whole or not at all."""
+"""Files that are written whole or not at all, and the errors of commands that name the remedy."""
 
 from __future__ import annotations
 
@@ -11,10 +11,18 @@ from contextlib import suppress
 from pathlib import Path
 
 FULL = (errno.ENOSPC, getattr(errno, "EDQUOT", errno.ENOSPC))
-"""What the system says of a full disk, and of a quota that is used up; Windows has no quota of its own."""
+"""Error numbers of a full disk and of a quota that is used up; Windows has no number for quotas."""
 
 BLOCK = 4096
 """A disk with fewer free bytes is full: file systems allocate blocks of this size."""
+
+
+class UsageError(ValueError):
+    """A command cannot use what it was given; says what was expected and how to mend it."""
+
+
+class JobsError(RuntimeError):
+    """Some jobs failed; the results of all other jobs are stored."""
 
 
 class StoreError(ValueError):
@@ -22,7 +30,7 @@ class StoreError(ValueError):
 
 
 def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
-    """Let ``write`` fill a temporary file beside ``path`` and move it there once it is complete.
+    """Let ``write`` fill a temporary file in the same folder, rename it to ``path`` when complete, return the path.
 
     Readers see the old content or the new, never a part.
 
@@ -40,7 +48,7 @@ def write_whole(path: Path, write: Callable[[Path], object]) -> Path:
             raise
         raise unwritable(path, cause) from error
     finally:
-        # The cause of a failure may be that its directory does not exist.
+        # The directory may not exist, which may be why writing failed.
         with suppress(OSError):
             part.unlink()
     return path
@@ -58,7 +66,7 @@ def disk_full(error: BaseException | None) -> OSError | None:
 
 
 def _no_room(path: Path) -> OSError | None:
-    """ENOSPC if the disk is full now: other programs, such as ffmpeg, do not say why they failed."""
+    """Return ENOSPC if the disk is full now: programs such as ffmpeg do not say why they failed."""
     with suppress(OSError):
         if shutil.disk_usage(path.parent).free < BLOCK:
             return OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
@@ -66,7 +74,7 @@ def _no_room(path: Path) -> OSError | None:
 
 
 def unwritable(path: Path, error: OSError) -> StoreError:
-    """The refusal of a file that cannot be written, with the reason and the remedy."""
+    """Return the error for a file that cannot be written, with the reason and the remedy."""
     if error.errno in FULL:
         return StoreError(
             f"cannot write {path}: the disk is full ({error.strerror}); free space there, or give a directory on "
@@ -76,10 +84,10 @@ def unwritable(path: Path, error: OSError) -> StoreError:
 
 
 def write_packed(path: Path, text: str) -> Path:
-    """``write_whole`` for text that gzip packs: equal texts are equal files."""
+    """Write text compressed by gzip, whole or not at all; equal texts give equal files."""
     return write_whole(path, lambda part: part.write_bytes(gzip.compress(text.encode(), 9, mtime=0)))
 
 
 def write_text(path: Path, text: str) -> Path:
-    """``write_whole`` for text, in UTF-8 with Unix line ends on every system."""
+    """Write text whole or not at all, in UTF-8 with Unix line ends on every system."""
     return write_whole(path, lambda part: part.write_text(text, encoding="utf-8", newline="\n"))

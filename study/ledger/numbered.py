@@ -1,6 +1,6 @@
-"""The numbered formulas and statements of the source, and which of them a label or a place of the ledger names.
+"""The numbered formulas and statements of the source, and those that a label of the ledger names.
 
-Labels such as "(3.9)–(3.11), (4.14), (4.15)" or "Thm 4.1, 5.2" say which ones a row is about; nothing else does.
+Only labels such as "(3.9)–(3.11), (4.14), (4.15)" or "Thm 4.1, 5.2" say which formulas a row is about.
 """
 
 from __future__ import annotations
@@ -23,16 +23,16 @@ STATEMENTS = (
     "Prop. 5.4",
 )
 NUMBERED = (*(f"({section}.{n})" for section, last in FORMULAS.items() for n in range(1, last + 1)), *STATEMENTS)
-"""All of them: formulas in the order of the source, then statements."""
+"""All formulas in the order of the source, then all statements."""
 NO_ROW, NOT_TESTED = "no row", "not tested"
-"""Labels of lines that say why something has no row that could fail."""
+"""Labels of lines that say why a formula or statement has no row that could fail."""
 
 _FORMULA = re.compile(r"\((\d)\.(\d+)\)(?:–\((\d)\.(\d+)\))?")
 _STATEMENT = re.compile(r"(Thm|Prop\.|Problem) (\d\.\d(?:, \d\.\d)*)")
 
 
 def named(text: str) -> set[str]:
-    """The formulas and statements that a label or a place names.
+    """Return the formulas and statements that a label names.
 
     >>> sorted(named("Thm 4.1, 5.2, (5.2)–(5.4)"))
     ['(5.2)', '(5.3)', '(5.4)', 'Thm 4.1', 'Thm 5.2']

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import stdtrit
+
+from study.orders.sequences import consecutive_orders, fitted_order
 
 Array = NDArray[np.float64]
 
@@ -18,7 +19,7 @@ class RatesError(ValueError):
 
 
 def orders(h: Array, error: Array) -> Array:
-    """log(e_i/e_{i+1}) / log(h_i/h_{i+1}) of consecutive levels, (levels − 1,).
+    """Return the observed orders log(e_i/e_{i+1}) / log(h_i/h_{i+1}) of consecutive levels, (levels − 1,).
 
     Raises:
         RatesError: sizes that do not decrease, or errors that are not positive and finite.
@@ -28,12 +29,12 @@ def orders(h: Array, error: Array) -> Array:
         raise RatesError(f"mesh sizes must decrease from level to level, got {h.tolist()}")
     if not (np.isfinite(error).all() and (error > 0).all()):
         raise RatesError(f"errors must be positive and finite to have an order, got {error.tolist()}")
-    return np.log(error[:-1] / error[1:]) / np.log(h[:-1] / h[1:])
+    return consecutive_orders(h, error)
 
 
 @dataclass(frozen=True)
 class Fit:
-    """log e = log C + p log h by least squares: p and its Student interval at 95 %, infinite for two levels."""
+    """The observed order p in log e = log C + p log h by least squares, with its Student interval at 95 %."""
 
     order: float
     low: float
@@ -41,20 +42,13 @@ class Fit:
 
 
 def fit(h: Array, error: Array) -> Fit:
-    """Least-squares order with its interval; at least two levels.
+    """Return the observed order by least squares; its interval is infinite for two levels.
 
     Raises:
         RatesError: as ``orders``.
     """
     orders(h, error)
-    if len(h) < 3:
-        slope = float(orders(h, error)[-1])
-        return Fit(slope, -np.inf, np.inf)
-    # ``scipy.stats`` has this, and takes half a second to import.
-    (xx, xy), (_, yy) = np.cov(np.log(h), np.log(error), bias=True)
-    slope, free = float(xy / xx), len(h) - 2
-    half = float(stdtrit(free, (1 + CONFIDENCE) / 2) * np.sqrt(max(xx * yy - xy**2, 0.0) / free) / xx)
-    return Fit(slope, slope - half, slope + half)
+    return Fit(*fitted_order(h, error))
 
 
 def weighted_order(h: Array, error: Array, power: float) -> float:

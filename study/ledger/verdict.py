@@ -1,9 +1,9 @@
-"""What a row of the ledger is.
+"""Rows of the ledger, and how much of its tolerance window a row uses.
 
 holds      the whole range lies in the window
-fails      the observed value lies outside
-undecided  too few levels, or a range too wide to tell; not a pass
-reported   no claim is made, the numbers stand for themselves
+fails      the observed value lies outside the window
+undecided  too few levels, or a range that reaches beyond the window; not a pass
+reported   no claim is made about the numbers
 """
 
 from __future__ import annotations
@@ -13,22 +13,24 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from study.ledger.window import Window
+import pandas as pd
+
+from study.ledger.window import SMALL, Window
 
 HOLDS, FAILS, UNDECIDED, REPORTED = "holds", "fails", "undecided", "reported"
 VERDICTS = (HOLDS, REPORTED, UNDECIDED, FAILS)
 """From best to worst."""
 NOWHERE = (-math.inf, math.inf)
-"""The range of what could not be measured."""
+"""The range of a quantity that could not be measured."""
 BECAUSE = "; undecided, because "
-"""What stands in ``expected`` between what is expected and why it cannot be decided."""
+"""Separates the expected value from the reason why a row is undecided, in the column ``expected``."""
 Span = tuple[float, float]
 Found = tuple[float, Span, str]
 """(observed value, its range, the verdict)."""
 
 
 class Named(Protocol):
-    """What a row takes from its statement: the number and what it says."""
+    """A statement: its number and its claim in words."""
 
     @property
     def label(self) -> str: ...
@@ -78,7 +80,7 @@ class Verdict:
 def row(
     of: Named, key: str, quantity: str, window: Window, found: Found, case: str, family: str = "", expected: str = ""
 ) -> Verdict:
-    """A row; without ``expected`` the text of the window says what is expected."""
+    """Return a row; without ``expected`` it has the text of the window."""
     observed, (low, high), verdict = found
     return Verdict(
         label=of.label,
@@ -98,5 +100,51 @@ def row(
 
 
 def all_pass(verdicts: Sequence[Verdict]) -> bool:
-    """Whether there are verdicts and every claim holds; undecided is no pass, and what is reported claims nothing."""
+    """Return whether there are verdicts and all are ``holds`` or ``reported``."""
     return bool(verdicts) and all(verdict.verdict in (HOLDS, REPORTED) for verdict in verdicts)
+
+
+def used(row: pd.Series) -> float:
+    """Return the share of its window that a row of ``claims.csv`` uses; NaN for a row without a window of numbers.
+
+    The share is 1 at an end of the window. It is 0 in the middle of a window with two ends, and at the value 0 if the
+    low end is 0 or far below the high end.
+    """
+    return max((_share(value, row) for value in _judged(row)), default=math.nan)
+
+
+def worst(row: pd.Series) -> float:
+    """Return the value of a row that uses most of its window; the observed value without a window."""
+    return max(_judged(row), key=lambda value: _share(value, row), default=float(row["observed"]))
+
+
+def agreement(row: pd.Series) -> str:
+    """Return how a reported row meets its prediction: agrees, differs, or undecided."""
+    low, high, observed = (float(row[name]) for name in ("window_low", "window_high", "observed"))
+    if math.isnan(observed):
+        return "undecided"
+    if not low <= observed <= high:
+        return "differs"
+    return "agrees" if low <= row["low"] and row["high"] <= high else "undecided"
+
+
+def _judged(row: pd.Series) -> list[float]:
+    """Return the values that were compared with the window: the ends of the range, or the observed value of a row that
+    holds although its range reaches beyond the window."""
+    low, high = float(row["window_low"]), float(row["window_high"])
+    if not low < high or (low <= 0 and math.isinf(high)):
+        return []
+    ends, observed = [float(row["low"]), float(row["high"])], float(row["observed"])
+    if row["verdict"] != HOLDS or all(low <= value <= high for value in ends):
+        return ends
+    return [observed] if low <= observed <= high else []
+
+
+def _share(value: float, row: pd.Series) -> float:
+    """Return the share of the window that a value uses."""
+    low, high = float(row["window_low"]), float(row["window_high"])
+    if math.isinf(high):
+        return low / value
+    if math.isinf(low) or 0 <= low <= SMALL * high:
+        return value / high
+    return abs(2 * value - low - high) / (high - low)

@@ -1,4 +1,4 @@
-"""Where a measured number must lie, fixed before it is measured."""
+"""Tolerance windows: where a measured number has to lie, fixed before it is measured."""
 
 from __future__ import annotations
 
@@ -9,22 +9,22 @@ from dataclasses import dataclass
 import numpy as np
 
 SOMETHING = 1e-20
-"""The least that evidence may show. Two computations in different arithmetic differ by 1e-16 of their size, or a few
-powers of ten less where little of it happens to be seen; exactly nothing is what a thing leaves beside itself."""
+"""The least positive diagnostic. Two computations of one quantity differ by rounding, about 1e-16 of its size; a
+diagnostic of exactly 0 means that a quantity was compared with itself."""
 SMALL = 1e-3
-"""A low end below this part of the high end only asks that there be something."""
+"""A low end below this part of the high end only asks for a positive value."""
 STEEPER = 0.15
-"""Room for an order that is seen of a solution without (5.36)."""
+"""Room for the observed order of a solution without (5.36)."""
 
 
 @dataclass(frozen=True)
 class Window:
-    """[low, high] for a quantity; its text is made from its numbers.
+    """The interval [low, high] for a quantity, with a text made from its numbers.
 
     Attributes:
         low, high: the ends. A low end of 0 or −∞, or far below the high end, says that only large values are bad.
         why: the reason for these ends, or what they are relative to.
-        predicted: the least and the largest predicted value, where the window is these with some room on both sides.
+        predicted: the least and the largest predicted value, if the window is their interval with room on both sides.
     """
 
     low: float = -math.inf
@@ -48,11 +48,11 @@ class Window:
         return f"{shown(self.low)} … {shown(self.high)}" if self.low > 0 else f"≤ {shown(self.high)}"
 
     def contains(self, *values: float) -> bool:
-        """Whether all values lie inside; what is not a number does not."""
+        """Return whether all values lie inside; NaN does not."""
         return all(self.low <= value <= self.high for value in values)
 
     def worst(self, values: Sequence[float]) -> float:
-        """The value that is farthest from where it should be: from the middle, or the largest or smallest one."""
+        """Return the worst value: the farthest from the middle, or the largest or smallest of a one-sided window."""
         if math.isinf(self.high):
             distances = [-value for value in values]
         elif self.low > SMALL * self.high or self.predicted:
@@ -63,32 +63,32 @@ class Window:
 
 
 def at_most(high: float, why: str = "", low: float = 0.0) -> Window:
-    """Values up to ``high``; ``low`` is 0 for what cannot be negative, −∞ for what may be."""
+    """Return the window of values up to ``high``; ``low`` is 0 for quantities ≥ 0, −∞ for others."""
     return Window(low, high, why)
 
 
 def above_nothing(high: float, why: str = "") -> Window:
-    """Values up to ``high`` of evidence that cannot be exactly nothing unless something was compared with itself."""
+    """Return the window of positive values up to ``high``: 0 means that a quantity was compared with itself."""
     return Window(SOMETHING, high, why)
 
 
 def at_least(low: float, why: str = "") -> Window:
-    """Values from ``low`` on."""
+    """Return the window of values from ``low`` on."""
     return Window(low, math.inf, why)
 
 
 def around(predicted: float, room: float, why: str = "") -> Window:
-    """predicted ± room."""
+    """Return the window predicted ± room."""
     return Window(predicted - room, predicted + room, why, (predicted, predicted))
 
 
 def between(least: float, largest: float, below: float, above: float, why: str = "") -> Window:
-    """From the least predicted value less some room to the largest with some."""
+    """Return the window from the least predicted value minus ``below`` to the largest plus ``above``."""
     return Window(least - below, largest + above, why, (least, largest))
 
 
 def shown(number: float) -> str:
-    """Three significant digits, and what a bound leaves for rounding beside them: 0.544, 1e-10, 1 + 1e-9."""
+    """Return three significant digits, plus the room for rounding of a bound: 0.544, 1e-10, 1 + 1e-9."""
     text = f"{number:.3g}"
     rest = number - float(text) if math.isfinite(number) else 0.0
     if number and 0 < abs(rest) < 1e-4 * abs(number):

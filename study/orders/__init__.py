@@ -7,20 +7,16 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from study.orders.errors import OrderError
-from study.orders.sequences import TOLERANCE, Sequence, observed_orders
+from .errors import OrderError
+from .sequences import TOLERANCE, OrderResult, observed_orders
 
-__all__ = ["OrderError", "Sequence", "assert_order", "check_orders", "observed_orders"]
+__all__ = ["OrderError", "OrderResult", "assert_order", "check_orders", "observed_orders"]
+Wish = float | Mapping[str, float] | None
 
 
-def check_orders(
-    h: ArrayLike | str,
-    errors: Any,
-    expected: float | Mapping[str, float] | None = None,
-    at_least: float | Mapping[str, float] | None = None,
-    tolerance: float = TOLERANCE,
-) -> dict[str, Sequence]:
-    """Orders and verdicts of several columns of errors.
+def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_least: Wish = None,
+                 tolerance: float = TOLERANCE) -> dict[str, OrderResult]:  # fmt: skip
+    """Observed orders and verdicts of several columns of errors.
 
     Parameters:
         h: mesh sizes, (levels,), or the name of their column if ``errors`` is a DataFrame.
@@ -28,23 +24,25 @@ def check_orders(
         expected, at_least: one number for all columns, or name ↦ number.
 
     Raises:
-        OrderError: as ``observed_orders``.
+        OrderError: as ``observed_orders``, or an order is expected of a column that does not exist.
     """
     columns = {str(name): errors[name] for name in errors}
     sizes = columns.pop(h) if isinstance(h, str) else h
-
-    def of(wanted: float | Mapping[str, float] | None, name: str) -> float | None:
-        return wanted.get(name) if isinstance(wanted, Mapping) else wanted
-
+    two_sided, one_sided = (
+        wish if isinstance(wish, Mapping) else {} if wish is None else dict.fromkeys(columns, wish)
+        for wish in (expected, at_least)
+    )
+    if unknown := [name for name in (*two_sided, *one_sided) if name not in columns]:
+        raise OrderError(f"an order is expected of {unknown[0]}, but the columns of errors are {', '.join(columns)}")
     return {
-        name: observed_orders(sizes, column, of(expected, name), of(at_least, name), tolerance, name)
+        name: observed_orders(sizes, column, two_sided.get(name), one_sided.get(name), tolerance, name)
         for name, column in columns.items()
     }
 
 
 def assert_order(h: ArrayLike, errors: ArrayLike, expected: float | None = None, at_least: float | None = None,
-                 tolerance: float = TOLERANCE) -> Sequence:  # fmt: skip
-    """The result if the errors have the expected order.
+                 tolerance: float = TOLERANCE, name: str = "") -> OrderResult:  # fmt: skip
+    """The result, if the errors have the expected order.
 
     Raises:
         AssertionError: the verdict is not *holds*; the message says what was seen.
@@ -52,7 +50,6 @@ def assert_order(h: ArrayLike, errors: ArrayLike, expected: float | None = None,
     """
     if expected is None and at_least is None:
         raise OrderError("assert_order needs expected or at_least")
-    found = observed_orders(h, errors, expected, at_least, tolerance)
-    wanted = f"at least {at_least:g}" if expected is None else f"{expected:g} ± {tolerance:g}"
-    assert found.verdict == "holds", f"{found.verdict}: {found.sentence}; expected order {wanted}"
-    return found
+    result = observed_orders(h, errors, expected, at_least, tolerance, name)
+    assert result.verdict == "holds", f"{name}: {result.conclusion}".removeprefix(": ")
+    return result

@@ -4,57 +4,53 @@ from __future__ import annotations
 
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
-from study.orders.errors import OrderError
-from study.orders.numbers import to_number
-from study.orders.reading import RawTable
-
-_SIZE = r"h|h ?max|h ?min|d[xyz]|δ ?[xyz]|delta ?[xyz]|(?:mesh|grid|cell|element) ?(?:size|width|spacing)|spacing|resolution (?:k?m|deg)|1/n"  # noqa: E501
-_COUNT = r"n|n ?[xyz]|1/h|resolution|cells per (?:side|unit length|direction)"
-_TOTAL = (
-    r"(?:n |n|number of |no of |total )?(?:(?:active )?cells|elements|elems?|dofs?|unknowns|nodes|points|vertices|"
-    r"degrees of freedom|grid ?points)(?: total)?"
-)
-_STEP = r"dt|δ ?t|delta ?t|tau|τ|time ?step(?: size)?|step ?size"
-_LEVEL = r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine"
-_ORDER = r"\b(?:e?oc|eoc|orders?|rates?|roc|ooc|slope|ratio|reduction|log2|ordnung|ordre|konvergenzrate)\b|^(?:p|q|r|conv|red)$"  # noqa: E501
-_METHOD = r"(?:\d+(?:st|nd|rd|th)|first|second|third|fourth|fifth|sixth) orders?$"
-_ERROR = r"err|fehler|erreur|norm|l ?(?:1|2|inf|∞)\b|h ?[12]\b|linf|l∞|rmse|mae|\|"
-_OTHER = (
-    r"\b(?:time|times|cpu|wall|runtime|elapsed|seconds|mem|memory|cond|condition|kappa|nnz|iter|iters|iteration|iterations|"
-    r"its|niter|newton|cg|gmres|degree|deg|cfl|speedup|efficiency|effectivity|procs|cores|ranks|threads|index|row|id|seed|"
-    r"steps?|expected|theory|cells|dofs?|ndofs?|elements|nodes|points|step|mesh|grid)\b|^(?:t|i|j|k|#|no|nr|)$"
-)
+from .errors import OrderError
+from .names import SIZES, role
+from .numbers import to_number
+from .reading import RawTable, read_tables
+from .sequences import SAME_SIZE, consecutive_orders
 
 
-def role(name: str) -> str:
-    """size, count, total, step, level, order, error, other, or unknown."""
-    if name.strip(" $") == "T":
-        # A temperature; time is t.
-        return "unknown"
-    text = re.sub(r"\[.*?\]|\((?:k?m|s|ms|sec|seconds|cm|mm)\)", " ", name)
-    text = text.replace("\\Delta", "Δ").replace("\\tau", "τ").replace("\\", " ").replace("#", " n ")
-    text = re.sub(r"[$*`'\"_{}^-]+", " ", text).lower()
-    text = re.sub(r"\s+", " ", text).strip(" .:")
-    for kind, pattern in (("size", _SIZE), ("count", _COUNT), ("total", _TOTAL), ("step", _STEP), ("level", _LEVEL)):
-        if re.fullmatch(pattern, text):
-            return kind
-    if re.search(_ORDER, text) and not re.search(_METHOD, text):
-        return "order"
-    if re.search(r"\[(?:s|ms|sec|MB|GB|kB)\]|\((?:s|sec|MB|GB)\)", name) or (
-        re.search(_OTHER, text) and not re.search(_ERROR, text)
-    ):
-        return "other"
-    return "error" if re.search(_ERROR, text) else "unknown"
+@dataclass(frozen=True)
+class Options:
+    """What a user says about the columns of a table.
+
+    Attributes:
+        dim: dimension of the meshes, for sizes given as counts of cells or unknowns.
+        size: name of the column of sizes.
+        ratio: ratio of consecutive mesh sizes, coarse to fine, for tables without a size.
+        columns: names of the columns of errors to take.
+        signed: whether values below zero are allowed.
+    """
+
+    dim: int | None = None
+    size: str | None = None
+    ratio: float | None = None
+    columns: tuple[str, ...] = ()
+    signed: bool = False
+
+    def __post_init__(self) -> None:
+        if self.dim is not None and not 1 <= self.dim <= 3:
+            raise OrderError(f"--dim must be 1, 2 or 3, got {self.dim}")
+        if self.ratio is not None and not (math.isfinite(self.ratio) and self.ratio > 0 and self.ratio != 1):
+            raise OrderError(f"--ratio must be positive and not 1, got {self.ratio:g}")
 
 
 @dataclass(frozen=True)
 class Series:
-    """Mesh sizes, columns of errors, and words on what was recognised."""
+    """Mesh sizes, columns of errors, and words on what was recognised.
+
+    Attributes:
+        h: (levels,); errors: name ↦ (levels,).
+        size: how h was found.
+        ignored: name of a column that was left out ↦ its role.
+        label: tells several tables apart: ``degree 2`` if a column splits a table into cases, or the caption.
+    """
 
     h: list[float]
     errors: dict[str, list[float]]
@@ -62,6 +58,7 @@ class Series:
     ignored: dict[str, str]
     caption: str
     form: str
+    label: str
 
     @property
     def recognised(self) -> str:
@@ -70,181 +67,217 @@ class Series:
         return f"read as {self.form}; size: {self.size}; errors: {', '.join(self.errors)}{ignored}"
 
 
-def choose(table: RawTable, dim: int | None = None, size: str | None = None, ratio: float | None = None,
-           columns: list[str] | None = None, signed: bool = False) -> Series:  # fmt: skip
-    """Sizes and errors of a table.
-
-    Parameters:
-        dim: dimension of the meshes, for sizes given as counts of cells or unknowns.
-        size: name of the column of sizes.
-        ratio: ratio of consecutive mesh sizes, coarse to fine, for tables without a size.
-        columns: names of the columns of errors to take.
-        signed: whether values below zero are allowed.
+def read_series(data: bytes | str, options: Options) -> list[Series]:
+    """Sizes and errors of all tables in a text that have errors.
 
     Raises:
-        OrderError: no size, more than one reading of it, no errors, or a cell that is no positive number.
+        OrderError: no table, no size, more than one reading of it, no errors, or a cell that is no positive number.
     """
-    names = [name if table.names.count(name) == 1 else f"{name} ({k + 1})" for k, name in enumerate(table.names)]
-    cells = {name: [row[k] for row in table.rows] for k, name in enumerate(names)}
-    values = {name: [to_number(cell) for cell in column] for name, column in cells.items()}
-    roles = {name: role(table.names[k]) for k, name in enumerate(names)}
-    for name in names:
-        numbers = values[name]
-        if (
-            roles[name] == "unknown"
-            and all(cell.strip().isdigit() for cell in cells[name])
-            and (reason := _is_counter(numbers))
-        ):
-            roles[name] = reason
-        if roles[name] == "count" and numbers in [list(map(float, range(j, j + len(numbers)))) for j in (0, 1)]:
-            roles[name] = (
-                "other"
-                if any(role(other) in ("size", "count", "total") for other in names if other != name)
-                else "count"
-            )
-        if re.fullmatch(r".+ N", table.names[names.index(name)], re.IGNORECASE) and numbers == values[names[0]]:
-            roles[name] = "count" if name == names[0] else "other"
-    sizes, words, size_name = _sizes(names, values, roles, dim, size, ratio, len(table.rows))
-    ignored: dict[str, str] = {}
-    errors: dict[str, list[float]] = {}
-    for name in names:
-        text = [value for value in values[name] if value is not None]
-        if columns is not None:
-            wanted = name in columns
-        else:
-            wanted = roles[name] in ("error", "unknown") and name != size_name and bool(text)
-        if name == size_name:
-            continue
-        if not wanted:
-            ignored[name or "(no name)"] = roles[name] if text else "text"
-            continue
-        errors[name] = _checked(name, cells[name], table.lines, signed)
-    if columns is not None and (unknown := [name for name in columns if name not in names]):
+    tables = [part for table in read_tables(data) for part in _split_by_case(Columns(table, options))]
+    names = list(dict.fromkeys(name for table in tables for name in table.names))
+    if unknown := [name for name in options.columns if name not in names]:
         raise OrderError(f"there is no column {', '.join(unknown)}; there are {', '.join(filter(None, names))}")
-    if not errors:
-        raise OrderError(f"no column of errors among {', '.join(filter(None, names))}: name it with --columns")
-    if sizes is None:
-        ratio = _printed_ratio(names, values, errors, roles)
-        if ratio is None:
+    usable = [table for table in tables if table.errors]
+    if not usable:
+        seen = ", ".join(f"{name} ({kind})" for table in tables[:1] for name, kind in table.roles.items() if name)
+        raise OrderError(f"no column of errors among {seen}: name one with --columns")
+    found = [table.series() for table in usable]
+    if len({series.label for series in found}) < len(found):
+        captions = [series.caption.rstrip(": ") for series in found]
+        distinct = len(set(captions)) == len(captions)
+        labels = captions if distinct else [f"table {k}" for k in range(1, len(found) + 1)]
+        found = [replace(series, label=series.label or label) for series, label in zip(found, labels, strict=True)]
+    return found
+
+
+class Columns:
+    """A table by columns: names, cells, numbers and roles."""
+
+    def __init__(self, table: RawTable, options: Options) -> None:
+        self.table, self.options = table, options
+        count = table.names.count
+        self.names = [name if count(name) == 1 else f"{name} ({k + 1})" for k, name in enumerate(table.names)]
+        self.cells = {name: [row[k] for row in table.rows] for k, name in enumerate(self.names)}
+        self.values = {name: [to_number(cell) for cell in column] for name, column in self.cells.items()}
+        self.roles = {name: role(original) for name, original in zip(self.names, table.names, strict=True)}
+        for name, original in zip(self.names, table.names, strict=True):
+            self.roles[name] = self._role_by_numbers(name, original)
+        self.size = self._size_column()
+        self.errors = [name for name in self.names if self._is_error(name)]
+
+    def _role_by_numbers(self, name: str, original: str) -> str:
+        """The role of a column: counters are no errors, and a column that repeats the sizes is no second size."""
+        kind, numbers = self.roles[name], self.values[name]
+        if re.fullmatch(r".+ N", original, re.IGNORECASE) and numbers == self.values[self.names[0]]:
+            return "count" if name == self.names[0] else "other"
+        if kind == "count" and numbers in _indices(len(numbers)):
+            sizes = [other for other in self.names if other != name and self.roles[other] in ("size", "count", "total")]
+            return "other" if sizes else kind
+        if kind == "unknown" and all(cell.strip().isdigit() for cell in self.cells[name]):
+            steps = np.diff([math.nan if value is None else value for value in numbers])
+            if len(steps) and ((steps > 0).all() or ((steps == 0).all() and numbers[0])):
+                return "other"
+        return kind
+
+    def _is_error(self, name: str) -> bool:
+        if self.options.columns:
+            return name in self.options.columns
+        filled = any(value is not None for value in self.values[name])
+        return self.roles[name] in ("error", "unknown") and name != self.size and filled
+
+    def _size_column(self) -> str | None:
+        """Name of the column of sizes; None if there is none."""
+        if self.options.ratio is not None:
+            return None
+        wanted = self.options.size
+        if wanted is not None:
+            same = [name for name in self.names if name == wanted] or [
+                name for name in self.names if name.lower() == wanted.lower()
+            ]
+            if same or ("" in self.names and wanted.lower() in ("h", "n")):
+                return same[0] if same else ""
+            raise OrderError(f"--in {wanted}: there is no such column; there are {', '.join(filter(None, self.names))}")
+        for kind in SIZES:
+            found = [name for name in self.names if self.roles[name] == kind and len(set(self.values[name])) > 1]
+            if kind == "size" and len({name.lower() for name in found}) < len(found):
+                raise OrderError(f"the sizes may be {' or '.join(found)}: choose one, for example --in {found[0]}")
+            if found:
+                return found[0]
+        if self.names[0] == "" and self.roles[""] == "other" and self.values[""] not in _indices(len(self.values[""])):
             raise OrderError(
-                f"no column is a mesh size; seen: {', '.join(filter(None, names))}. Give --ratio 2 if each mesh is twice as "  # noqa: E501
-                "fine as the one above, or --in NAME for the column of sizes"
+                f"the sizes {self.cells[''][0]}, … have no name: give --in n if they count cells per side, "
+                "--in h if they are lengths"
             )
-        sizes, words = _from_ratio(ratio, len(table.rows)), f"ratio {ratio:g}, which follows from the printed orders"
-    for k, value in enumerate(sizes):
-        if not (math.isfinite(value) and value > 0):
-            cell = cells[size_name][k] if size_name in cells else value
-            raise OrderError(f"line {table.lines[k]}: {size_name} = {cell}, but sizes must be positive and finite")
-        if value in sizes[:k]:
+        return None
+
+    def series(self) -> Series:
+        """Sizes, errors, and words on what was left out."""
+        errors = {name: self._checked(name) for name in self.errors if name != self.size}
+        h, words = self._sizes(errors)
+        left = [name for name in self.names if name not in errors and name != self.size]
+        ignored = {
+            name or "(no name)": self.roles[name] if any(value is not None for value in self.values[name]) else "text"
+            for name in left
+        }
+        self._check_sizes(h)
+        return Series(h, errors, words, ignored, self.table.caption, self.table.form, self.table.label)
+
+    def _sizes(self, errors: dict[str, list[float]]) -> tuple[list[float], str]:
+        """Mesh sizes, and how they were found."""
+        rows, ratio = len(self.table.rows), self.options.ratio
+        if ratio is not None:
+            return _from_ratio(ratio, rows), f"ratio {ratio:g}"
+        if self.size is not None:
+            return self._converted(self.size)
+        levels = [name for name in self.names if self.roles[name] == "level"]
+        if levels:
             raise OrderError(
-                f"line {table.lines[k]}: {size_name} = {cells[size_name][k]} stands in line "
-                f"{table.lines[sizes.index(value)]} already, expected another size on every mesh: remove one of the rows"  # noqa: E501
+                f"the only size is the level in column {levels[0]}: give --ratio 2 if each level halves the mesh size"
             )
-    return Series(sizes, errors, words, ignored, table.caption, table.form)
-
-
-def _is_counter(numbers: list[float | None]) -> str:
-    """A word for columns that are integers growing from row to row or constant; empty for others."""
-    found = [value for value in numbers if value is not None and math.isfinite(value)]
-    if len(found) < 2 or len(found) < len(numbers) or any(value != round(value) for value in found):
-        return ""
-    steps = np.diff(found)
-    return "other" if (steps > 0).all() or ((steps == 0).all() and found[0] > 0) else ""
-
-
-def _sizes(names: list[str], values: dict[str, list[float | None]], roles: dict[str, str], dim: int | None,
-           chosen: str | None, ratio: float | None, rows: int) -> tuple[list[float] | None, str, str]:  # fmt: skip
-    """(sizes, words on them, name of the column); no sizes if the table has none."""
-    if ratio is not None:
-        if not (math.isfinite(ratio) and ratio > 0 and ratio != 1):
-            raise OrderError(f"--ratio must be positive and not 1, got {ratio:g}")
-        return _from_ratio(ratio, rows), f"ratio {ratio:g}", "(none)"
-    if chosen is not None:
-        name = chosen if chosen in names else next((n for n in names if n.lower() == chosen.lower()), None)
-        if name is None and "" in names and chosen.lower() in ("h", "n"):
-            return _convert("", values[""], "size" if chosen.lower() == "h" else "count", dim)
-        if name is None:
-            raise OrderError(f"--in {chosen}: there is no such column; there are {', '.join(filter(None, names))}")
-        kind = roles[name] if roles[name] in ("size", "count", "total", "step") else "size"
-        return _convert(name, values[name], kind, dim)
-    if (
-        names[:1] == [""]
-        and roles[""] == "other"
-        and not any(role in ("size", "count", "total", "step") for role in roles.values())
-        and not all(value == k or value == k + 1 for k, value in enumerate(values[""]))
-    ):
-        first = values[""][0]
+        for ratio in (2.0, math.sqrt(2), 1.5, 3.0, 4.0, 10.0):
+            if self._agrees_with_printed_orders(_from_ratio(ratio, rows), errors):
+                return _from_ratio(ratio, rows), f"ratio {ratio:g}, which follows from the printed orders"
         raise OrderError(
-            f"the sizes {first:g}, … have no name: give --in n if they count cells per side, --in h if they are lengths"
+            f"no column is a mesh size; seen: {', '.join(filter(None, self.names))}. Give --ratio 2 if each mesh is "
+            "twice as fine as the one above, or --in NAME for the column of sizes"
         )
-    for kind in ("size", "count", "total", "step"):
-        found = [name for name in names if roles[name] == kind and len(set(values[name])) > 1]
-        if len(found) > 1 and kind == "size" and len(set(map(str.lower, found))) < len(found):
-            raise OrderError(f"the sizes may be {' or '.join(found)}: choose with --in {found[0]} or --in {found[1]}")
-        if found:
-            return _convert(found[0], values[found[0]], kind, dim)
-    levels = [name for name in names if roles[name] == "level"]
-    if levels:
-        raise OrderError(
-            f"the only size is the level in column {levels[0]}: give --ratio 2 if each level halves the mesh size"
-        )
-    return None, "", ""
+
+    def _converted(self, name: str) -> tuple[list[float], str]:
+        """Mesh sizes from lengths, time steps or counts in a column."""
+        kind, label, dim = self.roles[name], name or "n", self.options.dim
+        if not name:
+            kind = "size" if str(self.options.size).lower() == "h" else "count"
+        elif kind not in SIZES and all(value and value > 1 and value % 1 == 0 for value in self.values[name]):
+            # Whole numbers without a known name, such as steps, count.
+            kind = "count"
+        found = [math.nan if value is None else value for value in self.values[name]]
+        if kind not in ("count", "total"):
+            return found, f"{'Δt' if kind == 'step' else 'h'} from column {label}"
+        if any(value <= 0 for value in found):
+            return [math.nan if value <= 0 else 1 / value for value in found], label
+        growth = [max(b / a, a / b) for a, b in pairwise(found)]
+        if dim is None and (kind == "total" or (growth and min(growth) >= 3.5)):
+            raise OrderError(
+                f"column {label} is a count: h = 1/{label} if it counts cells along one side (--dim 1), "
+                f"h = {label}^(-1/2) if it counts all cells or unknowns in the plane (--dim 2), {label}^(-1/3) in "
+                "space (--dim 3); give --dim"
+            )
+        power = dim or 1
+        words = f"h = 1/{label}" if power == 1 else f"h = {label}^(-1/{power})"
+        return [value ** (-1 / power) for value in found], f"{words} from column {label}"
+
+    def _agrees_with_printed_orders(self, h: list[float], errors: dict[str, list[float]]) -> bool:
+        """Whether the orders that stand next to the errors were computed with these sizes."""
+        differences = []
+        for error, order in pairwise(self.names):
+            if error not in errors or self.roles[order] != "order":
+                continue
+            printed = [math.nan if value is None else value for value in self.values[order]][1:]
+            used = np.isfinite(printed) & (np.abs(printed) > 0.3)
+            difference = np.abs(consecutive_orders(h, errors[error]) - printed) - 0.01 * np.abs(printed)
+            differences += difference[used].tolist()
+        return bool(differences) and max(differences) < 0.02
+
+    def _check_sizes(self, h: list[float]) -> None:
+        for k, value in enumerate(h):
+            line, cell = self.table.lines[k], self.cells[self.size][k] if self.size is not None else f"{value:g}"
+            if not (math.isfinite(value) and value > 0):
+                raise OrderError(f"line {line}: {self.size} = {cell}, but sizes must be positive and finite")
+        order = np.argsort(h)
+        for i, j in pairwise(order):
+            if h[j] - h[i] <= SAME_SIZE * h[i]:
+                first, second = sorted((i, j))
+                cell, lines = self.cells[self.size or ""][second], self.table.lines
+                raise OrderError(
+                    f"line {lines[second]}: {self.size or 'n'} = {cell} stands in line {lines[first]} already, "
+                    "expected another size on every mesh: remove one of the rows"
+                )
+
+    def _checked(self, name: str) -> list[float]:
+        """The numbers of a column of errors; infinite where the text says nan."""
+        found = []
+        for cell, value, line in zip(self.cells[name], self.values[name], self.table.lines, strict=True):
+            if value is None or (math.isnan(value) and "nan" not in cell.lower()):
+                what = f"is '{cell}', not a number" if value is None else "is missing"
+                raise OrderError(f"line {line}: the entry of {name} {what}: mend it, or choose others with --columns")
+            if value < 0 and not self.options.signed:
+                raise OrderError(f"line {line}: {name} = {cell}, but errors must not be negative: give absolute values")
+            found.append(math.inf if math.isnan(value) else value)
+        return found
 
 
-def _convert(name: str, numbers: list[float | None], kind: str, dim: int | None) -> tuple[list[float], str, str]:
-    """Mesh sizes from the numbers in a column."""
-    found = [math.nan if value is None else value for value in numbers]
-    label = name or "n"
-    if kind in ("size", "step"):
-        return found, f"{'Δt' if kind == 'step' else 'h'} from column {label}", name
-    if any(value <= 0 for value in found):
-        return [math.nan if value <= 0 else 1 / value for value in found], label, name
-    growth = [max(b / a, a / b) for a, b in pairwise(found)]
-    if dim is None and (kind == "total" or (growth and min(growth) >= 3.5)):
-        raise OrderError(
-            f"column {label} is a count: h = 1/{label} if it counts cells along one side (--dim 1), h = {label}^(-1/2) if it "  # noqa: E501
-            f"counts all cells or unknowns in the plane (--dim 2), {label}^(-1/3) in space (--dim 3); give --dim"
-        )
-    power = dim or 1
-    words = f"h = 1/{label}" if power == 1 else f"h = {label}^(-1/{power})"
-    return [value ** (-1 / power) for value in found], f"{words} from column {label}", name
+def _indices(length: int) -> list[list[float | None]]:
+    """0, 1, 2, … and 1, 2, 3, …"""
+    return [[float(k) for k in range(start, start + length)] for start in (0, 1)]
 
 
 def _from_ratio(ratio: float, rows: int) -> list[float]:
-    return [max(ratio, 1 / ratio) ** -k if ratio > 1 else ratio**k for k in range(rows)]
+    return [max(ratio, 1 / ratio) ** -k for k in range(rows)]
 
 
-def _printed_ratio(names: list[str], values: dict[str, list[float | None]], errors: dict[str, list[float]],
-                   roles: dict[str, str]) -> float | None:  # fmt: skip
-    """The ratio of mesh sizes with which the orders printed beside the errors were computed; None if there is none."""
-    logs = []
-    for error, order in pairwise(names):
-        if error not in errors or roles[order] != "order":
+def _split_by_case(columns: Columns) -> list[Columns]:
+    """A table for each value of a column, such as the degree, if mesh sizes repeat and are distinct for each value."""
+    table, size, rows = columns.table, columns.size, range(len(columns.table.rows))
+    numbers = columns.values.get(size or "", [])
+    if size is None or len(set(numbers)) == len(numbers):
+        return [columns]
+    for name in columns.names:
+        cells = columns.cells[name]
+        if cells[0] and "" in cells:
+            # The first row of a case has its name, as with multirow in LaTeX.
+            cells = [next(cell for cell in reversed(cells[: k + 1]) if cell) for k in rows]
+        groups = {cell: [k for k in rows if cells[k] == cell] for cell in dict.fromkeys(cells)}
+        whole = all(value is None or value % 1 == 0 for value in map(to_number, cells))
+        candidate = columns.roles[name] in (*SIZES, "level", "other") or whole
+        if name == size or columns.roles[name] == "error" or not candidate or not 1 < len(groups) < len(cells):
             continue
-        for k in range(1, len(errors[error])):
-            p, a, b = values[order][k], errors[error][k - 1], errors[error][k]
-            if p is not None and math.isfinite(p) and abs(p) > 0.3 and a > 0 and b > 0:
-                logs.append((math.log(a / b), p))
-    if not logs:
-        return None
-    middle = math.exp(float(np.median([change / p for change, p in logs])))
-    for ratio in (2.0, math.sqrt(2), 1.5, 3.0, 4.0, 10.0):
-        if abs(middle - ratio) < 0.03 * ratio and all(
-            abs(change / math.log(ratio) - p) < 0.02 + 0.01 * abs(p) for change, p in logs
-        ):
-            return ratio
-    return None
-
-
-def _checked(name: str, cells: list[str], lines: list[int], signed: bool) -> list[float]:
-    """The numbers of a column of errors; infinite where the text says nan."""
-    found = []
-    for cell, line in zip(cells, lines, strict=True):
-        value = to_number(cell)
-        if value is None or (math.isnan(value) and "nan" not in cell.lower()):
-            what = f"is '{cell}', not a number" if value is None else "is missing"
-            raise OrderError(f"line {line}: the entry of {name} {what}")
-        if value < 0 and not signed:
-            raise OrderError(f"line {line}: {name} = {cell}, but errors must not be negative: give absolute values")
-        found.append(math.inf if math.isnan(value) else value)
-    return found
+        if all(len(group) > 1 and len({numbers[k] for k in group}) == len(group) for group in groups.values()):
+            parts = [
+                (cell, [table.rows[k] for k in group], [table.lines[k] for k in group])
+                for cell, group in groups.items()
+            ]
+            return [
+                Columns(replace(table, rows=rows, lines=lines, label=f"{name} {cell}".strip()), columns.options)
+                for cell, rows, lines in parts
+            ]
+    return [columns]

@@ -1,4 +1,4 @@
-"""Numbers as people write them: 1.2D-3, 1,5e-3, 1.2×10⁻³, 1/8, 5 %, −0.5, 1 024, $\\num{1e-3}$."""
+"""Numbers as people write them: 1.2D-3, 16x16, 1,5e-3, 1.2×10⁻³, 1/8, 5 %, −0.5, 1 024, \\num{1e-3}."""
 
 from __future__ import annotations
 
@@ -21,6 +21,7 @@ _POWER = re.compile(r"(\d+(?:\.\d*)?)\s*(?:\^|\*\*)\s*[{(]?\s*([-+]?\d+)\s*[})]?
 _FORTRAN = re.compile(r"(?<=[\d.])[dDqQ](?=[-+]?\d)")
 _NO_LETTER = re.compile(r"([-+]?\d*\.\d+)([-+]\d{3})")
 _GROUPED = re.compile(r"[-+]?\d{1,3}(?:[ '’]\d{3})+(?:\.\d*)?")
+_ALONG_SIDES = re.compile(r"(\d+)(?:\s*[x×]\s*\1)+")
 _REMARK = re.compile(r"(.*[\d.%])\s*(?:\([^()]*\)|±.*|\+/-.*|\\pm.*)")
 
 
@@ -49,6 +50,8 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
         text = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", text).replace(",", ".")
     if found := _REMARK.fullmatch(text):
         text = found[1].strip()
+    if found := _ALONG_SIDES.fullmatch(text):
+        return float(found[1])
     scale = 1.0
     if text.endswith("%"):
         text, scale = text.rstrip("%").rstrip("\\ "), 0.01

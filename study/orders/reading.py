@@ -12,10 +12,11 @@ import csv
 import math
 import re
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 
-from study.orders.errors import OrderError
-from study.orders.numbers import UNIT, to_number, uses_decimal_commas
+from .errors import OrderError
+from .names import SIZES, role
+from .numbers import UNIT, to_number, uses_decimal_commas
 
 MAX_BYTES = 8_000_000
 MAX_ROWS = 100_000
@@ -36,7 +37,7 @@ class RawTable:
         rows: cells, one list for each mesh.
         lines: line number of every row.
         caption: text above the table.
-        notes: what was left out.
+        label: the case, if the table is one part of a larger one.
     """
 
     form: str
@@ -44,7 +45,7 @@ class RawTable:
     rows: list[list[str]]
     lines: list[int]
     caption: str = ""
-    notes: list[str] = field(default_factory=list)
+    label: str = ""
 
 
 @dataclass(frozen=True)
@@ -84,7 +85,7 @@ def decode(data: bytes) -> str:
         raise OrderError(
             f"line {line} contains the byte {ord(odd):#04x}: a binary file? Save the table as text in UTF-8"
         )
-    raise OrderError("it is not text: save the table as text in UTF-8")
+    raise OrderError("it is not text but binary: save the table as text in UTF-8")
 
 
 def read_tables(data: bytes | str) -> list[RawTable]:
@@ -100,7 +101,7 @@ def read_tables(data: bytes | str) -> list[RawTable]:
     for find in (_lists, _labelled_pairs, _delimited, _key_values):
         tables = [table for table in find(lines) if table.rows]
         if tables:
-            return [_without_units(_without_empty_columns(table)) for table in tables]
+            return [_plain(table) for table in tables]
     seen = next((line.text for line in lines if re.search(r"\d", line.text)), lines[0].text).strip()
     raise OrderError(f"no table was recognised, the first line with a number is '{_short(seen)}'; {EXAMPLE}")
 
@@ -112,10 +113,11 @@ def _short(text: str, width: int = 60) -> str:
 _RULE = re.compile(
     r"(?:[\s|+:=_#*~.─━═┼╪┌┐└┘├┤┬┴╞╡╤╧╭╮╯╰╌╍-]|\\[a-z]+rule(?:\[.*?\]|\{.*?\}|\(.*?\))*|\\hline)*(?:\\\\)?"
 )
-_LATEX_LINE = re.compile(
-    r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep|multicolumn\{\d+\}\{[^}]*\}\{[^}]*\}\s*$)"
-)
+_LATEX_LINE = re.compile(r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep)")
 _LATEX_END = re.compile(r"\\\\(?:\[.*?\])?\s*(?:\\[a-z]+(?:\{.*?\}|\[.*?\])*\s*)*$|\\tabularnewline.*$")
+_LONG_CELL = re.compile(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}")
+_MULTIROW = re.compile(r"\\multirow\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}")
+_MULTICOLUMN = re.compile(r"\\multicolumn\{(\d{1,2})\}\{[^{}]*\}\{([^{}]*)\}")
 _LATEX_START = re.compile(
     r"^\s*(?:\\(?:hline|[a-z]+rule|rowcolor\{.*?\}|c(?:mid)?(?:rule|line)(?:\(.*?\))?\{.*?\}|addlinespace)\s*)+"
 )
@@ -127,9 +129,15 @@ def _lines(text: str) -> list[Line]:
     signs: dict[str, str | int | None] = {"│": "|", "┃": "|", "║": "|", "┆": "|", "\u200b": None, "\ufeff": None}
     text = text.translate(str.maketrans(signs))
     raw = re.split(r"\r\n|\r|\n", text)
+    for k in range(len(raw) - 1, 0, -1):
+        # A row of LaTeX may take several lines.
+        if raw[k - 1].rstrip().endswith("&") and len(raw[k]) < MAX_CELL:
+            raw[k - 1 : k + 1] = [f"{raw[k - 1]} {raw[k]}", ""]
     quoted = sum(line.lstrip().startswith("> ") for line in raw)
     found = []
     for number, line in enumerate(raw, start=1):
+        if len(line) > MAX_CELL and (long := _LONG_CELL.search(line)):
+            raise OrderError(f"line {number} has a cell of {len(long[0])} characters; {EXAMPLE}")
         if quoted > len(raw) / 2:
             line = re.sub(r"^\s*(?:> ?)+", "", line)
         caption = re.match(r"\s*\\caption\{(.*)\}", line)
@@ -137,7 +145,9 @@ def _lines(text: str) -> list[Line]:
             line = caption[1]
         if _RULE.fullmatch(line) or _LATEX_LINE.match(line) or line.lstrip().startswith("```"):
             continue
-        line = _LATEX_START.sub("", _LATEX_END.sub("", line)) if "\\" in line else line
+        if "\\" in line:
+            line = _MULTIROW.sub(r"\1", _LATEX_START.sub("", _LATEX_END.sub("", line)))
+            line = _MULTICOLUMN.sub(lambda found: found[2] + " &" * (int(found[1]) - 1), line)
         comment = re.match(r"\s*(?:#+|%+|//|!)[ \t]*(?=[^\d.\s]|\s*[\d.])", line)
         found.append(Line(number, line[comment.end() :] if comment else line, comment is not None))
         if len(found) > MAX_ROWS:
@@ -152,26 +162,30 @@ def _lines(text: str) -> list[Line]:
 Split = list[tuple[str, int, int]]
 """Cells with the columns of the text where they begin and end."""
 _JOIN_TIMES = re.compile(r"(?<=[\d.])\s+(×|\\times|\\cdot|·)\s*(?=10)")
+_PAIRS = re.compile(r"(?<!\S)([^\s:]+:) +(?=[-+.\d])")
 _NORM = re.compile(r"\\?\|\\?\|[^|]+\\?\|\\?\||\\\|[^|]+\\\|")
 
 
 def _split(line: str, separator: str) -> Split:
     """The cells of a line."""
     if separator == " ":
-        return [(found[0], *found.span()) for found in re.finditer(r"\S+", _JOIN_TIMES.sub(r"\1", line))]
+        # ``h = 1/2`` is one cell, and ``h: 0.5 error: 0.1`` two; a bar or comma between blanks only draws.
+        line = re.sub(r"(?<=\S) *(=+) *(?=\S)", r"\1", _JOIN_TIMES.sub(r"\1", line))
+        if len(_PAIRS.findall(line)) > 1:
+            line = _PAIRS.sub(r"\1", line)
+        return [(found[0], *found.span()) for found in re.finditer(r"\S+", line) if found[0] not in ("|", ",")]
     if separator in ",;":
         try:
             cells = next(csv.reader([line.strip()], delimiter=separator, skipinitialspace=True), [])
         except csv.Error:
             cells = line.strip().split(separator)
     elif separator == "|":
-        norms: list[str] = []
-        protected = _NORM.sub(lambda found: norms.append(found[0]) or f"\0{len(norms) - 1}\0", line)  # type: ignore[func-returns-value]
-        if norms and protected.strip("\0 0123456789"):
-            cells = re.sub(r"^\s*\||\|\s*$", "", protected).split("|")
-            cells = [re.sub("\0(\\d+)\0", lambda found: norms[int(found[1])], cell) for cell in cells]
-        else:
-            cells = re.sub(r"^\s*\||\|\s*$", "", line).split("|")
+        # The bars of a norm, ||u - u_h||, separate nothing; those around a number do.
+        protected = _NORM.sub(
+            lambda found: found[0] if _is_number(found[0].strip("|\\ ")) else found[0].replace("|", "\0"), line
+        )
+        protected = protected if "|" in protected else line
+        cells = [cell.replace("\0", "|") for cell in re.sub(r"^\s*\||\|\s*$", "", protected).split("|")]
     elif separator == "&":
         cells = re.split(r"(?<!\\)&", line)
     else:
@@ -210,131 +224,250 @@ def _separator(lines: list[Line]) -> str | None:
                 score += filled / len(cells[:50])
         if score > most + 1e-9:
             best, most = separator, score
-    for line in lines if best else []:
-        if (
-            len(line.text) > MAX_CELL
-            and (longest := max(len(cell) for cell, *_ in _split(line.text, str(best)))) > MAX_CELL
-        ):
-            raise OrderError(f"line {line.number} has a cell of {longest} characters; {EXAMPLE}")
     return best
 
 
 _FORMS = {"|": "columns separated by |", "&": "LaTeX rows", "\t": "columns separated by tabs"}
 _FORMS |= {";": "columns separated by semicolons", ",": "CSV", " ": "columns separated by blanks"}
 _SUMMARY = re.compile(r"(?i)\W*(?:mean|average|avg|overall|total|fit|fitted|slope|eoc|rate|order|median|min|max)\b")
+_NO_CAPTION = re.compile(rf"{_SUMMARY.pattern}|\W*$|\.\.|[@\\]")
+_TYPE_OR_UNIT = re.compile(
+    r"(?i)u?int\d*|float\d*\??|[fiu]\d+|str(?:ing)?|double|real|bool|\[.*\]|\(.*\)|[-–—1%]?|[kcmµ]?m|m?s|[kMG]?Pa|deg|°"
+)
 
 
 def _delimited(lines: list[Line]) -> list[RawTable]:
     """Tables whose cells are separated by one sign."""
     separator = _separator(lines)
-    if separator is None:
-        return _headers_without_rows(lines)
-    split = [_split(line.text, separator) for line in lines]
-    transposed = _transposed(lines, split, separator)
-    if transposed:
-        return transposed
-    tables: list[RawTable] = []
-    above: list[int] = []
-    block: list[int] = []
-    for i, cells in enumerate(split):
-        if _is_row(lines[i], cells, separator, len(split[block[0]]) if block else 0):
-            block.append(i)
-        elif lines[i].is_comment and block and not _starts_table(i, lines, split, block):
-            continue
-        else:
-            if block:
-                tables += _table(lines, split, above, block, separator, tables)
-                above, block = [], []
-            above.append(i)
-    if block:
-        tables += _table(lines, split, above, block, separator, tables)
-    return tables
-
-
-def _headers_without_rows(lines: list[Line]) -> list[RawTable]:
-    """Raises if the text is a header alone, or has a single column of numbers."""
+    if separator is not None:
+        grid = _Grid(lines, separator)
+        return grid.transposed() or grid.tables()
     if all(not re.search(r"[=:]", line.text) for line in lines):
+        first = _short(lines[0].text.strip())
         if not any(_is_number(cell) for line in lines for cell, *_ in _split(line.text, " ")[:50]):
-            header = _short(lines[0].text.strip())
-            raise OrderError(f"no line with numbers; the first line is '{header}'; {EXAMPLE}")
+            raise OrderError(f"no line with numbers; the first line is '{first}'; {EXAMPLE}")
         if all(len(_split(line.text, " ")) == 1 for line in lines):
-            raise OrderError(f"there is one column only ('{_short(lines[0].text.strip())}'); {EXAMPLE}")
+            raise OrderError(f"there is one column only ('{first}'); {EXAMPLE}")
     return []
 
 
-def _is_row(line: Line, cells: Split, separator: str, width: int) -> bool:
-    """Whether a line holds numbers of a table: half of its cells, or one where the width is right."""
-    if line.is_comment:
-        return False
-    texts = [cell for cell, *_ in cells]
-    numbers = sum(map(_is_number, texts))
-    if not numbers or _SUMMARY.match(texts[0]):
-        return False
-    filled = numbers + sum(cell != "" and _is_missing(cell) for cell in texts)
-    used = sum(cell != "" for cell in texts)
-    if separator != " " and width:
-        return len(cells) == width or filled >= used / 2
-    return filled >= used / 2 and (used > 1 or width > 1)
+class _Grid:
+    """The lines of a text and their cells."""
 
+    def __init__(self, lines: list[Line], separator: str) -> None:
+        self.lines, self.separator = lines, separator
+        self.split = [_split(line.text, separator) for line in lines]
+        self.texts = [[cell for cell, *_ in cells] for cells in self.split]
 
-def _starts_table(i: int, lines: list[Line], split: list[Split], block: list[int]) -> bool:
-    """Whether a comment between rows is the header of another table."""
-    names = [cell for cell, *_ in split[i]]
-    following = next((j for j in range(i + 1, len(lines)) if not lines[j].is_comment), None)
-    return (
-        following is not None
-        and len(names) == len(split[block[0]]) > 1
-        and not any(map(_is_number, names))
-        and len(split[following]) == len(names)
-    )
+    def tables(self) -> list[RawTable]:
+        """Blocks of rows with the headers above them."""
+        tables: list[RawTable] = []
+        above: list[int] = []
+        block: list[int] = []
+        comments: list[int] = []
+        for i in range(len(self.lines)):
+            if self._is_row(i, len(self.split[block[0]]) if block else 0):
+                block.append(i)
+            elif not (block and self.lines[i].is_comment and not self._starts_table(i, block)):
+                if block:
+                    tables += self._table(above, block, tables)
+                    above, block, comments = comments, [], []
+                above.append(i)
+            else:
+                comments.append(i)
+        return tables + (self._table(above, block, tables) if block else [])
 
+    def _is_row(self, i: int, width: int) -> bool:
+        """Whether a line holds numbers of a table: half of its cells, or one where the width is right."""
+        texts = self.texts[i]
+        numbers = sum(map(_is_number, texts))
+        if self.lines[i].is_comment or not numbers or _SUMMARY.match(texts[0]):
+            return False
+        filled = numbers + sum(cell != "" and _is_missing(cell) for cell in texts)
+        used = sum(cell != "" for cell in texts)
+        if self.separator != " " and width:
+            return len(texts) == width or filled >= used / 2
+        return filled >= used / 2 and (used > 1 or width > 1)
 
-def _table(
-    lines: list[Line], split: list[Split], above: list[int], block: list[int], separator: str, before: list[RawTable]
-) -> list[RawTable]:
-    """The table of a block of rows; its header is the nearest line above that has a name for every column."""
-    rows, width = _aligned(lines, split, block, separator)
-    names, used = _header(lines, split, above, rows, width, separator, [split[i] for i in block])
-    notes: list[str] = []
-    if not names and before and len(before[-1].names) == width:
-        names = before[-1].names
-    if not names:
-        if len(block) < 2 and above:
+    def _starts_table(self, i: int, block: list[int]) -> bool:
+        """Whether a comment between rows is the header of another table."""
+        width = len(self.texts[i])
+        following = next((j for j in range(i + 1, len(self.lines)) if not self.lines[j].is_comment), None)
+        if following is None or any(map(_is_number, self.texts[i])):
+            return False
+        return len(self.split[following]) == width == len(self.split[block[0]]) > 1
+
+    def _table(self, above: list[int], block: list[int], before: list[RawTable]) -> list[RawTable]:
+        """The table of a block of rows; its header is the nearest line above that has a name for every column."""
+        rows, width = self._aligned(block)
+        names, used = self._header(above, rows, width)
+        if not names and before and len(before[-1].names) == width:
+            names = before[-1].names
+        if not names and len(block) < 2 and above:
             return []
-        first = _short(lines[block[0]].text.strip())
-        others = f"; the line above is '{_short(lines[above[-1]].text.strip())}'" if above else ""
-        raise OrderError(
-            f"line {lines[block[0]].number}, '{first}', has {width} numbers, but no line above names {width} columns"
-            f"{others}: add a header such as '{(separator if separator != ' ' else ' ').join(['h', *['error'] * (width - 1)])}'"  # noqa: E501
-        )
-    caption = " ".join(lines[i].text.strip() for i in above if i not in used)
-    return [RawTable(_FORMS[separator], names, rows, [lines[i].number for i in block], _short(caption, 100), notes)]
-
-
-def _aligned(lines: list[Line], split: list[Split], block: list[int], separator: str) -> tuple[list[list[str]], int]:
-    """Rows with equally many cells: blank cells between columns of text are found by their place in the line."""
-    width = Counter(len(split[i]) for i in block).most_common(1)[0][0]
-    width = max(width, *(len(split[i]) for i in block)) if separator == " " else width
-    model = next(split[i] for i in block if len(split[i]) == width)
-    rows = []
-    for i in block:
-        cells = split[i]
-        if len(cells) == width:
-            rows.append([cell for cell, *_ in cells])
-            continue
-        texts = [cell for cell, *_ in cells]
-        if len(cells) > width and not any(texts[width:]):
-            rows.append(texts[:width])
-        elif len(cells) < width and separator == " " and (placed := _place(cells, model)):
-            rows.append(placed)
-        elif len(cells) < width and separator in "\t&|" and len(cells) >= 2:
-            rows.append(texts + [""] * (width - len(texts)))
-        else:
-            hint = "; decimal commas? Then separate columns by semicolons" if separator == "," else ""
+        if not names:
+            first, sign = self.lines[block[0]], self.separator.replace("\t", " ")
+            others = f"; the line above is '{_short(self.lines[above[-1]].text.strip())}'" if above else ""
             raise OrderError(
-                f"line {lines[i].number}: {len(cells)} entries, expected {width}: '{_short(lines[i].text.strip())}'{hint}"  # noqa: E501
+                f"the table that begins in line {first.number}, '{_short(first.text.strip())}', has {width} columns, "
+                f"but no line above names them{others}: add a header such as "
+                f"'{_short(sign.join(['h', *['error'] * (width - 1)]))}'"
             )
-    return rows, width
+        captions = [self.lines[i].text.strip() for i in above if i not in used]
+        caption = next((text for text in reversed(captions) if not _NO_CAPTION.match(text)), "")
+        numbers = [self.lines[i].number for i in block]
+        return [RawTable(_FORMS[self.separator], names, rows, numbers, _short(caption, 100))]
+
+    def _aligned(self, block: list[int]) -> tuple[list[list[str]], int]:
+        """Rows with equally many cells: blank cells between columns of text are found by their place in the line."""
+        lengths = [len(self.split[i]) for i in block]
+        width = max(lengths) if self.separator == " " else Counter(lengths).most_common(1)[0][0]
+        model = self.split[block[lengths.index(width)]]
+        rows = []
+        for i in block:
+            texts = self.texts[i]
+            placed = _place(self.split[i], model) if self.separator == " " and len(texts) < width else None
+            padded = len(texts) > width or (self.separator in "\t&|" and len(texts) > 1)
+            if placed or len(texts) == width or (padded and not any(texts[width:])):
+                rows.append(placed or (texts + [""] * width)[:width])
+                continue
+            hint = "; decimal commas? Then separate columns by semicolons" if self.separator == "," else ""
+            line = self.lines[i]
+            raise OrderError(
+                f"line {line.number}: {len(texts)} entries, expected {width}: '{_short(line.text.strip())}'{hint}"
+            )
+        return rows, width
+
+    def _header(self, above: list[int], rows: list[list[str]], width: int) -> tuple[list[str], list[int]]:
+        """Names of the columns and the lines they stand in; no names if no line fits."""
+        units = [i for i in above if all(map(_TYPE_OR_UNIT.fullmatch, self.texts[i]))]
+        for i in (i for i in reversed(above) if i not in units):
+            names = self._names(i, rows, width)
+            if names is None or any(name == "=" or (_is_number(name) and not name.isalpha()) for name in names):
+                continue
+            group = next((j for j in reversed(above) if j < i), None)
+            if group is not None and self.lines[i].number - self.lines[group].number <= 2:
+                grouped = self._grouped(group, i, names)
+                if grouped:
+                    return grouped, [i, group, *units]
+            return names, [i, *units]
+        return [], []
+
+    def _names(self, i: int, rows: list[list[str]], width: int) -> list[str] | None:
+        """The names in a line that has one for every column, or for every column but orders or an index."""
+        text, texts = self.lines[i].text, list(self.texts[i])
+        # A bar or comma between blanks only draws.
+        wide = re.split(r"\s{2,}|\t", re.sub(r"(?<!\S)[|,](?!\S)", "  ", text).strip())
+        if self.separator != " ":
+            while len(texts) > width and not texts[-1]:
+                texts.pop()
+            candidates = [
+                texts,
+                *([wide] if self.separator == "\t" else []),
+                *([text.split()] if self.separator != "," else []),
+            ]
+            return next((words for words in candidates if len(words) == width), None)
+        counts = [to_number(row[0]) for row in rows]
+        indexed = any(counts == [float(k) for k in range(start, start + len(rows))] for start in (0, 1))
+        primary = [k for k in range(width) if not _is_missing(rows[0][k])]
+        for words in (wide, texts):
+            if len(words) == width:
+                return words
+            if len(words) == width - 1 and indexed and text[:1].isspace():
+                return [UNNAMED, *words]
+        for words in (wide, texts):
+            if len(words) == len(primary) < width and len(rows) > 1:
+                named = dict(zip(primary, words, strict=True))
+                last = [max((j for j in primary if j <= k), default=primary[0]) for k in range(width)]
+                return [named.get(k, f"order of {named[last[k]]}") for k in range(width)]
+            if len(words) == width - 1 and indexed:
+                return [UNNAMED, *words]
+        return None
+
+    def _grouped(self, group: int, i: int, names: list[str]) -> list[str] | None:
+        """Names of two header rows, of which the upper one spans several columns; None if it does not."""
+        if self.separator == " ":
+            upper = [(found[0], found.start()) for found in re.finditer(r"\S+(?: \S+)*", self.lines[group].text)]
+            starts = [start for _, start, _ in self.split[i]]
+        else:
+            upper = [(cell, k) for k, cell in enumerate(self.texts[group]) if cell]
+            starts = list(range(len(names)))
+        if len(set(names)) == len(names) or not 1 < len(upper) <= len(names) or len(starts) != len(names):
+            return None
+        combined = []
+        for name, start in zip(names, starts, strict=True):
+            label = next((label for label, begin in reversed(upper) if begin <= start + 1), "")
+            # An error of the quantity h is no mesh size.
+            is_error = re.fullmatch(r"(?i)err(?:or)?s?|e", name) and role(label) not in SIZES
+            combined.append(label if label and is_error else f"{label} {name}".strip())
+        return combined
+
+    def transposed(self) -> list[RawTable]:
+        """Tables with a line for each quantity and a column for each mesh, if the labels or the header say so."""
+        runs: list[list[int]] = []
+        labelled = {i: parts for i in range(len(self.lines)) if (parts := self._labelled(i))}
+        for i in range(len(self.lines)):
+            if i not in labelled and self._is_row(i, 0) and _is_number(self.texts[i][0]):
+                return []
+            if i in labelled and i - 1 in labelled:
+                runs[-1].append(i)
+            elif i in labelled:
+                runs.append([i])
+        for attempt in (runs, [sorted(labelled)] if labelled else []):
+            tables = [table for run in attempt if (table := self._transposed_run(run, [labelled[i] for i in run]))]
+            if tables:
+                return tables
+        return []
+
+    def _labelled(self, i: int) -> tuple[str, list[str]] | None:
+        """Label and values of a line that is a label with two numbers or more."""
+        texts = list(self.texts[i])
+        while texts and not texts[-1] and self.separator != "|":
+            texts.pop()
+        first = next(
+            (k for k, cell in enumerate(texts) if k and (_is_number(cell) or (cell and _is_missing(cell)))), None
+        )
+        if first is None or self.lines[i].is_comment or _is_number(texts[0]) or (self.separator != " " and first > 2):
+            return None
+        values = texts[first:]
+        if sum(map(_is_number, values)) < 2 or not all(_is_number(cell) or _is_missing(cell) for cell in values):
+            return None
+        return " ".join(texts[:first]).strip(), values
+
+    def _transposed_run(self, run: list[int], labelled: list[tuple[str, list[str]]]) -> RawTable | None:
+        """The table of consecutive lines with labels; None if nothing tells the sizes."""
+        number, width = self.lines[run[0]].number, max(len(values) for _, values in labelled)
+        form, caption = "one line for each quantity", ""
+        if any(role(label.strip(" :=")) in SIZES for label, _ in labelled):
+            return _from_columns(
+                form, {label: [""] * (width - len(values)) + values for label, values in labelled}, number
+            )
+        if any(len(values) != width for _, values in labelled):
+            return None
+        above = self.texts[run[0] - 1] if run[0] else []
+        named = [_NAMED_SIZE.fullmatch(cell.strip("$ ")) for cell in above]
+        if any(named) and all(found is None or to_number(found["value"]) is not None for found in named):
+            sizes = [(k - (len(named) - width), found) for k, found in enumerate(named) if found]
+            columns = {sizes[0][1]["name"]: [found["value"] for _, found in sizes]}
+            columns |= {label: [values[k] for k, _ in sizes] for label, values in labelled}
+            caption = self.lines[run[0] - 2].text.strip() if run[0] > 1 and run[0] - 2 not in run else ""
+            return replace(_from_columns(f"{form}, sizes in the header", columns, number), caption=caption)
+        if width % 2 and width >= 3 and (not above or _orders_between(labelled)):
+            # AMReX prints: error order error order error.
+            pairs = [((label, values[::2]), (f"order of {label}", ["", *values[1::2]])) for label, values in labelled]
+            columns = dict(pair for both in pairs for pair in both)
+            return _from_columns(f"{form}, orders between the errors", columns, number)
+        return None
+
+
+def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
+    """Whether every second value is the order of its two neighbours, for meshes twice as fine."""
+    checked = []
+    for numbers in ([to_number(cell) or math.nan for cell in values] for _, values in labelled):
+        for coarse, order, fine in zip(numbers[::2], numbers[1::2], numbers[2::2], strict=False):
+            if coarse > 0 and fine > 0 and math.isfinite(order):
+                checked.append(abs(math.log2(coarse / fine) - order) < 0.02 + 0.01 * abs(order))
+    return bool(checked) and all(checked)
 
 
 def _place(cells: Split, model: Split) -> list[str] | None:
@@ -349,140 +482,7 @@ def _place(cells: Split, model: Split) -> list[str] | None:
     return placed
 
 
-def _header(
-    lines: list[Line],
-    split: list[Split],
-    above: list[int],
-    rows: list[list[str]],
-    width: int,
-    separator: str,
-    cells: list[Split],
-) -> tuple[list[str], list[int]]:
-    """Names of the columns and the lines they stand in; no names if no line fits."""
-    for i in reversed(above):
-        names = _names(lines[i].text, split[i], rows, width, separator)
-        if names is None or any(_is_number(name) for name in names if name):
-            continue
-        group = next((j for j in reversed(above) if j < i), None)
-        if group is not None and lines[i].number - lines[group].number <= 2:
-            grouped = _grouped(split[group], split[i], lines[group].text, names, separator)
-            if grouped:
-                return grouped, [i, group]
-        return names, [i]
-    return [], []
-
-
-def _names(text: str, cells: Split, rows: list[list[str]], width: int, separator: str) -> list[str] | None:
-    """The names in a line that has one for every column, or for every column but orders or an index."""
-    texts = [cell for cell, *_ in cells]
-    if separator != " ":
-        while len(texts) > width and not texts[-1]:
-            texts.pop()
-        if len(texts) == width:
-            return texts
-        if separator == "\t" and len(re.split(r"\s{2,}", text.strip())) == width:
-            return re.split(r"\s{2,}", text.strip())
-        words = text.split()
-        return words if len(words) == width and separator != "," else None
-    indexed = [to_number(row[0]) for row in rows] in [list(map(float, range(k, k + len(rows)))) for k in (0, 1)]
-    primary = [k for k in range(width) if not _is_missing(rows[0][k])]
-    wide = re.split(r"\s{2,}|\t", text.strip())
-    for words in (wide, texts):
-        if len(words) == width:
-            return words
-        if len(words) == width - 1 and indexed and text[:1].isspace():
-            return [UNNAMED, *words]
-    for words in (wide, texts):
-        if len(words) == len(primary) < width and len(rows) > 1:
-            named = dict(zip(primary, words, strict=True))
-            last = ""
-            names = []
-            for k in range(width):
-                last = named.get(k, last)
-                names.append(named.get(k, f"order of {last}"))
-            return names
-        if len(words) == width - 1 and indexed:
-            return [UNNAMED, *words]
-    return None
-
-
-def _grouped(group: Split, cells: Split, text: str, names: list[str], separator: str) -> list[str] | None:
-    """Names of two header rows, of which the upper one spans several columns; None if it does not."""
-    if len(set(names)) == len(names):
-        return None
-    if separator == " ":
-        upper = [(found[0], found.start()) for found in re.finditer(r"\S+(?: \S+)*", text)]
-        starts = [start for _, start, _ in cells]
-    else:
-        upper = [(cell, k) for k, (cell, *_) in enumerate(group) if cell]
-        starts = list(range(len(names)))
-    if not 1 < len(upper) <= len(names) or len(starts) != len(names):
-        return None
-    combined = []
-    for name, start in zip(names, starts, strict=True):
-        over = [label for label, begin in upper if begin <= start + 1]
-        label = over[-1] if over else ""
-        combined.append(label if label and re.fullmatch(r"(?i)err(?:or)?s?|e", name) else f"{label} {name}".strip())
-    return combined
-
-
-# Transposed tables: one line for each quantity.
-
-_SIZE_LABEL = re.compile(
-    r"(?i)\W*(?:h|h_?max|dx|dy|Δx|\\?delta[ _]?x|mesh[ _-]?(?:size|width)|n|nx|cells|elements|n?dofs?|dt|Δt|tau|τ|resolution|"  # noqa: E501
-    r"number of (?:cells|elements|dofs|points|unknowns))\W*(?:\[.*\]|\(.*\))?\W*"
-)
 _NAMED_SIZE = re.compile(r"(?P<name>[^\W\d][\w ]*|Δx|Δt)\s*=\s*(?P<value>.+)")
-
-
-def _transposed(lines: list[Line], split: list[Split], separator: str) -> list[RawTable]:
-    """A table with a line for each quantity and a column for each mesh, if the labels or the header say so."""
-    labelled = []
-    for line, cells in zip(lines, split, strict=True):
-        texts = [cell for cell, *_ in cells]
-        while texts and not texts[-1] and separator != "|":
-            texts.pop()
-        first = next(
-            (k for k, cell in enumerate(texts) if k and (_is_number(cell) or (cell and _is_missing(cell)))), None
-        )
-        if first is None or line.is_comment or _is_number(texts[0]) or (separator != " " and first > 2):
-            continue
-        values = texts[first:]
-        if sum(map(_is_number, values)) >= 2 and all(_is_number(cell) or _is_missing(cell) for cell in values):
-            labelled.append((" ".join(texts[:first]).strip(), values, line.number))
-    if not labelled or any(
-        _is_row(line, cells, separator, 0) and _is_number(cells[0][0]) for line, cells in zip(lines, split, strict=True)
-    ):
-        return []
-    width = max(len(values) for _, values, _ in labelled)
-    if any(_SIZE_LABEL.fullmatch(label) for label, *_ in labelled):
-        columns = {label: [""] * (width - len(values)) + values for label, values, _ in labelled}
-        return [_from_columns("one line for each quantity", columns, labelled[0][2])]
-    if any(len(values) != width for _, values, _ in labelled):
-        return []
-    first_line = labelled[0][2]
-    header = next(
-        (cells for line, cells in zip(reversed(lines), reversed(split), strict=True) if line.number < first_line), None
-    )
-    named = [_NAMED_SIZE.fullmatch(cell.strip("$ ")) for cell, *_ in header] if header else []
-    if header and any(named) and all(found is None or to_number(found["value"]) is not None for found in named):
-        places = [k - (len(named) - width) for k, found in enumerate(named) if found]
-        sizes = [found["value"] for found in named if found]
-        name = next(found["name"] for found in named if found)
-        columns = {name: sizes} | {label: [values[k] for k in places] for label, values, _ in labelled}
-        return [_from_columns("one line for each quantity, sizes in the header", columns, first_line)]
-    if header is None and width % 2 and width >= 3:
-        return [_alternating(labelled, width)]
-    return []
-
-
-def _alternating(labelled: list[tuple[str, list[str], int]], width: int) -> RawTable:
-    """Errors with the orders between them, as AMReX prints: error order error order error."""
-    columns: dict[str, list[str]] = {}
-    for label, values, _ in labelled:
-        columns[label] = values[::2]
-        columns[f"order of {label}"] = ["", *values[1::2]]
-    return _from_columns("one line for each quantity, orders between the errors", columns, labelled[0][2])
 
 
 def _from_columns(form: str, columns: dict[str, list[str]], line: int) -> RawTable:
@@ -492,29 +492,34 @@ def _from_columns(form: str, columns: dict[str, list[str]], line: int) -> RawTab
 
 # Lists, pairs and lines with names.
 
-_LIST = re.compile(
-    r"(?P<name>[^\[\](){}=:\n]{1,80}?)[ \t]*[=:][ \t]*(?:\w[\w.]{0,40}\()?[\[({](?P<values>[^\[\](){}]*)[\])}]"
-)
+_OPENING = r"[=:]\s*(?:[\w.]{1,40}\(?)?[\[({]"
+_LIST = re.compile(rf"(?P<name>[^\[\](){{}}=:\n]{{1,80}}?)[ \t]*{_OPENING}(?P<values>[^\[\](){{}}]*)[\])}}]")
 
 
 def _lists(lines: list[Line]) -> list[RawTable]:
-    """``name = [1, 2, 3]``, one for each column; a list may take several lines."""
+    """``name = [1, 2, 3]``, one for each column; a list may take several lines; sizes that come again start a table."""
     text = "\n".join(line.text for line in lines)
-    if not re.search(r"[=:]\s*(?:\w[\w.]{0,40}\()?[\[({]", text):
+    if not re.search(_OPENING, text):
         return []
-    columns: dict[str, list[str]] = {}
+    groups: list[dict[str, list[str]]] = [{}]
     for found in _LIST.finditer(text):
         values = re.split(r"[,;\s]+", found["values"].strip(" ,;\n\t"))
-        if len(values) >= 2 and all(map(_is_number, values)):
-            columns[found["name"].strip().strip("\"'")] = values
-    if len(columns) < 2:
-        return []
+        if len(values) < 2 or not all(map(_is_number, values)):
+            continue
+        name = found["name"].strip(" \t,").strip("\"'")
+        if name in groups[-1] and role(name) in SIZES:
+            groups.append({})
+        count = sum(other == name or other.startswith(f"{name} (") for other in groups[-1])
+        groups[-1][f"{name} ({count + 1})" if count else name] = values
+    return [_from_lists(columns, lines[0].number) for columns in groups if len(columns) > 1]
+
+
+def _from_lists(columns: dict[str, list[str]], line: int) -> RawTable:
     length = max(map(len, columns.values()))
     if min(map(len, columns.values())) < length - 1:
         sizes = ", ".join(f"{name} has {len(values)}" for name, values in columns.items())
         raise OrderError(f"lists of different lengths: {sizes}; expected one value for each mesh in every list")
-    columns = {name: [""] * (length - len(values)) + values for name, values in columns.items()}
-    return [_from_columns("lists", columns, lines[0].number)]
+    return _from_columns("lists", {name: [""] * (length - len(v)) + v for name, v in columns.items()}, line)
 
 
 _PAIR = re.compile(
@@ -535,14 +540,15 @@ def _labelled_pairs(lines: list[Line]) -> list[RawTable]:
         here = [found["size"] for found in pairs]
         if sizes and here != sizes:
             raise OrderError(
-                f"line {line.number} has the sizes {', '.join(here)}, line {number} has {', '.join(sizes)}; expected the same"  # noqa: E501
+                f"line {line.number} has the sizes {', '.join(here)}, line {number} has {', '.join(sizes)}: give every "
+                "quantity on the same meshes"
             )
         sizes, number = here, line.number
         columns[label] = [found["value"] for found in pairs]
     return [_from_columns("size: error pairs", {UNNAMED: sizes} | columns, number)] if columns else []
 
 
-_KEY_VALUE = re.compile(r"(?P<key>(?=[^=:]*[^\W\d])[^=:,;]*?[^\s=:,;<>!])\s*[=:]\s*(?P<value>[^\s,;=:]+)(?=[\s,;]|$)")
+_VALUE = re.compile(r"[=:]\s*(?P<value>[^\s,;=:]+)(?=[\s,;]|$)")
 
 
 def _key_values(lines: list[Line]) -> list[RawTable]:
@@ -550,9 +556,12 @@ def _key_values(lines: list[Line]) -> list[RawTable]:
     records: list[dict[str, str]] = []
     numbers: list[int] = []
     for line in lines:
-        for found in _KEY_VALUE.finditer(line.text):
-            key, value = found["key"].strip(" \t*-"), found["value"].strip("*|`")
-            if not (_is_number(value) or _is_missing(value)):
+        end = 0
+        for found in _VALUE.finditer(line.text):
+            before, end, value = line.text[end : found.start()], found.end(), found["value"].strip("*|`}]")
+            key = re.split(r"[,;]", before)[-1].strip(" \t*-\"'{[")
+            named = len(key) <= 80 and key[-1:] not in "<>!" and re.search(r"[^\W\d]", key)
+            if not named or not (_is_number(value) or _is_missing(value)):
                 continue
             if not records or key in records[-1]:
                 records.append({})
@@ -563,37 +572,31 @@ def _key_values(lines: list[Line]) -> list[RawTable]:
     if len(names) < 2:
         return []
     rows = [[record.get(name, "") for name in names] for record in records]
-    kept = [k for k, row in enumerate(rows) if any(row)]
-    return [RawTable("name = value lines", names, [rows[k] for k in kept], [numbers[k] for k in kept])]
+    filled = [k for k, row in enumerate(rows) if any(row)]
+    return [RawTable("name = value lines", names, [rows[k] for k in filled], [numbers[k] for k in filled])]
 
 
-def _without_empty_columns(table: RawTable) -> RawTable:
-    """The table without columns that have neither name nor numbers, as a trailing separator makes."""
-    kept = [k for k, name in enumerate(table.names) if name or any(not _is_missing(row[k]) for row in table.rows)]
-    rows = [[row[k] for k in kept] for row in table.rows]
-    return RawTable(table.form, [table.names[k] for k in kept], rows, table.lines, table.caption, table.notes)
-
-
-def _without_units(table: RawTable) -> RawTable:
-    """The table without units in cells, where all cells of a column have the same one; numbers in plain form."""
-    cells = [cell for row in table.rows for cell in row]
+def _plain(table: RawTable) -> RawTable:
+    """The table without units in cells and without empty columns, which a trailing separator makes."""
+    filled = [k for k, name in enumerate(table.names) if name or any(not _is_missing(row[k]) for row in table.rows)]
+    columns = [[row[k] for row in table.rows] for k in filled]
+    cells = [cell for column in columns for cell in column]
     comma = uses_decimal_commas(cells)
     if comma is None:
         cell = next(cell for cell in cells if "," in cell)
         raise OrderError(
             f"'{cell}' may be {cell.replace(',', '.')} or {cell.replace(',', '')}: write it without a comma"
         )
-    columns = []
-    for column in zip(*table.rows, strict=True):
+    for column in columns:
         found = [UNIT.fullmatch(cell) for cell in column if not _is_missing(cell)]
         if found and all(found) and len({match["unit"] for match in found if match}) == 1:
-            column = tuple(UNIT.sub(r"\g<number>", cell) for cell in column)
-        columns.append([_plain_cell(cell, comma) for cell in column])
+            column[:] = [UNIT.sub(r"\g<number>", cell) for cell in column]
+        if comma:
+            numbers = [to_number(cell, decimal_comma=True) for cell in column]
+            column[:] = [
+                cell if value is None or math.isnan(value) else repr(value)
+                for cell, value in zip(column, numbers, strict=True)
+            ]
     rows = [list(row) for row in zip(*columns, strict=True)]
     form = table.form + (", decimal commas" if comma else "")
-    return RawTable(form, table.names, rows, table.lines, table.caption, table.notes)
-
-
-def _plain_cell(cell: str, comma: bool) -> str:
-    value = to_number(cell, comma) if comma else None
-    return repr(value) if value is not None and not math.isnan(value) else cell
+    return replace(table, form=form, names=[table.names[k] for k in filled], rows=rows)

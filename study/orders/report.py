@@ -1,104 +1,71 @@
-"""Results as text, JSON, Markdown and JUnit XML."""
+"""Results as text, JSON, Markdown, JUnit XML and a plot."""
 
 from __future__ import annotations
 
+import importlib
 import math
 import textwrap
-from collections.abc import Sequence as Many
+from collections import Counter
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
-from study.orders.columns import Series
-from study.orders.sequences import FAILS, HIGHER, HOLDS, SKIPPED, UNDECIDED, Sequence
+import numpy as np
+
+from .columns import Series
+from .errors import OrderError
+from .sequences import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderResult
 
 MOST_ROWS, MOST_COLUMNS = 24, 20
-Found = tuple[Series, list[Sequence]]
+Judged = list[tuple[Series, list[OrderResult]]]
+"""Tables with the results of their columns."""
 
 
-def exit_code(found: Many[Found]) -> int:
-    """0 holds or no expectation, 1 fails or higher than expected, 3 undecided."""
-    verdicts = [column.verdict for _, columns in found for column in columns]
-    if FAILS in verdicts or HIGHER in verdicts:
+def exit_code(judged: Judged) -> int:
+    """1 if an order fails or is higher than expected, else 3 if one is undecided, else 0; 0 without an expectation."""
+    results = [result for _, results in judged for result in results if result.expectation.window]
+    verdicts = {result.verdict for result in results} - {SKIPPED}
+    if verdicts & {FAILS, HIGHER}:
         return 1
-    judged = [verdict for verdict in verdicts if verdict not in (None, SKIPPED)]
-    asked = any(
-        column.expected is not None or column.at_least is not None for _, columns in found for column in columns
-    )
-    return 3 if UNDECIDED in judged or (asked and not judged) else 0
+    return 3 if UNDECIDED in verdicts or (results and not verdicts) else 0
 
 
-def as_text(found: Many[Found]) -> str:
+def as_text(judged: Judged) -> str:
     """The conclusion, one line for each column; then what was recognised and all orders; 80 columns."""
     lines: list[str] = []
-    every = [column for _, columns in found for column in columns]
-    for column in every[:MOST_COLUMNS]:
-        verdict = f"{column.verdict}: " if column.verdict else ""
-        lines += textwrap.wrap(
-            f"{column.name}: {verdict}{column.sentence}{_wanted(column)}", 80, subsequent_indent="    "
-        )
+    every = [result for _, results in judged for result in results]
+    for result in every[:MOST_COLUMNS]:
+        lines += textwrap.wrap(f"{result.name}: {result.conclusion}", 80, subsequent_indent="    ")
     if len(every) > MOST_COLUMNS:
-        counts = {
-            word: sum(column.verdict == word for column in every) for word in (HOLDS, FAILS, HIGHER, UNDECIDED, SKIPPED)
-        }
-        lines.append(
-            f"and {len(every) - MOST_COLUMNS} more columns; all: "
-            + ", ".join(f"{n} {w}" for w, n in counts.items() if n)
-        )
-    for series, columns in found:
-        lines += [
-            "",
-            *textwrap.wrap(series.caption, 80),
-            *textwrap.wrap(_shortened(series), 80, subsequent_indent="    "),
-        ]
-        for column in columns[:MOST_COLUMNS]:
-            lines += ["", column.name[:80], f"  {'h':>12} {'error':>12} {'order':>8}"]
-            orders = ("", *(f"{order:.3f}" for order in column.orders))
-            rows = [
-                f"  {h:12.5g} {e:12.5g} {order:>8}" for h, e, order in zip(column.h, column.errors, orders, strict=True)
-            ]
-            skipped = [f"  … {len(rows) - MOST_ROWS} rows left out"] if len(rows) > MOST_ROWS else []
-            lines += [*rows[:4], *skipped, *rows[4 - MOST_ROWS :]] if skipped else rows
+        counts = Counter(result.verdict or result.kind for result in every)
+        lines.append(f"all {len(every)} columns: " + ", ".join(f"{n} {word}" for word, n in counts.items()))
+    for series, results in judged[:MOST_COLUMNS]:
+        words = textwrap.shorten(series.recognised, 800, placeholder=" …")
+        lines += ["", *textwrap.wrap(series.caption, 80), *textwrap.wrap(words, 80, subsequent_indent="    ")]
+        for result in results[:MOST_COLUMNS]:
+            lines += ["", result.name[:80], *_rows(result)]
     return "\n".join(lines)
 
 
-def _shortened(series: Series) -> str:
-    text = series.recognised
-    return text if len(text) < 800 else text[:800] + " …"
+def _rows(result: OrderResult) -> list[str]:
+    """Sizes, errors and orders of a column, without the middle of a long one."""
+    orders = ("", *(f"{order:.3f}" for order in result.orders))
+    rows = [f"  {h:12.5g} {e:12.5g} {p:>8}" for h, e, p in zip(result.h, result.errors, orders, strict=True)]
+    if len(rows) > MOST_ROWS:
+        rows[4 : 4 - MOST_ROWS] = [f"  … {len(rows) - MOST_ROWS} rows left out"]
+    return [f"  {'h':>12} {'error':>12} {'order':>8}", *(row.rstrip() for row in rows)]
 
 
-def _wanted(column: Sequence) -> str:
-    if column.at_least is not None:
-        return f"; expected at least {column.at_least:g}"
-    return "" if column.expected is None else f"; expected {column.expected:g} ± {column.tolerance:g}"
-
-
-def as_json(found: Many[Found]) -> list[dict[str, Any]]:
-    """One object for each column; numbers that do not exist are null. The schema is in docs/reference/commands.md."""
-    result = []
-    for series, columns in found:
-        for column in columns:
-            above = column.expected
-            reasons = [
-                f"above the expected {above:g} by more than {column.tolerance:g}"
-                if above is not None
-                and order > above + column.tolerance
-                and column.kind in ("higher than expected", "converges")
-                else None
-                for order in column.orders
-            ]
-            judged = column.h[column.first] if column.last - column.first > 2 else None
-            extra: dict[str, Any] = {"asymptotic_from": judged, "too_good": reasons}
-            extra |= {
-                "table": {
-                    "caption": series.caption,
-                    "form": series.form,
-                    "size": series.size,
-                    "ignored": series.ignored,
-                }
-            }
-            result.append(_finite(asdict(column)) | extra)
-    return result
+def as_json(judged: Judged) -> list[dict[str, Any]]:
+    """One object for each column; what does not exist is null. Schema: docs/reference/rates.schema.json."""
+    found = []
+    for series, results in judged:
+        table = {key: getattr(series, key) for key in ("caption", "form", "label", "size", "ignored")}
+        for result in results:
+            entry = asdict(result)
+            found.append(_finite(entry | entry.pop("expectation") | {"table": table}))
+    return found
 
 
 def _finite(value: Any) -> Any:
@@ -109,25 +76,69 @@ def _finite(value: Any) -> Any:
     return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
-def as_markdown(found: Many[Found]) -> str:
+def as_markdown(judged: Judged) -> str:
     """A table for the summary of a CI job."""
     rows = ["| column | verdict | what the errors do |", "|---|---|---|"]
-    for _, columns in found:
-        for column in columns:
-            cells = (column.name, column.verdict or "–", column.sentence + _wanted(column))
-            rows.append("| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |")
-    return "\n".join(rows)
+    for result in (result for _, results in judged for result in results):
+        words = result.conclusion.removeprefix(f"{result.verdict}: ")
+        cells = (result.name, result.verdict or "–", words)
+        rows.append("| " + " | ".join(cell.replace("|", "\\|").replace("\n", " ") for cell in cells) + " |")
+    return "\n".join(rows) + "\n"
 
 
-def as_junit(found: Many[Found]) -> str:
+def as_junit(judged: Judged) -> str:
     """JUnit XML: one test case for each column; undecided and higher than expected are failures."""
-    every = [column for _, columns in found for column in columns]
-    failed = [column for column in every if column.verdict in (FAILS, HIGHER, UNDECIDED)]
+    every = [result for _, results in judged for result in results]
+    failed = [result for result in every if result.verdict in (FAILS, HIGHER, UNDECIDED)]
     suite = ElementTree.Element("testsuite", name="study rates", tests=str(len(every)), failures=str(len(failed)))
-    for column in every:
-        case = ElementTree.SubElement(suite, "testcase", classname="orders", name=column.name)
-        if column in failed:
-            ElementTree.SubElement(case, "failure", message=f"{column.verdict}: {column.sentence}{_wanted(column)}")
-        elif column.verdict in (None, SKIPPED):
-            ElementTree.SubElement(case, "skipped", message=column.sentence)
+    for result in every:
+        case = ElementTree.SubElement(suite, "testcase", classname="orders", name=result.name)
+        if result in failed:
+            ElementTree.SubElement(case, "failure", message=result.conclusion)
+        elif result.verdict in (None, SKIPPED):
+            ElementTree.SubElement(case, "skipped", message=result.conclusion)
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True)
+
+
+def plot(judged: Judged, file: Path) -> None:
+    """Draws errors over h with the fitted line of the judged levels and the expected order, as PNG, SVG or PDF.
+
+    Raises:
+        OrderError: the name of the file ends otherwise, or Matplotlib is not installed.
+    """
+    if file.suffix.lower() not in (".png", ".svg", ".pdf"):
+        raise OrderError(f"--plot {file}: expected a name that ends with .png, .svg or .pdf")
+    try:
+        figures = importlib.import_module("matplotlib.figure")
+    except ImportError:
+        raise OrderError("--plot needs Matplotlib: python -m pip install matplotlib") from None
+    figure = figures.Figure(figsize=(6.4, 4.4), layout="constrained")
+    axes = figure.add_subplot(xscale="log", yscale="log", ylabel="error")
+    axes.set_xlabel("time step Δt" if all(series.size.startswith("Δt") for series, _ in judged) else "mesh size h")
+    drawn = [result for _, results in judged for result in results if any(0 < e < math.inf for e in result.errors)]
+    for k, result in enumerate(drawn[:MOST_COLUMNS]):
+        h, errors, colour = np.array(result.h), np.array(result.errors), f"C{k % 10}"
+        positive = (errors > 0) & np.isfinite(errors)
+        # Dollar signs of names would start formulas that Matplotlib may not know.
+        label = f"{result.name}: order {result.order:.2f}".replace("$", r"\$")
+        axes.plot(h[positive], errors[positive], "os^Dv"[k % 5], color=colour, markersize=5, label=label)
+        if not math.isfinite(result.order):
+            continue
+        used = h[result.first : result.last]
+        scaled = used / np.exp(np.log(used).mean())
+        centre = np.exp(np.log(errors[result.first : result.last]).mean())
+        axes.plot(used, centre * scaled**result.order, color=colour, linewidth=1.2)
+        wanted = result.expectation.expected or result.expectation.at_least
+        if wanted:
+            # Below the errors, so that both lines are seen where they are parallel.
+            axes.plot(used, 0.6 * centre * scaled**wanted, "--", color=colour, linewidth=1)
+    if any(result.expectation.window for result in drawn):
+        axes.plot([], [], "--", color="0.45", linewidth=1, label="expected order, shifted")
+    sizes = sorted({size for result in drawn for size in result.h})
+    if 1 < len(sizes) <= 10:
+        axes.set_xticks(sizes, [f"{size:.3g}" for size in sizes], fontsize=8)
+        axes.minorticks_off()
+    axes.grid(True, color="0.9")
+    if drawn:
+        axes.legend(fontsize=8, frameon=False)
+    figure.savefig(file, dpi=150)

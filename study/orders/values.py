@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from study.orders.errors import OrderError
+from .errors import OrderError
 
 SAFETY = 1.25
 

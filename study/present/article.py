@@ -14,9 +14,8 @@ import pandas as pd
 
 from study.ledger.chance import PROMISE
 from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, raised
-from study.ledger.margin import agreement, used, worst
-from study.ledger.rounding import above, below, down, up
-from study.ledger.verdict import HOLDS, REPORTED
+from study.ledger.text import above, below, down, up
+from study.ledger.verdict import HOLDS, REPORTED, agreement, used, worst
 from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, longtable, prose, tabular
 

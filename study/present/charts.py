@@ -12,7 +12,7 @@ import pandas as pd
 
 from study.ledger.codes import GRADES, Codes
 from study.ledger.orders import RatesError, fit, orders
-from study.ledger.rounding import interval
+from study.ledger.text import interval
 from study.present.chart import (
     Array,
     Axis,

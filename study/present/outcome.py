@@ -13,8 +13,7 @@ from tabulate import tabulate
 
 from study.ledger.datafiles import SERIES, by_claim, count_verdicts, read_rates
 from study.ledger.files import write_text
-from study.ledger.rounding import cell, significant
-from study.ledger.terminal import is_narrow, width
+from study.ledger.text import cell, is_narrow, significant, width
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, VERDICTS, Verdict
 from study.present.notation import counted
 

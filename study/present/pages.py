@@ -23,7 +23,7 @@ from study.ledger.codes import MADE, Codes
 from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, raised
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
-from study.ledger.rounding import above, below, up
+from study.ledger.text import above, below, up
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.ledger.window import STEEPER
 from study.present.article import two_digits_up
@@ -89,10 +89,10 @@ def refreshed(page: Path, data: FullRun) -> str:
 def headline(data: FullRun) -> str:
     """Returns claims, observations and links to the code behind them, in Markdown; DataError if rows are missing."""
     told = {
-        "statements/prop_5_4/": _prop_5_4,
+        "statements/prop_5_4.py": _prop_5_4,
         "statements/prop_5_3.py": _prop_5_3,
-        "statements/thm_4_2/": _own_space,
-        "statements/enclosure/": _bound,
+        "statements/thm_4_2_own_space.py": _own_space,
+        "statements/enclosure.py": _bound,
         "controls/alarms.py": _seeds,
     }
     lines = []
@@ -276,9 +276,7 @@ def statements(data: FullRun) -> str:
     lines = []
     for label, claim, rows in by_claim(data.claims):
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
-        code = ", ".join(
-            f"[`{path}`](../../{path}{'__init__.py' if path.endswith('/') else ''})" for path in where["code"]
-        )
+        code = ", ".join(f"[`{path}`](../../{path})" for path in where["code"])
         files = ", ".join(f"`{name}`" for name in where["data"])
         lines.append([_literal(label), _literal(claim), _verdicts(rows), f"{code}: {files}"])
     return markdown(["statement", "says", "verdicts", "code: data"], lines)

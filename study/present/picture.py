@@ -13,8 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, made_by, read_csv
-from study.ledger.facets import Facets
-from study.ledger.packing import Packed
+from study.ledger.pictures import Facets, Packed
 
 Array = NDArray[np.float64]
 Interval = tuple[float, float]

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, by_claim, count_verdicts, made_by, read_claims, read_csv, read_rates
 from study.ledger.files import write_text
-from study.ledger.packing import short
-from study.ledger.rounding import significant
+from study.ledger.pictures import short
+from study.ledger.text import significant
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.present import palette
 from study.present.body import ARROW, THICKNESS, BodyScale, shade

@@ -20,7 +20,7 @@ from matplotlib.patches import Patch
 from PIL import Image
 
 from study.ledger.files import write_text, write_whole
-from study.ledger.mesh_series import MeshFields, MeshSeries
+from study.ledger.pictures import MeshFields, MeshSeries
 from study.present.body import ROUND_OFF, BodyScale, draw_deformed_mesh, draw_keys, draw_shapes
 from study.present.contact import draw_map, paint_values
 from study.present.drawing import PAGE, dots, entry, in_style

@@ -14,7 +14,7 @@ import pandas as pd
 
 from study.ledger.datafiles import read_claims, read_csv, read_rates, with_order
 from study.ledger.files import write_text
-from study.ledger.rounding import cell
+from study.ledger.text import cell
 from study.present.article import article
 from study.present.notation import encode, folding, longtable, prose
 

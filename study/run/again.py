@@ -11,11 +11,10 @@ import pandas as pd
 
 from study.ledger.compare import Comparison, Tolerance, compare
 from study.ledger.datafiles import CsvFile, Row, write_csv
-from study.ledger.errors import UsageError
-from study.run.execute import Pool, execute
-from study.run.foreseen import Foreseen
-from study.run.job import Job
-from study.run.provenance import read_provenance
+from study.ledger.files import UsageError
+from study.run.executor import Pool, execute
+from study.run.plan import Job
+from study.run.provenance import Expectation, read_provenance
 from study.run.store import Store
 
 LEAST_COST = 0.3e6
@@ -32,11 +31,11 @@ def planned_jobs(directory: Path) -> tuple[Job, ...]:
     Raises:
         UsageError: there are no data, or the file of a user's own case is gone.
     """
-    foreseen = Foreseen.of(read_provenance(directory), directory)
-    if foreseen.plan is None:
-        gone = ", ".join(sorted(foreseen.gone))
+    expectation = Expectation.of(read_provenance(directory), directory)
+    if expectation.plan is None:
+        gone = ", ".join(sorted(expectation.gone))
         raise UsageError(f"--again needs the files of all cases, and those of {gone} are gone; put them back")
-    return tuple(job for job in foreseen.plan.jobs if isinstance(job.statement.file, CsvFile))
+    return tuple(job for job in expectation.plan.jobs if isinstance(job.statement.file, CsvFile))
 
 
 def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
@@ -64,10 +63,10 @@ def expected_seconds(jobs: Sequence[Job]) -> float:
 def compare_again(
     directory: Path, jobs: Sequence[Job], pool: Pool, tolerance: Tolerance, notify: Callable[[float], None]
 ) -> Comparison:
-    """Measures again and compares all measured columns with the rows on disk; columns that follow from others are not.
+    """Measures again and compares the measured columns with the rows on disk; derived columns are not compared.
 
     Returns:
-        What differs; ``old`` is what stands in ``directory``, ``new`` is what was measured now.
+        The differences; ``old`` are the rows in ``directory``, ``new`` the rows measured now.
 
     Raises:
         UsageError: a measurement needs more memory than there is.
@@ -80,9 +79,9 @@ def compare_again(
         execute(jobs, store, pool, notify)
         rows: dict[CsvFile, list[Row]] = {}
         for job in jobs:
-            found = store.load(job.key, job.fingerprint())
-            assert found is not None, job.key
-            for file, row in job.records(found):
+            result = store.load(job.key, job.fingerprint())
+            assert result is not None, job.key
+            for file, row in job.records(result):
                 assert isinstance(file, CsvFile), file.name
                 rows.setdefault(file, []).append(row)
         for file, measured in rows.items():
@@ -93,7 +92,7 @@ def compare_again(
 
 
 def _same_rows(file: CsvFile, directory: Path, measured: pd.DataFrame) -> pd.DataFrame:
-    """The rows on disk with the keys of the rows that were measured, in the columns that are measured."""
+    """Return the rows on disk with the keys of the measured rows, without derived columns."""
     table = file.read(directory)
-    stands, wanted = (pd.MultiIndex.from_frame(rows[list(file.key)].astype(str)) for rows in (table, measured))
-    return table.loc[stands.isin(wanted), list(file.columns)]
+    on_disk, wanted = (pd.MultiIndex.from_frame(rows[list(file.key)].astype(str)) for rows in (table, measured))
+    return table.loc[on_disk.isin(wanted), list(file.columns)]

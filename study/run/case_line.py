@@ -1,4 +1,4 @@
-"""The line of a case in ``cases.csv`` and in ``study cases``; nothing that solves is imported."""
+"""The line of a case in ``cases.csv`` and in ``study cases``; imports no solver, for a fast start."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from manufactured.proved import proved_order
 
 
 def describe(case: Case) -> dict[str, Any]:
-    """The line of a case in the catalogue."""
+    """Return the columns of ``cases.csv`` for a case."""
     motion = "moving" if case.regularity.moving else "no front" if case.regularity.gap == float("inf") else "fixed"
     return {
         "case": case.name,

@@ -14,21 +14,23 @@ from importlib.metadata import version
 from typing import Any
 
 from study.fem.naming import resolve
-from study.ledger.errors import UsageError
-from study.run.execute import Pool
-from study.run.fingerprint import problem, versions
-from study.statements.enclosure.bound_rows import posed
+from study.ledger.files import UsageError
+from study.run.executor import Pool
+from study.run.fingerprint import code_hash, problem, versions
+from study.statements.enclosure import posed
 
 PATIENCE = 10
-"""Seconds in which a scheduler has to answer and to have a worker."""
+"""Seconds within which a scheduler has to answer and to have a worker."""
 START = "dask worker {address} --nworkers 2 --nthreads 1"
 
 
 @contextmanager
 def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
-    """The workers of the cluster at an address, once each has shown that it would compute the same.
+    """Yield the workers of the cluster at an address, once each has shown that it would compute the same.
 
-    ``references`` are the cases of the run: FILE.py:NAME has to be the same file at the same path on every machine.
+    Args:
+        address: of the scheduler, tcp://HOST:PORT.
+        references: the cases of the run; FILE.py:NAME has to be the same file at the same path on every machine.
 
     Raises:
         UsageError: Dask is not installed, nothing answers at the address, there are no workers, one of them runs
@@ -42,7 +44,7 @@ def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
             f"--cluster needs Dask ({error}): python -m pip install '.[study,cluster]' in a clone of the repository"
         ) from error
     try:
-        # A client waits long for what does not answer; this says at once that nothing listens.
+        # A client of Dask waits long for an address where nothing listens; a socket is refused at once.
         socket.create_connection(get_address_host_port(address), PATIENCE).close()
         client = Client(address, timeout=PATIENCE, set_as_default=False)
     except (OSError, ValueError) as error:
@@ -66,11 +68,11 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
             raise UsageError(f"the worker {name} runs {worker['nthreads']} threads, expected 1; start it with {start}")
     expected = identity(references)
     try:
-        found = client.run(identity, references)
+        answers = client.run(identity, references)
     except Exception as error:
-        # Whatever a worker without this package, or with another, may raise.
+        # A worker with another version of this package, or without it, may raise anything.
         raise UsageError(f"a worker at {address} cannot run this study ({error}); install it there, too") from error
-    for name, theirs in found.items():
+    for name, theirs in answers.items():
         other = [f"{key} {theirs.get(key)}, here {mine}" for key, mine in expected.items() if theirs.get(key) != mine]
         if other:
             raise UsageError(
@@ -78,20 +80,17 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
                 "versions, and the files of your cases at the same paths, and start the workers again"
             )
     each = min(float(worker["memory_limit"] or "inf") for worker in workers.values())
-    # Workers that come later have not been asked.
+    # Workers that join later have not been compared.
     executor = client.get_executor(pure=False, workers=list(workers), allow_other_workers=False)
     return Pool(executor, len(workers), each, float("inf"))
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:
-    """What numbers depend on: versions, and the problems behind the cases as this process knows them."""
-    for remembered in (resolve, posed, problem):
-        remembered.cache_clear()
-    return {
-        **versions(),
-        "study": version("signorini-study"),
-        **{reference: _problem(reference) for reference in references},
-    }
+    """Return what results depend on: versions, the code, and the problems of the cases as this process knows them."""
+    for cached in (resolve, posed, problem):
+        cached.cache_clear()
+    problems = {reference: _problem(reference) for reference in references}
+    return {**versions(), "study": version("signorini-study"), "code": code_hash(), **problems}
 
 
 def _problem(reference: str) -> str:

@@ -1,124 +1,129 @@
-"""What a result is known by: a hash of the problem and the setting by value, of versions, and of the code behind it.
+"""Cache key of a result: a hash of the code that computes it, of library versions, of the problem and the setting.
 
-The code is that of the modules that the module of ``measure`` imports, directly or through others, and of those with
-the types of the exact solution, as syntax trees: comments, docstrings and line breaks do not count. Nobody has to say
-that a change of the code changes numbers. Not in it is which kernels a BLAS takes for a processor: last digits may
-differ between processors.
+The code is that of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows: a change in it
+computes every result anew, a change of words or of a window computes none. The kernels that a BLAS chooses for a
+processor are not part of the key, so that last digits may differ between processors.
 """
 
 from __future__ import annotations
 
+import ast
 import hashlib
 import platform
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import fields, is_dataclass
 from functools import cache
 from importlib.metadata import version
-from typing import Any
+from pathlib import Path
 
 import numpy as np
 import sympy as sp
 
 from manufactured.case import Case
 from manufactured.data import Data
-from manufactured.exact import ExactSolution
-from study.fem.naming import family_named
-from study.run.code import code_of, code_of_all
-from study.statements.enclosure.bound_rows import posed
+from study.statements.enclosure import posed
 from study.statements.shared.base import Setting, Statement
 
-PACKAGES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
-"""Distributions that compute."""
+ROOT = Path(__file__).parents[2]
+"""The directory with the packages ``manufactured`` and ``study``."""
+COMPUTING = (
+    "manufactured/**/*.py",
+    *(f"study/{package}/**/*.py" for package in ("fem", "solve", "stresses", "bound", "statements")),
+    "study/ledger/pictures.py",
+)
+"""The modules that decide on results; the last one rounds the numbers of pictures."""
+WINDOWS = ("Window", "above_nothing", "around", "at_least", "at_most", "between")
+"""Functions that make tolerance windows in statements."""
+LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
 
 
 def fingerprint(statement: Statement, setting: Setting) -> str:
-    """The hash for a statement in a setting."""
-    settings = {name: value for name, value in vars(setting).items() if name != "case"}
-    values = [family_named(setting.family), statement.steps(setting), sorted(settings.items())]
-    measure = type(statement).measure.__module__
-    code = code_of({measure, *modules_behind(setting.case), *modules_of(values)})
-    return _hash([statement.label, versions(), problem(setting.case), *map(by_value, values), code])
+    """Return the cache key of what a statement measures in a setting."""
+    mesh = sorted((name, repr(value)) for name, value in vars(setting).items() if name != "case")
+    return _hash([statement.label, type(statement).__name__, problem(setting.case), mesh, statement.steps(setting)])
+
+
+def of_problem(data: Data, case: Case | None, setting: Iterable[object]) -> str:
+    """Return the cache key of what is computed for a problem, or a case, in a setting of frozen values."""
+    return _hash([_value_of(data, case), by_value(list(setting))])
+
+
+def of_everything() -> str:
+    """Return the cache key of what depends on any code of the project, judging included."""
+    return _hash([], code_hash(("manufactured/**/*.py", "study/**/*.py"), windows=True))
 
 
 @cache
 def problem(reference: str) -> str:
-    """The hash of the exact solution behind a reference, or of the data of a problem whose solution is unknown."""
-    behind = posed(reference)
-    return _hash([behind.pace, behind.order, by_value(_problem(reference))])
+    """Return the name of a problem of the project; the hash of its file and of its value for FILE.py:NAME."""
+    file, colon, _ = reference.rpartition(":")
+    if not colon:
+        return reference
+    given = posed(reference)
+    text = without_docstrings(Path(file).read_text(encoding="utf-8"))
+    return _hash([given.pace, given.order, _value_of(given.data, given.case), text])
 
 
 @cache
-def modules_behind(reference: str) -> frozenset[str]:
-    """The modules with the types that an exact solution or a problem consists of."""
-    return frozenset(modules_of(_problem(reference)))
+def code_hash(patterns: tuple[str, ...] = COMPUTING, windows: bool = False) -> str:
+    """Return the hash of some modules of the project, without docstrings, comments and, unless wanted, windows."""
+    files = sorted(path for pattern in patterns for path in ROOT.glob(pattern))
+    code = [
+        (str(path.relative_to(ROOT)), without_docstrings(path.read_text(encoding="utf-8"), windows)) for path in files
+    ]
+    return hashlib.sha256(repr(code).encode()).hexdigest()
 
 
-def _problem(reference: str) -> object:
-    behind = posed(reference)
-    return _behind(behind.data, behind.case)
+def without_docstrings(text: str, windows: bool = True) -> str:
+    """Return the syntax tree of a module as text, without strings that stand alone: docstrings of any kind.
+
+    Without ``windows``, calls that make tolerance windows are left out as well.
+    """
+    tree: ast.AST = ast.parse(text) if windows else _WithoutWindows().visit(ast.parse(text))
+    for node in ast.walk(tree):
+        for block in ("body", "orelse", "finalbody"):
+            if isinstance(lines := getattr(node, block, None), list):
+                setattr(node, block, [line for line in lines if not _is_string(line)])
+    return ast.dump(tree)
 
 
-def _behind(data: Data, case: Case | None) -> object:
-    return (case.solution, case.regularity) if case else (data.body, data.law, data.formulas_of)
+class _WithoutWindows(ast.NodeTransformer):
+    """Replaces the calls that make tolerance windows, which judge numbers and do not change them."""
+
+    def visit_Call(self, node: ast.Call) -> ast.AST:
+        is_window = isinstance(node.func, ast.Name) and node.func.id in WINDOWS
+        return ast.Constant("window") if is_window else self.generic_visit(node)
 
 
-def of_problem(data: Data, case: Case | None, setting: Iterable[object], module: str) -> str:
-    """The hash for what a module computes in a setting of anybody's problem, or of a case."""
-    values, behind = [*setting], _behind(data, case)
-    code = code_of({module, *modules_of(behind), *modules_of(values)})
-    return _hash([versions(), by_value(behind), by_value(values), code])
-
-
-def of_everything() -> str:
-    """The hash for what depends on any code of the project, also on that which judges."""
-    return _hash([versions(), code_of_all()])
+def _is_string(line: ast.AST) -> bool:
+    return isinstance(line, ast.Expr) and isinstance(line.value, ast.Constant) and isinstance(line.value.value, str)
 
 
 @cache
 def versions() -> dict[str, str]:
-    """Of these packages and of Python, and the architecture."""
+    """Return the versions of Python and of the libraries that compute, and the architecture."""
     return {"python": platform.python_version(), "machine": platform.machine(), **packages()}
 
 
 def packages() -> dict[str, str]:
-    """Their versions."""
-    return {package: version(package) for package in PACKAGES}
-
-
-def modules_of(item: object) -> Iterator[str]:
-    """The modules of the types in a value, all the way down."""
-    yield getattr(item, "__module__", None) or type(item).__module__
-    parts: Iterable[object] = ()
-    if is_dataclass(item) and not isinstance(item, type):
-        parts = [getattr(item, field.name) for field in fields(item)]
-    elif isinstance(item, tuple | list):
-        parts = item
-    for part in parts:
-        yield from modules_of(part)
+    """Return the versions of the libraries that compute."""
+    return {package: version(package) for package in LIBRARIES}
 
 
 def by_value(item: object) -> object:
-    """Frozen dataclasses as their fields, formulas as text, arrays as lists, all the way down."""
-    if isinstance(item, ExactSolution):
-        return _of_solution(item)
+    """Return a value as nested lists of text and numbers: dataclasses by their fields, formulas as text."""
     if is_dataclass(item) and not isinstance(item, type):
-        return _of_fields(item)
+        return [type(item).__name__, *(by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
     if isinstance(item, tuple | list):
         return [by_value(entry) for entry in item]
     if isinstance(item, np.ndarray):
         return item.tolist()
-    if isinstance(item, sp.Basic):
-        return sp.srepr(item)
-    return repr(item)
+    return sp.srepr(item) if isinstance(item, sp.Basic) else repr(item)
 
 
-def _of_fields(item: Any) -> list[object]:
-    return [type(item).__name__, *(by_value(getattr(item, field.name)) for field in fields(item) if field.init)]
+def _value_of(data: Data, case: Case | None) -> object:
+    return by_value((case.solution, case.regularity) if case else (data.body, data.law, data.formulas_of))
 
 
-# Most jobs share the solution of their case with others, and its formulas are long.
-_of_solution = cache(_of_fields)
-
-
-def _hash(values: list[object]) -> str:
-    return hashlib.sha256(repr(values).encode()).hexdigest()[:16]
+def _hash(values: list[object], code: str | None = None) -> str:
+    return hashlib.sha256(repr([code or code_hash(), versions(), *values]).encode()).hexdigest()[:16]

@@ -1,8 +1,9 @@
-"""What a run computes: the jobs of a study, checked before time is spent."""
+"""The plan of a run: its jobs, each of which measures one statement in one setting, checked before time is spent."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterable, Iterator
+import re
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -10,64 +11,106 @@ from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from manufactured.self_proof import Finding, SelfProofError, examine
 from study.fem.mesh import MeshError, boundary_parts
-from study.fem.naming import family_named, resolve
+from study.fem.naming import family_named, name_of, resolve
 from study.fem.quadrature import Line, rough_cells
-from study.ledger.datafiles import CsvFile
-from study.ledger.errors import UsageError
-from study.run.job import Job
+from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.files import UsageError
+from study.run.fingerprint import fingerprint
 from study.statements import STATEMENTS
+from study.statements.shared.base import Setting, Statement
 from study.statements.shared.scope import Levels, Scope
 
 
 @dataclass(frozen=True)
+class Job:
+    """One statement, measured in one setting; small enough to be sent to other processes."""
+
+    statement: Statement
+    setting: Setting
+
+    @property
+    def identity(self) -> tuple[str, ...]:
+        """The name of the data file and the key of the rows that this job writes, as text."""
+        known = {"label": self.statement.label, "case": name_of(self.setting.case)}
+        key = (str(known.get(column) or getattr(self.setting, column)) for column in self.statement.file.key)
+        return self.statement.file.name, *key
+
+    @property
+    def key(self) -> str:
+        """The name of the file with the result."""
+        kind, *key = (re.sub(r"[^\w.]+", "-", part).strip("-") for part in self.identity)
+        return "__".join([kind.removesuffix(".csv"), *(f"{part:0>5}" if part.isdigit() else part for part in key)])
+
+    @property
+    def cost(self) -> float:
+        """Expected time in µs; decides the order of the jobs."""
+        return self.statement.cost(self.setting)
+
+    @property
+    def memory(self) -> float:
+        """Bytes of memory that the process of this job takes at most."""
+        return self.statement.memory(self.setting)
+
+    def fingerprint(self) -> str:
+        """Return the cache key of the result."""
+        return fingerprint(self.statement, self.setting)
+
+    def run(self) -> Mapping[str, Any]:
+        """Measure; returns numbers by their names."""
+        return self.statement.measure(self.setting)
+
+    def records(self, result: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+        """Yield (data file, row) for each row that follows from the result."""
+        return self.statement.records(self.setting, result)
+
+
+@dataclass(frozen=True)
 class Plan:
-    """What a run computes: the jobs of a study of some scope."""
+    """The jobs of a study, from its scope: cases, mesh families, levels and time scheme."""
 
     scope: Scope
     jobs: tuple[Job, ...]
 
     @classmethod
     def of(cls, scope: Scope) -> Plan:
-        """Everything that the statements measure of a study."""
-        chosen = [statement for statement in STATEMENTS if scope.statements or statement.of_every_case]
-        return cls(
-            scope, tuple(Job(statement, setting) for statement in chosen for setting in statement.settings(scope))
-        )
+        """Return the jobs of all statements that measure something in a scope."""
+        statements = [statement for statement in STATEMENTS if scope.statements or statement.of_every_case]
+        jobs = [Job(statement, setting) for statement in statements for setting in statement.settings(scope)]
+        return cls(scope, tuple(jobs))
 
     def keys(self) -> list[tuple[str, ...]]:
-        """What identifies the rows of the tables of measurements, sorted."""
+        """Return (file name, key of the row, …) of all rows of the tables, sorted."""
         return sorted(job.identity for job in self.jobs if isinstance(job.statement.file, CsvFile))
 
     def check(self, spread: Callable[..., Iterable[Any]] = map) -> None:
-        """Refuse what cannot be run, before time is spent; ``spread`` maps a function over cases.
+        """Refuse a plan that cannot be run, before time is spent; ``spread`` maps a function over cases.
 
         Raises:
-            UsageError: of ``Scope.check``.
+            UsageError: the scope is refused by ``Scope.check``, or a user's case has the name of a catalogue case.
             SelfProofError: a case is not an exact solution.
-            UsageError: an own case has the name of one of the catalogue.
             MeshError: a mesh does not fit the boundary parts of a body, or no cell rule serves the places where a
                 solution is rough.
         """
         self.scope.check()
-        # Those in space take longest: last, one of them would be waited for alone.
+        # Solids first: they take longest, and the last of them would be waited for alone.
         cases = sorted(self.scope.cases, key=lambda reference: -resolve(reference).solution.body.dim)
-        found = spread(violations, cases)
-        # Beside the proofs, where they run in other processes.
+        findings = spread(violations, cases)
+        # Now, while other processes check the solutions.
         self._check_meshes()
-        for reference, failed in zip(cases, found, strict=True):
-            if failed:
-                raise SelfProofError(f"case {resolve(reference).name}", failed)
+        for reference, violated in zip(cases, findings, strict=True):
+            if violated:
+                raise SelfProofError(f"case {resolve(reference).name}", violated)
         self._check_names()
 
     def _check_names(self) -> None:
-        """No own case may pass for one of the catalogue: they are judged, shown and compared by their names."""
+        """Refuse a user's case with the name of a catalogue case: results are told apart by the names of cases."""
         known = {case.name for case in catalogue()}
         for reference in self.scope.cases:
             if reference not in known and (name := resolve(reference).name) in known:
                 raise UsageError(f"{reference} is called {name}, as a case of the catalogue is; give it another name")
 
     def _check_meshes(self) -> None:
-        """Every mesh must fit its body, and its cells the rough places of every solution that is measured on it."""
+        """Refuse meshes that do not fit a body, or whose cells do not fit the lines where a solution is rough."""
         groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
         for case, family, level in self.meshes():
             body = case.solution.body
@@ -84,27 +127,27 @@ class Plan:
                 raise MeshError(f"{case.name}, {family}, level {level}: {error}") from error
 
     def meshes(self) -> Iterator[tuple[Case, str, int]]:
-        """(case, mesh family, level) of what is measured on every case; other statements choose meshes that serve."""
+        """Yield (case, mesh family, level) of the statements about every case; all others choose meshes that fit."""
         for job in self.jobs:
             if job.statement.of_every_case:
                 yield resolve(job.setting.case), job.setting.family, job.setting.level
 
 
 def violations(reference: str) -> list[Finding]:
-    """The conditions that the exact solution of a case violates."""
+    """Return the conditions that the exact solution of a case violates."""
     return [finding for finding in examine(resolve(reference).solution) if not finding.passes]
 
 
 NARROW = ("merging-patches", "layered")
-"""Two patches of contact of three or four cells at n = 8, and a front above a layer of four: there orders depend on the
-mesh and on the constants of a case, and these start where they do not. So do solids, at n = 9: a disc is three cells
-wide at n = 6, and the fitted order misses its window on one random mesh in twenty."""
+"""Cases with contact zones or layers that are three or four cells wide at n = 8: there the observed order depends on
+the mesh, so these cases start at a finer level. Solids start at n = 9 for the same reason: at n = 6 a disc is three
+cells wide, and the observed order misses its tolerance window on one random mesh in twenty."""
 FINEST = ("fixed-front-off-vertex", "advance-recede")
-"""Cases that are measured on one level more."""
+"""Cases that are measured on one more level."""
 
 
 def quick() -> Scope:
-    """A minute's worth: enough levels for every verdict, a mesh family for each case."""
+    """Return the scope of the quick study, a minute: enough levels for every verdict, one mesh family for each case."""
     return Scope(
         name="quick",
         cases=tuple(case.name for case in catalogue()),
@@ -119,7 +162,7 @@ def quick() -> Scope:
 
 
 def full() -> Scope:
-    """The levels of the committed results: half an hour."""
+    """Return the scope of the full study, half an hour: the levels of the committed results."""
     return replace(
         quick(),
         plane=Levels((8, 16, 32, 64), (128,)),

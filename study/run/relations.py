@@ -1,7 +1,8 @@
-"""Relations between columns and files of a run that hold whatever was measured: what breaks one was edited or damaged.
+"""Relations between columns and files that hold for every measurement: a file that breaks one was edited or damaged.
 
-None of them is a statement about the source, and none needs a solution: a mesh size is that of the mesh, an order
-follows from errors, three norms satisfy the triangle inequality, bounds are the extremes of their course in time.
+The relations need no solution. Examples: h is the mesh size of the family and level; an observed order follows from
+errors; three norms satisfy the triangle inequality; a bound is the extreme of its values over time. The second half of
+the file has the relations between the columns of other people's contact codes.
 """
 
 from __future__ import annotations
@@ -16,28 +17,32 @@ from numpy.typing import NDArray
 from manufactured.case import Case
 from study.fem.cell_count import size_of
 from study.fem.naming import family_named
-from study.ledger.datafiles import CsvFile, in_series, line
-from study.run.foreseen import Foreseen
-from study.statements.enclosure.bound_rows import posed
-from study.statements.enclosure.courses import BOUNDS, ENCLOSURES, KEY, TIMES
-from study.statements.prop_5_4.from_rates import GRADED
-from study.statements.prop_5_4.sweep import RATES
+from study.ledger.codes import FOLDER, MARCHES, MESH, NOT_EXPRESSED, Codes
+from study.ledger.datafiles import CsvFile, in_series, line, since_before
+from study.run.provenance import Expectation
+from study.statements.enclosure import BOUNDS, ENCLOSURES, KEY, TIMES, posed
+from study.statements.from_rates import GRADED
+from study.statements.prop_5_4 import RATES
 
 Tables = Mapping[CsvFile, pd.DataFrame]
 Numbers = NDArray[np.float64]
 DIGITS = 1e-10
-"""Relative room for what twelve digits of several columns leave open."""
-KEPT = 2e-5
-"""The same for courses in time, of which six digits are kept: 5e-6 for each of the three numbers in a quotient."""
-MET = 0.9
-"""Part of a largest error that TIMES evenly spread times meet at least, where more were computed."""
+"""Relative room for columns with twelve digits."""
+SAMPLED_RTOL = 2e-5
+"""Relative room for values over time, stored with six digits: 5e-6 for each of three numbers in a quotient."""
+MIN_SAMPLED_MAX = 0.9
+"""Minimum ratio of the largest error at TIMES evenly spread times to the largest error at all times."""
 ORIGIN = 1e-9
 """Part of T below which a time is 0."""
+CODE_RTOL = 2e-3
+"""Relative room in the files of other codes, most of whose columns have three digits."""
+CODE_ORDER_ROOM = 0.02
+"""Room that these digits need in an observed order between two meshes with h and h/2."""
 
 
 @dataclass(frozen=True)
 class Breach:
-    """A number that breaks a relation, with the file, line and column where it stands."""
+    """A cell that breaks a relation."""
 
     file: str
     row: int
@@ -50,70 +55,71 @@ class Breach:
         return f"{where}: stands {self.stands}, expected {self.expected}"
 
 
-Relation = Callable[[Tables, Foreseen], Iterator[Breach]]
+Relation = Callable[[Tables, Expectation], Iterator[Breach]]
 
 
-def breaches(file: str, table: pd.DataFrame, column: str, kept: pd.Series, expected: pd.Series) -> Iterator[Breach]:
-    """The rows of a table in which a relation is not kept, and what it expects there."""
-    for row in np.flatnonzero(~kept.to_numpy(dtype=bool)):
+def breaches(file: str, table: pd.DataFrame, column: str, holds: pd.Series, expected: pd.Series) -> Iterator[Breach]:
+    """Yield a breach for each row of a table in which ``holds`` is false, with the expected value."""
+    for row in np.flatnonzero(~holds.to_numpy(dtype=bool)):
         yield Breach(file, int(row), column, table[column].iloc[row], str(expected.iloc[row]))
 
 
 def equal(file: str, table: pd.DataFrame, column: str, expected: pd.Series, room: float = DIGITS) -> Iterator[Breach]:
-    """A column has the expected values up to rounding; what is expected to be empty is."""
+    """A column has the expected values up to rounding, and is empty where they are NaN."""
     stands, wanted = table[column].to_numpy(dtype=float), expected.to_numpy(dtype=float)
-    kept = pd.Series(np.isclose(stands, wanted, rtol=room, atol=room, equal_nan=True))
-    yield from breaches(file, table, column, kept, expected.map("{:.12g}".format))
+    holds = pd.Series(np.isclose(stands, wanted, rtol=room, atol=room, equal_nan=True))
+    yield from breaches(file, table, column, holds, expected.map("{:.12g}".format))
 
 
 def at_most(file: str, table: pd.DataFrame, column: str, bound: pd.Series, what: str) -> Iterator[Breach]:
-    """A column is nowhere above a bound; rows without one are left out."""
-    kept = ~(table[column] > bound + DIGITS * abs(bound))
-    yield from breaches(file, table, column, kept, bound.map(f"at most {{:.12g}}, {what}".format))
+    """A column is at most a bound; rows without a bound are skipped."""
+    holds = ~(table[column] > bound + DIGITS * abs(bound))
+    yield from breaches(file, table, column, holds, bound.map(f"at most {{:.12g}}, {what}".format))
 
 
-def propositions(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
+def propositions(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """The proposition in ``rates.csv`` is the one whose hypotheses the case satisfies."""
     rates = tables[RATES]
-    expected = rates["case"].map(foreseen.proposition)
+    expected = rates["case"].map(expectation.proposition)
     yield from breaches(RATES.name, rates, "claim", rates["claim"] == expected, expected)
 
 
-def planned_steps(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
+def planned_steps(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """Steps, their size and the dimension are those of the plan."""
     rates = tables[RATES]
-    cases = rates["case"].map(foreseen.cases)
+    cases = rates["case"].map(expectation.cases)
     known = rates[cases.notna()].reset_index()
-    found: list[Case] = cases.dropna().tolist()
-    T = pd.Series([case.solution.body.T for case in found], dtype=float)
-    if foreseen.plan:
-        scope = foreseen.plan.scope
-        steps = [scope.steps(case, n) for case, n in zip(found, known["level"], strict=True)]
+    resolved: list[Case] = cases.dropna().tolist()
+    T = pd.Series([case.solution.body.T for case in resolved], dtype=float)
+    if expectation.plan:
+        scope = expectation.plan.scope
+        steps = [scope.steps(case, n) for case, n in zip(resolved, known["level"], strict=True)]
         yield from _at(known, equal(RATES.name, known, "steps", pd.Series(steps, dtype=float)))
     yield from _at(known, equal(RATES.name, known, "k", T / known["steps"]))
-    dim = pd.Series([case.solution.body.dim for case in found], dtype=float)
+    dim = pd.Series([case.solution.body.dim for case in resolved], dtype=float)
     yield from _at(known, equal(RATES.name, known, "dim", dim))
     for column in ("at", "interpolation_at", "discrete_at"):
-        nodes = known[column] * 2 * known["steps"] / T
-        yield from _at(known, equal(RATES.name, known, column, nodes.round().clip(0, 2 * known["steps"]) * T
-                                    / (2 * known["steps"])))  # fmt: skip
+        # Errors are evaluated at the ends and midpoints of time steps.
+        half_steps = 2 * known["steps"]
+        nodes = (known[column] * half_steps / T).round().clip(0, half_steps)
+        yield from _at(known, equal(RATES.name, known, column, nodes * T / half_steps))
 
 
-def orders(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
+def orders(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """The order in ``rates.csv`` follows from its errors and mesh sizes."""
     rates = tables[RATES]
     yield from equal(RATES.name, rates, "order", in_series(rates, "error"))
 
 
-def shares(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
-    """Both time shares are parts of one difference."""
+def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+    """``time_share`` and ``discrete_time_share`` are the same time error, relative to different errors."""
     rates = tables[RATES]
     expected = rates["time_share"] * rates["error"] / rates["discrete_error"]
     yield from equal(RATES.name, rates, "discrete_time_share", expected)
 
 
-def triangles(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
-    """‖u − u^h‖, ‖u − Π^h u‖ and ‖Π^h u − u^h‖ are sides of a triangle, and the error at t = 0 is one of those."""
+def triangles(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+    """The three errors satisfy the triangle inequality; the error at t = 0 is at most the maximum over time."""
     rates, sides = tables[RATES], ["error", "interpolation_error", "discrete_error"]
     for side in sides:
         others = rates[[other for other in sides if other != side]].sum(axis=1)
@@ -131,32 +137,34 @@ MEASURED = {
                      "primal_displacement", "admissibility", "time_share"),
     BOUNDS.name: ("highest", "residual"),
 }  # fmt: skip
-"""Columns of what is computed in floating point from many numbers, and is never exactly 0."""
+"""Columns that are computed in floating point from many numbers, so that they are never exactly 0."""
 
 
-def something(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
-    """What was measured is positive: a check that reports exactly nothing has not looked."""
+def positive(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+    """Measured columns are positive: a value of exactly 0 means that nothing was measured."""
     for file, table in tables.items():
         for column in MEASURED.get(file.name, ()):
             wanted = pd.Series("a positive number, as it is measured", table.index)
             yield from breaches(file.name, table, column, table[column] > 0, wanted)
 
 
-def sizes(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
-    """h is that of the mesh of a family and level (``size_of``)."""
+def sizes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+    """h is the mesh size of the family and level (``size_of``)."""
     known: dict[tuple[object, str, int], float] = {}
     for file, table in tables.items():
         if "h" in table:
-            expected = [_size(known, foreseen, *place) for place in table[["case", "family", "level"]].to_numpy()]
+            expected = [_size(known, expectation, *mesh) for mesh in table[["case", "family", "level"]].to_numpy()]
             wanted = pd.Series(expected, dtype=float)
             yield from equal(file.name, table, "h", wanted.where(wanted.notna(), table["h"]))
 
 
-def _size(known: dict[tuple[object, str, int], float], foreseen: Foreseen, case: str, family: str, n: int) -> float:
-    """h, made once for all cases on one body; not a number where the case cannot be looked up."""
-    if case in foreseen.gone:
+def _size(
+    known: dict[tuple[object, str, int], float], expectation: Expectation, case: str, family: str, n: int
+) -> float:
+    """Return h, computed once for all cases on one body; NaN if the case cannot be looked up."""
+    if case in expectation.gone:
         return float("nan")
-    body = foreseen.cases[case].solution.body if case in foreseen.cases else posed(case).data.body
+    body = expectation.cases[case].solution.body if case in expectation.cases else posed(case).data.body
     shape = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
     key = (shape, family, n)
     if key not in known:
@@ -164,19 +172,19 @@ def _size(known: dict[tuple[object, str, int], float], foreseen: Foreseen, case:
     return known[key]
 
 
-def families(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
-    """Errors on meshes of two families differ; a coarse graded mesh may be one without a finer part."""
+def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+    """Errors on meshes of two families differ. Graded meshes are skipped: a coarse one may equal a uniform mesh."""
     rates = tables[RATES]
     place, uniform = [rates[name] for name in ("case", "scheme", "level")], rates["family"] != GRADED
     for column in ("error", "discrete_error"):
         same = pd.concat([*place, rates[column].map("{:.9e}".format)], axis=1)[uniform].duplicated(keep=False)
-        kept = ~same.reindex(rates.index, fill_value=False)
+        holds = ~same.reindex(rates.index, fill_value=False)
         wanted = pd.Series("another number than on the meshes of another family", rates.index)
-        yield from breaches(RATES.name, rates, column, kept, wanted)
+        yield from breaches(RATES.name, rates, column, holds, wanted)
 
 
-def predicted_bounds(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
-    """The predicted order in ``bounds.csv`` is that of the problem, and its errors are known or not together."""
+def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+    """The order in ``bounds.csv`` is that of the problem; errors are empty exactly if the solution is unknown."""
     bounds = tables[BOUNDS]
     problems = [posed(case) for case in bounds["case"]]
     orders = pd.Series([problem.order for problem in problems], dtype=float)
@@ -191,10 +199,10 @@ def predicted_bounds(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
             yield from breaches(file.name, table, column, table[column].isna() == empty, wanted)
 
 
-def courses(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
-    """Every row of ``bounds.csv`` is the extreme of its course in ``enclosures.csv``."""
+def extremes(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
+    """Every row of ``bounds.csv`` is the extreme of the values over time in ``enclosures.csv``."""
     bounds, times = tables[BOUNDS], tables[ENCLOSURES]
-    upper, room = times["distance"] + times["bound"], KEPT * (times["distance"] + times["bound"])
+    upper, room = times["distance"] + times["bound"], SAMPLED_RTOL * (times["distance"] + times["bound"])
     lower = (times["distance"] - times["bound"]).clip(lower=0)
     of_time = pd.DataFrame({
         "error": times["error"], "lowest": lower, "highest": upper, "room": room,
@@ -205,23 +213,83 @@ def courses(tables: Tables, foreseen: Foreseen) -> Iterator[Breach]:
     seen, count = grouped.max().reindex(index).reset_index(drop=True), grouped.size().reindex(index).to_numpy()
     rooms = {"error": 0.0, "lowest": seen["room"], "highest": 0.0, "above": 0.0, "below": seen["slack"].fillna(0.0)}
     for column, more in rooms.items():
-        room = more + KEPT * seen[column].abs()
+        room = more + SAMPLED_RTOL * seen[column].abs()
         high = np.inf if column == "highest" else seen[column] + room
-        high = pd.Series(high, seen.index).where(count < TIMES, seen[column] / MET if column == "error" else np.inf)
-        kept = bounds[column].isna() | ((bounds[column] >= seen[column] - room) & (bounds[column] <= high))
+        high = pd.Series(high, seen.index).where(
+            count < TIMES, seen[column] / MIN_SAMPLED_MAX if column == "error" else np.inf
+        )
+        holds = bounds[column].isna() | ((bounds[column] >= seen[column] - room) & (bounds[column] <= high))
         wanted = seen[column].map("{:.6g}, the largest over its times in enclosures.csv".format)
-        yield from breaches(BOUNDS.name, bounds, column, kept, wanted)
+        yield from breaches(BOUNDS.name, bounds, column, holds, wanted)
     ends = bounds["error"].isna() | (bounds["lowest"] <= bounds["highest"])
     yield from breaches(BOUNDS.name, bounds, "lowest", ends, bounds["highest"].map("at most {:.12g}, highest".format))
 
 
 def _at(known: pd.DataFrame, found: Iterator[Breach]) -> Iterator[Breach]:
-    """Breaches in chosen rows, with their places among all rows."""
+    """Yield breaches of a table of some rows, with their row numbers in the whole table."""
     for breach in found:
         row = int(known["index"].iloc[breach.row])
         yield Breach(breach.file, row, breach.column, breach.stands, breach.expected)
 
 
 RELATIONS: tuple[Relation, ...] = (
-    propositions, something, sizes, planned_steps, orders, shares, triangles, families, predicted_bounds, courses,
+    propositions, positive, sizes, planned_steps, orders, shares, triangles, families, predicted_bounds, extremes,
 )  # fmt: skip
+
+
+def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
+    """The errors of the discrete solution in K^h and of its pressure depend on the mesh, not on the code."""
+    errors = codes.errors
+    for column in ("h", "best", "best_pressure"):
+        first = errors.groupby(MESH)[column].transform("median")
+        holds = abs(errors[column] - first) <= 2 * CODE_RTOL * first
+        wanted = first.map("{:.4g}, as in the rows of most other codes".format)
+        yield from breaches(f"{folder}/errors.csv", errors, column, holds, wanted)
+
+
+def code_triangle(codes: Codes, folder: str) -> Iterator[Breach]:
+    """The errors of a code and of the discrete solution in K^h differ by at most the distance between the two."""
+    errors = codes.errors
+    room = CODE_RTOL * (errors["best"] + errors["distance"])
+    holds = abs(errors["error"] - errors["best"]) <= errors["distance"] + room
+    wanted = errors["best"].map("{:.4g} up to the distance from the solution in K^h".format)
+    yield from breaches(f"{folder}/errors.csv", errors, "error", holds, wanted)
+
+
+CODE_ORDERS = {"order_in_v": "error", "order_of_distance": "distance", "order_of_pressure": "pressure"}
+
+
+def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
+    """Orders are observed on the two finest meshes."""
+    by_series = codes.errors.sort_values("level").groupby("series", sort=False)
+    finest = {number: _finest_orders(rows) for number, rows in by_series}
+    classes = codes.classes
+    for column, of in CODE_ORDERS.items():
+        expected = pd.Series(
+            [finest.get(number, {}).get(of, float("nan")) for number in classes["series"]], dtype=float
+        )
+        holds = ~(abs(classes[column] - expected) > CODE_ORDER_ROOM)
+        yield from breaches(f"{folder}/classes.csv", classes, column, holds, expected.map("{:.4g}".format))
+
+
+def _finest_orders(rows: pd.DataFrame) -> dict[str, float]:
+    h = rows["h"].to_numpy()[-2:]
+    return {of: float(since_before(h, rows[of].to_numpy()[-2:])[-1]) for of in CODE_ORDERS.values()}
+
+
+def every_series(codes: Codes, folder: str) -> Iterator[Breach]:
+    """Every series has a class, and errors unless the code cannot express the problem."""
+    there, left_out = codes.classes["series"].isin(codes.errors["series"]), codes.classes["class"] == NOT_EXPRESSED
+    wanted = there.map({True: "a class, as there are errors", False: f"{NOT_EXPRESSED}, as there are no errors"})
+    yield from breaches(f"{folder}/classes.csv", codes.classes, "class", there != left_out, wanted)
+    wanted = pd.Series("a series of classes.csv", codes.errors.index)
+    yield from breaches(f"{folder}/errors.csv", codes.errors, "series", codes.errors["code"].notna(), wanted)
+
+
+CODE_RELATIONS: tuple[Callable[[Codes, str], Iterator[Breach]], ...] = (
+    same_best,
+    code_triangle,
+    code_orders,
+    every_series,
+)
+FOLDERS = FOLDER, MARCHES

@@ -13,8 +13,8 @@ from manufactured.case import Case
 from manufactured.tensors import Array, full
 from study.fem.mesh import MeshFamily
 from study.ledger.files import write_text
-from study.ledger.mesh_series import MeshFields, MeshSeries
-from study.run import resources
+from study.ledger.pictures import MeshFields, MeshSeries
+from study.run import executor
 from study.solve.motion import Frame, Motion, von_mises
 from study.statements import pictures
 from study.statements.shared import estimates
@@ -57,7 +57,7 @@ def affordable_family(case: Case, level: int) -> MeshFamily:
     """
     dim = case.solution.body.dim
     family = pictures.FAMILY if dim == 2 else regular(case)
-    resources.require(f"level {level}", estimates.displacement(dim, level, family.name), resources.available())
+    executor.require(f"level {level}", estimates.displacement(dim, level, family.name), executor.available())
     return family
 
 

@@ -1,8 +1,8 @@
-"""Finished work on disk: one small file per job, each written whole or not at all.
+"""The results of finished jobs on disk: one small file per job, each written whole or not at all.
 
-A job file holds the format number, the job's key, the fingerprint of what it computes, its
-result and a checksum of that. A run that is killed keeps every finished job; the same command then
-does the rest. What is truncated, altered, or another job's is not believed but computed again.
+A file holds the format number, the key of the job, the cache key of its result (``fingerprint``), the result and its
+checksum. A run that is killed keeps the results of all finished jobs, and the same command runs the other jobs. A file
+that is truncated or altered, or whose keys differ, is ignored and its job runs again.
 """
 
 from __future__ import annotations
@@ -26,11 +26,11 @@ if sys.platform != "win32":
     import fcntl
 
 FORMAT = 2
-"""Changes whenever older data files can no longer be read as they were meant."""
+"""Version of the data files; changes when older files can no longer be read."""
 
 
 WRITTEN = ("data", "tables", "figures", "article", "report.html")
-"""What a run and the commands that start from it write in their directory."""
+"""The files and folders that a run and the commands that start from it write."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +39,7 @@ class Store:
 
     Attributes:
         directory: DIR.
-        written: files and folders in it that are written; "." where the whole directory is one command's own.
+        written: files and folders in it that are written; "." if the whole directory belongs to one command.
     """
 
     directory: Path
@@ -56,18 +56,14 @@ class Store:
 
     @property
     def marks(self) -> tuple[Path, ...]:
-        """Files of which one is there where the study has written before."""
+        """Files of which one exists wherever the study has written before."""
         return self.lock, self.data / "provenance.json"
 
     def path(self, key: str) -> Path:
         return self.data / "jobs" / f"{key}.json"
 
     def refuse_foreign(self) -> None:
-        """Refuse a directory with files of others where this writes: the study's have one of the ``marks``.
-
-        Raises:
-            StoreError: names the first foreign file.
-        """
+        """Refuse to write among files that the study did not write; StoreError names the first one."""
         if any(mark.exists() for mark in self.marks):
             return
         for place in self.written:
@@ -81,10 +77,10 @@ class Store:
                 )
 
     def check(self) -> None:
-        """Refuse, before anything is computed, a directory that cannot be written or is of another format.
+        """Refuse, before anything is computed, a directory that cannot be written or has data of another format.
 
         Raises:
-            StoreError: names the directory or the file, and the mend.
+            StoreError: names the directory or the file, and the remedy.
         """
         self.refuse_foreign()
         probe = self.data / ".writable"
@@ -96,7 +92,7 @@ class Store:
 
     @contextmanager
     def locked(self) -> Iterator[None]:
-        """Keep every other run out of the directory, and remove what a killed one left half-written.
+        """Lock the directory against other runs, and remove the temporary files of killed ones.
 
         The system releases the lock when this process ends, however it ends, and its child processes do not inherit
         it. Windows has no such locks: two runs on one directory are not noticed there.
@@ -120,7 +116,7 @@ class Store:
             return
         try:
             fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # A store that removes its lock may have done so since this one opened it: then it holds nothing.
+            # A store that removes its lock (of tasks) may have removed the file after this process opened it.
             if not os.path.samestat(os.fstat(file.fileno()), os.stat(self.lock)):
                 raise BlockingIOError(errno.EAGAIN, os.strerror(errno.EAGAIN))
         except OSError as error:
@@ -130,9 +126,9 @@ class Store:
             ) from error
 
     def steady(self) -> AbstractContextManager[None]:
-        """``locked`` for commands that start from the data of a finished run.
+        """Lock the data of a finished run for a command that reads them.
 
-        Data that this user may not write, or that are not there, are not locked: his command leaves them as they are.
+        Data that do not exist, or that this user may not write, are not locked.
 
         Raises:
             StoreError: another run works on the directory, or its data can be written and its lock cannot.
@@ -148,7 +144,7 @@ class Store:
                 part.unlink(missing_ok=True)
 
     def save(self, key: str, fingerprint: str, result: Mapping[str, Any]) -> None:
-        """Keep the result of a finished job."""
+        """Write the result of a finished job."""
         content = {
             "format": FORMAT,
             "key": key,
@@ -159,7 +155,7 @@ class Store:
         write_text(self.path(key), json.dumps(content, indent=None) + "\n")
 
     def load(self, key: str, fingerprint: str) -> dict[str, Any] | None:
-        """The result of a job, or None if it must be computed: absent, damaged, or of another problem.
+        """Return the result of a job; None if its file is missing or damaged, or its keys differ.
 
         Raises:
             StoreError: the file was written in another format, or may not be read.
@@ -177,7 +173,7 @@ class Store:
 
     @staticmethod
     def read(path: Path) -> dict[str, Any] | None:
-        """The JSON object in a file; None if there is none, or it is damaged.
+        """Return the JSON object in a file; None if the file is missing or damaged.
 
         Raises:
             StoreError: the file may not be read.
@@ -196,7 +192,7 @@ class Store:
 
 
 def _checksum(result: object) -> str:
-    """SHA-256 of a result as it is written; reading and writing it again gives the same digits."""
+    """Return the SHA-256 of a result as JSON, which is the same after writing and reading."""
     return hashlib.sha256(json.dumps(result).encode()).hexdigest()
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 
 PACE = 8.0
 """Steps per n^{2/3} and unit of time where a case does not ask for more."""

@@ -1,4 +1,4 @@
-"""Every statement that is measured or judged, in the order of the source; what goes beyond it comes last."""
+"""Every statement that is measured or judged, in the order of the source; statements beyond it come last."""
 
 from __future__ import annotations
 
@@ -8,11 +8,12 @@ from study.statements.backward_euler import BackwardEuler
 from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
 from study.statements.constraint import Interpolant, VertexConstraint
-from study.statements.contact_force.judge import ContactForce
-from study.statements.contact_work.judged_work import WorkOfContact
+from study.statements.contact_force import ContactForce
+from study.statements.contact_work import WorkOfContact
 from study.statements.edge_work import EdgeWork
-from study.statements.enclosure.inside import BoundedError, EnclosedError
+from study.statements.enclosure import BoundedError, EnclosedError
 from study.statements.error_bounds import ErrorBounds
+from study.statements.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.growing_errors import GrowingErrors
@@ -24,33 +25,31 @@ from study.statements.lipschitz import Lipschitz
 from study.statements.no_potential import NoPotential
 from study.statements.nodal_start import NodalStart
 from study.statements.norms_in_time import LoadInTime, TractionInTime
-from study.statements.other_codes.judge import OtherCodes
-from study.statements.parting import Parting
+from study.statements.other_codes import OtherCodes
 from study.statements.pictures import Pictures
 from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4.from_rates import RegularityNeeded, SizeOfInterpolation, Turned
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.recomputed.judge import Recomputed
+from study.statements.prop_5_4 import FirstOrder
+from study.statements.recomputed import Recomputed
 from study.statements.residual import Residual
 from study.statements.residual_bound import ResidualBound
 from study.statements.resolvent import Resolvent
-from study.statements.rollers.judged_rollers import Rollers
+from study.statements.rollers import Rollers
 from study.statements.separation import Separation
 from study.statements.shared.base import Statement
+from study.statements.solution_divergence import SolutionDivergence
 from study.statements.steps_of_the_estimate import StepsOfTheEstimate
 from study.statements.superclose import Superclose
-from study.statements.thm_4_2.own_space import OwnSpace
-from study.statements.thm_4_2.same_mesh import SameMesh
-from study.statements.thm_4_2.stands_alone import StandsAlone
+from study.statements.thm_4_2 import SameMesh, StandsAlone
+from study.statements.thm_4_2_own_space import OwnSpace
 from study.statements.uniqueness import OneStress, OneTrajectory
-from study.statements.unmeasured import Slips, Untested, WithoutRow
+from study.statements.unmeasured import Misprints, Untested, WithoutRow
 from study.statements.wellposed import BoundedVelocity, Dependence
 
 PROBLEM = (
     Green(),
     Korn(),
     Dependence(),
-    Parting(),
+    SolutionDivergence(),
     Viscosity(),
     ElasticityOperator(),
     Projection(),
@@ -109,7 +108,7 @@ STATEMENTS: tuple[Statement, ...] = (
     *WEIGHED,
     *BEYOND,
     *CERTIFIED,
-    Slips(),
+    Misprints(),
     Untested(),
     WithoutRow(),
     Pictures(),

@@ -1,7 +1,7 @@
 """(3.9)–(3.11), (4.14), (4.15): the stress of the displacement scheme is admissible, and does the work of the load.
 
-With backward Euler the stress at t_n is σ_n = A ε(δu_n) + G ε(u_n), δu_n = (u_n − u_{n−1})/k. It is made from the
-strains of the cells here; what the contact solver says about its own residual is not asked.
+With backward Euler the stress at t_n is σ_n = A ε(δu_n) + G ε(u_n), δu_n = (u_n − u_{n−1})/k. Here it is computed from
+the strains of the cells, independently of the residual that the contact solver reports.
 """
 
 from __future__ import annotations
@@ -16,22 +16,22 @@ from manufactured.law import AtPoints
 from manufactured.tensors import Array, Tensors
 from study.fem.material import on_cells
 from study.fem.space import Space
-from study.ledger.measures import largest
+from study.ledger.criterion import largest
 from study.ledger.window import above_nothing, at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SEED, ListedNumbers, Setting, grid, with_h
-from study.statements.thm_4_2.gaps import beyond
+from study.statements.shared.experiment import Experiment
+from study.statements.thm_4_2 import beyond
 
 STEPS = 12
 SAMPLES = 8
-"""Random v ∈ K^h and τ ∈ Σ^h(t) at every step."""
+"""Number of random v ∈ K^h and of random τ ∈ Σ^h(t) at every step."""
 
 _BY_WHAT = f"round-off at every step, and for law (3.3) a fixed point stopped at {FIXED_POINT:g}"
 ROUND_OFF, ROUNDED = at_most(1e-10, _BY_WHAT), above_nothing(1e-10, _BY_WHAT)
-"""An inequality may hold with room; an equation between sums leaves rounding."""
+"""For inequalities, which may hold with room, and for equations between sums, which leave rounding."""
 
 
 class Admissibility(ListedNumbers):
@@ -59,7 +59,7 @@ class Admissibility(ListedNumbers):
 
 
 def largest_violations(setup: Experiment) -> dict[str, float]:
-    """The largest over the steps, each relative to the largest size of its terms."""
+    """Return the largest violations over the steps, each relative to the largest size of its terms."""
     space, problem = setup.space, setup.problem
     cells, k, root = on_cells(space, setup.solution.law), problem.T / setup.steps, np.sqrt(space.volumes)
     rivals = Rivals(space, problem, cells.A, np.random.default_rng(SEED))
@@ -70,7 +70,7 @@ def largest_violations(setup: Experiment) -> dict[str, float]:
         load = problem.load(state.time)
         defect = load - space.functional(stress)
         work = float(np.linalg.norm(root * strain)) * float(np.linalg.norm(root * stress))
-        # (3.10) and (3.11), turned so that positive values are violations.
+        # (3.10) and (3.11), with signs such that positive values are violations.
         against_v = [defect @ (v - state.u) for v in rivals.displacements(state.u)]
         against_tau = [float(np.sum(space.volumes * (stress - tau) * strain)) for tau in rivals.stresses(load)]
         now = [
@@ -93,18 +93,18 @@ class Rivals:
         self.riesz = Cholesky(problem.M)
 
     def displacements(self, u: Array) -> Iterator[Array]:
-        """SAMPLES members of K^h at distances up to |u| from u."""
+        """Yield SAMPLES members of K^h at distances up to |u| from u."""
         N, size = self.problem.N, float(np.linalg.norm(u))
         for _ in range(SAMPLES):
             direction = self.rng.standard_normal(len(u))
             v = u + self.rng.uniform() * size * direction / np.linalg.norm(direction)
-            # By Moreau v minus its projection on the cone {Nᵀλ : λ ≥ 0} is its projection on K^h.
+            # By Moreau's theorem v minus its projection on the cone {Nᵀλ : λ ≥ 0} is its projection on K^h.
             touched = np.unique(N.indices)
             multipliers, _ = nnls(N[:, touched].T.toarray(), v[touched])
             yield v - N.T @ multipliers
 
     def stresses(self, load: Array) -> Iterator[Tensors]:
-        """SAMPLES members of Σ^h(t): A ε(w) + ρ with (w, v)_V = F·v − λ·Nv, λ ≥ 0, and (ρ, ε(v))_Q = 0 on V^h."""
+        """Yield SAMPLES members A ε(w) + ρ of Σ^h(t): (w, v)_V = F·v − λ·Nv, λ ≥ 0, and (ρ, ε(v))_Q = 0 on V^h."""
         space, N = self.space, self.problem.N
         for _ in range(SAMPLES):
             multipliers = self.rng.uniform(size=N.shape[0]) * np.linalg.norm(load) / np.sqrt(N.shape[0])

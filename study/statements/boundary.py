@@ -1,19 +1,21 @@
-"""(4.13): σν = f_2 on Γ2 and σ_τ = 0 on Γ3, which the scheme has only weakly.
+"""(4.13): σν = f_2 on Γ2 and σ_τ = 0 on Γ3, two conditions that the scheme has only weakly.
 
-The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13). Two senses
-in which they do for h → 0, with the orders predicted for solutions with σ ∈ W^{1,∞}:
+The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its tractions do not satisfy (4.13). They do for
+h → 0 in two senses. The orders are predicted for solutions with σ ∈ W^{1,∞}:
 
-* in L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is h^{−1/2} times
-  that in the cells along Γ, and nothing says that they do not hold all of it. If the error is spread evenly, as W^{1,∞}
-  estimates have it for smooth solutions on quasi-uniform meshes, these cells hold h^{3/2} and the order of ‖σ^hν − σν‖
-  is 1, no more: σ^h is constant on the cell. For σ_τ alone, bounded by it, the first-order term depends on how the
-  triangles along Γ3 lie.
-* against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. There (4.13) reads (σ, ε(v))_Q = (f, v)_V, and since the scheme
-  satisfies it for Π^h v,
+* In L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is h^{−1/2} times
+  the error in the cells along Γ, which may hold all of it. If the error is spread evenly, as W^{1,∞} estimates say for
+  smooth solutions on quasi-uniform meshes, these cells hold h^{3/2}, and ‖σ^hν − σν‖ is of order 1, no more: σ^h is
+  constant on the cell. For σ_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on how the triangles along
+  Γ3 lie.
+* Against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V, and since the scheme
+  satisfies this for Π^h v,
 
       (σ^h, ε(v))_Q − (f, v)_V = (σ^h − σ, ε(v − Π^h v))_Q = O(h) · O(h):
 
   order 2, whatever the time step leaves in σ^h − σ.
+
+The second half of the file makes the smooth fields, which other statements use, too.
 """
 
 from __future__ import annotations
@@ -25,20 +27,20 @@ import numpy as np
 import pandas as pd
 
 from manufactured.body import Body, Kind, Part
+from manufactured.exact.solution import Fields
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, traction
 from study.fem.gauge import DEGREE, FACET_POINTS, rules
 from study.fem.material import on_cells
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import Observation
-from study.ledger.measures import order, weighted
+from study.ledger.criterion import Observation, order, weighted
 from study.ledger.window import around, between
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.random_meshes import CELLS
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import CELLS
 
 INSTANTS = 8
-"""Norms in time are those of the midpoint rule with so many nodes."""
+"""Nodes of the midpoint rule for the norms in time."""
 Field = Callable[[Points], Vectors]
 """A smooth field of displacements, analytic in x."""
 FIELDS = 3
@@ -49,7 +51,7 @@ WEAK = around(2, 0.3, "O(h) in σ − σ^h times O(h) in v − Π^h v")
 
 
 class NaturalConditions(ListedNumbers):
-    """Both conditions for the discrete stress at the midpoints of the time steps."""
+    """Orders of both conditions for the discrete stress at the midpoints of time steps."""
 
     label = "(4.13)"
     claim = "σν = f_2 on Γ2 and σ_τ = 0 on Γ3"
@@ -72,35 +74,35 @@ class NaturalConditions(ListedNumbers):
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
-        # An odd number of steps for each instant puts the instants into the middle of steps.
+        # With an odd number of steps for each instant, instants lie in the middle of steps.
         steps = INSTANTS * (2 * (setting.level // 8) + 3)
         setup = Experiment.at(setting, MIDPOINT, steps)
         return with_h(setup.space.h, tractions(setup))
 
 
 def tractions(setup: Experiment) -> dict[str, float]:
-    """The norms relative to ‖σν‖ on Γ2 ∪ Γ3, the weak ones with fields of ‖v‖_V = 1."""
-    sides = {kind: [Side(setup, part) for part in setup.space.body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT)}
-    probes = {
-        "loaded, weakly": probe(setup, into_the_load(setup.space.body)),
-        "tangential, weakly": probe(setup, along_the_contact(setup.space.body)),
-    }
-    squares = [
-        {
-            "tangential": sum(side.tangential(stress) for side in sides[Kind.CONTACT]),
-            "contact": sum(side.difference(stress, time) for side in sides[Kind.CONTACT]),
-            "loaded": sum(side.difference(stress, time) for side in sides[Kind.LOADED]),
-            "size": sum(side.size(time) for kind in sides for side in sides[kind]),
-            **{name: against(stress, time) for name, against in probes.items()},
-        }
-        for time, stress in discrete_stresses(setup)
-    ]
+    """Return the norms relative to ‖σν‖ on Γ2 ∪ Γ3, the weak ones with fields of ‖v‖_V = 1."""
+    body = setup.space.body
+    loaded, contact = ([Side(setup, part) for part in body.of(kind)] for kind in (Kind.LOADED, Kind.CONTACT))
+    against_load, against_contact = (weighted_strains(setup, f(body)) for f in (fields_on_loaded, fields_on_contact))
+    squares = []
+    for time, stress in discrete_stresses(setup):
+        squares.append(
+            {
+                "tangential": sum(side.tangential(stress) for side in contact),
+                "contact": sum(side.difference(stress, time) for side in contact),
+                "loaded": sum(side.difference(stress, time) for side in loaded),
+                "size": sum(side.size(time) for side in loaded + contact),
+                "loaded, weakly": weak_defect(against_load, stress, time),
+                "tangential, weakly": weak_defect(against_contact, stress, time),
+            }
+        )
     total = pd.DataFrame(squares).sum()
     return {name: float(np.sqrt(total[name] / total["size"])) for name in total.index if name != "size"}
 
 
 def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
-    """(t, σ^h(t)) at the instants, each the middle of a step: σ^h = A ε(δu_n) + G ε((u_n + u_{n−1})/2)."""
+    """Yield (t, σ^h(t)) at the instants, each the middle of a step: σ^h = A ε(δu_n) + G ε((u_n + u_{n−1})/2)."""
     space, cells, k = setup.space, on_cells(setup.space, setup.solution.law), setup.problem.T / setup.steps
     each = setup.steps // INSTANTS
     for n, (before, after) in enumerate(pairwise(setup.scheme.march(setup.problem, setup.steps))):
@@ -110,7 +112,7 @@ def discrete_stresses(setup: Experiment) -> Iterator[tuple[float, Tensors]]:
 
 
 class Side:
-    """One part of Γ with its facets and the cells behind them."""
+    """One part of Γ with its quadrature points, the exact solution there, and the cells behind them."""
 
     def __init__(self, setup: Experiment, part: Part) -> None:
         mesh, facets = setup.space.mesh, setup.space.facets(part)
@@ -119,50 +121,53 @@ class Side:
         self.exact = setup.solution.at(part.point(self.rule.s))
 
     def tangential(self, stress: Tensors) -> float:
-        """∫ |σ^h_τ|² over the part."""
+        """Return ∫ |σ^h_τ|² over the part."""
         forces = traction(stress[:, self.cells], self.part.normal)
         tangential = forces - np.multiply.outer(self.part.normal, self.part.normal @ forces)
         return float(np.sum(tangential**2 * self.rule.weights.sum(axis=1)))
 
     def difference(self, stress: Tensors, time: float) -> float:
-        """∫ |σ^hν − σν|² over the part."""
+        """Return ∫ |σ^hν − σν|² over the part."""
         forces = traction(stress[:, self.cells], self.part.normal)[..., None]
         return float(np.sum((forces - self.exact.surface_load(self.part, time)) ** 2 * self.rule.weights))
 
     def size(self, time: float) -> float:
-        """∫ |σν|² over the part."""
+        """Return ∫ |σν|² over the part."""
         return float(np.sum(self.exact.surface_load(self.part, time) ** 2 * self.rule.weights))
 
 
-def probe(setup: Experiment, fields: list[Field]) -> Callable[[Tensors, float], float]:
-    """(σ^h(t), t) ↦ Σ_v ((σ^h, ε(v))_Q − (f, v)_V)² over smooth fields v with ‖v‖_V = 1.
+WeightedStrains = list[tuple[Array, Fields, Array]]
+"""For each cell rule its cells, the exact solution at its points, and w ε(v)/‖v‖_V of several fields v with the weights
+w, (v, D, cells, points)."""
 
-    (f, v)_V = (σ, ε(v))_Q for these fields, by Green's formula (2.14) with (2.2), (2.4) and (2.5).
-    """
-    blocks, squares = [], np.zeros(len(fields))
+
+def weighted_strains(setup: Experiment, fields: list[Field]) -> WeightedStrains:
+    """Evaluate the strains of smooth fields, scaled to ‖v‖_V = 1, at the points of the cell rules."""
+    found, squares = [], np.zeros(len(fields))
     for rule in rules(setup.solution, setup.space.mesh, DEGREE):
-        exact, strains = setup.solution.at(rule.points), [strain(field, rule.points) for field in fields]
+        exact, strains = setup.solution.at(rule.points), np.array([strain(v, rule.points) for v in fields])
         squares += [float(np.sum(exact.law.A(e) * e * rule.weights)) for e in strains]
-        blocks.append((rule, exact, strains))
-
-    def against(stress: Tensors, time: float) -> float:
-        work = np.zeros(len(fields))
-        for rule, exact, strains in blocks:
-            difference = (stress[:, rule.cells, None] - exact.stress(time)) * rule.weights
-            work += [float(np.sum(difference * e)) for e in strains]
-        return float(np.sum((work / np.sqrt(squares)) ** 2))
-
-    return against
+        found.append((rule.cells, exact, strains * rule.weights))
+    return [(cells, exact, strains / np.sqrt(squares)[:, None, None, None]) for cells, exact, strains in found]
 
 
-def into_the_load(body: Body) -> list[Field]:
-    """Fields that vanish on Γ1 and Γ3."""
+def weak_defect(strains: WeightedStrains, stress: Tensors, time: float) -> float:
+    """Return Σ_v ((σ^h, ε(v))_Q − (f, v)_V)² over smooth fields v at one time.
+
+    For these fields (f, v)_V = (σ, ε(v))_Q, by Green's formula (2.14) with (2.2), (2.4) and (2.5).
+    """
+    works = [np.einsum("Icq,vIcq->v", stress[:, c, None] - exact.stress(time), e) for c, exact, e in strains]
+    return float(np.sum(np.sum(works, axis=0) ** 2))
+
+
+def fields_on_loaded(body: Body) -> list[Field]:
+    """Return fields that vanish on Γ1 and Γ3."""
     rng, fixed = np.random.default_rng(SEED), planes(body, Kind.CLAMPED) + planes(body, Kind.CONTACT)
     return [vanishing(waves(body, rng), fixed) for _ in range(FIELDS)]
 
 
-def along_the_contact(body: Body) -> list[Field]:
-    """Fields that vanish on Γ1 and are tangential on Γ3: on one plane of it each, zero on the others."""
+def fields_on_contact(body: Body) -> list[Field]:
+    """Return fields that vanish on Γ1 and are tangential on one plane of Γ3 and zero on its other planes."""
     rng, clamped, contact = np.random.default_rng(SEED), planes(body, Kind.CLAMPED), planes(body, Kind.CONTACT)
 
     def field(part: Part, along: Field, inside: Field) -> Field:
@@ -176,8 +181,11 @@ def along_the_contact(body: Body) -> list[Field]:
     return [field(part, waves(body, rng), waves(body, rng)) for part in contact for _ in range(FIELDS)]
 
 
+# Smooth fields.
+
+
 def planes(body: Body, kind: Kind) -> list[Part]:
-    """One part of each plane that carries a condition."""
+    """Return one part of each plane that carries a condition."""
 
     def same(a: Part, b: Part) -> bool:
         return np.allclose(a.normal, b.normal) and np.allclose(a.normal @ (a.start - b.start), 0)
@@ -187,7 +195,7 @@ def planes(body: Body, kind: Kind) -> list[Part]:
 
 
 def distances(x: Points, parts: list[Part]) -> Array:
-    """The product of the distances to the planes of some parts, (...)."""
+    """Return the product of the distances of points to the planes of some parts, (...)."""
     product: Array = np.ones(x.shape[1:])
     for part in parts:
         product = product * part.coordinates(x)[1]
@@ -195,12 +203,12 @@ def distances(x: Points, parts: list[Part]) -> Array:
 
 
 def vanishing(field: Field, parts: list[Part]) -> Field:
-    """A field times the distances to the planes of some parts."""
+    """Multiply a field by the distances to the planes of some parts, so that it vanishes there."""
     return lambda x: field(x) * distances(x, parts)
 
 
 def waves(body: Body, rng: np.random.Generator) -> Field:
-    """A random vector field cos(κ·x + c) with about half a wave across the body in each direction."""
+    """Return a random vector field cos(κ·x + c) with about half a wave across the body in each direction."""
     extent = body.vertices.max(axis=1) - body.vertices.min(axis=1)
     directions = rng.uniform(-np.pi, np.pi, (body.dim, body.dim)) / extent
     phases = rng.uniform(0, 2 * np.pi, body.dim)
@@ -209,6 +217,6 @@ def waves(body: Body, rng: np.random.Generator) -> Field:
 
 
 def strain(field: Field, x: Points, tiny: float = 1e-30) -> Tensors:
-    """ε(v) by the complex step, (d, ...) → (D, ...)."""
+    """Return ε(v) at points by the complex step, (d, ...) → (D, ...)."""
     steps = [1j * tiny * unit.reshape((-1,) + (1,) * (x.ndim - 1)) for unit in np.eye(len(x))]
     return mandel(np.stack([field(x + step).imag / tiny for step in steps], axis=1))

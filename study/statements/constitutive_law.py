@@ -1,11 +1,11 @@
 """The hypotheses on the law: (3.1) on A, (3.2) on G, and (3.3), G(ε) = β (ε − P_K ε), as an example of (3.2).
 
-They hold almost everywhere in Ω: the law is looked at in the vertices and the centres of the cells of a mesh. A law
-states m_A and ‖A‖ from the eigenvalues of its matrix; here A is known by what it does to tensors alone, and quotients
-Aτ·τ/|τ|² stay between the two and come near them after steps of the power method, for A and for 2‖A‖ − A. That A is
-symmetric holds by construction: a law refuses a matrix that is not. The derivative of G at a tensor is the matrix of
-``AtPoints.derivative``; pairs of tensors along the eigenvectors of its extreme eigenvalues show whether the constants
-that the law states are the best.
+They hold almost everywhere in Ω: the law is tested at the vertices and the centres of the cells of a mesh. A law
+states m_A and ‖A‖ from the eigenvalues of its matrix. Here only values Aτ are used: the quotients Aτ·τ/|τ|² stay
+between both constants and come near them after steps of the power method, for A and for 2‖A‖ − A. A is symmetric by
+construction, since a law refuses a matrix that is not. The derivative of G at a tensor is the matrix of
+``AtPoints.derivative``; pairs of tensors along the eigenvectors of its extreme eigenvalues show whether the stated
+constants are the best.
 """
 
 from __future__ import annotations
@@ -19,11 +19,10 @@ from manufactured.law import AtPoints, Yield
 from manufactured.tensors import Array, Points, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import Observation
-from study.ledger.measures import BOUND, ROUNDING, Constant, largest
+from study.ledger.criterion import BOUND, ROUNDING, Constant, Observation, largest
 from study.ledger.window import at_most
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.places import LAWS, named, place, space_of
+from study.statements.shared.meshes import LAWS, named, place, space_of
 from study.statements.shared.scope import REGULAR
 
 SCALES = (-3.0, 3.0)
@@ -34,18 +33,18 @@ MONOTONE = at_most(ROUNDING, "never positive but for rounding", low=-math.inf)
 
 
 def points(space: Space) -> Points:
-    """The vertices and the centres of the cells, (d, n)."""
+    """Return the vertices and the centres of the cells, (d, n)."""
     return np.hstack([space.mesh.p, space.mesh.p[:, space.mesh.t].mean(axis=1)])
 
 
 def tensors(rng: np.random.Generator, dim: int, count: int) -> Tensors:
-    """Random tensors of sizes over several orders of magnitude, (D, count)."""
+    """Return random tensors of sizes over several orders of magnitude, (D, count)."""
     directions = rng.standard_normal((size(dim), count))
     return directions / np.linalg.norm(directions, axis=0) * 10 ** rng.uniform(*SCALES, count)
 
 
 def derivative(operator: AtPoints, strain: Tensors) -> Array:
-    """The matrices of the derivative at tensors, (D, n) → (n, D, D)."""
+    """Return the matrices of the derivative at tensors, (D, n) → (n, D, D)."""
     units = np.eye(len(strain))
     columns = [operator.derivative(strain, np.broadcast_to(unit[:, None], strain.shape)) for unit in units]
     return np.moveaxis(np.stack(columns, axis=1), 2, 0)
@@ -59,7 +58,7 @@ class OfLaws(ListedNumbers):
 
 
 class Viscosity(OfLaws):
-    """Aτ·τ/|τ|² for random tensors and on their way to where it is least and largest; Aσ·τ − σ·Aτ."""
+    """Aτ·τ/|τ|² for random tensors and along the power method to its extremes; Aσ·τ − σ·Aτ."""
 
     label = "(3.1)"
     claim = "A is symmetric, bounded and elliptic with the constant m_A"
@@ -72,43 +71,45 @@ class Viscosity(OfLaws):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, A = space_of(setting), resolve(setting.case).solution.law.A
         x = points(space)
-        found = quotients(A.at(x), np.random.default_rng(SEED), space.dim, x.shape[1])
-        # m_A over the smallest: a negative one is a violation, too.
+        found = extreme_quotients(A.at(x), space.dim, x.shape[1])
+        # A smallest quotient that is negative is a violation, too.
         found["ellipticity"] = A.ellipticity / found["smallest"] if found["smallest"] > 0 else math.inf
         return with_h(space.h, {**found, "bound": found["largest"] / A.lipschitz})
 
 
 POWER = 100
-"""Steps of the power method: eigenvalues of 2‖A‖ − A that differ by 5 % are told apart to 0.95^{2·100} = 4e-5."""
+"""Steps of the power method: eigenvalues of 2‖A‖ − A that differ by 5 % are separated to 0.95^{2·100} = 4e-5."""
 
 
-def quotients(A: AtPoints, rng: np.random.Generator, dim: int, count: int) -> dict[str, float]:
-    """The smallest and the largest Aτ·τ/|τ|², and the largest |Aσ·τ − σ·Aτ| over it, |σ| = |τ| = 1."""
+def extreme_quotients(A: AtPoints, dim: int, count: int) -> dict[str, float]:
+    """Return the smallest and the largest Aτ·τ/|τ|², and the largest |Aσ·τ − σ·Aτ| over it, |σ| = |τ| = 1."""
+    rng = np.random.default_rng(SEED)
 
-    def unit(tensor: Tensors) -> Tensors:
+    def random_units() -> Tensors:
+        tensor = tensors(rng, dim, count)
         return tensor / np.linalg.norm(tensor, axis=0)
 
-    def climb(operator: Callable[[Tensors], Tensors]) -> list[Array]:
-        """The quotients of A on the way to the largest of an operator."""
-        tensor, found = unit(tensors(rng, dim, count)), []
+    def power_method(operator: Callable[[Tensors], Tensors]) -> list[Array]:
+        """Return the quotients of A on the way to the largest quotient of an operator."""
+        tensor, found = random_units(), []
         for _ in range(POWER):
             found.append(np.sum(A(tensor) * tensor, axis=0))
-            tensor = unit(operator(tensor))
+            tensor = operator(tensor)
+            tensor = tensor / np.linalg.norm(tensor, axis=0)
         return found
 
-    up = climb(A)
+    up = power_method(A)
     top = np.max(up, axis=0)
-    down = climb(lambda tensor: 2 * top * tensor - A(tensor))
-    a, b = (unit(tensors(rng, dim, count)) for _ in range(2))
+    values = np.array([*up, *power_method(lambda tensor: 2 * top * tensor - A(tensor))])
+    a, b = random_units(), random_units()
     skew = abs(np.sum(A(a) * b - A(b) * a, axis=0)).max()
-    values = np.array([*up, *down])
     return {"smallest": float(values.min()), "largest": float(values.max()), "asymmetry": skew / top.max()}
 
 
 class ElasticityOperator(OfLaws):
     """|G(a) − G(b)| / |a − b| and (G(a) − G(b))·(a − b) / |a − b|² for generated tensors, and G(·, 0).
 
-    (3.2) asks of G(·, 0) that it lies in Q, which is so where it is the stress at rest that the law states.
+    (3.2) requires that G(·, 0) lies in Q, which holds if it is the stress at rest that the law states.
     """
 
     label = "(3.2)"
@@ -134,11 +135,11 @@ class ElasticityOperator(OfLaws):
 
 
 NEAR = 1e-4
-"""Relative distance of near pairs: difference quotients for the derivative."""
+"""Relative distance of near pairs, which give difference quotients for the derivative."""
 
 
 def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) -> Iterator[tuple[Tensors, Tensors]]:
-    """Far and near random pairs, and near ones along the steepest and the flattest direction."""
+    """Yield far and near random pairs, and near pairs along the steepest and the flattest direction."""
     a = tensors(rng, dim, count)
     yield a, tensors(rng, dim, count)
     matrices = derivative(operator, a)
@@ -148,7 +149,7 @@ def pairs(operator: AtPoints, rng: np.random.Generator, dim: int, count: int) ->
 
 
 class Projection(OfLaws):
-    """P_K ε = ε − G(ε)/β: it lies in K, is the nearest point of K, and is not expansive."""
+    """P_K ε = ε − G(ε)/β lies in K, is the nearest point of K, and is not expansive."""
 
     label = "(3.3)"
     claim = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
@@ -169,7 +170,7 @@ class Projection(OfLaws):
 
 
 def projection(G: Yield, count: int) -> dict[str, float]:
-    """The largest violations over generated tensors."""
+    """Return the largest violations over generated tensors."""
     rng = np.random.default_rng(SEED)
     a = np.hstack([tensors(rng, G.dim, count), G.convex.radius * tensors(rng, G.dim, count)])
     b, k = rng.permutation(a, axis=1), inside(G, rng.permutation(a, axis=1), rng)
@@ -177,11 +178,11 @@ def projection(G: Yield, count: int) -> dict[str, float]:
     def project(strain: Tensors) -> Tensors:
         return strain - G(strain) / G.beta
 
-    nearest, apart = project(a), np.linalg.norm(a - b, axis=0)
-    outward, along, moved = a - nearest, k - nearest, apart > 0
+    nearest, distance = project(a), np.linalg.norm(a - b, axis=0)
+    outward, along, moved = a - nearest, k - nearest, distance > 0
     sizes = np.linalg.norm(outward, axis=0) * np.linalg.norm(along, axis=0)
     return {
-        "expansion": (np.linalg.norm(nearest - project(b), axis=0)[moved] / apart[moved]).max(),
+        "expansion": (np.linalg.norm(nearest - project(b), axis=0)[moved] / distance[moved]).max(),
         "membership": gauge(G, nearest).max(),
         "nearest": (np.sum(outward * along, axis=0) / np.maximum(sizes, np.finfo(float).tiny)).max(),
         "identity": (np.linalg.norm(project(k) - k, axis=0) / np.linalg.norm(k, axis=0)).max(),
@@ -189,10 +190,10 @@ def projection(G: Yield, count: int) -> dict[str, float]:
 
 
 def gauge(G: Yield, strain: Tensors) -> Array:
-    """|Pτ|/r, at most 1 on K, (n,)."""
+    """Return |Pτ|/r, which is at most 1 on K, (n,)."""
     return np.linalg.norm(G.convex.projector @ strain, axis=0) / G.convex.radius
 
 
 def inside(G: Yield, strain: Tensors, rng: np.random.Generator) -> Tensors:
-    """Tensors shrunk into K, many of them to its boundary."""
+    """Shrink tensors into K, many of them to its boundary."""
     return strain / np.maximum(gauge(G, strain), 1.0) * np.minimum(rng.uniform(0, 2, strain.shape[1]), 1.0)

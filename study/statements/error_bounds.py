@@ -3,17 +3,17 @@
 With e = u − u^h and η = u − Π^h u the right sides without their constants are
 
     (5.21):  ‖η_0‖_V + ‖η̇‖_{L²(0,T;V)} + ‖R(·; −η)‖_{L¹(0,T)}^{1/2} + ‖e_0‖_V,
-    (5.42):  the same with (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2} for the third term,
+    (5.42):  the same with (‖σ_ν‖_{L^∞(0,T;L²(Γ3))} ‖η_ν‖_{L¹(0,T;L²(Γ3))})^{1/2} for the third term.
 
-where R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), which ``residual`` compares with the definition of R. The source hides ‖σ_ν‖ in
-its c; here it is part of the bound, so that (5.41) makes the second bound the larger one.
+R(t; v) = ∫_{Γ3} σ_ν v_ν by (5.40), which ``residual`` compares with the definition of R. The source hides ‖σ_ν‖ in its
+c; here it is part of the bound, so that (5.41) makes the second bound the larger one.
 
 **The constant.** With χ = Π^h u − u^h = e − η and the operator B of (4.2), (5.12) says
 
     ½ d/dt ‖χ‖_V² ≤ −(η̇, χ)_V − (Bu − BΠ^h u, χ)_V − (BΠ^h u − Bu^h, χ)_V + |R(·; −η)|.
 
-By (4.3) the second product is at most L‖η‖_V ‖χ‖_V, L = L_G/m_A, and the third at most ω‖χ‖_V², ω = max(−m, 0)/m_A ≤ L
-with the constant m of monotonicity of G: 0 for monotone G. Gronwall's inequality in the form of Brézis, φ²/2 ≤
+By (4.3) the second product is at most L‖η‖_V ‖χ‖_V, L = L_G/m_A. The third is at most ω‖χ‖_V², ω = max(−m, 0)/m_A ≤ L,
+where m is the constant of monotonicity of G: 0 for monotone G. Gronwall's inequality in the form of Brézis, φ²/2 ≤
 a²/2 + ∫ gφ ⇒ φ ≤ a + ∫ g, gives
 
     ‖χ(t)‖_V ≤ e^{ωT} ((‖χ_0‖_V² + 2‖R‖_{L¹})^{1/2} + ∫_0^T (‖η̇‖_V + L‖η‖_V)),
@@ -23,27 +23,28 @@ and with e = η + χ, ‖χ_0‖_V ≤ ‖e_0‖_V + ‖η_0‖_V and ‖η(s)�
     ‖e‖_V ≤ e^{ωT} ((2 + LT) ‖η_0‖_V + ∫_0^T (2 + L(T − s)) ‖η̇(s)‖_V ds + ‖e_0‖_V + (2‖R‖_{L¹})^{1/2})
           ≤ c · (right side),   c = e^{ωT} max(2 + LT, ‖2 + L(T − ·)‖_{L²(0,T)}).
 
-This does without (5.15) and (5.16), whose 2‖e‖_V ‖η‖_V would make c twice as large. What room is left is that of one
-constant for a sum of terms, and of L, which takes G at its steepest and A at its weakest.
+This avoids (5.15) and (5.16), whose 2‖e‖_V ‖η‖_V would make c twice as large. The remaining slack comes from one
+constant for a sum of terms, and from L, which takes G at its steepest and A at its weakest.
 
-**What becomes of the ratio.** The error has the order min(1, s). The right side has that of its least term
-(``manufactured.regularity``): min(1, s') from η̇ in both bounds, and in (5.42) min(1, τ/2) from ‖η_ν‖^{1/2}, while
-∫ σ_ν η_ν has only the cell of the front, of order λ and more. With γ for the order of the error less that of the term:
+**The ratio under refinement.** The error has the order min(1, s). The right side has the order of its term of lowest
+order (``manufactured.regularity``): min(1, s') from η̇ in both bounds, and in (5.42) min(1, τ/2) from ‖η_ν‖^{1/2}. Only
+the cell of the front contributes to ∫ σ_ν η_ν, which is of order λ and more. Let γ be the order of the error minus the
+order of the term:
 
 * γ = 0: the ratio changes by no power of h.
 * γ > 0: the bound is of lower order than the error, and the ratio is **not** bounded. The term over the error grows
-  like h^{−γ} (1/8 for ``rough-trace`` in (5.42), 1/4 for ``moving-rough`` in both), which is what is judged, against
-  0 and 2γ. Smoother parts, of a relative size h^{1/2}, raise or lower γ on coarse meshes; the place of a fixed front
-  within its cell changes the term by a tenth. So the meshes are fine, structured, and with the front, at 2/5 of the
-  side, at 2/5 of a cell on all of them; a front that moves passes all places.
-* τ = 2, where ‖η_ν‖ ~ h² |log h|^{1/2} (``natural-front``): the term grows like |log h|^{1/4}, no power of h. No few
-  meshes tell that from a constant: the change is reported and no bound is claimed.
+  like h^{−γ} (1/8 for ``rough-trace`` in (5.42), 1/4 for ``moving-rough`` in both). This exponent is judged against 0
+  and 2γ. Smoother parts, of a relative size h^{1/2}, change γ on coarse meshes, and the place of a fixed front within
+  its cell changes the term by a tenth. So the meshes are fine and structured, and the front, at 2/5 of the side, lies
+  at 2/5 of a cell on all of them; a moving front passes all places.
+* τ = 2, where ‖η_ν‖ ~ h² |log h|^{1/2} (``natural-front``): the term grows like |log h|^{1/4}, no power of h. A few
+  meshes cannot tell it from a constant: the change is reported and no bound is claimed.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -56,28 +57,39 @@ from manufactured.tensors import Array
 from study.fem.gauge import FACET_POINTS
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
-from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_case
-from study.ledger.measures import ENOUGH, change, largest, order
+from study.ledger.criterion import (
+    ENOUGH,
+    Criterion,
+    Groups,
+    Measured,
+    Observation,
+    Rule,
+    by_case,
+    change,
+    exactly,
+    largest,
+    order,
+)
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, above_nothing, around
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import Velocity, midpoints
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import Velocity, midpoints
 
 ROUGH = "fixed-front-off-vertex", "rough-1.75", "rough-2", "rough-2.25"
 INSTANTS = 64
 """Nodes of the midpoint rule for the norms in time."""
 ROUND_OFF = 1e-11
-"""Pressures below this part of the size of stresses are none."""
+"""Pressures below this part of the size of stresses are zero."""
 STEADY = Window(0.7, 1.4, "over two refinements: orders that differ by less than 1/4")
 PROVED = above_nothing(1.0, "with the constant c of the proof; 1/observed is the room that it leaves")
 BOUNDS = "(5.21)", "(5.42)"
 RATE, TRACE = "‖η̇‖_{L²(0,T;V)}", "(‖σ_ν‖ ‖η_ν‖)^{1/2}"
-"""The terms that may be of lower order than the error."""
+"""Terms that may be of lower order than the error."""
 LOGARITHM = "τ = 2"
-"""Whether (5.42) carries a logarithm."""
+"""Column: whether (5.42) carries a logarithm."""
 
 
 class ErrorBounds(ListedNumbers):
@@ -100,11 +112,11 @@ class ErrorBounds(ListedNumbers):
         return with_h(setup.space.h, {**sides(setup), **predicted(case)})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        return [line.verdict(self, case, groups) for case, groups in by_case(rows) for line in lines(groups)]
+        return [rule.verdict(self, case, groups) for case, groups in by_case(rows) for rule in rules_for(groups)]
 
 
 def predicted(case: Case) -> dict[str, float]:
-    """γ of both bounds, and whether (5.42) carries a logarithm."""
+    """Return γ of both bounds, and whether (5.42) carries a logarithm."""
     found = case.regularity
     proved = {"(5.21)": found.rate_smoothness, "(5.42)": found.proved_order}
     growth = {exponent(bound): max(case.order - proved[bound], 0.0) for bound in BOUNDS}
@@ -112,62 +124,57 @@ def predicted(case: Case) -> dict[str, float]:
 
 
 def exponent(bound: str) -> str:
-    """The column of γ."""
+    """Return the column of γ."""
     return f"γ of {bound}"
 
 
-def lines(groups: Groups) -> Iterator[Rule]:
-    """Two rows for each bound."""
+def rules_for(groups: Groups) -> Iterator[Rule]:
+    """Yield two criteria for each bound; they depend on the γ of the case."""
     (table, *_) = groups.values()
+    names = *map(exponent, BOUNDS), LOGARITHM
+    known = {name: float(table[name].iloc[0]) if name in table else math.nan for name in names}
     for bound in BOUNDS:
-        number, gamma = bound.strip("()"), first(table, exponent(bound))
-        about = f"right side of {bound} / error: change under refinement"
+        number, gamma = bound.strip("()"), known[exponent(bound)]
+        quantity = f"right side of {bound} / error: change under refinement"
         # Undecided without a prediction.
-        steady = replace(change(f"steady-{number}", about, STEADY, bound), needs=(bound, exponent(bound)))
+        steady = replace(change(f"steady-{number}", quantity, STEADY, bound), needs=(bound, exponent(bound)))
         if gamma > 0:
-            of_rate = gamma == first(table, exponent("(5.21)"))
-            yield growing(f"growth-{number}", bound, gamma, RATE if of_rate else TRACE)
-        elif bound == "(5.42)" and first(table, LOGARITHM) > 0:
-            lower = replace(steady, quantity=f"{about}, of lower order by |log h|^{{1/4}}")
+            yield growing(f"growth-{number}", bound, gamma, RATE if gamma == known[exponent("(5.21)")] else TRACE)
+        elif bound == "(5.42)" and known[LOGARITHM] > 0:
+            lower = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
             yield Observation(lower, "a logarithm does not show on a few levels")
         else:
             yield steady
         yield largest(f"constant-{number}", f"error / (c · right side of {bound})", PROVED, f"{bound}, c")
 
 
-def first(table: pd.DataFrame, column: str) -> float:
-    """What all levels have in a column; not a number without it."""
-    return float(table[column].iloc[0]) if column in table else math.nan
-
-
 def growing(key: str, bound: str, gamma: float, term: str) -> Criterion:
-    """The exponent with which the term of lowest order of a bound grows over the error."""
+    """Return the criterion for the exponent with which the term of lowest order of a bound grows over the error."""
     window = around(gamma, gamma / 2, f"nearer to {gamma:g} than to 0 or {2 * gamma:g}")
     falling = order("", "", window, term)
 
     def measure(group: pd.DataFrame) -> Measured | None:
         found = falling.measure(group)
-        return found and (-found[0], (-found[0], -found[0]))
+        return found and exactly(-found[0])
 
     quantity = f"{bound} is of lower order than the error: p in {term} / error ~ h^{{−p}}"
     return Criterion(key, quantity, window, measure, (term,), ENOUGH)
 
 
 def constant(law: KelvinVoigt, T: float) -> float:
-    """c of the proof."""
+    """Return c of the proof."""
     L, omega = law.kappa, law.growth
     on_rate = math.sqrt(4 * T + 2 * L * T**2 + L**2 * T**3 / 3)
     return math.exp(omega * T) * max(2 + L * T, on_rate)
 
 
 def sides(setup: Experiment) -> dict[str, float]:
-    """Both sides of both bounds."""
+    """Return the right side of both bounds over the error, and the error over c · (right side)."""
     gauge, problem, T = setup.gauge, setup.problem, setup.problem.T
     error = max(gauge.distance(gauge.sample(state.time), state.u) for state in setup.scheme.march(problem, setup.steps))
     start, velocity = gauge.sample(0.0), Velocity(setup.solution, setup.space)
-    contact = [contact_terms(setup, face) for face in setup.solution.faces]
     times, k = midpoints(T, INSTANTS), T / INSTANTS
-    works, squares, pressures = np.sum([terms(times) for terms in contact], axis=0)
+    works, squares, pressures = np.sum([contact_terms(setup, face, times) for face in setup.solution.faces], axis=0)
     rate = math.sqrt(k * np.sum(velocity.interpolation_error(times) ** 2))
     common = gauge.distance(start, start.interpolant) + rate + gauge.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))
@@ -179,17 +186,12 @@ def sides(setup: Experiment) -> dict[str, float]:
     }
 
 
-def contact_terms(setup: Experiment, face: Face) -> Callable[[Array], Array]:
-    """∫ σ_ν (Π^hu_ν − u_ν), ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² on one piece of Γ3 as functions of n times, (3, n)."""
+def contact_terms(setup: Experiment, face: Face, times: Array) -> Array:
+    """Return ∫ σ_ν (Π^hu_ν − u_ν), ∫ |u_ν − Π^hu_ν|² and ∫ |σ_ν|² on one piece of Γ3 at n times, (3, n)."""
     mesh, facets = setup.space.mesh, setup.space.facets(face.part)
     rule = facet_rule(mesh, facets, face.part, face.rough, FACET_POINTS)
     exact, nodes = setup.solution.on(face, rule.s), setup.solution.at(mesh.p[:, mesh.facets[:, facets]])
-    tiny = ROUND_OFF * exact.stress_scale()
-
-    def terms(times: Array) -> Array:
-        nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
-        eta, pressure = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes), exact.pressure(times)
-        pressure = np.where(abs(pressure) > tiny, pressure, 0.0)
-        return np.array([np.tensordot(rule.weights, found, axes=2) for found in (pressure * eta, eta**2, pressure**2)])
-
-    return terms
+    nodal = np.tensordot(face.part.normal, nodes.displacement(times), axes=1)
+    eta, pressure = -exact.gap(times) - np.einsum("afn,afq->fqn", nodal, rule.shapes), exact.pressure(times)
+    pressure = np.where(abs(pressure) > ROUND_OFF * exact.stress_scale(), pressure, 0.0)
+    return np.array([np.tensordot(rule.weights, found, axes=2) for found in (pressure * eta, eta**2, pressure**2)])

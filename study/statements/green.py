@@ -1,35 +1,33 @@
 """Green's formula (2.14) for the exact stress against all v ∈ V^h.
 
-With (2.2), (2.4) and σ_τ = 0 on Γ3, and since v = 0 on Γ1, it says that two functionals on V^h are one:
+With (2.2), (2.4), σ_τ = 0 on Γ3 and v = 0 on Γ1, Green's formula says that two functionals on V^h are equal:
 
     (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν = (f_0, v)_H + (f_2, v)_{L²(Γ2)}.
 
-The left side is ``Gauge.load`` and needs no derivative of σ, the right side is computed from the forces, term by term.
-Their distance is measured in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, relative to the **smallest** of the four terms that
-is not zero: a term left out, or of the wrong sign, gives 1 or 2, whatever the sizes of the others. What is left must be
-quadrature. Where f_0 is smooth off straight lines that cut cells, that is round-off.
+The left side is ``Gauge.load``, which needs no derivative of σ. The right side is computed from the forces, term by
+term. The defect is the distance of both sides in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, over the **smallest** of the
+four terms that is not zero. So a term left out, or of the wrong sign, gives 1 or 2, however large the others are.
 
-Where f_0 jumps inside cells, along the curve on which the material begins to yield, the cylinder over a front in 3D or
-where a front has turned, a rule on cells of size η misses some η^d in each of the cells that are crossed. Two things
-are judged, both with a **composite** rule, a rule of degree 4 on cells halved some times:
+Only quadrature may remain. It is round-off where f_0 is smooth off straight lines that cut cells. Otherwise f_0 jumps
+inside cells (along the curve where the material begins to yield, the cylinder over a front in 3D, or where a front
+turned), and a rule on cells of size η misses some η^d in each cell that is crossed. Two criteria are used there, both
+with a **composite** rule, which is a rule of degree 4 on cells halved several times:
 
-* the defect on cells halved often is a tenth of the smallest term at most, so that every term must be there;
-* at fixed V^h the defect falls with the halvings. A function of V^h sees 2^{k(d−1)} of the crossed cells on its support
-  after k of them, with errors of size 2^{−kd}: their sum falls like 2^{−k} if all have one sign and like 2^{−k(d+1)/2}
-  if signs are random. By one halving it scatters more than that, so the window is taken over all, with a factor of two
-  for the scatter. A coefficient that is some per cent off would not let it fall.
+* On cells halved often, the defect is at most a tenth of the smallest term. So every term must be there.
+* At fixed V^h the defect falls with the halvings. After k of them a function of V^h sees 2^{k(d−1)} crossed cells on
+  its support, with errors of size 2^{−kd}. Their sum falls like 2^{−k} if all errors have one sign, and like
+  2^{−k(d+1)/2} if signs are random. One halving alone scatters more, so the window is for all halvings together, with a
+  factor of two for the scatter. A coefficient wrong by some per cent would stop the fall.
 
-V^h is contained in the space on halved cells, so that functionals on that space are restricted to V^h by the values of
-its functions in the new vertices.
+V^h lies in the space on halved cells. A functional on that space is restricted to V^h by the values of the functions of
+V^h at the new vertices.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import lru_cache
 
-import numpy as np
 import pandas as pd
 import scipy.sparse as sps
 
@@ -40,25 +38,24 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.factor import UNIFORM
 from manufactured.law import Linear
-from manufactured.tensors import Array
 from study.fem.gauge import DEGREE, SOLID_DEGREE, Gauge
 from study.fem.independent import work_of_body_force, work_on
 from study.fem.mesh import with_midpoints
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import judge
-from study.ledger.measures import finest, largest
+from study.ledger.criterion import finest, judge, largest
 from study.ledger.verdict import Verdict
 from study.ledger.window import above_nothing
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import named, place, space_of
+from study.statements.shared.meshes import named, place, space_of
+from study.statements.shared.norms import dual_norm
 from study.statements.shared.scope import REGULAR
 
 TIMES = (0.23, 0.61, 0.79)
-"""Fractions of T at which no case has an event (0.3 and 0.7 are where ``lift-and-land`` lifts and lands): before,
-between and after those. The work of contact is 1/300 of the largest term or more, where it is not zero."""
+"""Fractions of T: before, between and after the events of all cases (``lift-and-land`` lifts at 0.3 and lands at 0.7).
+There the work of contact is at least 1/300 of the largest term, where it is not zero."""
 FINE, COARSE = {2: 16, 3: 8}, 4
 """Degrees of the rules on the cells themselves, by dimension, and on halved cells."""
 HALVINGS = {2: 3, 3: 2}
@@ -67,11 +64,18 @@ SMOOTH = above_nothing(1e-10, "with the fine rule: f_0 is smooth off straight li
 KINKED = above_nothing(0.1, "f_0 jumps along curves, a term left out gives 1")
 SHRINKING = above_nothing(2.0, "times 2^{−k} for k halvings: 1 if all errors have one sign, 2 for their scatter")
 ROUND_OFF = 1e-12
-"""Defects and terms below it are rounding."""
+"""Smaller defects and terms are rounding."""
+
+DEFECT = "defect as a functional on V^h / smallest term"
+FOR_SMOOTH_FORCES = (finest("fine-rule", DEFECT, SMOOTH, "fine rule"),)
+FOR_FORCES_WITH_JUMPS = (
+    finest("halved", f"{DEFECT}, cells halved", KINKED, "halved cells"),
+    largest("shrunk", "2^k · defect on cells halved k times / defect on whole cells, same V^h", SHRINKING, "shrunk"),
+)
 
 
 class Green(ListedNumbers):
-    """The two sides as functionals on V^h, for the cases with Div σ ∈ H."""
+    """Both sides of Green's formula as functionals on V^h, for the cases with Div σ ∈ H."""
 
     label = "(2.14)"
     effort = 15
@@ -89,73 +93,73 @@ class Green(ListedNumbers):
             return with_h(space.h, {"fine rule": defect(case.solution, space, FINE[space.dim]), "smooth": 1.0})
         halvings = HALVINGS[space.dim]
         whole, halved = (defect(case.solution, space, COARSE, k) for k in (0, halvings))
-        # What is round-off cannot shrink any more.
+        # Round-off cannot shrink further.
         shrunk = 2**halvings * (max(halved, ROUND_OFF) / max(whole, ROUND_OFF))
         return with_h(space.h, {"whole cells": whole, "halved cells": halved, "shrunk": shrunk, "smooth": 0.0})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         smooth, kinked = by_smoothness(rows)
-        return judge(self, smooth, [REMAINING]) + judge(self, kinked, [HALVED, SHRUNK])
-
-
-REMAINING = finest("fine-rule", "defect as a functional on V^h / smallest term", SMOOTH, "fine rule")
-HALVED = finest("halved", "defect as a functional on V^h / smallest term, cells halved", KINKED, "halved cells")
-SHRUNK = largest(
-    "shrunk", "2^k · defect on cells halved k times / defect on whole cells, same V^h", SHRINKING, "shrunk"
-)
+        return judge(self, smooth, FOR_SMOOTH_FORCES) + judge(self, kinked, FOR_FORCES_WITH_JUMPS)
 
 
 def by_smoothness(rows: pd.DataFrame) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The rows of cases whose f_0 is smooth off lines, and those of the others."""
+    """Split rows into those of cases whose f_0 is smooth off lines, and the others."""
     smooth = rows["case"].isin(rows.loc[(rows["quantity"] == "smooth") & (rows["value"] == 1), "case"])
     return rows[smooth], rows[~smooth]
 
 
 def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0) -> float:
-    """The largest distance of the two sides over the times, relative to their smallest term, in the norm of V^h'."""
+    """Return the largest distance of both sides over the times, relative to their smallest term, in the norm of V^h'.
+
+    Parameters:
+        degree: degree of the cell rules.
+        halvings: how often the cells of the space are halved for the rules.
+    """
     riesz = Cholesky(unloaded(space, solution.law).M)
-    fine, prolong = halved(space, halvings)
+    fine, prolong = refined(space, halvings)
     raised = degree - (DEGREE if space.dim == 2 else SOLID_DEGREE)
-    # One for all times where nothing is cut.
-    gauge = lru_cache(maxsize=1)(lambda cut: Gauge(cut, fine, raised))
-
-    def norm(functional: Array) -> float:
-        on_space = space.interpolate((prolong.T @ fine.nodal(functional).T).T)
-        return float(np.sqrt(on_space @ riesz(on_space)))
-
-    def relative(time: float) -> float:
+    worst, gauge = 0.0, None
+    for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
-        load = gauge(cut).load(time)
+        if gauge is None or cut is not solution:
+            gauge = Gauge(cut, fine, raised)
+        load, body = gauge.load(time), work_of_body_force(cut, fine, time, degree)
         contact, loaded = (work_on(kind, cut, fine, time) for kind in (Kind.CONTACT, Kind.LOADED))
-        body = work_of_body_force(cut, fine, time, degree)
-        return norm(load - body - loaded) / smallest([norm(term) for term in (load + contact, contact, body, loaded)])
+        functionals = load - body - loaded, load + contact, contact, body, loaded
+        on_space = [space.interpolate((prolong.T @ fine.nodal(F).T).T) for F in functionals]
+        distance, *sizes = [dual_norm(F, riesz) for F in on_space]
+        worst = max(worst, distance / smallest_positive(sizes))
+    return worst
 
-    return max(relative(fraction * solution.body.T) for fraction in TIMES)
 
+def refined(space: Space, halvings: int) -> tuple[Space, sps.csr_array]:
+    """Halve the cells of a space several times.
 
-def halved(space: Space, times: int) -> tuple[Space, sps.csr_array]:
-    """The space on cells halved some times, and P1 functions as vertex values there, (vertices, vertices of V^h)."""
+    Returns:
+        The space on the halved cells, and the prolongation of P1 functions by their vertex values,
+        (vertices there, vertices of V^h).
+    """
     mesh, prolong = space.mesh, sps.csr_array(sps.eye_array(space.mesh.p.shape[1]))
-    for _ in range(times):
+    for _ in range(halvings):
         prolong = sps.csr_array(with_midpoints(mesh) @ prolong)
         mesh = mesh.refined()
     return Space(mesh, space.body), prolong
 
 
-def smallest(sizes: Sequence[float]) -> float:
-    """The smallest that is not zero up to rounding."""
+def smallest_positive(sizes: Sequence[float]) -> float:
+    """Return the smallest size that is not zero up to rounding."""
     return min(size for size in sizes if size > ROUND_OFF * max(sizes))
 
 
 def square_integrable(case: Case) -> bool:
-    """Whether Div σ(t) ∈ H: from ε(u̇(t)) ∈ H¹."""
+    """Return whether Div σ(t) ∈ H, which follows from ε(u̇(t)) ∈ H¹."""
     return case.regularity.rate_smoothness > 1
 
 
 def smooth_off_lines(case: Case) -> bool:
-    """Whether all kinks of f_0 are known straight lines at all times.
+    """Return whether all kinks of f_0 are known straight lines at all times.
 
-    A front that moves leaves kinks where it turned, a nonlinear G where the material begins to yield.
+    A front that moves leaves kinks where it turned; a nonlinear G leaves kinks where the material begins to yield.
     """
     law, faces = case.solution.law, case.solution.faces
     homogeneous = law.A.factor is UNIFORM and isinstance(law.G, Linear) and law.G.factor is UNIFORM
@@ -163,9 +167,9 @@ def smooth_off_lines(case: Case) -> bool:
 
 
 def cut_at_fronts(solution: ExactSolution, time: float) -> ExactSolution:
-    """The solution with the fronts of one time among the places where rules cut cells.
+    """Return the solution whose quadrature rules also cut cells at the fronts of one time.
 
-    Only for one face in the plane without other such places: cells are cut along one line.
+    Cells can be cut along one line only, so solutions in 3D, with several faces or with other such lines stay.
     """
     face, *others = solution.faces
     if solution.body.dim > 2 or others or solution.rough or not isinstance(face, ContactFace):

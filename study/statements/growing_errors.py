@@ -1,19 +1,20 @@
-"""(5.21) and the theorem on time where T and L_G/m_A are not about 1: errors, and what e^{ωT} is there for.
+"""(5.21) and the theorem on time where T and L_G/m_A are not about 1: the growth of errors, and the need for e^{ωT}.
 
-``parting`` has differences of two solutions of Problem 5.1 over decades of T and of ω = L_G/m_A; here are errors. G is
-multiplied by a number, as there, for the law of the case and for the even law G = −ωA. Predicted before measuring:
+``solution_divergence`` measures differences of two solutions of Problem 5.1 over decades of T and of ω = L_G/m_A. Here
+errors are measured. G is multiplied by a number, as there, for the law of the case and for the even law G = −ωA.
+Predicted before measuring:
 
 * *No contact, even law, u = (1/10 + t/T) U.* Let P_h be the projection onto V^h in (·,·)_V. With B = −ωI and V^h for
-  K^h the difference P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0) is known, and orthogonal to u − P_h u, so that at T
+  K^h, the difference P_h u − u^h = e^{ωt} (P_h u_0 − Π^h u_0) is known, and orthogonal to u − P_h u. So at T
 
       ‖u − u^h‖_V² = ‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V².
 
-  The midpoint rule is exact for what is linear in t, and makes e^{ωT} larger by ωT z²/12, 3.3e-3 at most for
-  z = ωk ≤ 1/16. So the exponential is attained, and for ωT = 10 errors would be above c · (right side of (5.21)) if c
-  had no e^{ωT}: it makes 2e4, where the constants of the proof and Π^h u_0 for P_h u_0 lose 1e2 … 1e3. (With K^h, as
-  the first prediction had it, the quotient is 0.92 for ωT = 10: u^h is wrong by more than the gap, and lands. The other
-  rows have K^h.)
-* *Moving contact, both laws*: errors below c · (right side of (5.21)), for all ω and T. c has e^{ωT}, as
+  The midpoint rule is exact for functions linear in t, and makes e^{ωT} larger by ωT z²/12, at most 3.3e-3 for
+  z = ωk ≤ 1/16. So the exponential is attained. For ωT = 10 it is 2e4, while the constants of the proof and Π^h u_0 for
+  P_h u_0 lose 1e2 to 1e3: errors would be above c · (right side of (5.21)) if c had no e^{ωT}. (With K^h, as the first
+  prediction had it, the quotient is 0.92 for ωT = 10: the error of u^h exceeds the gap, and u^h lands. The other rows
+  use K^h.)
+* *Moving contact, both laws*: errors are below c · (right side of (5.21)), for all ω and T. c contains e^{ωT}, since
   max(−m, 0)/m_A, the exponent of ``error_bounds``, is ω for both laws.
 * *Monotone laws, G = ωA:* the bound of ``backward_euler`` has no exponential, and holds for all ω and T.
 """
@@ -33,7 +34,7 @@ from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt
 from manufactured.symbols import s, t
 from study.fem.naming import family_named, resolve
-from study.ledger.measures import every, largest
+from study.ledger.criterion import every, largest
 from study.ledger.window import above_nothing, around, at_least
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -41,15 +42,15 @@ from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.error_bounds import sides
-from study.statements.parting import SWEEP, column, columns, even, scaled, steps_for
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import norm
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import norm
+from study.statements.solution_divergence import SWEEP, column, columns, even_law, scaled, steps_for
 
 FEWEST = 64
-"""Steps of the midpoint rule, more where ωT asks for them."""
+"""Least number of steps of the midpoint rule; a large ωT needs more."""
 COUNTS, FINEST = (8, 32), 256
-"""Steps of backward Euler, and of the midpoint rule that stands for u^h."""
+"""Steps of backward Euler, and of the midpoint rule whose solution is used for u^h."""
 LONGEST = tuple((omega, T) for omega, T in SWEEP if omega * T == max(a * b for a, b in SWEEP))
 """The (ω, T) with the largest e^{ωT}."""
 KNOWN = around(1, 5e-3, "the midpoint rule adds 3.3e-3 at most")
@@ -58,7 +59,7 @@ NEEDED = at_least(1.0, "e^{ωT} = 2e4")
 
 
 class GrowingErrors(ListedNumbers):
-    """Errors over their bounds, and over what they are known to be."""
+    """Errors over their bounds, and over their known values."""
 
     label = "(5.21), T and L_G/m_A"
     effort = 500
@@ -86,25 +87,25 @@ class GrowingErrors(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         own, found = resolve(setting.case).solution.law, {}
         for omega, T in SWEEP:
-            law = even(own.dim, omega)
+            law = even_law(own.dim, omega)
             free = experiment(opening(law, T), setting)
             found[column("even", "known", omega, T)] = error_at_end(free) / known(free, omega)
             found[column("even", "needed", omega, T)] = share(free) * math.exp(omega * T)
             found[column("even", "bound", omega, T)] = share(experiment(softening(law, T), setting))
             moving = experiment(softening(scaled(own, omega), T), setting)
             found[column("own", "bound", omega, T)] = share(moving)
-            found[column("monotone", "time", omega, T)] = in_time(moving, even(own.dim, -omega))
+            found[column("monotone", "time", omega, T)] = in_time(moving, even_law(own.dim, -omega))
         return with_h(moving.space.h, found)
 
 
 def experiment(solution: ExactSolution, setting: Setting) -> Experiment:
-    """A solution on the mesh of a setting, with steps that are short beside 1/ω and T."""
+    """Return the experiment for a solution on the mesh of a setting, with steps short compared with 1/ω and T."""
     steps = max(FEWEST, steps_for(solution.law, solution.body.T))
     return Experiment.of(solution, family_named(setting.family), setting.level, MIDPOINT, steps)
 
 
 def opening(law: KelvinVoigt, T: float) -> ExactSolution:
-    """w = (1/10 + t/T)(1 + 4x(1 − x)) and no strain ε_nn on Γ3: never in contact, and linear in t."""
+    """Return w = (1/10 + t/T)(1 + 4x(1 − x)) with ε_nn = 0 on Γ3: never in contact, and linear in t."""
     body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
     (part,) = body.of(Kind.CONTACT)
     gap = (Rational(1, 10) + time) * (1 + 4 * s * (1 - s))
@@ -113,39 +114,37 @@ def opening(law: KelvinVoigt, T: float) -> ExactSolution:
 
 
 def share(setup: Experiment) -> float:
-    """error / (c · right side of (5.21))."""
+    """Return error / (c · right side of (5.21))."""
     return sides(setup)["(5.21), c"]
 
 
 def error_at_end(setup: Experiment) -> float:
-    """‖u(T) − u^h(T)‖_V for u^h in V^h in place of K^h."""
+    """Return ‖u(T) − u^h(T)‖_V for u^h in V^h in place of K^h."""
     end = path(replace(setup.problem, N=setup.problem.N[:0]), setup.scheme, setup.steps)[-1]
     return setup.gauge.distance(setup.gauge.sample(setup.problem.T), end)
 
 
 def known(setup: Experiment, omega: float) -> float:
-    """(‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2} at T."""
+    """Return (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2} at T."""
     gauge, problem, T = setup.gauge, setup.problem, setup.problem.T
     start = projection(setup, 0.0) - problem.u0
     return math.hypot(gauge.distance(gauge.sample(T), projection(setup, T)), math.exp(omega * T) * norm(problem, start))
 
 
 def projection(setup: Experiment, time: float) -> np.ndarray:
-    """P_h u(t), for a homogeneous A, (n_dofs,)."""
+    """Return P_h u(t), for a homogeneous A, (n_dofs,)."""
     stress = setup.solution.law.A.matrix @ setup.gauge.means(time)
     found: np.ndarray = Cholesky(setup.problem.M)(setup.space.functional(stress))
     return found
 
 
 def in_time(setup: Experiment, law: KelvinVoigt) -> float:
-    """The largest error of backward Euler over its bound, under the load of the setup for another law."""
-    mine = SemiDiscrete.of(setup.space, law, setup.problem.load, setup.problem.u0)
-    problem = replace(mine, T=setup.problem.T)
+    """Return the largest error of backward Euler over its bound, under the load of the setup for another law."""
+    problem = replace(
+        SemiDiscrete.of(setup.space, law, setup.problem.load, setup.problem.u0),
+        T=setup.problem.T,
+    )
     exact = path(problem, MIDPOINT, FINEST)
     flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
-
-    def of(steps: int) -> float:
-        states = path(problem, BACKWARD_EULER, steps)
-        return furthest(problem, exact, interpolated(states, FINEST)) / flow.a_priori(steps)
-
-    return max(of(steps) for steps in COUNTS)
+    paths = [(steps, path(problem, BACKWARD_EULER, steps)) for steps in COUNTS]
+    return max(furthest(problem, exact, interpolated(u, FINEST)) / flow.a_priori(steps) for steps, u in paths)

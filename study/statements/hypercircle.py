@@ -1,21 +1,22 @@
-"""Both formulations bound each other, at a frozen time.
+"""Displacement and stress formulation bound each other's errors, at a frozen time.
 
-With gap and pressure of a case held at one time, u̇ = 0 and C = G: a problem of elastic contact with the exact u and σ.
+If gap and pressure of a case are held at one time, then u̇ = 0 and C = G: elastic contact with known exact u and σ.
 For u^h ∈ K^h of P1 and a stress σ^h that balances P f_0, P f_2 with σ^h_τ = 0, σ^h_ν ≤ 0 on Γ3, Green's formula gives
 
     ‖σ^h − Cε(u^h)‖²_{C⁻¹} = ‖e‖²_C + ‖σ − σ^h‖²_{C⁻¹} − 2(f_0 − P f_0, e) − 2(f_2 − P f_2, e)_{Γ2}
                              + 2∫_{Γ3} (σ^h_ν − σ_ν) e_ν,     e = u − u^h,
 
-the theorem of Prager and Synge but for the last terms. (σ^h_ν − σ_ν) e_ν ≥ −σ^h_ν u^h_ν, and with the constants of
+the theorem of Prager and Synge with additional terms. (σ^h_ν − σ_ν) e_ν ≥ −σ^h_ν u^h_ν, and with the constants of
 ``study.stresses.oscillation`` the loads are at most Ω ‖e‖_C, so that with η² = ‖σ^h − Cε(u^h)‖² + 2∫_{Γ3} σ^h_ν u^h_ν
 
     (‖u − u^h‖² + ‖σ − σ^h‖²)^½ ≤ Ω + (Ω² + η²)^½:     a bound without the exact solution.
 
-Predicted: the bound is never below both errors. It is η (1 + O(Ω/η)), and η tends to both errors, since ∫ σ^h_ν u^h_ν
-lives in the cells at the fronts. For stresses of degree 3 and smooth f_0, Ω ~ h⁴ beside errors ~ h. Where a front makes
-f_0 jump (m = 2), Ω ~ h^{3/2}, and only bound/errors − 1 ~ h^{1/2} can be expected; a degree more halves Ω, which is why
-it is 3: within 5 % from n = 16 on. The plain ratio, without Ω and the contact term, need not be ≥ 1. With degree 1, f_0
-− P f_0 is orthogonal to constants only, and no constant of that kind exists; the plain ratio is shown.
+Predicted: the bound is never below the left side ("both errors"). It is η (1 + O(Ω/η)), and η tends to both errors,
+since only the cells at the fronts contribute to ∫ σ^h_ν u^h_ν. For stresses of degree 3 and smooth f_0, Ω ~ h⁴ while
+errors are ~ h. Where a front makes f_0 jump (m = 2), Ω ~ h^{3/2}, and only bound/errors − 1 ~ h^{1/2} can be expected.
+One more degree halves Ω; degree 3 is within 5 % from n = 16 on. The plain ratio, without Ω and the contact term, need
+not be ≥ 1. With degree 1, f_0 − P f_0 is orthogonal to constants only, and there is no such constant Ω; the plain ratio
+is shown.
 
 Sources: W. Prager, J. L. Synge, Approximations in elasticity based on the concept of function space, Quart. Appl. Math.
 5 (1947) 241–269; for contact A. Weiss, B. I. Wohlmuth, A posteriori error estimator and error control for contact
@@ -37,8 +38,7 @@ from manufactured.tensors import Array, Tensors
 from study.fem.gauge import Gauge
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.criterion import Observation
-from study.ledger.measures import every
+from study.ledger.criterion import Observation, every
 from study.ledger.window import Window, around
 from study.solve.signorini import Signorini
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
@@ -49,7 +49,7 @@ from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
 FROZEN = Rational(1, 3)
-"""The time at which gap and pressure are held."""
+"""Time at which gap and pressure are held."""
 CASES = ("full-contact", "fixed-front-off-vertex", "advance-recede", "merging-patches", "corner")
 LOW, HIGH = 1, 3
 """Degrees of the stresses."""
@@ -58,7 +58,7 @@ NEAR = around(1, 0.05, "from n = 16 on")
 
 
 def plain(degree: int) -> Observation:
-    """The ratio without Ω and the contact term."""
+    """Return the criterion of the ratio without Ω and the contact term."""
     quantity = f"‖σ^h − Cε(u^h)‖ / both errors, stresses of degree {degree}"
     ratio = every(f"plain-{degree}", quantity, NEAR, f"plain_{degree}")
     return Observation(ratio, "it is a bound only with the oscillation of the forces")
@@ -91,7 +91,7 @@ class Hypercircle(ListedNumbers):
 
 
 def frozen(solution: ExactSolution) -> ExactSolution:
-    """The gap and the pressure of one time for all times, from elastic equilibrium: u̇ = 0."""
+    """Return the solution with gap and pressure of one time for all times, in elastic equilibrium: u̇ = 0."""
     faces = []
     for face in solution.faces:
         assert isinstance(face, ContactFace)
@@ -103,7 +103,7 @@ def frozen(solution: ExactSolution) -> ExactSolution:
 
 
 class Pair:
-    """u^h and σ^h on one mesh.
+    """u^h and σ^h on one mesh, with their errors and the bound.
 
     Attributes:
         error: (‖u − u^h‖²_C + ‖σ − σ^h‖²_{C⁻¹})^½.
@@ -130,10 +130,9 @@ class Pair:
             pressed = space.boundary_tractions(edges, stress.tractions)[..., 0]
             mass = interval_mass(1, space.degree)
             work += float(np.einsum("na,nb,ab,n->", ends, pressed, mass, space.lengths[edges]))
-        # Degree 1 leaves more out than what is orthogonal to P1. The cells are disjoint: norms of their parts add up.
-        bounded = space.degree > 1
-        left_out = snapshot.left_out
-        self.oscillation = float(np.linalg.norm(Oscillation(space, self.compliance)(left_out))) if bounded else np.nan
+        # With degree 1 the remainder of the loads is not orthogonal to P1. The cells are disjoint, so squares add up.
+        cells = Oscillation(space, self.compliance)(snapshot.left_out) if space.degree > 1 else np.nan
+        self.oscillation = float(np.linalg.norm(cells))
         self.bound = self.oscillation + float(np.sqrt(self.oscillation**2 + self.distance**2 + 2 * max(work, 0.0)))
 
     def _norm(self, stress: Tensors) -> float:

@@ -1,13 +1,15 @@
 """Korn's inequality (2.17) on V^h ⊂ V, and the equivalence (3.6) of ‖·‖_V and ‖·‖_{H_1} that follows from it.
 
-    C_K² = inf_{v ∈ V} ‖ε(v)‖_Q² / ‖v‖_{H_1}² ≤ min_{v ∈ V^h} ‖ε(v)‖_Q² / ‖v‖_{H_1}²,
+The square of the constant in (2.17) is an infimum over V, which the minimum over V^h bounds from above:
 
-so the right side falls under refinement; with nested spaces it cannot rise. (2.17) says that its limit is positive.
-With (3.1)
+    C_K² = inf_{v ∈ V} ‖ε(v)‖_Q² / ‖v‖_{H_1}² ≤ min_{v ∈ V^h} ‖ε(v)‖_Q² / ‖v‖_{H_1}².
 
-    m_A C_K² ‖v‖_{H_1}² ≤ ‖v‖_V² ≤ ‖A‖ ‖v‖_{H_1}²,
+The minimum is the smallest eigenvalue of (ε(·), ε(·))_Q against the product of H_1. It falls under refinement, and for
+nested spaces it cannot rise. (2.17) says that its limit for h → 0 is positive. With (3.1)
 
-on V^h with the constant C_K of V^h, which is bounded below uniformly in h.
+    m_A C_K² ‖v‖_{H_1}² ≤ ‖v‖_V² ≤ ‖A‖ ‖v‖_{H_1}²
+
+on V^h, where C_K is the constant of V^h, bounded below uniformly in h.
 """
 
 from __future__ import annotations
@@ -17,31 +19,29 @@ import math
 import pandas as pd
 
 from study.fem.naming import resolve
-from study.ledger.criterion import Criterion, Measured
-from study.ledger.measures import BOUND, ENOUGH, ROUNDING, change, exactly, greatest_ratio
-from study.ledger.measures import largest as largest_of
+from study.ledger.criterion import BOUND, ENOUGH, ROUNDING, Criterion, Measured, change, exactly, greatest_ratio
+from study.ledger.criterion import largest as largest_of
 from study.ledger.window import Window, at_most
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import h1_product, largest, smallest, strain_product, unloaded
-from study.statements.shared.places import BODIES, BODIES_WITH_VISCOSITIES, named, place, space_of
+from study.statements.shared.meshes import BODIES, BODIES_WITH_VISCOSITIES, named, place, space_of
 from study.statements.shared.scope import REGULAR
 
 VALUE = "smallest eigenvalue"
 FALLING = at_most(1 + ROUNDING, "on every level")
 LIMIT = Window(0.7, 1.0, "of the finest value")
-"""Values that tend to zero leave the window: those like h^p extrapolate to 0, those like 1/(c + |log h|), the slowest
-that come up (Γ1 a point), to m/(2m − 2) < 0.7 of the last one if that is 1/m times the unit of log 2."""
+"""Eigenvalues that tend to zero leave the window. Values like h^p extrapolate to 0. Values like 1/(c + |log h|), the
+slowest (Γ1 is a point), extrapolate to m/(2m − 2) < 0.7 of the last value if that is 1/m times the unit of log 2."""
 OVER = "eigenvalue, finest level over the one before"
 SETTLED = Window(0.75, 1.25)
 """From one level to the next a power h^{1/2} would change by the factor 0.71 or 1.41."""
 
 
 def extrapolated(table: pd.DataFrame) -> Measured:
-    """Aitken's limit of the last three values over the last one; −∞ if their differences do not shrink."""
+    """Return Aitken's limit of the last three values over the last one; −∞ if their differences do not shrink."""
     first, second, last = table[VALUE].to_numpy()[-3:]
     before, drop = first - second, second - last
-    limit = float((last - drop**2 / (before - drop)) / last) if before > drop else -math.inf
-    return exactly(limit)
+    return exactly((last - drop**2 / (before - drop)) / last if before > drop else -math.inf)
 
 
 class Korn(ListedNumbers):

@@ -47,8 +47,7 @@ import scipy.sparse as sps
 
 from manufactured.no_potential import NAME
 from manufactured.tensors import Array
-from study.ledger.criterion import Criterion, Measured
-from study.ledger.measures import among, change, every, largest, or_none, order
+from study.ledger.criterion import Criterion, Measured, among, change, every, largest, or_none, order
 from study.ledger.orders import fit
 from study.ledger.window import Window, above_nothing, around
 from study.solve.euler_bounds import EulerBounds, backward_euler
@@ -56,8 +55,8 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
+from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import Scope
 
 COUNTS = (4, 8, 16, 32, 64)

@@ -31,11 +31,11 @@ from manufactured.law import Linear
 from manufactured.tensors import Array, Points, dyad
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import consecutive, every, finest, largest
+from study.ledger.criterion import consecutive, every, finest, largest
 from study.ledger.window import Window, above_nothing, around, at_least
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import space_of
+from study.statements.shared.meshes import space_of
 
 FIRST = 3
 """The first level of spikes, for which 4^{−j} is small against 2^{−j}."""

@@ -1,26 +1,27 @@
 """(3.8), (5.9): f ∈ W^{1,1}(0,T;V), and (4.12): σν ∈ L^∞(0,T;L²(Γ)), by their norms on finer and finer grids.
 
-**(3.8).** f^h(t) = M⁻¹F(t) of (5.9) is the projection of f(t) on V^h. With N intervals the increments of f^h in V add
-up to its variation, which the triangle inequality lets grow with N, and in W^{1,1} they become small. Predicted:
+**(3.8).** f^h(t) = M⁻¹F(t) of (5.9) is the projection of f(t) on V^h. With N intervals the norms of the increments of
+f^h in V add up to its variation on the grid. By the triangle inequality it grows with N; in W^{1,1} increments become
+small. Predicted:
 
 * from a grid to the next finer one the variation settles, to 1 % for loads with finitely many turns; without bounded
   variation it would grow by a power of 2;
 * after four halvings the largest increment is 1/16 where ḟ is bounded, and 1/2 for ``load-w11``, whose load goes like
   (t − t_0)^{1/4}. A jump would leave 1, which bounded variation alone allows. In ``lift-and-land`` u̇ and σ_ν jump, and
   in f the two jumps cancel;
-* from mesh to mesh ‖f^h‖_{W^{1,1}} tends to that of f. What the projection leaves out has an energy of order h²: some
-  per cent where a patch is three cells wide (n = 8, not judged for moving fronts) and a quarter of that on each finer
-  mesh, within 5 % from n = 16 on. A load that is not in V would let it grow.
+* from mesh to mesh ‖f^h‖_{W^{1,1}} tends to the norm of f. The projection leaves out an energy of order h²: some per
+  cent where a patch is three cells wide (n = 8, not judged for moving fronts) and a quarter of that on each finer mesh,
+  within 5 % from n = 16 on. A load that is not in V would let the norm grow.
 
-The first list of cases had ``moving-rough`` among those that must settle, where the variation grew by 0.8, 1 and 1.3 %
-at n = 8, 16 and 32. There ε(u̇) ~ (s − c)^{1/4} moves with the front, so that u̇, and with it f = u̇ + Bu + R, has
-increments of the size k^{3/4} in V, which do not add up to anything bounded: (3.8) does not hold. Theorem 4.1 says
-nothing of this load; that u ∈ W^{1,∞}(0,T;V) is known as u was constructed. The case is reported.
+At first ``moving-rough`` was among the cases that must settle; there the variation grew by 0.8, 1 and 1.3 % at n = 8,
+16 and 32. Its ε(u̇) ~ (s − c)^{1/4} moves with the front, so u̇, and with it f = u̇ + Bu + R, has increments of the
+size k^{3/4} in V, whose sum is not bounded: (3.8) does not hold. Theorem 4.1 does not apply to this load; u ∈
+W^{1,∞}(0,T;V) is known since u was constructed. The case is reported.
 
-**(4.12).** Of the stress of the exact solution the norm on all of Γ is taken by rules that do not know where it is
-rough, its largest value over twice as many intervals as there are cells along a side. Predicted: it settles for every
-case of Proposition 5.4, and with r^{−1/2} at the point where Γ1 meets Γ3, ``junction``, its square grows by one
-constant from mesh to mesh, like log 1/h: there (4.12) does not hold, nor is it claimed.
+**(4.12).** The norm of the exact traction on all of Γ is computed by rules that do not resolve where it is rough. Its
+largest value is taken over twice as many intervals as there are cells along a side. Predicted: it settles for every
+case of Proposition 5.4. In ``junction``, with r^{−1/2} at the point where Γ1 meets Γ3, its square grows by the same
+amount from mesh to mesh, like log 1/h: there (4.12) does not hold, nor is it claimed.
 """
 
 from __future__ import annotations
@@ -36,22 +37,21 @@ from study.fem.gauge import FACET_POINTS, Gauge
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, Observation, judge
-from study.ledger.measures import ENOUGH, ROUNDING, change, every, exactly
+from study.ledger.criterion import ENOUGH, ROUNDING, Criterion, Measured, Observation, change, every, exactly, judge
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.instants import dual_norm
-from study.statements.shared.places import named, place, space_of
+from study.statements.shared.meshes import named, place, space_of
+from study.statements.shared.norms import dual_norm
 from study.statements.shared.scope import REGULAR
 
 # f ∈ W^{1,1}(0,T;V).
 
 INTERVALS = 512
 COARSER = 16
-"""How many times as long the intervals are beside which increments are looked at."""
+"""Increments are compared with those of intervals so many times as long."""
 SETTLES = Window(1 - ROUNDING, 1.01, "it never falls, and grows by a power of 2 without bounded variation")
 CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
 UNIFORM = around(1, 0.05, "f^h tends to f")
@@ -90,7 +90,7 @@ class LoadInTime(ListedNumbers):
 
 
 def increments(loads: Array, riesz: Cholesky) -> Array:
-    """‖f^h(t_i) − f^h(t_{i−1})‖_V, (N,)."""
+    """Return ‖f^h(t_i) − f^h(t_{i−1})‖_V, (N,)."""
     return np.array([dual_norm(after - before, riesz) for before, after in pairwise(loads)])
 
 
@@ -102,19 +102,25 @@ UNBOUNDED = "junction"
 """The case with σν ∉ L²(Γ)."""
 
 
-def grows() -> Criterion:
-    """The last increment of the squared norm over the one before."""
+def growth_of_square(group: pd.DataFrame) -> Measured:
+    """Return the last increment of the squared norm over the one before."""
+    *_, first, second, third = group["norm"].to_numpy() ** 2
+    return exactly((third - second) / (second - first))
 
-    def measure(group: pd.DataFrame) -> Measured:
-        *_, first, second, third = group["norm"].to_numpy() ** 2
-        return exactly((third - second) / (second - first))
 
-    quantity = "increments of max_t ‖σν‖²_{L²(Γ)} under refinement, last over the one before: not in L²(Γ)"
-    return Criterion("unbounded", quantity, LOGARITHM, measure, ("norm",), ENOUGH)
+SETTLED = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh over the one before", BOUNDED, "norm", since=-2)
+GROWING = Criterion(
+    "unbounded",
+    "increments of max_t ‖σν‖²_{L²(Γ)} under refinement, last over the one before: not in L²(Γ)",
+    LOGARITHM,
+    growth_of_square,
+    ("norm",),
+    ENOUGH,
+)
 
 
 class TractionInTime(ListedNumbers):
-    """max_t ‖σν‖_{L²(Γ)} for the cases of Proposition 5.4, and one that has to lack it."""
+    """max_t ‖σν‖_{L²(Γ)} for the cases of Proposition 5.4, and one case in which it must not be bounded."""
 
     label = "(4.12)"
     claim = "σν ∈ L^∞(0,T;L²(Γ)^d) for the solutions of Prop. 5.4"
@@ -128,15 +134,13 @@ class TractionInTime(ListedNumbers):
         return with_h(space.h, {"norm": largest_traction(space, setting)})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        settled = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh over the one before", BOUNDED, "norm", since=-2)
         without = rows["case"] == UNBOUNDED
-        return [*judge(self, rows[~without], [settled]), *judge(self, rows[without], [grows()])]
+        return [*judge(self, rows[~without], [SETTLED]), *judge(self, rows[without], [GROWING])]
 
 
 def largest_traction(space: Space, setting: Setting) -> float:
-    """max_t ‖σν‖_{L²(Γ)} over instants in number like the level."""
-    solution, squares = resolve(setting.case).solution, []
-    sides = []
+    """Return max_t ‖σν‖_{L²(Γ)} over twice as many intervals as the level."""
+    solution, squares, sides = resolve(setting.case).solution, [], []
     for part in space.body.parts:
         rule = facet_rule(space.mesh, space.facets(part), part, (), FACET_POINTS if space.dim == 2 else 2)
         sides.append((part, solution.at(part.point(rule.s)), rule.weights))

@@ -1,4 +1,4 @@
-"""What the figures and the report of a case need from one solved problem: contact history, motion and stress."""
+"""The data for figures and report page of a case, from one solved problem: contact history, motion and stress."""
 
 from __future__ import annotations
 
@@ -16,26 +16,28 @@ from study.fem.mesh import MeshFamily, OneDiagonal, Skin, Unstructured, facet_me
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.datafiles import JsonFiles
-from study.ledger.facets import Facets
-from study.ledger.packing import FINE, Packed, short
+from study.ledger.pictures import FINE, Facets, Packed, short
 from study.solve.motion import Motion, von_mises
 from study.statements.shared.base import Setting, Statement
-from study.statements.shared.places import fits
+from study.statements.shared.meshes import fits
 from study.statements.shared.scope import Scope
 
 FAMILY, LEVEL, STEPS = Unstructured(), 20, 64
 SOLID_FAMILY, SOLID_LEVEL, SOLID_STEPS = OneDiagonal(), 9, 32
 INTERVALS = 16
-"""Between the times that are kept."""
+"""Number of intervals between the times that are written."""
 SHAPES = (0.25, 0.5, 1.0)
+"""Fractions of T at which the deformed mesh is shown."""
 POINTS, LINE = 400, 80
-"""Intervals along a face in the plane, for its exact zone and for the lines of its exact gap and pressure."""
+"""Intervals along a face in the plane, for the exact contact zone and for the lines of exact gap and pressure."""
 HALVINGS = 10
-"""Of the interval between two instants in which the number of pieces of an exact zone changes."""
+"""Bisections of an interval of time in which the number of pieces of an exact zone changes."""
+Pieces = list[list[float]]
+"""The ends of the intervals that make up a zone."""
 
 
 def picture(case: Case) -> dict[str, Any]:
-    """Contact gap and pressure, displacement and stress over time, and the deformed mesh at three times.
+    """Return contact gap and pressure, displacement and stress over time, and the deformed mesh at three times.
 
     The computed pressure at a vertex is its contact force over the integral of its shape function.
     ``cells`` are the triangles of the mesh, in space those of its surface, ``vertices`` their corners.
@@ -56,10 +58,10 @@ def picture(case: Case) -> dict[str, Any]:
 
 
 def mesh_for(body: Body) -> tuple[MeshFamily, int]:
-    """The family and the level of the picture of a body.
+    """Return the family and the level of the picture of a body.
 
-    In space the edges of its parts have to fall on the grid: the first level from ``SOLID_LEVEL`` on where they do, or
-    this one itself, which then says what is wrong, where they do nowhere below twice of it.
+    In space the edges of its parts must lie on the grid. The level is the first one from ``SOLID_LEVEL`` to twice of it
+    that fits. If none fits, it is ``SOLID_LEVEL``, and meshing raises an error that says what is wrong.
     """
     if body.dim == 2:
         return FAMILY, LEVEL
@@ -68,7 +70,7 @@ def mesh_for(body: Body) -> tuple[MeshFamily, int]:
 
 
 def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
-    """The picture of a motion, with one of ``every`` frames."""
+    """Return the picture of a motion, with every ``every``-th frame."""
     solution, space, shown = motion.solution, motion.space, motion.frames[::every]
     skin = Skin.of(space.mesh)
     times = np.array([frame.time for frame in shown])
@@ -87,12 +89,12 @@ def record(name: str, motion: Motion, every: int) -> dict[str, Any]:
         "displacement": Packed.of(displacement).record(),
         "von_mises": Packed.of(np.array([von_mises(frame.stress)[skin.cells] for frame in shown])).record(),
         "energy": {name: short(values) for name, values in motion.balance().items()},
-        "faces": list(_faces(solution, space, skin, times, normal, pressure)),
+        "faces": list(faces(solution, space, skin, times, normal, pressure)),
     }
 
 
 def contact_weights(space: Space) -> Array:
-    """∫ φ_z of the shape function of each contact vertex over the pieces with its normal, (m,)."""
+    """Return ∫ φ_z of the shape function of each contact vertex over the pieces with its normal, (m,)."""
     weights = []
     for part, vertices in space.contact:
         aligned = [other for other, _ in space.contact if np.allclose(other.normal, part.normal)]
@@ -103,10 +105,12 @@ def contact_weights(space: Space) -> Array:
     return np.concatenate(weights)
 
 
-def _faces(
+def faces(
     solution: ExactSolution, space: Space, skin: Skin, times: Array, normal: Array, pressure: Array
 ) -> Iterator[dict[str, Any]]:
-    keep, plane, start = _written(space.dim), space.dim == 2, 0
+    """Yield gap and pressure of every face with their exact values; many values, in space, are packed."""
+    plane, start = space.dim == 2, 0
+    write: Callable[[Array], Any] = short if plane else packed
     for i, (face, (part, vertices)) in enumerate(zip(solution.faces, space.contact, strict=True), start=1):
         s = part.coordinates(space.mesh.p[:, vertices])[0]
         order = np.argsort(s[0])
@@ -118,49 +122,52 @@ def _faces(
             "normal": part.normal.tolist(),
             "s": short(s[0] if plane else s),
             "x": short(part.point(s)),
-            "gap": keep(-normal[:, columns]),
-            "gap_exact": keep(exact.gap(times).T),
-            "pressure": keep(pressure[:, columns]),
-            "pressure_exact": keep(exact.pressure(times).T),
+            "gap": write(-normal[:, columns]),
+            "gap_exact": write(exact.gap(times).T),
+            "pressure": write(pressure[:, columns]),
+            "pressure_exact": write(exact.pressure(times).T),
         }
-        only = _in_plane(solution, face, s, times) if plane else _levels_of(solution, face, s, nodes, skin, times)
-        yield found | only
+        if plane:
+            yield {**found, **exact_zone_and_lines(solution, face, s, times)}
+        else:
+            between = solution.on(face, Facets.between(nodes, skin.triangles).refined(s))
+            yield {**found, "level_exact": packed(between.level(times).T), "nodes": nodes.tolist()}
 
 
-def _in_plane(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
-    """The exact zone of a face in the plane, between fine points of it, and lines of exact gap and pressure.
+def packed(values: Array) -> dict[str, Any]:
+    """Pack values at points over time with many digits."""
+    return Packed.of(values, FINE).record()
 
-    Lines reach from node to node: where Γ3 meets Γ1, which has none, the pressure need not be bounded.
+
+def exact_zone_and_lines(solution: ExactSolution, face: Face, s: Array, times: Array) -> dict[str, Any]:
+    """Return the exact zone of a face in the plane, between fine points, and lines of exact gap and pressure.
+
+    The lines end at the first and the last node: where Γ3 meets Γ1, which has no node, the pressure may be unbounded.
     """
     fine, line = np.linspace(0, face.part.measure, POINTS + 1), np.linspace(s.min(), s.max(), LINE + 1)
     level, exact = solution.on(face, fine[None]).level, solution.on(face, line[None])
-    zone = _zone(lambda t: _intervals(fine, level(t)), np.linspace(0, solution.body.T, 101).tolist())
-    gap, pressure = (Packed.of(of(times).T, FINE).record() for of in (exact.gap, exact.pressure))
+    zone = zone_over_time(lambda t: intervals(fine, level(t)), np.linspace(0, solution.body.T, 101).tolist())
     return {
         "zone_exact": {"times": list(zone), "intervals": list(zone.values())},
-        "line": {"s": short(line), "gap": gap, "pressure": pressure},
+        "line": {"s": short(line), "gap": packed(exact.gap(times).T), "pressure": packed(exact.pressure(times).T)},
     }
 
 
-def _zone(intervals: Callable[[float], list[list[float]]], instants: list[float]) -> dict[float, list[list[float]]]:
-    """Instant ↦ pieces of a zone, with more instants where their number changes: pieces meet and end in points."""
-    found = {t: intervals(t) for t in instants}
+def zone_over_time(
+    pieces: Callable[[float], list[list[float]]], instants: list[float]
+) -> dict[float, list[list[float]]]:
+    """Return instant ↦ pieces of a zone, with more instants where pieces appear, meet or vanish."""
+    found = {t: pieces(t) for t in instants}
     for before, after in pairwise(instants):
         for _ in range(HALVINGS if len(found[before]) != len(found[after]) else 0):
             middle = (before + after) / 2
-            found[middle] = intervals(middle)
+            found[middle] = pieces(middle)
             before, after = (middle, after) if len(found[middle]) == len(found[before]) else (before, middle)
     return {round(t, 7): found[t] for t in sorted(found)}
 
 
-def _levels_of(solution: ExactSolution, face: Face, s: Array, nodes: Array, skin: Skin, times: Array) -> dict[str, Any]:
-    """ψ on a face in space, at its nodes and between them, and which vertices of the skin the nodes are."""
-    exact = solution.on(face, Facets.between(nodes, skin.triangles).refined(s))
-    return {"level_exact": Packed.of(exact.level(times).T, FINE).record(), "nodes": nodes.tolist()}
-
-
-def _intervals(s: Array, level: Array) -> list[list[float]]:
-    """Where ψ ≥ 0 on a face, by linear interpolation between fine points."""
+def intervals(s: Array, level: Array) -> Pieces:
+    """Return where ψ ≥ 0 on a face, by linear interpolation between fine points."""
     inside = level >= 0
     if not inside.any():
         return []
@@ -171,13 +178,8 @@ def _intervals(s: Array, level: Array) -> list[list[float]]:
     return [short(np.array(pair)) for pair in zip(ends[::2], ends[1::2], strict=True)]
 
 
-def _written(dim: int) -> Callable[[Array], Any]:
-    """How values at points over time are written: as they are, or packed where they are many."""
-    return short if dim == 2 else lambda values: Packed.of(values, FINE).record()
-
-
 class Pictures(Statement):
-    """What the figures and the page show of a case; nothing is claimed."""
+    """The data that figures and report page show of a case; nothing is claimed."""
 
     label = "pictures"
     claim = "what the figures show of a case"
@@ -185,7 +187,7 @@ class Pictures(Statement):
     of_every_case = True
 
     def settings(self, scope: Scope) -> list[Setting]:
-        """Every case on one mesh."""
+        """Return every case on one mesh."""
         meshes = [mesh_for(resolve(reference).solution.body) for reference in scope.cases]
         return [Setting(case, family.name, level) for case, (family, level) in zip(scope.cases, meshes, strict=True)]
 

@@ -3,11 +3,11 @@
 **Measured** as for Proposition 5.4 (``prop_5_4.measure``), on exact solutions that miss its regularity: singular
 corners, fronts, interfaces that the mesh does not meet, loads that are hardly continuous in time.
 
-**Judged.** No rate is claimed, so none is asked for: errors fall from level to level, and a fit
-e = e∞ + C h^s leaves no room for a positive limit e∞. The order seen is compared with the one that the regularity
-predicts. The place of a front that rests within its cell alternates between levels, so orders are taken over two
-refinements. On random meshes levels differ by chance, too, and from one seed to the next the limit scatters by up to a
-quarter of its window: there the other two decide. Meshes graded towards a corner regain the order 1.
+**Judged.** No rate is claimed, so none is required: errors must fall from level to level, and a fit e = e∞ + C h^s must
+exclude a positive limit e∞. The observed order is compared with the order that the regularity predicts. The place of a
+resting front within its cell alternates between levels, so orders are taken over two refinements. On random meshes
+levels differ by chance, too, and from one seed to the next the limit scatters by up to a quarter of its window: there
+the other two criteria decide. Meshes graded towards a corner regain the order 1.
 """
 
 from __future__ import annotations
@@ -17,15 +17,24 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from study.ledger.criterion import Criterion, Groups, Measured, Observation, Rule, by_family
-from study.ledger.measures import ENOUGH, between_levels, exactly, greatest_ratio
+from study.ledger.criterion import (
+    ENOUGH,
+    Criterion,
+    Groups,
+    Measured,
+    Observation,
+    Rule,
+    between_levels,
+    by_family,
+    exactly,
+    greatest_ratio,
+)
 from study.ledger.orders import limit
 from study.ledger.verdict import Verdict
 from study.ledger.window import STEEPER, Window, around, at_most
-from study.statements.prop_5_4.evidence import EVIDENCE, SIZES
-from study.statements.prop_5_4.from_rates import GRADED
-from study.statements.prop_5_4.sweep import Rates
-from study.statements.shared.random_meshes import apart
+from study.statements.from_rates import GRADED
+from study.statements.prop_5_4 import EVIDENCE, SIZES, Rates
+from study.statements.shared.meshes import split_random
 
 LEVELS = ENOUGH + 1
 """Two refinements twice."""
@@ -50,12 +59,12 @@ class Convergence(Rates):
 
 
 def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
-    """What is judged of a case with a predicted order, and on which mesh families."""
+    """Yield the criteria for a case with a predicted order, each with the mesh families on which it is judged."""
     uniform = {name: group for name, group in groups.items() if name != GRADED}
     graded = {name: group for name, group in groups.items() if name == GRADED}
     falling = at_most(0.999, "on every level")
     yield greatest_ratio("falling", "ratio of consecutive errors", falling, "error", LEVELS), groups
-    by_chance, others = apart(uniform)
+    by_chance, others = split_random(uniform)
     steeper = f"s is taken {STEEPER:g} above the predicted order, as far as the row on orders allows"
     if others:
         yield _limit("limit", LIMIT, expected), others
@@ -70,9 +79,9 @@ def rules_of(groups: Groups, expected: float) -> Iterator[tuple[Rule, Groups]]:
 
 
 def _limit(key: str, window: Window, expected: float) -> Criterion:
-    """The limit for an order, from the last four levels in pairs.
+    """Return the criterion for the limit, from the last four levels in pairs, if the order is the expected one.
 
-    It depends on the order, and nothing but the row on orders says which it is.
+    The limit depends on the order, which only the row on orders determines.
     """
 
     def measure(group: pd.DataFrame) -> Measured:

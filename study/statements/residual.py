@@ -4,27 +4,28 @@ By (5.13) with (3.12) and (3.7)
 
     R(t; v) = (σ(t), ε(v))_Q − (f_0(t), v)_H − (f_2(t), v)_{L²(Γ2)},   v ∈ V,
 
-which has no σ_ν on Γ3 in it. Prop. 5.4 rests on R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), and on the bound of it by Cauchy and
-Schwarz, (5.41). Here R is its definition, so both can fail. They are measured at the times of (2.14) for
+which does not contain σ_ν on Γ3. Prop. 5.4 rests on R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), and on the bound of this integral
+by Cauchy and Schwarz, (5.41). Here R is computed from its definition, so both can fail. They are measured at the times
+of (2.14) for
 
 * smooth fields v that vanish on Γ1 and nowhere else: not in V^h, with v_ν of any sign on Γ3;
-* v = Π^h u − u, which (5.42) needs: all terms are small, and R much smaller than each.
+* v = Π^h u − u, which (5.42) needs: all terms are small, and R is much smaller than each.
 
-The defect |R(t; v) − ∫_{Γ3} σ_ν v_ν| is taken relative to the smallest of the terms of both sides that is not zero, for
-v = Π^h u − u of the definition alone, since σ_ν v_ν is nearly zero there: a term left out or of the wrong sign gives 1
-or 2 at least. With the fine rules of (2.14) the rest is quadrature, so the windows are those of (2.14): round-off,
-where f_0 is smooth off lines that cut cells, a tenth where it jumps along curves. For v = Π^h u − u rounding counts 1/h
-times as much: (σ, ε(v))_Q = O(h²) is a sum of terms O(h).
+The defect |R(t; v) − ∫_{Γ3} σ_ν v_ν| is relative to the smallest non-zero term of both sides; for v = Π^h u − u of the
+definition alone, since σ_ν v_ν is nearly zero there. So a term left out, or of the wrong sign, gives at least 1 or 2.
+With the fine rules of (2.14) only quadrature remains, so the windows are those of (2.14): round-off where f_0 is smooth
+off lines that cut cells, a tenth where it jumps along curves. For v = Π^h u − u rounding counts 1/h times as much:
+(σ, ε(v))_Q = O(h²) is a sum of terms O(h).
 
-|R| over its bound is 0/0 where σ_ν = 0, and only times with σ_ν ≠ 0 count. Where nothing touches at any time (5.41) is
-0 ≤ 0 by (5.40), and has no row. It is undecided if a case with contact has none at all of these times.
+|R| over its bound is 0/0 where σ_ν = 0, so only times with σ_ν ≠ 0 count. Where nothing touches at any time (5.41) is
+0 ≤ 0 by (5.40), and has no row. The row is undecided if a case with contact has none at all of these times.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
@@ -39,8 +40,7 @@ from study.fem.mesh import barycentric_gradients
 from study.fem.naming import resolve
 from study.fem.quadrature import CellRule, FacetRule, facet_rule
 from study.fem.space import Space
-from study.ledger.criterion import Criterion, Measured, judge
-from study.ledger.measures import finest, largest
+from study.ledger.criterion import Criterion, Measured, finest, greatest, judge
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, above_nothing
 from study.statements.boundary import Field, planes, strain, vanishing, waves
@@ -52,21 +52,21 @@ from study.statements.green import (
     TIMES,
     by_smoothness,
     cut_at_fronts,
-    smallest,
+    smallest_positive,
     smooth_off_lines,
     square_integrable,
 )
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
-from study.statements.shared.instants import midpoints
-from study.statements.shared.places import IRREGULAR, named, place, space_of
+from study.statements.shared.meshes import IRREGULAR, named, place, space_of
+from study.statements.shared.norms import midpoints
 from study.statements.shared.scope import REGULAR
 
 FIELDS = 3
-"""Smooth fields v."""
+"""Number of smooth fields v."""
 POINTS = 20
 """Gauss points on a facet, exact to degree 39: p ~ (c − s)_+² on a facet graded to c has degree 31."""
 INSTANTS = 64
-"""Where contact is looked for."""
+"""Times at which contact is looked for."""
 CANCELLING = above_nothing(1e-8, "with the fine rule: 1/h times the 1e-10 for a smooth f_0")
 BOUND = above_nothing(1 + 1e-9, "by the inequality of Cauchy and Schwarz")
 
@@ -80,8 +80,8 @@ class Residual(ListedNumbers):
     def places(self, full: bool) -> list[Setting]:
         if full:
             cases = [case for case in catalogue() if square_integrable(case)]
-            # In space what cells cut by a front leave depends on where it cuts them: by a factor of three on random
-            # meshes of twelve cells.
+            # In space the defect in cells that a front cuts depends on where it cuts them: by a factor of three on
+            # random meshes of twelve cells.
             return place(cases, IRREGULAR, (8, 16)) + place(cases, REGULAR, (), (8, 15))
         return place(named("full-contact", "fixed-front-off-vertex", "yield-and-release"), IRREGULAR, (8,))
 
@@ -91,13 +91,21 @@ class Residual(ListedNumbers):
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         smooth, kinked = by_smoothness(rows)
-        found = judge(self, smooth, lines(SMOOTH, CANCELLING)) + judge(self, kinked, lines(KINKED, KINKED))
+        found = judge(self, smooth, rules_for(SMOOTH, CANCELLING)) + judge(self, kinked, rules_for(KINKED, KINKED))
         measured = set(rows.loc[rows["quantity"] == "bound", "case"])
         return [verdict for verdict in found if verdict.key != SHARE.key or verdict.case in measured]
 
 
-def lines(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
-    """The rows of a case."""
+def share(group: pd.DataFrame) -> Measured | None:
+    """Return the largest |R| over its bound; None if a level has no time with contact."""
+    return greatest(group["bound"].to_numpy()) if group["bound"].notna().all() else None
+
+
+SHARE = Criterion("bound", "|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)})", BOUND, share, ("bound",))
+
+
+def rules_for(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
+    """Return the criteria of a case, with the windows for smooth v and for v = Π^h u − u."""
     return (
         finest("smooth", "|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term, smooth v", window, "smooth v"),
         finest("remainder", "|R(t; v) − ∫_{Γ3} σ_ν v_ν| / smallest term of R, v = Π^hu − u", cancelling, "Π^hu − u"),
@@ -105,39 +113,51 @@ def lines(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
     )
 
 
-def decided(criterion: Criterion) -> Criterion:
-    """The criterion, undecided where it has nothing to measure."""
-
-    def measure(group: pd.DataFrame) -> Measured | None:
-        return criterion.measure(group) if group[list(criterion.needs)].notna().all(axis=None) else None
-
-    return replace(criterion, measure=measure)
-
-
-SHARE = decided(largest("bound", "|R(t; v)| / (‖σ_ν‖_{L²(Γ3)} ‖v_ν‖_{L²(Γ3)})", BOUND, "bound"))
+def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
+    """Return the largest defects over the times, and |R| over its bound unless nothing touches at any time."""
+    found = dict.fromkeys(("smooth v", "Π^hu − u", "bound"), math.nan)
+    for time in (fraction * solution.body.T for fraction in TIMES):
+        cut = cut_at_fronts(solution, time)
+        of = terms(cut, space, time, [*smooth_fields(space), interpolation_error(cut, space, time)])
+        difference, smooth, small = of.residual - of.contact, slice(FIELDS), slice(FIELDS, None)
+        now = {"bound": of.share}
+        for name, v, sizes in (
+            ("smooth v", smooth, (of.stress, of.body, of.loaded, of.contact)),
+            ("Π^hu − u", small, (of.stress, of.body, of.loaded)),
+        ):
+            now[name] = norm(difference[v]) / smallest_positive([norm(size[v]) for size in sizes])
+        found = {name: float(np.fmax(value, now[name])) for name, value in found.items()}
+    if not touches(solution, space):
+        del found["bound"]
+    return found
 
 
 @dataclass(frozen=True)
-class Member:
-    """A function of V at one time: its values and strains by a cell rule, and its values on parts of the boundary."""
+class FunctionOfV:
+    """A function of V at one time.
+
+    Attributes:
+        inside: values (d, cells, points) and strains (D, cells, points) by a cell rule.
+        on: values on a part of the boundary by a facet rule, (d, facets, points).
+    """
 
     inside: Callable[[CellRule], tuple[Vectors, Tensors]]
     on: Callable[[Part, FacetRule], Vectors]
 
 
-def smooth_fields(space: Space) -> list[Member]:
-    """Random waves that vanish on Γ1."""
+def smooth_fields(space: Space) -> list[FunctionOfV]:
+    """Return random waves that vanish on Γ1."""
     rng, clamped = np.random.default_rng(SEED), planes(space.body, Kind.CLAMPED)
     return [analytic(vanishing(waves(space.body, rng), clamped)) for _ in range(FIELDS)]
 
 
-def analytic(v: Field) -> Member:
-    """A field v that is analytic in x."""
-    return Member(lambda rule: (v(rule.points), strain(v, rule.points)), lambda part, rule: v(part.point(rule.s)))
+def analytic(v: Field) -> FunctionOfV:
+    """Return a field that is analytic in x as a test function."""
+    return FunctionOfV(lambda rule: (v(rule.points), strain(v, rule.points)), lambda part, rule: v(part.point(rule.s)))
 
 
-def remainder(solution: ExactSolution, space: Space, time: float) -> Member:
-    """v = Π^h u(t) − u(t)."""
+def interpolation_error(solution: ExactSolution, space: Space, time: float) -> FunctionOfV:
+    """Return v = Π^h u(t) − u(t)."""
     mesh, gradients, nodal = space.mesh, barycentric_gradients(space.mesh), solution.at(space.mesh.p).displacement(time)
     strains = space.strain(space.interpolate(nodal))
 
@@ -150,12 +170,12 @@ def remainder(solution: ExactSolution, space: Space, time: float) -> Member:
         exact = solution.at(part.point(rule.s)).displacement(time)
         return np.einsum("dan,anq->dnq", nodal[:, mesh.facets[:, rule.facets]], rule.shapes) - exact
 
-    return Member(inside, on)
+    return FunctionOfV(inside, on)
 
 
 @dataclass(frozen=True, eq=False)
 class Terms:
-    """What R consists of, for several v, (v,) each.
+    """The terms of R for several v, each of shape (v,).
 
     Attributes:
         stress: (σ, ε(v))_Q.
@@ -171,46 +191,43 @@ class Terms:
     contact: Array
     bound: Array
 
-    def of(self, chosen: slice) -> Terms:
-        """The terms of some of the v."""
-        return Terms(*(getattr(self, field.name)[chosen] for field in fields(self)))
-
     @property
     def residual(self) -> Array:
         """R(t; v) by its definition."""
         return self.stress - self.body - self.loaded
 
-    def defect(self, *sizes: Array) -> float:
-        """(5.40) over the smallest of some terms, in the Euclidean norm over the v."""
-        return norm(self.residual - self.contact) / smallest([norm(size) for size in sizes])
-
     @property
     def share(self) -> float:
-        """The largest |R| / bound, of the v whose bound is not zero up to rounding; not a number without any."""
+        """The largest |R| / bound over the v whose bound is not zero up to rounding; not a number if there is none."""
         given = self.bound > ROUND_OFF * norm(self.stress)
         return float(np.max(abs(self.residual[given]) / self.bound[given])) if given.any() else math.nan
 
 
-def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
-    """The largest over the times; no bound where nothing touches at any time."""
-    found = dict.fromkeys(("smooth v", "Π^hu − u", "bound"), math.nan)
-    for time in (fraction * solution.body.T for fraction in TIMES):
-        cut = cut_at_fronts(solution, time)
-        every = terms(cut, space, time, [*smooth_fields(space), remainder(cut, space, time)])
-        smooth, small = every.of(slice(FIELDS)), every.of(slice(FIELDS, None))
-        now = {
-            "smooth v": smooth.defect(smooth.stress, smooth.body, smooth.loaded, smooth.contact),
-            "Π^hu − u": small.defect(small.stress, small.body, small.loaded),
-            "bound": every.share,
-        }
-        found = {name: float(np.fmax(value, now[name])) for name, value in found.items()}
-    if not touches(solution, space):
-        del found["bound"]
-    return found
+def terms(solution: ExactSolution, space: Space, time: float, functions: Sequence[FunctionOfV]) -> Terms:
+    """Compute the terms of R for several v with the fine rules."""
+    stress, body, loaded, contact, square, pressed = np.zeros((6, len(functions)))
+    for rule in rules(solution, space.mesh, FINE[space.dim]):
+        exact = solution.at(rule.points)
+        sigma, force = exact.stress(time) * rule.weights, exact.body_force(time) * rule.weights
+        values = [v.inside(rule) for v in functions]
+        stress += [np.vdot(sigma, strain_of_v) for _, strain_of_v in values]
+        body += [np.vdot(force, v) for v, _ in values]
+    for part in space.body.of(Kind.LOADED):
+        edge = on_facets(space, part)
+        load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
+        loaded += [np.vdot(load, v.on(part, edge)) for v in functions]
+    for face in solution.faces:
+        edge = on_facets(space, face.part, face.rough)
+        normal_stress = -solution.on(face, edge.s).pressure(time)
+        traces = [np.tensordot(face.part.normal, v.on(face.part, edge), axes=1) for v in functions]
+        contact += [np.sum(normal_stress * trace * edge.weights) for trace in traces]
+        square += [np.sum(trace**2 * edge.weights) for trace in traces]
+        pressed += np.sum(normal_stress**2 * edge.weights)
+    return Terms(stress, body, loaded, contact, np.sqrt(square * pressed))
 
 
 def touches(solution: ExactSolution, space: Space) -> bool:
-    """Whether σ_ν ≠ 0 anywhere on Γ3 at any of the instants."""
+    """Return whether σ_ν ≠ 0 anywhere on Γ3 at any of the instants."""
     for face in solution.faces:
         exact = solution.on(face, on_facets(space, face.part, face.rough).s)
         least = ROUND_OFF * exact.stress_scale()
@@ -219,31 +236,8 @@ def touches(solution: ExactSolution, space: Space) -> bool:
     return False
 
 
-def terms(solution: ExactSolution, space: Space, time: float, members: Sequence[Member]) -> Terms:
-    """The terms for some v with the fine rules."""
-    stress, body, loaded, contact, square, pressed = np.zeros((6, len(members)))
-    for rule in rules(solution, space.mesh, FINE[space.dim]):
-        exact = solution.at(rule.points)
-        sigma, force = exact.stress(time) * rule.weights, exact.body_force(time) * rule.weights
-        values = [member.inside(rule) for member in members]
-        stress += [np.vdot(sigma, strain_of_v) for _, strain_of_v in values]
-        body += [np.vdot(force, v) for v, _ in values]
-    for part in space.body.of(Kind.LOADED):
-        edge = on_facets(space, part)
-        load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
-        loaded += [np.vdot(load, member.on(part, edge)) for member in members]
-    for face in solution.faces:
-        edge = on_facets(space, face.part, face.rough)
-        normal_stress = -solution.on(face, edge.s).pressure(time)
-        traces = [np.tensordot(face.part.normal, member.on(face.part, edge), axes=1) for member in members]
-        contact += [np.sum(normal_stress * trace * edge.weights) for trace in traces]
-        square += [np.sum(trace**2 * edge.weights) for trace in traces]
-        pressed += np.sum(normal_stress**2 * edge.weights)
-    return Terms(stress, body, loaded, contact, np.sqrt(square * pressed))
-
-
 def on_facets(space: Space, part: Part, rough: tuple[float, ...] = ()) -> FacetRule:
-    """The fine rule on a part of the boundary."""
+    """Return the fine rule on a part of the boundary."""
     return facet_rule(space.mesh, space.facets(part), part, rough, POINTS)
 
 

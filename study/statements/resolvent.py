@@ -1,24 +1,25 @@
 """(4.4), (4.5), (5.6): ∂ψ_K + B + (L_G/m_A) I is maximal monotone, on V^h, for G and for −G.
 
-Theorem 2.2 is applied to this operator. Only a law whose G is as little monotone as (3.2) allows needs (L_G/m_A) I, so
-each law of the catalogue is taken with its G and with −G, which (3.2) allows as well. L = L_G/m_A.
+Theorem 2.2 is applied to this operator. Only a law whose G is as little monotone as (3.2) allows needs (L_G/m_A) I.
+Therefore each law of the catalogue is used with G and with −G, which (3.2) allows as well. Let L = L_G/m_A.
 
-* *Monotone.* Pairs of points of the graph are made without a solver: u ∈ K^h with some vertices of Γ3 at v_ν = 0, and
-  g = M⁻¹Nᵀμ ∈ ∂ψ_K(u), (4.8), with random μ ≥ 0 at these. By itself ∂ψ_K is monotone, and with B or −B
+* *Monotone.* Pairs of points of the graph are made without a solver: u ∈ K^h with v_ν = 0 at some vertices of Γ3, and
+  g = M⁻¹Nᵀμ ∈ ∂ψ_K(u), (4.8), with random μ ≥ 0 at these vertices. ∂ψ_K alone is monotone, and with B or −B
 
       −(g − g' ± Bu ∓ Bu', u − u')_V ≤ L ‖u − u'‖_V².
 
-  Predicted: of this bound 0.3 … 1 is used, as G ε·ε over L_G/m_A A ε·ε is 0.4 … 1 for the homogeneous laws of the
-  catalogue, and as much less for others as L_G and m_A belong to different points: a tenth where layers differ by that
-  factor. With a monotone B alone nothing would be used. Random pairs hardly use a G with both signs: 0.08 in
-  ``softening``.
-* *Maximal.* By Minty's theorem I + λ(∂ψ_K ± B) has to be onto V^h for a λ < 1/L. With λ = 1/(2L) the equation for any
-  w is solved by u ↦ P(w ∓ λBu), a contraction with the factor 1/2, P the projection on K^h in ‖·‖_V. That
-  w − u ∓ λBu lies in ∂ψ_K(u) is asked by nonnegative least squares. Predicted: round-off.
-* *Its inverse J.* Monotonicity with ω is ‖Jw − Jw'‖_V ≤ (1 − λω)⁻¹ ‖w − w'‖_V: ω = L for −G, twice, and for G the
-  ω that its law states, 0 where it is monotone. Large quotients are looked for with a w inside K^h, from d to the next
-  one along J(w + d) − J(w). There J is (I ± λB)⁻¹. So with ‖B‖ = κ the part (1 − κ/2L)⁻¹/2 of the bound for −G is used,
-  a half without B and 0.6 … 1 for homogeneous laws; for a monotone G at least (1 + 1/2)⁻¹ = 2/3.
+  Predicted: 0.3 to 1 of this bound is attained, since G ε·ε over L_G/m_A A ε·ε is 0.4 to 1 for the homogeneous laws of
+  the catalogue. For the others it is less by as much as L_G and m_A belong to different points: a tenth where layers
+  differ by that factor. With a monotone B alone nothing would be attained. Random pairs hardly see a G with both signs:
+  0.08 in ``softening``.
+* *Maximal.* By Minty's theorem I + λ(∂ψ_K ± B) must be onto V^h for some λ < 1/L. For λ = 1/(2L) and any w the equation
+  is solved by u ↦ P(w ∓ λBu), a contraction with the factor 1/2, where P is the projection on K^h in ‖·‖_V. Whether
+  w − u ∓ λBu lies in ∂ψ_K(u) is decided by nonnegative least squares. Predicted: round-off.
+* *Its inverse J.* Monotonicity with ω is ‖Jw − Jw'‖_V ≤ (1 − λω)⁻¹ ‖w − w'‖_V. Here ω = L for −G, which makes the
+  factor 2; for G it is the ω that the law states, 0 where it is monotone. Large quotients are searched from a w
+  inside K^h, by steps d whose next direction is J(w + d) − J(w). There J is (I ± λB)⁻¹. So with ‖B‖ = κ the part (1 −
+  κ/2L)⁻¹/2 of the bound for −G is attained, a half without B and 0.6 to 1 for homogeneous laws; for a monotone G at
+  least (1 + 1/2)⁻¹ = 2/3.
 """
 
 from __future__ import annotations
@@ -32,7 +33,7 @@ import numpy as np
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import ROUNDING, every, largest
+from study.ledger.criterion import ROUNDING, every, largest
 from study.ledger.window import Window, above_nothing, at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
@@ -42,16 +43,17 @@ from study.statements.constraint import with_trace
 from study.statements.lipschitz import STRAINS
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
-from study.statements.shared.places import IRREGULAR, LAWS, named, place, space_of
+from study.statements.shared.meshes import IRREGULAR, LAWS, named, place, space_of
+from study.statements.shared.norms import norm
 from study.statements.shared.scope import REGULAR
-from study.statements.thm_4_2.gaps import beyond
+from study.statements.thm_4_2 import beyond
 
 PAIRS, CLIMBS = 8, 20
 """Random pairs of each size of strains, and steps of the search for large quotients of J."""
 SETTLED, MOST = 1e-12, 80
-"""Relative distance at which the iteration for J stops, and images it may take: 2⁻⁴⁰ = 1e-12."""
+"""Relative distance at which the iteration for J stops, and its largest number of steps: 2⁻⁴⁰ = 1e-12."""
 INSIDE = 1e3
-"""How far, over the size of a step, a w lies inside K^h where quotients of J are looked for."""
+"""Distance from the boundary of K^h, over the size of a step, at which large quotients of J are searched."""
 NEVER = at_most(1e-12, "never positive but for rounding", low=-np.inf)
 USED = Window(0.02, 1 + ROUNDING, "G or −G; where nothing was used (L_G/m_A) I would not be needed")
 ONTO = above_nothing(1e-10, f"an iteration stopped at {SETTLED:g}")
@@ -76,42 +78,39 @@ class Resolvent(ListedNumbers):
 
     def places(self, full: bool) -> list[Setting]:
         laws = named(*LAWS)
-        return (
-            place(laws, IRREGULAR, (8,)) + place(laws, REGULAR, (), (2,)) if full else place(laws[:1], IRREGULAR, (8,))
-        )
+        if full:
+            return place(laws, IRREGULAR, (8,)) + place(laws, REGULAR, (), (2,))
+        return place(laws[:1], IRREGULAR, (8,))
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, law = space_of(setting), resolve(setting.case).solution.law
         problem, L = unloaded(space, law), law.kappa
-        normal, used = monotone(space, problem, L)
+        normal, used = monotonicity(space, problem, L)
         found = {"normal cone": normal, "monotone": used}
         for name, sign in (("G", 1.0), ("−G", -1.0)):
             J = Inverse(problem, sign / (2 * L))
-            found[f"onto, {name}"] = max(J.defect(w) for w in functions(space, np.random.default_rng(SEED)))
+            found[f"onto, {name}"] = max(J.defect(w) for w in random_functions(space, np.random.default_rng(SEED)))
             omega = L if sign < 0 else law.growth
-            found[f"resolvent, {name}"] = max(quotients(space, J)) * (1 - omega / (2 * L))
+            found[f"resolvent, {name}"] = max(lipschitz_quotients(space, J)) * (1 - omega / (2 * L))
         return with_h(space.h, found)
 
 
-def functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
-    """Random functions with strains on both sides of any yield point."""
+def random_functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
+    """Yield random functions with strains on both sides of any yield point."""
     for strain in STRAINS:
         for _ in range(PAIRS):
             v = rng.standard_normal(space.dofs)
             yield v * (strain / abs(space.strain(v)).max())
 
 
-# Monotone.
-
-
-def monotone(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, float]:
-    """The largest −(g − g', u − u')_V over its sizes, and of −(g − g' ± Bu ∓ Bu', u − u')_V over L ‖u − u'‖_V²."""
+def monotonicity(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, float]:
+    """Return the largest −(g − g', u − u')_V over its sizes and −(g − g' ± Bu ∓ Bu', u − u')_V / (L ‖u − u'‖_V²)."""
     rng, normal, used = np.random.default_rng(SEED), [], []
-    points = zip(functions(space, rng), functions(space, rng), strict=True)
+    points = zip(random_functions(space, rng), random_functions(space, rng), strict=True)
     for one, other in points:
         (u, force), (v, reaction) = in_graph(space, one, rng), in_graph(space, other, rng)
         step, change = u - v, force - reaction
-        # A function has a representer in ‖·‖_V: products with it are those of the functional.
+        # A functional has a representative in V^h: products with it are values of the functional.
         normal.append(-(change @ step) / (np.linalg.norm(change) * np.linalg.norm(step)))
         elastic = problem.elastic(u) - problem.elastic(v)
         square = L * (step @ (problem.M @ step))
@@ -120,13 +119,10 @@ def monotone(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, floa
 
 
 def in_graph(space: Space, v: Array, rng: np.random.Generator) -> tuple[Array, Array]:
-    """u ∈ K^h near v, and Nᵀμ of a g ∈ ∂ψ_K(u): μ ≥ 0 where v_ν would be positive, in the size of v."""
+    """Return u ∈ K^h near v, and Nᵀμ of a g ∈ ∂ψ_K(u): μ ≥ 0 where v_ν would be positive, of the size of v."""
     normal = space.N @ v
     u = with_trace(space, v, np.minimum(normal, 0.0))
     return u, space.N.T @ np.where(normal > 0, rng.uniform(size=len(normal)) * abs(normal).max(), 0.0)
-
-
-# Maximal, and the inverse.
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,7 +142,7 @@ class Inverse:
         return Signorini(self.problem.M, self.problem.N)
 
     def __call__(self, w: Array) -> Array:
-        """J w, by u ↦ P(w − λBu)."""
+        """Return J w, by the fixed point of u ↦ P(w − λBu)."""
         M, given = self.problem.M, self.problem.M @ w
 
         def image(v: Array) -> Array:
@@ -155,7 +151,10 @@ class Inverse:
         return fixed_point(image, w, lambda v: M @ v, SETTLED, MOST)[0]
 
     def defect(self, w: Array) -> float:
-        """How far w − u − λBu is from ∂ψ_K(u) for u = Jw, relative to its terms: the cone, u ∈ K^h, complementarity."""
+        """Return the distance of w − u − λBu from ∂ψ_K(u) for u = Jw, relative to its terms.
+
+        It is the largest of three: the distance from the cone, the violation of u ∈ K^h, and of complementarity.
+        """
         problem, u = self.problem, self(w)
         terms = problem.M @ w, -problem.M @ u, -self.scale * problem.elastic(u)
         rest, size, length = np.sum(terms, axis=0), max(map(np.linalg.norm, terms)), np.linalg.norm(u)
@@ -163,21 +162,17 @@ class Inverse:
         return float(max(beyond(rest, problem.N) / size, outside, abs(rest @ u) / (size * length)))
 
 
-def quotients(space: Space, J: Inverse) -> Iterator[float]:
-    """‖Jw − Jw'‖_V / ‖w − w'‖_V of random pairs, and of pairs inside K^h that are improved step by step."""
-    rng, M = np.random.default_rng(SEED), J.problem.M
-
-    def norm(v: Array) -> float:
-        return float(np.sqrt(v @ (M @ v)))
-
-    pairs = list(functions(space, rng))
-    for one, other in zip(pairs[::2], pairs[1::2], strict=True):
-        yield norm(J(one) - J(other)) / norm(one - other)
-    free = -Cholesky(M)(J.problem.N.T @ np.ones(J.problem.N.shape[0]))
-    for step in pairs[::PAIRS]:
-        base = free * (INSIDE * norm(step) / norm(free))
+def lipschitz_quotients(space: Space, J: Inverse) -> Iterator[float]:
+    """Yield ‖Jw − Jw'‖_V / ‖w − w'‖_V of random pairs, and of pairs inside K^h that are improved step by step."""
+    problem = J.problem
+    functions = list(random_functions(space, np.random.default_rng(SEED)))
+    for one, other in zip(functions[::2], functions[1::2], strict=True):
+        yield norm(problem, J(one) - J(other)) / norm(problem, one - other)
+    free = -Cholesky(problem.M)(problem.N.T @ np.ones(problem.N.shape[0]))
+    for step in functions[::PAIRS]:
+        base = free * (INSIDE * norm(problem, step) / norm(problem, free))
         origin = J(base)
         for _ in range(CLIMBS):
             change = J(base + step) - origin
-            yield norm(change) / norm(step)
-            step = change * (norm(step) / norm(change))
+            yield norm(problem, change) / norm(problem, step)
+            step = change * (norm(problem, step) / norm(problem, change))

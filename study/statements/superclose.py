@@ -1,10 +1,10 @@
 """‖Π^h u − u^h‖_V on one-diagonal meshes is of order 3/2 to 2, also with time steps k ~ h.
 
-The rows of Proposition 5.4 are measured with k ~ h^{2/3}, enough for errors of order h. Beside an order of 3/2 to 2 in
-h the error in time of those steps grows under refinement, and on fine meshes orders would be those of k. Here k ~ h, so
-that the midpoint rule, where it is of order 2, leaves the same share of the discrete error on every mesh. Jumps of u̇
-may leave it less, down to 1 (``statements.landings``), so the growth of the share is judged: an order 3/2 in k would
-double it over two refinements. One case was claimed when this was first measured
+The rows of Proposition 5.4 are measured with k ~ h^{2/3}, enough for errors of order h. Compared with a discrete
+error of order 3/2 to 2 in h, the error in time of those steps grows under refinement, and on fine meshes one would
+observe the order in k. Here k ~ h, so that the midpoint rule, where it is of order 2, leaves the same share of the
+discrete error on every mesh. Jumps of u̇ may reduce its order, down to 1 (``landings``), so the growth of the share
+is judged: an order 3/2 in k would double it over two refinements. One case was claimed when this was first measured
 and is only reported now: its ü is not square integrable in time, and its share lies between 1 % and 40 %.
 """
 
@@ -14,19 +14,17 @@ import pandas as pd
 
 from manufactured.catalogue import catalogue
 from study.fem.naming import resolve
-from study.ledger.criterion import Observation, judge
-from study.ledger.measures import ENOUGH, change, largest, order
+from study.ledger.criterion import ENOUGH, Observation, change, judge, largest, order
 from study.ledger.verdict import Verdict
 from study.ledger.window import above_nothing, between
 from study.solve.steps import stress_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import norm
-from study.statements.shared.places import families
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import families
+from study.statements.shared.norms import norm
 
 TIME = above_nothing(0.3, "of the discrete error, as in Prop. 5.4")
-
 FAMILY = "one-diagonal"
 ORDER = between(1.5, 2, 0.2, 0.2, "k ~ h, neighbouring triangles form parallelograms")
 STEADY = above_nothing(2.0, "k^{3/2} against h² over two refinements")
@@ -37,7 +35,7 @@ BY_CHANCE = "ü ~ (t − t_0)^{−3/4}, so that the order in k is below 3/2, by 
 
 
 class Superclose(ListedNumbers):
-    """The order of the discrete error for the plane cases of Proposition 5.4, and what the error in time has of it."""
+    """The order of the discrete error for the plane cases of Proposition 5.4, and the share of the error in time."""
 
     label = "superclose"
     claim = "‖Π^h u − u^h‖_{L∞(0,T;V)} is of order 3/2 to 2 on one-diagonal meshes, with k ~ h"
@@ -74,6 +72,6 @@ class Superclose(ListedNumbers):
         return 2.0 * setting.level**2 * self.steps(setting)
 
     def steps(self, setting: Setting) -> int:
-        """An even number, k ~ h."""
+        """Return an even number of steps, k ~ h."""
         case = resolve(setting.case)
         return stress_steps(case.solution.body.T, setting.level, case.pace)

@@ -1,4 +1,7 @@
-"""Theorems 4.1, 4.3 and 5.2: one displacement, and one stress on a space of its own that knows no displacement."""
+"""Theorems 4.1, 4.3 and 5.2: different solvers find the same displacement, and the same stress.
+
+Displacements solve Problem 3.1 on V^h. Stresses solve Problem 3.2 on a stress space, without any displacement.
+"""
 
 from __future__ import annotations
 
@@ -13,30 +16,31 @@ from scipy.optimize import nnls
 
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
-from study.ledger.measures import largest
+from study.ledger.criterion import largest
 from study.ledger.window import above_nothing, at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import norm
-from study.statements.thm_4_2.stress_errors import StressExperiment
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import norm
+from study.statements.thm_4_2_own_space import StressExperiment
 
 STEPS = 12
 _BY_WHAT = f"exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step"
 EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), above_nothing(1e-9, _BY_WHAT)
-"""A solver ends in the same set with the same digits from wherever it starts; other arithmetic leaves rounding."""
+"""From any start a solver ends with the same active set and the same digits; other arithmetic leaves rounding."""
 INTERIOR = above_nothing(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
 
 
 class OneTrajectory(ListedNumbers):
-    """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for trajectories found in different ways.
+    """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for trajectories of different solvers.
 
-    Every step of backward Euler is: minimise ½ vᵀSv − bᵀv over K^h, S = M/k + G. It is solved by the condensed active
-    set from its own last set and from random ones, by two methods that share no code with it, and with another
-    splitting of G between the two sides. Where G softens, S is positive for short steps only; others are refused.
+    Every step of backward Euler minimises ½ vᵀSv − bᵀv over K^h, S = M/k + G. It is solved by the condensed active set
+    method, started from the last active set and from random ones, by two methods that share no code with it, and with
+    another splitting of G between both sides. Where G softens, S is positive definite for short steps only, and longer
+    ones are refused.
     """
 
     label = "Thm 4.1, 5.2"
@@ -56,11 +60,12 @@ class OneTrajectory(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup = Experiment.at(setting, BACKWARD_EULER, STEPS)
-        return with_h(setup.space.h, {name: apart(setup, rival) for name, rival in rivals(setup.problem).items()})
+        found = {name: relative_distance(setup, rival) for name, rival in rivals(setup.problem).items()}
+        return with_h(setup.space.h, found)
 
 
 def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
-    """The same problem, to be solved in other ways."""
+    """Return the same problem with other solvers, by their names."""
     return {
         "random starts": replace(problem, solver=RandomStarts),
         "least squares": replace(problem, solver=LeastSquares),
@@ -69,8 +74,8 @@ def rivals(problem: SemiDiscrete) -> dict[str, SemiDiscrete]:
     }
 
 
-def apart(setup: Experiment, other: SemiDiscrete) -> float:
-    """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for the setup's problem and another one."""
+def relative_distance(setup: Experiment, other: SemiDiscrete) -> float:
+    """Return max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for the problem of the setup and another one."""
     pairs = zip(*(setup.scheme.march(problem, setup.steps) for problem in (setup.problem, other)), strict=True)
     both = [(norm(setup.problem, u.u - v.u), norm(setup.problem, u.u)) for u, v in pairs]
     difference, size = np.max(both, axis=0)
@@ -78,7 +83,7 @@ def apart(setup: Experiment, other: SemiDiscrete) -> float:
 
 
 class RandomStarts(Signorini):
-    """The contact solve from a random active set, a new one every time."""
+    """Contact solver that starts every solve from a new random active set."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
         super().__init__(S, N, x)
@@ -90,7 +95,7 @@ class RandomStarts(Signorini):
 
 
 class LeastSquares:
-    """The contact solve through its dual, min |L⁻¹(Nᵀλ − b)| over λ ≥ 0 with S = LLᵀ.
+    """Contact solver through the dual problem, min |L⁻¹(Nᵀλ − b)| over λ ≥ 0 with S = LLᵀ.
 
     Source: C. L. Lawson, R. J. Hanson, Solving Least Squares Problems, 1974, chapter 23.
     """
@@ -105,7 +110,7 @@ class LeastSquares:
 
 
 class InteriorPoint:
-    """The contact solve as a quadratic programme in all unknowns, by Clarabel."""
+    """Contact solver by Clarabel: a quadratic programme in all unknowns."""
 
     def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None) -> None:
         rows, self.q = N.shape[0], np.zeros(N.shape[1])
@@ -130,10 +135,10 @@ RIVALS: Mapping[str, type[Signorini]] = {
 
 
 class OneStress(ListedNumbers):
-    """max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q for stresses that solve Problem 3.2 on its own space in different ways.
+    """max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q for stresses of Problem 3.2 by different solvers.
 
-    Every step minimises a strictly convex energy over the admissible stresses, so that one set of multipliers of
-    equilibrium and one stress belong to the past: what starts the search, or another method, may change nothing.
+    Every step minimises a strictly convex energy over the admissible stresses. So the earlier steps determine the
+    stress and the multipliers of equilibrium, and neither the start of the search nor the method may change them.
     """
 
     label = "Thm 4.3"
@@ -157,10 +162,10 @@ class OneStress(ListedNumbers):
 
 
 def stresses(experiment: StressExperiment) -> list[Tensors]:
-    """σ at the points of the space in every step."""
+    """Return σ at the points of the space in every step."""
     return [state.stress.values for state in experiment.march()]
 
 
 def size_of(stress: Tensors, weights: Array) -> float:
-    """‖σ‖_Q."""
+    """Return ‖σ‖_Q."""
     return float(np.sqrt(np.einsum("Icq,Icq,cq->", stress, stress, weights)))

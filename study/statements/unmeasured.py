@@ -1,5 +1,5 @@
-"""Lines of the ledger about which nothing is measured: slips in the printed text, what no computation can test, and
-formulas that claim nothing which another row does not judge."""
+"""Rows of the ledger without a measurement: misprints of the source, claims that no computation can test, and formulas
+that claim nothing beyond what other rows judge."""
 
 from __future__ import annotations
 
@@ -16,19 +16,22 @@ from study.statements.shared.base import LISTED, Statement
 
 
 class Listed(Statement):
-    """Rows of the ledger by themselves: (key, place in the source, quantity, what was made of it)."""
+    """Rows of the ledger without data: (key, place in the source, quantity, comment)."""
 
     file: DataFile = LISTED
     lines: Sequence[tuple[str, str, str, str]] = ()
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """The rows, whatever was measured."""
+        """Return the rows, which do not depend on measurements."""
         none, nothing = Window(math.nan, math.nan), (math.nan, (math.nan, math.nan), REPORTED)
-        return [row(self, key, what, none, nothing, place, expected=made) for key, place, what, made in self.lines]
+        return [
+            row(self, key, quantity, none, nothing, place, expected=comment)
+            for key, place, quantity, comment in self.lines
+        ]
 
 
-class Slips(Listed):
-    """Places where the printed text of the source cannot be meant, and how they have to be read."""
+class Misprints(Listed):
+    """Places where the printed text of the source is wrong, and how to read them."""
 
     label = "slips"
     claim = "slips in the printed text"
@@ -58,7 +61,7 @@ class Slips(Listed):
 
 
 class Untested(Listed):
-    """What the source says of infinitely many functions or data: it stands in the ledger without passing."""
+    """Claims of the source about infinitely many functions or data: they are listed without a verdict."""
 
     label = NOT_TESTED
     claim = "statements that no finite number of computations can test"
@@ -78,7 +81,7 @@ class Untested(Listed):
 
 
 class WithoutRow(Listed):
-    """Definitions, problems, assumptions, and steps that other rows judge: why each has no row of its own."""
+    """Definitions, problems, assumptions, and steps that other rows judge, and why each has no row."""
 
     label = NO_ROW
     claim = "formulas that define, restate or lead to what other rows judge"

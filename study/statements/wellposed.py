@@ -1,4 +1,4 @@
-"""(4.1) and Theorem 2.2: a solution with a bounded velocity, which depends continuously on its data."""
+"""(4.1) and Theorem 2.2: the velocity is bounded, and the solution depends continuously on its data."""
 
 from __future__ import annotations
 
@@ -12,15 +12,15 @@ import numpy as np
 from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.measures import every, finest, largest
+from study.ledger.criterion import every, finest, largest
 from study.ledger.window import Window, above_nothing, around
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.prop_5_4.experiment import Experiment
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
-from study.statements.shared.instants import Velocity, norm
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import Velocity, dual_norm, norm
 
 FEW = ("advance-recede", "yield-on-a-part")
 """Linear law and law (3.3), for the quick study."""
@@ -29,7 +29,7 @@ FEW = ("advance-recede", "yield-on-a-part")
 
 STEPS = {"k": 24, "k/2": 48, "k/4": 96}
 SUPREMUM_AT = 192
-"""Intervals of the grid on which sup_t ‖u̇(t)‖_V is looked for; the finest grid for u^h, twice as fine."""
+"""Intervals of the grid for sup_t ‖u̇(t)‖_V: twice as many as in the finest grid for u^h."""
 BOUNDED = Window(0.5, 1.5, "at every h and k")
 LIMIT = around(1, 0.1, "u̇^h → u̇ and u̇ is continuous but for isolated times")
 
@@ -37,7 +37,7 @@ LIMIT = around(1, 0.1, "u̇^h → u̇ and u̇ is continuous but for isolated tim
 class BoundedVelocity(ListedNumbers):
     """max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, δu_n = (u_n − u_{n−1})/k, for halved k and refined h.
 
-    For a start outside K^h it would grow like 1/k. That σ ∈ L^∞(0,T;Q) follows by (3.1) and (3.2).
+    For a start outside K^h it would grow like 1/k. σ ∈ L^∞(0,T;Q) follows by (3.1) and (3.2).
     """
 
     label = "(4.1)"
@@ -57,7 +57,7 @@ class BoundedVelocity(ListedNumbers):
 
 
 def fastest(problem: SemiDiscrete, steps: int) -> float:
-    """max_n ‖(u_n − u_{n−1})/k‖_V by backward Euler."""
+    """Return max_n ‖(u_n − u_{n−1})/k‖_V by backward Euler."""
     k, states = problem.T / steps, BACKWARD_EULER.march(problem, steps)
     return max(norm(problem, (after.u - before.u) / k) for before, after in pairwise(states))
 
@@ -74,24 +74,24 @@ AFTER_ONE_STEP = "the same after one step, ω = L_G/m_A, f − g constant and of
 
 @dataclass(frozen=True, eq=False)
 class Perturbation:
-    """Other data: F(t) + cos(ωt) force in place of F(t), start ∈ K^h in place of u_0^h."""
+    """Other data: the load F(t) + cos(ωt) force for F(t), and the initial value start ∈ K^h for u_0^h."""
 
     force: Array
     frequency: float
     start: Array
 
     def change(self, time: float) -> Array:
-        """cos(ωt) force, (n_dofs,)."""
+        """Return cos(ωt) force, (n_dofs,)."""
         return math.cos(self.frequency * time) * self.force
 
 
 class Dependence(ListedNumbers):
     """‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V ds) for the solutions of two data sets.
 
-    ω makes A + ωI monotone in Theorem 2.2; for A = ∂ψ_K + B the source takes ω = L_G/m_A, (4.5). One step of backward
-    Euler is the resolvent of A, so for monotone G the inequality holds for u_n and v_n too, with the sum of
-    k ‖f(t_j) − g(t_j)‖_V for the integral, and even with ω = 0. ‖f − g‖_V is the norm of Riesz' representative in V^h,
-    (FᵀM⁻¹F)^{1/2}.
+    In Theorem 2.2 ω makes A + ωI monotone; for A = ∂ψ_K + B the source takes ω = L_G/m_A, (4.5). One step of backward
+    Euler is the resolvent of A. So for monotone G the inequality also holds for u_n and v_n, with the sum of
+    k ‖f(t_j) − g(t_j)‖_V for the integral, and even with ω = 0. ‖f − g‖_V is the norm of the Riesz representative in
+    V^h, (FᵀM⁻¹F)^{1/2}.
     """
 
     label = "Thm 2.2"
@@ -119,19 +119,18 @@ class Dependence(ListedNumbers):
 
 
 def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbation) -> Array:
-    """‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) at n = 1, 2, …"""
+    """Return ‖u_n − v_n‖_V / (‖u_0 − v_0‖_V + k Σ_{j ≤ n} ‖f(t_j) − g(t_j)‖_V) for n = 1, 2, …, (steps,)."""
     steps, riesz = len(trajectory) - 1, Cholesky(problem.M)
     changed = replace(problem, load=lambda t: problem.load(t) + other.change(t), u0=other.start)
     bound, found = norm(problem, problem.u0 - other.start), []
     for u, v in zip(trajectory[1:], islice(BACKWARD_EULER.march(changed, steps), 1, None), strict=True):
-        F = other.change(u.time)
-        bound += problem.T / steps * math.sqrt(F @ riesz(F))
+        bound += problem.T / steps * dual_norm(other.change(u.time), riesz)
         found.append(norm(problem, u.u - v.u) / bound)
     return np.array(found)
 
 
 def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]:
-    """Loads and starts of several sizes; the first is a constant load that by itself moves no vertex of Γ3 along ν."""
+    """Yield loads and starts of several sizes; the first, a constant load, alone moves no vertex of Γ3 along ν."""
     rng, riesz, onto = np.random.default_rng(SEED), Cholesky(problem.M), Signorini(problem.M, problem.N)
     load = max(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
@@ -145,7 +144,7 @@ def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]
 
 
 def smooth(space: Space, rng: np.random.Generator) -> Array:
-    """Π^h of a random sum of a few waves, zero on Γ1."""
+    """Return Π^h of a random sum of a few waves, zero on Γ1."""
     low, high = space.mesh.p.min(axis=1), space.mesh.p.max(axis=1)
     x = (space.mesh.p - low[:, None]) / (high - low)[:, None]
     waves = rng.uniform(-np.pi, np.pi, (4, space.dim)) @ x + rng.uniform(0, 2 * np.pi, (4, 1))
@@ -153,6 +152,6 @@ def smooth(space: Space, rng: np.random.Generator) -> Array:
 
 
 def along_the_contact(problem: SemiDiscrete, v: Array) -> Array:
-    """v without its normal component at the vertices of Γ3."""
+    """Return v without its normal component at the vertices of Γ3."""
     N = problem.N.toarray()
     return v - np.linalg.pinv(N) @ (N @ v)

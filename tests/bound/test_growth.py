@@ -21,19 +21,19 @@ from manufactured import (
     x1,
 )
 from manufactured.tensors import Array
-from study.bound.growth import Added, Sizes, grown, kernel, largest_square, mean_square
-from study.bound.moduli import moduli
+from study.bound.growth import Sizes, Step, grow, kernel, largest_square, mean_square
+from study.bound.problem import moduli
 
 seeds = st.integers(0, 10**6)
 
 
-def constant(k: float, residual: Array, contact: float = 0.0, rest: float = 0.0) -> Added:
+def constant(k: float, residual: Array, contact: float = 0.0, rest: float = 0.0) -> Step:
     """A step in which nothing changes, of a residual (directions,) on one cell."""
     sizes = Sizes(residual[:, None] ** 2, np.zeros(1), contact, rest)
-    return Added(k, sizes, sizes)
+    return Step(k, sizes, sizes)
 
 
-def random_step(seed: int, least: float = 1e-3) -> tuple[Array, Array, Array, Added]:
+def random_step(seed: int, least: float = 1e-3) -> tuple[Array, Array, Array, Step]:
     """Moduli over six decades, an error, a residual that is constant in a step, and what the step adds."""
     rng = np.random.default_rng(seed)
     g, r, e = 10 ** rng.uniform(np.log10(least), 3, 3), rng.normal(size=3), rng.normal(size=3)
@@ -42,21 +42,21 @@ def random_step(seed: int, least: float = 1e-3) -> tuple[Array, Array, Array, Ad
     return g, r, e, constant(k, r, contact / k)
 
 
-def worst(g: Array, r: Array, e: Array, added: Added) -> Array:
+def worst(g: Array, r: Array, e: Array, step: Step) -> Array:
     """|e| over a step of e' = r − g e + c e/|e|², for which the inequality of the bound is an equality."""
 
     def rate(_: float, x: Array) -> Array:
-        return r - g * x + added.mean.contact * x / max(float(x @ x), 1e-30)
+        return r - g * x + step.mean.contact * x / max(float(x @ x), 1e-30)
 
-    solved = solve_ivp(rate, (0, added.k), e, method="LSODA", rtol=1e-9, atol=1e-12)
+    solved = solve_ivp(rate, (0, step.k), e, method="LSODA", rtol=1e-9, atol=1e-12)
     return np.linalg.norm(solved.y, axis=0)
 
 
 @given(seeds)
 def test_a_step_bounds_the_error_at_its_end_and_within(seed: int) -> None:
-    g, r, e, added = random_step(seed)
-    sizes = worst(g, r, e, added)
-    at_b, inside = grown(float(np.linalg.norm(e)), g, added)
+    g, r, e, step = random_step(seed)
+    sizes = worst(g, r, e, step)
+    at_b, inside = grow(float(np.linalg.norm(e)), g, step)
     assert sizes[-1] <= at_b * (1 + 1e-6)
     assert sizes.max() <= inside * (1 + 1e-6)
     assert at_b <= inside * (1 + 1e-12)
@@ -64,11 +64,11 @@ def test_a_step_bounds_the_error_at_its_end_and_within(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(10))
 def test_moduli_twice_as_large_would_be_caught(seed: int) -> None:
-    _, r, e, added = random_step(seed)
-    g, step = np.full(3, 1 / added.k), constant(added.k, 1e-4 * r)
+    _, r, e, step = random_step(seed)
+    g, step = np.full(3, 1 / step.k), constant(step.k, 1e-4 * r)
     least = worst(g, 1e-4 * r, e, step)[-1]
-    assert least <= grown(float(np.linalg.norm(e)), g, step)[0]
-    assert least > 2 * grown(float(np.linalg.norm(e)), 2 * g, step)[0]
+    assert least <= grow(float(np.linalg.norm(e)), g, step)[0]
+    assert least > 2 * grow(float(np.linalg.norm(e)), 2 * g, step)[0]
 
 
 @given(seeds)
@@ -78,29 +78,29 @@ def test_short_steps_are_bounded_closely(seed: int) -> None:
     g, k = np.minimum(g, 1.0), 1e-3
     e = 3 * r / np.linalg.norm(r)
     step = constant(k, r, 1e-3)
-    assert grown(3.0, g, step)[0] == pytest.approx(worst(g, r, e, step)[-1], rel=3e-3)
+    assert grow(3.0, g, step)[0] == pytest.approx(worst(g, r, e, step)[-1], rel=3e-3)
 
 
 def test_a_residual_in_a_stiff_direction_adds_a_square_and_elsewhere_itself() -> None:
     k, g = 0.01, np.array([1.0, 1.0, 1e6])
     stiff, soft = (constant(k, np.array(part)) for part in ([0, 0, 1.0], [1.0, 0, 0]))
-    assert grown(1.0, g, stiff)[0] < 1.0 + 1e-6
-    assert grown(1.0, g, soft)[0] > np.exp(-k) + 0.99 * k
+    assert grow(1.0, g, stiff)[0] < 1.0 + 1e-6
+    assert grow(1.0, g, soft)[0] > np.exp(-k) + 0.99 * k
 
 
 @pytest.mark.parametrize("stiffness", [1e2, 1e4, 1e6])
 def test_what_a_long_step_of_stiff_elasticity_leaves_is_the_error_at_rest(stiffness: float) -> None:
     """|r|/g from the residual, √(c/g) from contact, and what is no part of a cell over g: not the integrals."""
     g, r = np.full(3, stiffness), np.array([0.3, -1.0, 0.5])
-    assert grown(1.0, g, constant(1.0, r))[0] == pytest.approx(np.linalg.norm(r) / stiffness, rel=1e-6)
-    assert grown(1.0, g, constant(1.0, 0 * r, contact=2.0))[0] == pytest.approx(np.sqrt(2.0 / stiffness), rel=1e-6)
-    assert grown(1.0, g, constant(1.0, 0 * r, rest=2.0))[0] == pytest.approx(2.0 / stiffness, rel=1e-6)
+    assert grow(1.0, g, constant(1.0, r))[0] == pytest.approx(np.linalg.norm(r) / stiffness, rel=1e-6)
+    assert grow(1.0, g, constant(1.0, 0 * r, contact=2.0))[0] == pytest.approx(np.sqrt(2.0 / stiffness), rel=1e-6)
+    assert grow(1.0, g, constant(1.0, 0 * r, rest=2.0))[0] == pytest.approx(2.0 / stiffness, rel=1e-6)
 
 
 def test_elasticity_damps_and_takes_up_residuals_at_once() -> None:
     """Stiff in all directions and much stiffer in one, in which the residual lies."""
     k, y, r = 0.01, 1.0, np.array([0.0, 0.0, 1e4])
-    at_b, _ = grown(y, np.array([100.0, 100.0, 1e8]), constant(k, r))
+    at_b, _ = grow(y, np.array([100.0, 100.0, 1e8]), constant(k, r))
     assert at_b < 1.3 * np.exp(-100 * k) * y
 
 
@@ -108,21 +108,21 @@ def test_a_first_step_from_no_error_at_all_shares_its_residual() -> None:
     """Also where the weights start from the residual as a whole, of which a first step from y = 0 would take none."""
     k, g = 0.01, np.array([1.0, 1.0, 1e6])
     r = np.array([0.0, 0.0, 1.0])
-    assert grown(0.0, g, constant(k, r))[0] == pytest.approx(np.sqrt(k / (2 * 1e6)), rel=0.02)
+    assert grow(0.0, g, constant(k, r))[0] == pytest.approx(np.sqrt(k / (2 * 1e6)), rel=0.02)
 
 
 def test_negative_moduli_let_the_error_grow() -> None:
     still = constant(0.5, np.zeros(3))
-    assert grown(1.0, np.array([-2.0, 1.0, 1.0]), still) == pytest.approx((np.exp(1.0), np.exp(1.0)))
+    assert grow(1.0, np.array([-2.0, 1.0, 1.0]), still) == pytest.approx((np.exp(1.0), np.exp(1.0)))
     assert kernel(0.0, 0.25) == 0.25
     assert kernel(1e-9, 0.25) == pytest.approx(0.25)
 
 
 def test_what_is_no_part_of_a_cell_is_added_as_it_is() -> None:
     """Damped as little as the slowest direction damps."""
-    _, r, _, added = random_step(3)
-    g, k = np.array([0.1, 2.0, 30.0]), added.k
-    plain, more = (grown(1.0, g, constant(k, r, rest=rest)) for rest in (0.0, 0.25 / k))
+    _, r, _, step = random_step(3)
+    g, k = np.array([0.1, 2.0, 30.0]), step.k
+    plain, more = (grow(1.0, g, constant(k, r, rest=rest)) for rest in (0.0, 0.25 / k))
     assert np.subtract(more, plain) == pytest.approx(0.25, rel=0.1 * k)
 
 

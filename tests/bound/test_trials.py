@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-from trials import random_problems, stiff
-from trials.record import OUT, PAGE, made
 
+from benchmarks.trials import random_problems, stiff
+from benchmarks.trials.record import OUT, PAGE, made
 from study.present.marks import markdown, put
 
 RANDOM, EFFECTIVITY = (pd.read_csv(OUT / name) for name in ("random.csv", "effectivity.csv"))
@@ -43,7 +43,7 @@ def test_effectivities_are_bounded_for_all_materials_and_were_not_before() -> No
     assert (wide[["enclosure", "plain"]] >= 1).all(axis=None)
 
 
-@pytest.mark.parametrize("trial", ["G 10000 10000", "A 1 1"])
+@pytest.mark.parametrize("trial", ["G 10000 10000", pytest.param("A 1 1", marks=pytest.mark.slow)])
 def test_the_record_is_what_the_program_gives(trial: str) -> None:
     (kept,) = EFFECTIVITY[EFFECTIVITY["trial"] == trial].itertuples()
     found = dict(zip(("low", "high", "plain"), stiff.bounds(trial, stiff.USUAL), strict=True))

@@ -74,18 +74,8 @@ PLACES = objects(certificate())
 
 def test_all_objects_of_a_certificate_are_tried() -> None:
     names = {".".join(map(str, place)) for place in PLACES}
-    wanted = {
-        "",
-        "problem",
-        "problem.loads",
-        "constants",
-        "constants.mesh",
-        "mesh",
-        "element",
-        "displacement",
-        "stress",
-    }
-    assert names == wanted
+    others = "problem problem.loads constants constants.mesh mesh element displacement stress"
+    assert names == {"", *others.split()}
 
 
 @pytest.mark.parametrize("place", PLACES, ids=str)
@@ -123,46 +113,13 @@ def edit(*keys: Any, to: Any) -> Callable[[Any], None]:
     return change
 
 
+# fmt: off
 NUMBERS = [
-    "1e5",
-    "1e-99999999",
-    "1E400000000",
-    "0.5",
-    ".5",
-    "1_000",
-    " 1",
-    "1 ",
-    "1\n",
-    "1/ 2",
-    "+1",
-    "--1",
-    "1/-2",
-    "1/0",
-    "0/0",
-    "1/2/3",
-    "1/",
-    "/2",
-    "",
-    "inf",
-    "-inf",
-    "nan",
-    "0x10",
-    "01",
-    "1/02",
-    "٣",
-    "１",
-    "²",
-    "½",
-    "9" * 101,
-    "1/" + "9" * 101,
-    "9" * 10**6,
-    1,
-    1.0,
-    True,
-    None,
-    [],
-    {},
+    "1e5", "1e-99999999", "1E400000000", "0.5", ".5", "1_000", " 1", "1 ", "1\n", "1/ 2", "+1", "--1", "1/-2", "1/0",
+    "0/0", "1/2/3", "1/", "/2", "", "inf", "-inf", "nan", "0x10", "01", "1/02", "٣", "１", "²", "½",
+    "9" * 101, "1/" + "9" * 101, "9" * 10**6, 1, 1.0, True, None, [], {},
 ]
+# fmt: on
 PLACES_OF_FRACTIONS: list[tuple[Any, ...]] = [
     ("problem", "T"),
     ("problem", "vertices", 1, 0),

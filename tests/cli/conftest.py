@@ -7,7 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from study.cli import run
 from study.cli.main import main
+from study.present.figures import drawings
 
 TUTORIAL = Path(__file__).parents[2] / "docs" / "tutorials" / "own-case.md"
 
@@ -22,6 +24,9 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     code = re.findall(r":caption: pocket.py\n\n(.*?)```", TUTORIAL.read_text(encoding="utf-8"), re.DOTALL)[0]
     assert len(code.splitlines()) < 25
     (directory / "pocket.py").write_text(code, encoding="utf-8")
-    run = ["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32"]
-    assert main([*run, "--out", str(directory / "results")]) == 0
+    command = ["run", "--case", f"{directory}/pocket.py:pocket", "--levels", "8", "16", "32"]
+    with pytest.MonkeyPatch.context() as patch:
+        # Drawing all figures takes most of the time, and tests/present draws them.
+        patch.setattr(run, "drawings", lambda directory: drawings(directory)[:2])
+        assert main([*command, "--out", str(directory / "results")]) == 0
     return directory

@@ -17,11 +17,11 @@ from typing import Any
 import pandas as pd
 import pytest
 
-from study.cli.arguments import FAMILIES, SCHEMES
-from study.cli.main import main
-from study.ledger.errors import UsageError
-from study.ledger.files import StoreError, write_text, write_whole
-from study.run.processes import Processes
+import study.cli
+from study.cli.main import WITH_PYAMG, main
+from study.cli.options import FAMILIES, SCHEMES
+from study.ledger.files import StoreError, UsageError, write_text, write_whole
+from study.run.executor import Processes
 
 SQUARE = f"{Path(__file__).parents[2]}/examples/certificates/problems.py:square"
 STUDY = "import sys; from study.cli.main import main; sys.exit(main())"
@@ -233,6 +233,14 @@ def test_python_without_docstrings_runs_a_command_or_ends_with_a_sentence(comman
     assert done.returncode == code
     assert says in done.stdout + done.stderr
     assert "Traceback" not in done.stderr
+
+
+def test_commands_that_python_without_docstrings_runs_do_not_import_pyamg() -> None:
+    modules = {path.stem for path in Path(study.cli.__file__).parent.glob("*.py")} - {*WITH_PYAMG, "common"}
+    code = f"import sys, {', '.join(f'study.cli.{name}' for name in sorted(modules))}; print('pyamg' in sys.modules)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert {"cases", "compare", "rates"} <= modules
+    assert done.stdout.strip() == "False"
 
 
 SHOWN: list[Callable[[Path], list[str]]] = [

@@ -42,12 +42,6 @@ def refused(capsys, *arguments: str) -> str:
     return capsys.readouterr().err
 
 
-def test_an_unknown_case_or_scheme_is_refused_with_the_known_ones(capsys, tmp_path) -> None:
-    assert "advance-recede" in refused(capsys, "run", "--case", "nonsense", "--out", str(tmp_path / "r"))
-    assert "midpoint" in refused(capsys, "run", "--scheme", "rk4", "--out", str(tmp_path / "r"))
-    assert not (tmp_path / "r").exists()
-
-
 @pytest.mark.parametrize(
     ("levels", "message"), [(["1", "8"], "2 or more"), (["16", "8"], "increase"), (["8", "8"], "increase")]
 )

@@ -15,8 +15,8 @@ import pytest
 
 from study.bound import bounded
 from study.cli import run
-from study.cli.arguments import parser
 from study.cli.main import CLOSED, INTERRUPTED, main
+from study.cli.options import parser
 from study.controls.baselines import Sweep
 from study.controls.control import Control
 from study.controls.run_controls import run_controls
@@ -24,11 +24,11 @@ from study.ledger.datafiles import made_by
 from study.ledger.files import StoreError, write_text
 from study.ledger.verdict import FAILS, HOLDS, Verdict, row
 from study.ledger.window import at_most
+from study.run.executor import Processes
 from study.run.plan import Plan
-from study.run.processes import Processes
 from study.run.provenance import provenance
 from study.run.store import Store
-from study.run.task_files import TaskStore
+from study.run.tasks import TaskStore
 from study.statements.green import Green
 from study.statements.shared.scope import Scope
 
@@ -125,7 +125,7 @@ def test_a_bound_resumes_with_the_levels_that_are_not_done(
 def test_two_commands_on_one_directory_are_refused_by_name(
     command: list[str], folder: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    of = "task_files import TaskStore as" if command[0] == "export" else "store import"
+    of = "tasks import TaskStore as" if command[0] == "export" else "store import"
     lock = f"import sys; from pathlib import Path; from study.run.{of} Store\n"
     lock += "with Store(Path(sys.argv[1])).locked(): print('locked', flush=True); sys.stdin.read()"
     other = subprocess.Popen(
@@ -257,7 +257,7 @@ STUDY = [sys.executable, "-c", "import sys; from study.cli.main import main; sys
 def planned(tmp_path: Path, *arguments: str) -> Scope:
     """The scope of a run, whose provenance is written as if it were finished."""
     options = parser().parse_args(["run", *arguments])
-    scope = run.with_levels_of(tmp_path, run.chosen(options))
+    scope = run.with_levels_of(tmp_path, run.scope_from_options(options))
     write_text(tmp_path / "data" / "provenance.json", json.dumps(provenance(Plan.of(scope), tmp_path)))
     return scope
 

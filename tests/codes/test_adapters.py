@@ -2,38 +2,29 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 import re
 import sys
-from collections.abc import Iterator
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import SimpleNamespace
 from typing import Any
 
+import common
+import contact_judge
+import drive
 import pytest
+import run_codes
+import this_study
 
 from study.fem.naming import family_named, resolve
 from study.ledger.codes import FOLDER, MARCHES, Codes
 from study.ledger.datafiles import DataError
 from study.present.charts import codes_chart
-from study.run.task_data import frozen
-from study.run.task_files import write_task
-from study.statements.other_codes.tasks import Task
+from study.run.tasks import frozen, write_task
+from study.statements.shared.tasks import Task
 
 ROOT = Path(__file__).parents[2]
-CODES, RESULTS = ROOT / "examples" / "codes", ROOT / "results"
-
-
-@pytest.fixture(scope="module", autouse=True)
-def found() -> Iterator[None]:
-    sys.path.insert(0, str(CODES))
-    yield
-    sys.path.remove(str(CODES))
-
-
-def module(name: str) -> ModuleType:
-    return importlib.import_module(name)
+RESULTS = ROOT / "results"
 
 
 @pytest.fixture(scope="module")
@@ -49,24 +40,24 @@ def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_an_adapter_whose_code_is_here_is_exact_in_the_plane_and_in_space(
     adapter: str, directory: Path, tmp_path: Path
 ) -> None:
-    module("drive").main(adapter, str(directory), str(tmp_path))
+    drive.main(adapter, str(directory), str(tmp_path))
     rows = json.loads((tmp_path / f"{adapter}.json").read_text())
     assert {(row["case"], row["verdict"]) for row in rows} == {(c, "exact for P1") for c in ("corner", "cube-disc")}
     assert max(row["invariance"] for row in rows) < 1e-10
-    errors, classes = module("run_codes").table(rows)
+    errors, classes = run_codes.table(rows)
     assert len(errors) == 4
     assert [row["class"] for row in classes] == ["exact for P1"] * 2
 
 
 def test_a_task_that_a_code_cannot_express_is_named_with_the_reason(directory: Path) -> None:
-    tasks = module("contact_judge").read_tasks(directory)
+    tasks = contact_judge.read_tasks(directory)
 
     def make(task: Any) -> Any:
-        raise module("common").CannotExpressError("no springs in this code")
+        raise common.CannotExpressError("no springs in this code")
 
-    row = module("drive").variant_on(make, tasks[:2])
+    row = drive.variant_on(make, tasks[:2])
     key = dict.fromkeys(("code", "version", "variant", "case", "family"), "x")
-    errors, (left,) = module("run_codes").table([key | row])
+    errors, (left,) = run_codes.table([key | row])
     assert errors == []
     assert (left["class"], left["reason"]) == ("not expressed", "no springs in this code")
 
@@ -74,10 +65,10 @@ def test_a_task_that_a_code_cannot_express_is_named_with_the_reason(directory: P
 def test_a_variant_stops_at_its_finest_level_and_its_class_is_that_of_the_meshes_before(
     directory: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    (make,) = module("this_study").VARIANTS.values()
+    (make,) = this_study.VARIANTS.values()
     two = SimpleNamespace(CODE="c", VERSION="1", VARIANTS={"slow": make, "quick": make}, FINEST={"slow": 4})
     monkeypatch.setitem(sys.modules, "two_variants", two)
-    module("drive").main("two_variants", str(directory), str(tmp_path))
+    drive.main("two_variants", str(directory), str(tmp_path))
     rows = json.loads((tmp_path / "two_variants.json").read_text())
     levels = {(row["variant"], row["case"]): row["levels"] for row in rows}
     assert levels == {
@@ -89,7 +80,7 @@ def test_a_variant_stops_at_its_finest_level_and_its_class_is_that_of_the_meshes
 
 
 def test_a_code_that_is_not_installed_is_said_to_be_missing() -> None:
-    adapter = module("run_codes").Adapter
+    adapter = run_codes.Adapter
     assert adapter("a", Path("no-such-python"), ("os",), "").missing()
     assert adapter("b", Path(sys.executable), ("no_such_module",), "").missing()
     assert adapter("c", Path(sys.executable), ("os",), "", "no-such-program").missing()
@@ -97,32 +88,29 @@ def test_a_code_that_is_not_installed_is_said_to_be_missing() -> None:
 
 
 def test_a_class_that_is_not_the_committed_one_is_reported() -> None:
-    codes = module("run_codes")
-    _, committed = codes.read(RESULTS / "codes")
+    _, committed = run_codes.read(RESULTS / "codes")
     rows = [dict(row) for row in committed]
-    assert codes.differing(rows, committed) == []
+    assert run_codes.differing(rows, committed) == []
     rows[0]["class"] = "wrong"
-    (told,) = codes.differing(rows, committed)
+    (told,) = run_codes.differing(rows, committed)
     assert told.endswith("↦ wrong")
 
 
 @pytest.mark.parametrize("folder", ["codes", "codes/march"])
 def test_committed_files_are_what_their_rows_are_written_as(folder: str, tmp_path: Path) -> None:
-    codes = module("run_codes")
-    codes.write(tmp_path, *codes.read(RESULTS / folder))
+    run_codes.write(tmp_path, *run_codes.read(RESULTS / folder))
     for name in ("errors.csv", "classes.csv"):
         assert (tmp_path / name).read_text() == (RESULTS / folder / name).read_text()
 
 
 def test_a_run_replaces_its_own_rows_and_leaves_those_of_others() -> None:
-    codes = module("run_codes")
 
     def row(code: str, variant: str, case: str, value: str) -> dict[str, str]:
         return {"code": code, "variant": variant, "case": case, "family": "f", "class": value}
 
     old = [row("a", "v", "c", "1"), row("a", "gone", "c", "2"), row("a", "v", "d", "3"), row("b", "v", "c", "4")]
     new = [row("a", "v", "c", "5"), row("a", "new", "c", "6")]
-    found = codes.merged(old, new, codes.SERIES)
+    found = run_codes.merged(old, new, run_codes.SERIES)
     assert [one["class"] for one in found] == ["5", "3", "4", "6"]
 
 
@@ -131,7 +119,7 @@ def test_a_run_replaces_its_own_rows_and_leaves_those_of_others() -> None:
     [(FOLDER, {"exact for P1", "consistent", "stagnates", "wrong"}), (MARCHES, {"exact for P1", "consistent"})],
 )
 def test_committed_classes_are_those_of_the_committed_errors(folder: str, grades: set[str]) -> None:
-    codes, classify = Codes.read(RESULTS, folder), module("contact_judge").classify
+    codes, classify = Codes.read(RESULTS, folder), contact_judge.classify
     assert codes is not None
     key = list(KEY)
     classes = codes.classes.set_index(key)["class"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import gzip
-import importlib
 import json
 import lzma
 import subprocess
@@ -11,45 +10,30 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
+import contact_judge as judge
+import faults
 import numpy as np
 import pytest
+import this_study as ours
 
 from manufactured.catalogue import catalogue
 from study.cli.main import main
 from study.fem.mesh import OneDiagonal
 from study.fem.mesh.meshed_body import MeshError
 from study.fem.naming import family_named, resolve
-from study.ledger.errors import UsageError
-from study.run.task_data import frozen, march, with_foundation
-from study.run.task_files import plain, write_task
+from study.ledger.files import UsageError
+from study.run.tasks import frozen, march, plain, with_foundation, write_task
 from study.solve.tableau import MIDPOINT
-from study.statements.other_codes.tasks import INSTANTS, Task
-from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 CODES = Path(__file__).parents[2] / "examples" / "codes"
 LEVELS = 4, 8, 16
 
 
-@pytest.fixture(scope="module")
-def judge() -> ModuleType:
-    sys.path.insert(0, str(CODES))
-    return importlib.import_module("contact_judge")
-
-
-@pytest.fixture(scope="module")
-def ours(judge: ModuleType) -> ModuleType:
-    return importlib.import_module("this_study")
-
-
-@pytest.fixture(scope="module")
-def faults(judge: ModuleType) -> ModuleType:
-    return importlib.import_module("faults")
-
-
-def read(judge: ModuleType, data: dict[str, Any]) -> Any:
+def read(data: dict[str, Any]) -> Any:
     return judge.Task(f"{data['case']}-{data['level']}-{data['scale']}", json.loads(json.dumps(plain(data))))
 
 
@@ -58,19 +42,19 @@ def exported(case: str = "advance-recede", family: str = "one-diagonal", level: 
 
 
 @pytest.fixture(scope="module")
-def tasks(judge: ModuleType) -> list[Any]:
-    return [read(judge, frozen(exported(level=n), (0.15, 0.55))) for n in LEVELS]
+def tasks() -> list[Any]:
+    return [read(frozen(exported(level=n), (0.15, 0.55))) for n in LEVELS]
 
 
 Make = Callable[[Any], Callable[[np.ndarray, np.ndarray], np.ndarray]]
 
 
-def judged(judge: ModuleType, tasks: list[Any], make: Make) -> Any:
+def judged(tasks: list[Any], make: Make) -> Any:
     (found,) = judge.assess(tasks, {task.name: judge.answer(task, make) for task in tasks})
     return found
 
 
-def test_tasks_read_back_give_our_own_errors(judge: ModuleType, tasks: list[Any]) -> None:
+def test_tasks_read_back_give_our_own_errors(tasks: list[Any]) -> None:
     for task, n in zip(tasks, LEVELS, strict=True):
         mine = exported(level=n)
         found = judge.measure(task, np.array([one["reference"] for one in task.data["judge"]]))
@@ -83,25 +67,31 @@ def test_tasks_read_back_give_our_own_errors(judge: ModuleType, tasks: list[Any]
         assert max(apart) < 1e-11
 
 
-def test_our_own_solver_on_the_exported_data_is_exact_for_p1(judge: ModuleType, ours: ModuleType, tasks: Any) -> None:
-    found = judged(judge, tasks, ours.make)
+def test_our_own_solver_on_the_exported_data_is_exact_for_p1(tasks: Any) -> None:
+    found = judged(tasks, ours.make)
     assert found.verdict == "exact for P1"
     assert max(one.distance / one.best for one in found.errors) < 1e-10
     assert max(one.tangential for one in found.errors) < 1e-12
     assert max(one.penetration for one in found.errors) < 1e-12
 
 
-@pytest.mark.parametrize("case", ["corner", "rotated", "anisotropic", "layered", "lift-and-land"])
-def test_so_it_is_with_two_faces_other_laws_and_layers(judge: ModuleType, ours: ModuleType, case: str) -> None:
-    task = read(judge, frozen(exported(case, "shaken"), (0.15, 0.9)))
-    found = judged(judge, [task], ours.make)
+@pytest.mark.parametrize(
+    "task",
+    [
+        *((case, "shaken", 8) for case in ("corner", "rotated", "anisotropic", "layered", "lift-and-land")),
+        ("cube-disc", "one-diagonal", 4),
+    ],
+    ids=lambda task: task[0],
+)
+def test_our_own_solver_is_exact_with_two_faces_other_laws_layers_and_in_space(task: tuple[str, str, int]) -> None:
+    found = judged([read(frozen(exported(*task), (0.15, 0.9)))], ours.make)
     assert found.verdict == "exact for P1"
     assert found.errors[0].tangential < 1e-11
 
 
-def test_a_march_is_the_midpoint_rule(judge: ModuleType, ours: ModuleType) -> None:
-    task = read(judge, march(exported(), 6))
-    found = judged(judge, [task], ours.make)
+def test_a_march_is_the_midpoint_rule() -> None:
+    task = read(march(exported(), 6))
+    found = judged([task], ours.make)
     assert found.verdict == "exact for P1"
     solution = resolve("advance-recede").solution
     setup = Experiment.of(solution, OneDiagonal(), 8, MIDPOINT, 6)
@@ -111,31 +101,20 @@ def test_a_march_is_the_midpoint_rule(judge: ModuleType, ours: ModuleType) -> No
     assert found.errors[0].pressure < 0.2
 
 
-def test_a_cube_is_judged_like_a_square(judge: ModuleType, ours: ModuleType) -> None:
-    task = read(judge, frozen(exported("cube-disc", level=4), (0.55,)))
-    found = judged(judge, [task], ours.make)
-    assert found.verdict == "exact for P1"
-    assert found.errors[0].tangential < 1e-11
-
-
-def test_springs_as_stiff_as_cells_are_consistent_of_order_one(
-    judge: ModuleType, faults: ModuleType, tasks: Any
-) -> None:
-    found = judged(judge, tasks, faults.springs(lambda task: 30 / task.data["h"]))
+def test_springs_as_stiff_as_cells_are_consistent_of_order_one(tasks: Any) -> None:
+    found = judged(tasks, faults.springs(lambda task: 30 / task.data["h"]))
     assert found.verdict == "consistent"
     assert found.order_of_distance == pytest.approx(1, abs=0.3)
 
 
-def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_not_see_it(
-    judge: ModuleType, faults: ModuleType, tasks: Any
-) -> None:
-    found = judged(judge, tasks, faults.springs(lambda task: 30.0))
+def test_springs_that_no_mesh_makes_stiffer_stagnate_and_their_order_in_v_does_not_see_it(tasks: Any) -> None:
+    found = judged(tasks, faults.springs(lambda task: 30.0))
     assert found.verdict == "stagnates"
     assert abs(found.order_in_v - 1) < 0.15
     assert found.errors[-1].pressure > 5 * found.errors[-1].best_pressure
 
 
-def doctored(ours: ModuleType, change: Callable[[Any, np.ndarray], np.ndarray]) -> Make:
+def doctored(change: Callable[[Any, np.ndarray], np.ndarray]) -> Make:
     def make(task: Any) -> Any:
         step = ours.make(task)
         return lambda load, stress: change(task, step(load, stress))
@@ -152,55 +131,53 @@ def doctored(ours: ModuleType, change: Callable[[Any, np.ndarray], np.ndarray]) 
     ],
     ids=["no number", "three times as large", "worse on every mesh"],
 )
-def test_what_is_far_or_grows_is_wrong(judge: ModuleType, ours: ModuleType, tasks: Any, change: Any) -> None:
-    assert judged(judge, tasks, doctored(ours, change)).verdict == "wrong"
+def test_what_is_far_or_grows_is_wrong(tasks: Any, change: Any) -> None:
+    assert judged(tasks, doctored(change)).verdict == "wrong"
 
 
-def test_one_mesh_says_nothing_of_an_order(judge: ModuleType, ours: ModuleType, tasks: Any) -> None:
-    found = judged(judge, tasks[:1], doctored(ours, lambda task, u: 1.01 * u))
+def test_one_mesh_says_nothing_of_an_order(tasks: Any) -> None:
+    found = judged(tasks[:1], doctored(lambda task, u: 1.01 * u))
     assert found.verdict == "undecided"
 
 
-def test_contact_forgotten_is_seen_by_the_pressure_and_the_penetration(
-    judge: ModuleType, faults: ModuleType, tasks: Any
-) -> None:
-    found = judged(judge, tasks, faults.springs(lambda task: 0.0))
+def test_contact_forgotten_is_seen_by_the_pressure_and_the_penetration(tasks: Any) -> None:
+    found = judged(tasks, faults.springs(lambda task: 0.0))
     assert found.verdict == "wrong"
     assert found.errors[-1].penetration > 0.1
     assert found.errors[-1].pressure == pytest.approx(1, abs=1e-6)
     assert found.errors[-1].resultant == pytest.approx(1, abs=1e-6)
 
 
-def errors(judge: ModuleType, shares: list[float], pressure: list[float], tangential: float = 0.0) -> list[Any]:
+def errors(shares: list[float], pressure: list[float], tangential: float = 0.0) -> list[Any]:
     """Errors with distances of some shares of a discretisation error h, on meshes h = 1, ½, ¼ …"""
     h = [0.5**k for k in range(len(shares))]
     rows = zip(h, shares, pressure, strict=True)
     return [judge.Errors(k, k, k, share * k, p, 0.01 * k, 0.0, 0.0, tangential) for k, share, p in rows]
 
 
-def classed(judge: ModuleType, found: list[Any]) -> str:
+def classed(found: list[Any]) -> str:
     return str(judge.classify([one.best for one in found], found))
 
 
-def test_what_grows_from_nothing_to_next_to_nothing_stagnates_and_is_not_wrong(judge: ModuleType) -> None:
+def test_what_grows_from_nothing_to_next_to_nothing_stagnates_and_is_not_wrong() -> None:
     """Springs like 1/h² at points of quadrature, on shaken meshes: 2e-5 of the error, then 1.6e-4."""
     p = [0.04, 0.02, 0.01]
-    assert classed(judge, errors(judge, [2e-5, 1.6e-4, 1e-3], p)) == "stagnates"
-    assert classed(judge, errors(judge, [2e-5, 1.6e-4, 3.2e-4], p)) == "stagnates"
-    assert classed(judge, errors(judge, [2e-5, 1.6e-4], p[:2])) == "undecided"
-    assert classed(judge, errors(judge, [1e-3, 5e-3, 3e-2], p)) == "wrong"
+    assert classed(errors([2e-5, 1.6e-4, 1e-3], p)) == "stagnates"
+    assert classed(errors([2e-5, 1.6e-4, 3.2e-4], p)) == "stagnates"
+    assert classed(errors([2e-5, 1.6e-4], p[:2])) == "undecided"
+    assert classed(errors([1e-3, 5e-3, 3e-2], p)) == "wrong"
 
 
-def test_a_constant_part_behind_one_that_falls_fast_needs_a_third_mesh(judge: ModuleType) -> None:
+def test_a_constant_part_behind_one_that_falls_fast_needs_a_third_mesh() -> None:
     """A penalty that is not scaled, 1000 g on merging patches: distances with orders 1.6 and 0.0."""
     distances, p = [1.61, 0.5, 0.486], [0.15, 0.1, 0.05]
     shares = [d * 2**k for k, d in enumerate(distances)]
-    assert classed(judge, errors(judge, shares[:2], p[:2])) == "undecided"
-    assert classed(judge, errors(judge, shares, p)) == "stagnates"
-    assert classed(judge, errors(judge, [0.08, 0.013, 0.003], p)) == "consistent"
+    assert classed(errors(shares[:2], p[:2])) == "undecided"
+    assert classed(errors(shares, p)) == "stagnates"
+    assert classed(errors([0.08, 0.013, 0.003], p)) == "consistent"
 
 
-def test_a_pressure_that_falls_as_that_of_k_h_does_is_no_reason_to_stagnate(judge: ModuleType) -> None:
+def test_a_pressure_that_falls_as_that_of_k_h_does_is_no_reason_to_stagnate() -> None:
     """Advance-recede on shaken meshes with n = 16, 32, 64: the last order of the solution in K^h itself is 0.44."""
     h, best = [1.0, 0.5, 0.25], [0.01772, 0.006998, 0.005141]
 
@@ -213,10 +190,8 @@ def test_a_pressure_that_falls_as_that_of_k_h_does_is_no_reason_to_stagnate(judg
     assert found([0.04, 0.02, 0.018]) == "stagnates"
 
 
-def test_a_vertex_that_is_not_held_is_named_and_its_pressure_falls_too_slowly(
-    judge: ModuleType, faults: ModuleType, tasks: Any
-) -> None:
-    found = judged(judge, tasks, faults.misread(faults.without(0.25)))
+def test_a_vertex_that_is_not_held_is_named_and_its_pressure_falls_too_slowly(tasks: Any) -> None:
+    found = judged(tasks, faults.misread(faults.without(0.25)))
     assert found.verdict == "stagnates"
     assert found.order_of_distance > judge.FALLS
     assert found.order_of_pressure == pytest.approx(0.5, abs=0.1)
@@ -225,27 +200,25 @@ def test_a_vertex_that_is_not_held_is_named_and_its_pressure_falls_too_slowly(
     assert f"carry next to nothing: 1 ({vertex})" in judge.table([found])
 
 
-def test_a_vertex_that_no_step_presses_is_not_judged_and_the_table_says_how_many(
-    judge: ModuleType, faults: ModuleType, tasks: Any
-) -> None:
-    found = judged(judge, tasks, faults.misread(faults.without(1.0)))
+def test_a_vertex_that_no_step_presses_is_not_judged_and_the_table_says_how_many(tasks: Any) -> None:
+    found = judged(tasks, faults.misread(faults.without(1.0)))
     assert found.verdict == "exact for P1"
     pressed, free, count = found.tested
     assert max(pressed, free) < count
     assert f"{pressed}/{count}" in judge.table([found])
 
 
-def test_full_contact_presses_all_vertices_and_frees_none(judge: ModuleType, faults: ModuleType) -> None:
-    case = [read(judge, frozen(exported("full-contact", level=n), (0.15, 0.55, 0.9))) for n in LEVELS]
+def test_full_contact_presses_all_vertices_and_frees_none() -> None:
+    case = [read(frozen(exported("full-contact", level=n), (0.15, 0.55, 0.9))) for n in LEVELS]
     assert judge.tested(case[-1]) == (17, 0, 17)
-    assert judged(judge, case, faults.misread(faults.without(1.0))).errors[-1].idle
-    assert judged(judge, case, faults.tied).verdict == "exact for P1"
+    assert judged(case, faults.misread(faults.without(1.0))).errors[-1].idle
+    assert judged(case, faults.tied).verdict == "exact for P1"
 
 
-def test_the_class_and_the_line_about_forces_agree(judge: ModuleType) -> None:
+def test_the_class_and_the_line_about_forces_agree() -> None:
     p = [0.04, 0.02, 0.01]
     for tangential, verdict, said in ((5e-4, "consistent", False), (0.02, "consistent", True), (0.2, "wrong", False)):
-        found = errors(judge, [0.1, 0.05, 0.025], p, tangential)
+        found = errors([0.1, 0.05, 0.025], p, tangential)
         h = [one.best for one in found]
         reached, last = (1, 1, 1), [1.0, 1.0, 1.0, 1.0]
         one = judge.Judgement("c", "f", "frozen", [1, 2, 4], found, *judge.judged(h, found), reached, *last, np.nan)
@@ -254,10 +227,8 @@ def test_the_class_and_the_line_about_forces_agree(judge: ModuleType) -> None:
     assert "other equations" in one.why
 
 
-def test_a_consistent_code_with_a_pressure_many_times_that_of_k_h_does_not_pass_without_a_word(
-    judge: ModuleType,
-) -> None:
-    found = errors(judge, [0.1, 0.05, 0.025], [0.3, 0.15, 0.075])
+def test_a_consistent_code_with_a_pressure_many_times_that_of_k_h_does_not_pass_without_a_word() -> None:
+    found = errors([0.1, 0.05, 0.025], [0.3, 0.15, 0.075])
     why = judge.judged([1, 0.5, 0.25], found)
     one = judge.Judgement("c", "f", "frozen", [1, 2, 4], found, *why, (1, 1, 1), 1.0, 1.0, 1.0, 1.0, np.nan)
     assert one.verdict == "consistent"
@@ -265,25 +236,24 @@ def test_a_consistent_code_with_a_pressure_many_times_that_of_k_h_does_not_pass_
 
 
 @pytest.mark.slow
-def test_the_page_says_of_each_fault_which_case_shows_it(judge: ModuleType, faults: ModuleType) -> None:
+def test_the_page_says_of_each_fault_which_case_shows_it() -> None:
     cases = {
-        case: [read(judge, frozen(exported(case, level=n), (0.15, 0.55, 0.9))) for n in (8, 16, 32)]
-        for case in faults.CASES
+        case: [read(frozen(exported(case, level=n), (0.15, 0.55, 0.9))) for n in (8, 16, 32)] for case in faults.CASES
     }
     page = (Path(__file__).parents[2] / "docs" / "how-to" / "verify-a-contact-code.md").read_text(encoding="utf-8")
     assert "\n".join(faults.table(cases)) in page
 
 
-def test_other_equations_leave_forces_where_none_may_be(judge: ModuleType, ours: ModuleType, tasks: Any) -> None:
+def test_other_equations_leave_forces_where_none_may_be(tasks: Any) -> None:
     task = tasks[1]
     without = judge.answer(task, lambda task: lambda load, stress: ours.make(task)(load, 0 * stress))
     assert judge.measure(task, without).tangential > 0.01
 
 
-def test_two_scales_show_what_is_not_homogeneous(judge: ModuleType, ours: ModuleType) -> None:
-    both = [read(judge, frozen(exported(), (0.55,), scale)) for scale in (1.0, 1e-4)]
-    assert judged(judge, both, ours.make).invariance < 1e-10
-    bent = judged(judge, both, doctored(ours, lambda task, u: u + 0.01 * u**2))
+def test_two_scales_show_what_is_not_homogeneous() -> None:
+    both = [read(frozen(exported(), (0.55,), scale)) for scale in (1.0, 1e-4)]
+    assert judged(both, ours.make).invariance < 1e-10
+    bent = judged(both, doctored(lambda task, u: u + 0.01 * u**2))
     assert bent.invariance > 1e-3
 
 
@@ -301,7 +271,7 @@ def test_the_foundation_lies_under_the_face_and_covers_it() -> None:
             assert np.ptp(on, axis=0).max() > np.ptp(face, axis=0).max()
 
 
-def test_the_command_writes_the_same_bytes_again_and_their_sums(tmp_path: Path, judge: ModuleType, capsys: Any) -> None:
+def test_the_command_writes_the_same_bytes_again_and_their_sums(tmp_path: Path, capsys: Any) -> None:
     command = ["export", "full-contact", "--levels", "4", "--instants", "0.5", "--to", str(tmp_path)]
     assert main(command) == 0
     (first,) = tmp_path.glob("*.xz")
@@ -346,7 +316,7 @@ def test_a_line_of_the_sums_that_is_none_is_named(tmp_path: Path, capsys: Any) -
 def sizes(directory: Path, case: str, family: str) -> list[int]:
     """Bytes of the tasks of a case with the instants of the command, n = 8 and 16."""
     place = resolve(case)
-    times = [place.solution.body.T * part for part in INSTANTS]
+    times = [place.solution.body.T * part for part in FROZEN_TIMES]
     tasks = [Task(place, family_named(family), n) for n in (8, 16)]
     return [write_task(directory, frozen(task, times)).stat().st_size for task in tasks]
 
@@ -380,9 +350,7 @@ def test_so_they_are_in_every_case_in_the_plane_that_structured_meshes_and_const
 
 
 @pytest.mark.parametrize(("suffix", "pack"), [(".xz", lzma.compress), (".gz", gzip.compress), ("", bytes)])
-def test_a_task_is_read_whatever_it_is_packed_by(
-    suffix: str, pack: Callable[[bytes], bytes], tmp_path: Path, judge: ModuleType
-) -> None:
+def test_a_task_is_read_whatever_it_is_packed_by(suffix: str, pack: Callable[[bytes], bytes], tmp_path: Path) -> None:
     data = json.dumps(plain(frozen(exported(level=4), (0.55,)))).encode()
     path = tmp_path / f"one.json{suffix}"
     path.write_bytes(pack(data))
@@ -393,7 +361,7 @@ def test_a_task_is_read_whatever_it_is_packed_by(
         judge.read_tasks(tmp_path)
 
 
-def test_the_judge_runs_as_a_command_with_numpy_alone(tmp_path: Path, judge: ModuleType, ours: ModuleType) -> None:
+def test_the_judge_runs_as_a_command_with_numpy_alone(tmp_path: Path) -> None:
     """Nothing but NumPy can be imported: every other package of the environment is refused."""
     for n in (4, 8):
         write_task(tmp_path / "tasks", frozen(exported(level=n), (0.55,)))
@@ -424,7 +392,7 @@ def test_the_judge_runs_as_a_command_with_numpy_alone(tmp_path: Path, judge: Mod
     assert "u.txt" in done.stderr
 
 
-def test_unpacked_files_are_the_same_problem(tmp_path: Path, judge: ModuleType, tasks: list[Any]) -> None:
+def test_unpacked_files_are_the_same_problem(tmp_path: Path, tasks: list[Any]) -> None:
     judge.unpack(tasks[1], tmp_path)
     place = tmp_path / tasks[1].name
     load, stress = tasks[1].step(1, tasks[1].start())
@@ -433,8 +401,8 @@ def test_unpacked_files_are_the_same_problem(tmp_path: Path, judge: ModuleType, 
     assert np.array_equal(np.loadtxt(place / "constrained_1.txt"), tasks[1].pieces()[0][1])
 
 
-def test_a_march_can_be_done_from_unpacked_files_alone(tmp_path: Path, judge: ModuleType, ours: ModuleType) -> None:
-    task = read(judge, march(exported("anisotropic", level=4), 3))
+def test_a_march_can_be_done_from_unpacked_files_alone(tmp_path: Path) -> None:
+    task = read(march(exported("anisotropic", level=4), 3))
     judge.unpack(task, tmp_path)
 
     def of(name: str) -> np.ndarray:
@@ -447,7 +415,7 @@ def test_a_march_can_be_done_from_unpacked_files_alone(tmp_path: Path, judge: Mo
         u = step(of(f"load_{n}"), np.einsum("cij,cj->ci", G / 2 - A / k, task.strain(u)))
         found.append(u)
     assert not list((tmp_path / task.name).glob("initial_stress*"))
-    assert judged(judge, [task], lambda _: iter_step(found)).verdict == "exact for P1"
+    assert judged([task], lambda _: iter_step(found)).verdict == "exact for P1"
 
 
 def iter_step(found: list[np.ndarray]) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:

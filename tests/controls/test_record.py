@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import re
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.datafiles import DataError, raised
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_least, at_most
-from study.statements.prop_5_4.judge import FirstOrder
+from study.statements.prop_5_4 import FirstOrder
 
 WINDOW = around(1, 0.1)
 ROW = ("Prop. 5.4", "order", "advance-recede")
@@ -132,29 +133,32 @@ def test_a_row_whose_tail_leaves_the_window_is_named() -> None:
     assert raised(table).by_tail > 1e-3
 
 
+def with_line(change: Callable[[str], str]) -> Callable[[bytes], bytes]:
+    """A change of the second line of a packed file."""
+
+    def changed(packed: bytes) -> bytes:
+        head, line = gzip.decompress(packed).decode().splitlines(keepends=True)
+        return gzip.compress((head + change(line)).encode())
+
+    return changed
+
+
 @pytest.mark.parametrize(
-    "spoil",
+    ("damage", "message"),
     [
-        lambda line: line.replace(line[-3:-1], "!!"),
-        lambda line: line[:-1] + "aaaa\n",
-        lambda line: line[:-2] + "\n",
+        (with_line(lambda line: line.replace(line[-3:-1], "!!")), "is damaged"),
+        (with_line(lambda line: line[:-1] + "aaaa\n"), "is damaged"),
+        (with_line(lambda line: line[:-2] + "\n"), "is damaged"),
+        (lambda packed: packed[:-9], r"places.csv.gz is not a table"),
+        (lambda packed: packed[:40], r"places.csv.gz is not a table"),
+        (lambda packed: b"label,key", r"places.csv.gz is not a table"),
     ],
 )
-def test_a_damaged_record_is_refused(tmp_path: Path, spoil) -> None:
+def test_a_damaged_record_is_refused(tmp_path: Path, damage: Callable[[bytes], bytes], message: str) -> None:
     after([1.0, 1.05]).write(tmp_path)
     path = tmp_path / "data" / "seeds" / "places.csv.gz"
-    head, line = gzip.decompress(path.read_bytes()).decode().splitlines(keepends=True)
-    path.write_bytes(gzip.compress((head + spoil(line)).encode()))
-    with pytest.raises(DataError, match="is damaged"):
-        Record.read(tmp_path)
-
-
-@pytest.mark.parametrize("spoil", [lambda packed: packed[:-9], lambda packed: packed[:40], lambda packed: b"label,key"])
-def test_a_record_that_is_cut_short_or_not_packed_is_refused(tmp_path: Path, spoil) -> None:
-    after([1.0, 1.05]).write(tmp_path)
-    path = tmp_path / "data" / "seeds" / "places.csv.gz"
-    path.write_bytes(spoil(path.read_bytes()))
-    with pytest.raises(DataError, match=r"places.csv.gz is not a table"):
+    path.write_bytes(damage(path.read_bytes()))
+    with pytest.raises(DataError, match=message):
         Record.read(tmp_path)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -17,30 +17,26 @@ from study.cli.main import main
 from study.controls.alarms import Seen, tally
 from study.controls.record import Line, Record, packed
 from study.controls.rules import row_of, rules
-from study.controls.seeded import EVERY, LIGHT, NOT_CLAIMED, WHOLE, SeededScope, claimed, costly, seeded
+from study.controls.seeded import EVERY, LIGHT, NOT_CLAIMED, WHOLE, claimed, costly, seeded
 from study.fem.mesh import Shaken
 from study.fem.naming import family_named, resolve
-from study.ledger.criterion import Criterion
+from study.ledger.criterion import Criterion, exactly
 from study.ledger.datafiles import read_csv
-from study.ledger.errors import UsageError
-from study.ledger.measures import exactly
+from study.ledger.files import UsageError
 from study.ledger.verdict import Verdict
 from study.ledger.window import at_most
-from study.run.execute import Pool
-from study.run.job import Job
-from study.run.plan import Plan, full, quick
-from study.run.processes import Processes
+from study.run.executor import Pool, Processes
+from study.run.plan import Job, Plan, full
 from study.run.store import Store
-from study.statements.contact_work.judged_work import WorkOfContact
-from study.statements.enclosure.courses import Bounds
+from study.statements.contact_work import WorkOfContact
+from study.statements.enclosure import Bounds
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.landings import Landings
-from study.statements.other_codes.judge import OtherCodes
+from study.statements.other_codes import OtherCodes
 from study.statements.pictures import Pictures
-from study.statements.rollers.judged_rollers import Rollers
+from study.statements.rollers import Rollers
 from study.statements.shared.base import Statement
-from study.statements.shared.scope import Scope
-from study.statements.thm_4_2.own_space import OwnSpace
+from study.statements.thm_4_2_own_space import OwnSpace
 from study.statements.uniqueness import OneTrajectory
 
 RESULTS = Path(__file__).parents[2] / "results"
@@ -77,20 +73,10 @@ def test_every_case_and_statement_that_the_ledger_judges_on_shaken_meshes_is_amo
     def of_cases(statement: Statement) -> bool:
         return statement.of_every_case or isinstance(statement, OwnSpace)
 
+    assert not any(isinstance(job.statement, Pictures | Bounds | OtherCodes) for job in JOBS)
     # Nothing is claimed of these on shaken meshes.
     missing = {type(statement) for statement, _ in kinds(shaken) - kinds(JOBS)}
     assert missing == {FullyDiscrete, Landings, Rollers, WorkOfContact}
-
-
-def test_pictures_bounds_and_other_codes_are_left_out() -> None:
-    assert not any(isinstance(job.statement, Pictures | Bounds | OtherCodes) for job in JOBS)
-
-
-def test_the_study_of_a_seed_is_the_quick_one_but_for_the_seed() -> None:
-    assert {field.name for field in fields(SeededScope)} == {field.name for field in fields(full())} | {"seed"}
-    scope = seeded(3).scope
-    others = {field.name: getattr(scope, field.name) for field in fields(full())}
-    assert Scope(**others) == replace(quick(), rough=full().rough, command="study seeds")
 
 
 @pytest.mark.parametrize("label", NOT_CLAIMED)
@@ -128,10 +114,10 @@ def test_what_makes_no_sense_is_refused(tmp_path, capsys, options: list[str], me
 
 
 def few(seed: int, part: str = WHOLE) -> Plan:
-    """Three quick settings in place of all."""
+    """Three quick settings of each of two statements in place of all; the light part has those of the first."""
     whole = seeded(seed)
-    chosen = [job for job in whole.jobs if job.statement.label in ("Thm 4.1, 5.2", "K^h")]
-    return Plan(whole.scope, tuple(chosen if part == WHOLE else chosen[:3]))
+    jobs = [[job for job in whole.jobs if job.statement.label == label][:3] for label in ("Thm 4.1, 5.2", "K^h")]
+    return Plan(whole.scope, tuple(jobs[0] + (jobs[1] if part == WHOLE else [])))
 
 
 def test_seeds_are_drawn_fresh_and_added_to_the_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

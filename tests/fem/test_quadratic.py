@@ -15,7 +15,7 @@ from manufactured.data import Data
 from manufactured.problems import problems
 from manufactured.tensors import Array, Points, Tensors, mandel
 from study.bound.discretisation import Discretisation
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.bound.trajectory import prolongation
 from study.fem.material import form
 from study.fem.mesh import CrissCross, OneDiagonal, Shaken, Unstructured, boundary_parts
@@ -313,4 +313,4 @@ def test_loads_act_as_the_integrals_of_polynomial_formulas() -> None:
         shape = bernstein(2, np.array([1 - place, place]))
         trace = np.einsum("ned,nq->deq", V.coefficients(v)[V.on_edges(edges)], shape)
         expected += np.einsum("deq,deq,q,e->", trace, load(y), w / 2, found.stresses.lengths[edges])
-    assert found.functional(found.loads(0.0)) @ v == pytest.approx(expected, rel=1e-11)
+    assert found.load(0.0) @ v == pytest.approx(expected, rel=1e-11)

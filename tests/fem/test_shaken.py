@@ -11,7 +11,7 @@ from manufactured import Body, catalogue, unit_square
 from manufactured.body import box
 from manufactured.tensors import Array, Points
 from study.fem.mesh import FAMILIES, Alternating, MeshFamily, OneDiagonal, Shaken, cell_volumes
-from study.statements.shared.places import fits, spacing
+from study.statements.shared.meshes import fits, spacing
 
 LEVEL = {2: 24, 3: 9}
 LEAST = {"one-diagonal": 26, "criss-cross": 26, "shaken": 12, "unstructured": 20, "graded": 8}

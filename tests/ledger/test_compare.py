@@ -16,10 +16,9 @@ import pandas as pd
 import pytest
 
 from study.cli.main import main
-from study.ledger.compare import Comparison, Tolerance, as_json, as_text, compare
-from study.ledger.compare.difference import KEYS, Difference
+from study.ledger.compare import KEYS, Comparison, Difference, Tolerance, as_json, as_text, compare
 from study.ledger.datafiles import DataError
-from study.ledger.packing import Packed
+from study.ledger.pictures import Packed
 
 RESULTS = Path(__file__).parents[2] / "results"
 SPACE, PLANE = "pictures/cube-disc.json", "pictures/full-contact.json"

@@ -8,9 +8,19 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from study.ledger.criterion import Criterion
+from study.ledger.criterion import (
+    Constant,
+    Criterion,
+    between_levels,
+    change,
+    consecutive,
+    every,
+    finest,
+    fitted,
+    largest,
+    order,
+)
 from study.ledger.datafiles import with_orders
-from study.ledger.measures import Constant, between_levels, change, consecutive, every, finest, fitted, largest, order
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.ledger.window import Window, around, at_most
 

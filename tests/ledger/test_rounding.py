@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from study.ledger.rounding import down, interval, power_of_ten, up
+from study.ledger.text import down, interval, power_of_ten, up
 
 
 @given(value=st.floats(-1e9, 1e9), digits=st.integers(1, 8))

@@ -10,8 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study.ledger.criterion import Criterion, Observation
-from study.ledger.margin import agreement, used
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, agreement, used
 from study.ledger.window import Window, around, at_least, at_most, between, shown
 
 

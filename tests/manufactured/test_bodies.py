@@ -28,8 +28,8 @@ from study.fem.mesh import OneDiagonal, Unstructured
 from study.fem.space import Space
 from study.ledger.orders import orders
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
-from study.statements.prop_5_4.measure import measure
+from study.statements.prop_5_4 import measure
+from study.statements.shared.experiment import Experiment
 
 CASES = {case.name: case for case in catalogue()}
 SIDES = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
@@ -102,21 +102,6 @@ def test_an_end_time_other_than_one_needs_no_other_pace() -> None:
     assert found["time_share"] < 0.02
 
 
-@pytest.mark.parametrize(
-    ("kwargs", "message"),
-    [
-        ({"refine": [(0.5, 0.5)]}, "none of the vertices"),
-        ({"interfaces": [((0, 0.5), (0.8, 0.5))]}, "expected a point of the boundary"),
-        ({"interfaces": [((0, 0.5), (0, 1))]}, "touches its boundary"),
-        ({"interfaces": [((0, 0.5), (1, 0.5)), ((0.5, 0), (0.5, 1))]}, "cross"),
-        ({"T": float("inf")}, "final time"),
-    ],
-)
-def test_a_body_that_no_mesh_could_serve_is_refused(kwargs: dict[str, Any], message: str) -> None:
-    with pytest.raises(BodyError, match=message):
-        polygon([(0, 0), (1, 0), (1, 1), (0, 1)], SIDES, **kwargs)
-
-
 def test_an_interface_that_leaves_a_body_with_a_re_entrant_corner_is_refused() -> None:
     corners = [(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)]
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
@@ -125,19 +110,31 @@ def test_an_interface_that_leaves_a_body_with_a_re_entrant_corner_is_refused() -
     assert polygon(corners, kinds, interfaces=[((1, 1), (0, 0))]).measure == pytest.approx(3)
 
 
+def square(**options: Any) -> Body:
+    return polygon([(0, 0), (1, 0), (1, 1), (0, 1)], SIDES, **options)
+
+
 @pytest.mark.parametrize(
     ("make", "message"),
     [
+        (lambda: square(refine=[(0.5, 0.5)]), "none of the vertices"),
+        (lambda: square(interfaces=[((0, 0.5), (0.8, 0.5))]), "expected a point of the boundary"),
+        (lambda: square(interfaces=[((0, 0.5), (0, 1))]), "touches its boundary"),
+        (lambda: square(interfaces=[((0, 0.5), (1, 0.5)), ((0.5, 0), (0.5, 1))]), "cross"),
+        (lambda: square(T=float("inf")), "final time"),
+        (lambda: unit_square(T=0), "final time"),
         (lambda: Body(unit_square().parts[:2]), "three boundary parts"),
         (lambda: Body(unit_square().parts[::-1]), "but the next starts at"),
         (lambda: polygon([(0, 0), (1, 0), (1, 0), (0, 1)], SIDES), "list every vertex once"),
+        (lambda: polygon([(0, 0), (0, 1), (1, 1), (1, 0)], SIDES), "counter-clockwise"),
         (lambda: polygon([(0, 0), (1, 0), (1, float("nan")), (0, 1)], SIDES), "not a finite number"),
         (lambda: polygon([(0, 0), (1, 0), (0, 1)], SIDES), "need 3 kinds, got 4"),
+        (lambda: polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, *3 * [Kind.LOADED]]), "no part Γ1"),
         (lambda: Body((replace(unit_square().parts[0], kind=Kind.INTERFACE), *unit_square().parts[1:])), "lies inside"),
         (lambda: Body(unit_square().parts, interfaces=(unit_square().parts[0],)), "has the kind"),
     ],
 )
-def test_boundaries_that_bound_nothing_are_refused(make, message: str) -> None:
+def test_a_body_that_is_none_or_that_no_mesh_could_serve_is_refused(make, message: str) -> None:
     with pytest.raises(BodyError, match=message):
         make()
 

@@ -8,7 +8,7 @@ from pkgutil import iter_modules
 from types import ModuleType
 
 import pytest
-from case_docstrings import FORMULAS, lacks
+from case_docstrings import FORMULAS, missing_parts
 
 from manufactured import Case, cases, catalogue
 
@@ -36,7 +36,7 @@ def test_every_module_that_makes_a_case_is_in_the_catalogue() -> None:
 
 @pytest.mark.parametrize("name", CASES)
 def test_the_module_of_a_case_states_its_formulas_and_then_the_order_that_they_predict(name: str) -> None:
-    assert lacks(own(CASES[name]).__doc__, CASES[name]) == []
+    assert missing_parts(own(CASES[name]).__doc__, CASES[name]) == []
 
 
 @pytest.mark.parametrize(
@@ -57,13 +57,13 @@ def test_a_docstring_that_leaves_something_out_is_noticed(
 ) -> None:
     docstring = str(own(CASES[name]).__doc__)
     assert before in docstring
-    assert lacks(docstring.replace(before, after), CASES[name]) == missing
+    assert missing_parts(docstring.replace(before, after), CASES[name]) == missing
 
 
 def test_a_docstring_that_predicts_before_it_states_formulas_is_noticed() -> None:
     title, formulas, where, prediction, *_ = str(own(CASES["rough-2"]).__doc__).split("\n\n")
-    assert lacks("\n\n".join([title, prediction, formulas, where]), CASES["rough-2"]) == list(FORMULAS)
+    assert missing_parts("\n\n".join([title, prediction, formulas, where]), CASES["rough-2"]) == list(FORMULAS)
 
 
 def test_a_module_without_a_docstring_is_noticed() -> None:
-    assert lacks(None, CASES["full-contact"]) == [*FORMULAS, "Predicted order 1: …"]
+    assert missing_parts(None, CASES["full-contact"]) == [*FORMULAS, "Predicted order 1: …"]

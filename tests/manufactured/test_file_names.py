@@ -13,7 +13,7 @@ from manufactured.file_names import file_name_fault
 from study.cli.main import main
 from study.fem.naming import family_named, resolve_data
 from study.ledger.datafiles import DataError
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.present.drawing import Drawing
 from study.present.figures import draw_one
 

@@ -24,7 +24,7 @@ from manufactured.law import (
     isotropic_matrix,
 )
 from manufactured.tensors import dyad
-from study.bound.moduli import BoundError
+from study.bound.problem import BoundError
 from study.certify.statement import statement
 from study.cli.main import main
 

@@ -23,6 +23,7 @@ from manufactured import (
     Regularity,
     SelfProofError,
     catalogue,
+    cutoff,
     examine,
     isotropic,
     layered,
@@ -71,12 +72,13 @@ def test_fields_at_many_times_are_those_at_each(case: Case) -> None:
 
 
 @pytest.mark.parametrize("case", [multiscale()[0], rollers(8)[0]], ids=lambda case: case.name)
-def test_so_are_those_that_fade_at_depths_of_their_own(case: Case) -> None:
+def test_fields_of_liftings_of_variable_depth_at_many_times_are_those_at_each(case: Case) -> None:
     agree_in_time(case, case.solution.body.sample(np.random.default_rng(3), 200), FIELDS)
 
 
 @pytest.mark.parametrize("case", ["hexagon", "cube-disc", "layered"])
-def test_so_are_those_at_points_that_share_places_along_a_face(case: str) -> None:
+def test_fields_on_a_grid_at_many_times_are_those_at_each(case: str) -> None:
+    """Points of a grid share their place along a face."""
     grid = np.round(8 * CASES[case].solution.body.sample(np.random.default_rng(3), 200)) / 8
     agree_in_time(CASES[case], grid + 1e-3, WITH_FORCES)
 
@@ -131,9 +133,9 @@ def test_a_lifting_without_a_kink_at_an_interface_is_refused() -> None:
     (part,) = body.of(Kind.CONTACT)
     right = ContactFace.linear(part, law, 1.0, Integer(0), (3 + s) * (1 + t), Integer(1), profile=layered(0.5, 4.0))
     assert all(finding.passes for finding in examine(ExactSolution(body, law, (right,))))
-    wrong = replace(right, profile=layered(0.5, 3.0))
-    with pytest.raises(SelfProofError, match="σν continuous on"):
-        prove(ExactSolution(body, law, (wrong,)), "wrong ratio")
+    for profile in (layered(0.5, 3.0), cutoff(1.0)):
+        with pytest.raises(SelfProofError, match="σν continuous on"):
+            prove(ExactSolution(body, law, (replace(right, profile=profile),)), "wrong ratio, or no kink")
 
 
 def test_a_relaxation_rate_is_a_number_where_factors_agree_along_the_face_however_they_are_written() -> None:
@@ -166,14 +168,6 @@ def test_a_case_with_layers_needs_one_power_more_of_its_pressure() -> None:
         replace(case, solution=replace(case.solution, faces=(rougher,)), regularity=Regularity(4, 2, moving=True))
 
 
-def test_a_material_that_jumps_under_a_lifting_that_does_not_know_it_is_refused() -> None:
-    factor = layers((0.0, 1.0), 0.5, 4.0)
-    body, law = unit_square(), not_proportional(2, factor, factor)
-    face = ContactFace.linear(body.of(Kind.CONTACT)[0], law, 1.0, Integer(0), (3 + s) * (1 + t), Integer(1))
-    with pytest.raises(SelfProofError, match="σν continuous on"):
-        prove(ExactSolution(body, law, (face,)), "plain cut-off")
-
-
 def test_labels_must_own_up_to_corners_traces_and_kinks() -> None:
     for name, label, reason in (
         ("re-entrant", Regularity(gap=4, pressure=2, moving=True), r"formulas say .*, r\^0\.5445 at a corner"),
@@ -198,6 +192,9 @@ def test_a_body_that_no_family_can_mesh_is_refused_by_name() -> None:
         (Regularity(), 1, 1, "Prop. 5.4"),
         (Regularity(gap=4, pressure=2, moving=True), 1, 1, "Prop. 5.4"),
         (Regularity(gap=3.25, pressure=2, moving=True), 1, 0.75, "Prop. 5.3"),
+        (Regularity(gap=3, pressure=2, moving=True), 1, 0.5, "Prop. 5.3"),
+        (Regularity(gap=3, pressure=2), 1, 1, "Prop. 5.4"),
+        (Regularity(gap=2.25, pressure=1.25), 0.75, 0.75, "Prop. 5.3"),
         (Regularity(gap=2, pressure=1), 0.5, 0.5, "Prop. 5.3"),
         (Regularity(on_contact=1.5), 1, 1, "Prop. 5.3"),
         (Regularity(on_contact=1.25), 1, 0.875, "Prop. 5.3"),
@@ -212,19 +209,10 @@ def test_exponents_say_what_to_expect_and_what_the_proof_gives(regularity, order
     assert regularity.proposition == proposition
 
 
-def test_a_field_no_rougher_than_h_1_is_refused() -> None:
-    with pytest.raises(ValueError, match="λ > 0"):
-        Regularity(corner=0.0)
-
-
-def test_the_catalogue_covers_what_the_ledger_promises() -> None:
-    bodies = [case.solution.body for case in CASES.values()]
-    assert {body.dim for body in bodies} == {2, 3}
-    assert max(len(body.of(Kind.CONTACT)) for body in bodies) >= 3
-    assert any(body.interfaces for body in bodies)
-    assert sum(bool(body.refine) for body in bodies) == 2
-    assert any(case.twin for case in CASES.values())
-    assert all(case.reason and case.summary for case in CASES.values())
+def test_exponents_of_no_solution_in_h_1_are_refused() -> None:
+    for label, message in (({"corner": 0.0}, "λ > 0"), ({"gap": 1.5}, "α > 3/2")):
+        with pytest.raises(ValueError, match=message):
+            Regularity(**label)
 
 
 @pytest.mark.parametrize("name", [name for name, case in CASES.items() if case.twin])

@@ -15,8 +15,7 @@ import pytest
 
 from study.ledger.datafiles import DataError, read_claims
 from study.ledger.files import write_text
-from study.ledger.margin import used, worst
-from study.ledger.verdict import FAILS, HOLDS
+from study.ledger.verdict import FAILS, HOLDS, used, worst
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.present.article import article, window_ends
 from study.present.full_run import FullRun

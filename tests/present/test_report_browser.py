@@ -43,6 +43,15 @@ ARGUMENTS = (
 )
 
 
+class Browser(webdriver.Chrome):
+    """Chromium, and the address of the report."""
+
+    address = ""
+
+    def section(self, name: str) -> None:
+        self.get(f"{self.address}#{name}")
+
+
 def programs() -> tuple[str, str]:
     """Chromium and its driver; without them tests are skipped, or fail where ``BROWSER_TESTS`` is "required"."""
     found = [shutil.which(name) for name in ("chromium", "chromedriver")]
@@ -55,7 +64,7 @@ def programs() -> tuple[str, str]:
 
 
 @pytest.fixture(scope="module")
-def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[webdriver.Chrome]:
+def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Browser]:
     """One browser for all tests, with a profile of its own."""
     browser, driver = programs()
     options = webdriver.ChromeOptions()
@@ -63,13 +72,13 @@ def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[webdriver.Chr
     for argument in (*ARGUMENTS, f"--user-data-dir={tmp_path_factory.mktemp('profile')}"):
         options.add_argument(argument)
     options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-    started = webdriver.Chrome(options=options, service=Service(driver))
+    started = Browser(options=options, service=Service(driver))
     yield started
     started.quit()
 
 
 @pytest.fixture(scope="module")
-def directory(chromium: webdriver.Chrome, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def directory(chromium: Browser, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Data and page; asks for the browser first, as nothing is computed without one."""
     made = write_data(tmp_path_factory.mktemp("report"))
     report(made)
@@ -77,11 +86,12 @@ def directory(chromium: webdriver.Chrome, tmp_path_factory: pytest.TempPathFacto
 
 
 @pytest.fixture
-def page(chromium: webdriver.Chrome, directory: Path) -> Iterator[webdriver.Chrome]:
+def page(chromium: Browser, directory: Path) -> Iterator[Browser]:
     """The page as a visitor first sees it on a desk; afterwards the console must hold no error."""
     width(chromium, 1280)
     chromium.get("about:blank")
-    go(chromium, directory)
+    chromium.address = (directory / "report.html").as_uri()
+    chromium.section("overview")
     yield chromium
     assert [entry for entry in chromium.get_log("browser") if entry["level"] == "SEVERE"] == []
 
@@ -91,16 +101,12 @@ def claims(directory: Path) -> pd.DataFrame:
     return pd.read_csv(directory / "data" / "claims.csv", dtype=str).fillna("")
 
 
-def go(browser: webdriver.Chrome, directory: Path, section: str = "overview") -> None:
-    browser.get((directory / "report.html").as_uri() + f"#{section}")
-
-
-def width(browser: webdriver.Chrome, pixels: int) -> None:
+def width(browser: Browser, pixels: int) -> None:
     metrics = {"width": pixels, "height": 800, "deviceScaleFactor": 1, "mobile": False}
     browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", metrics)
 
 
-def shown_rows(browser: webdriver.Chrome) -> list[list[str]]:
+def shown_rows(browser: Browser) -> list[list[str]]:
     """Case and verdict of the rows of the ledger that are seen, and the statement they belong to."""
     return browser.execute_script(
         "return [...document.querySelectorAll('#rows tr[data-case]')].filter((row) => row.offsetParent !== null)"
@@ -112,20 +118,20 @@ def rows_of(claims: pd.DataFrame) -> list[list[str]]:
     return claims[["label", "case", "verdict"]].to_numpy().tolist()
 
 
-def film(browser: webdriver.Chrome, case: str = CASE) -> WebElement:
+def film(browser: Browser, case: str = CASE) -> WebElement:
     return browser.find_element(By.CSS_SELECTOR, f"[data-case='{case}'].film")
 
 
-def film_data(browser: webdriver.Chrome, case: str = CASE) -> dict[str, Any]:
+def film_data(browser: Browser, case: str = CASE) -> dict[str, Any]:
     script = film(browser, case).find_element(By.TAG_NAME, "script")
     return json.loads(str(script.get_attribute("textContent")))
 
 
-def drawing(browser: webdriver.Chrome, case: str = CASE) -> str:
+def drawing(browser: Browser, case: str = CASE) -> str:
     return str(browser.execute_script("return arguments[0].querySelector('canvas').toDataURL()", film(browser, case)))
 
 
-def time_shown(browser: webdriver.Chrome, case: str = CASE) -> float:
+def time_shown(browser: Browser, case: str = CASE) -> float:
     return float(film(browser, case).find_element(By.TAG_NAME, "output").text.removeprefix("t = "))
 
 
@@ -137,7 +143,7 @@ def attributes(element: WebElement, selector: str, name: str) -> list[str]:
     return [str(one.get_attribute(name)) for one in element.find_elements(By.CSS_SELECTOR, selector)]
 
 
-def pixels(browser: webdriver.Chrome, case: str, condition: str) -> int:
+def pixels(browser: Browser, case: str, condition: str) -> int:
     """How many pixels of the body have a colour (r, g, b) that satisfies a condition."""
     return browser.execute_script(
         "const canvas = arguments[0].querySelector('canvas'), {width, height} = canvas;"
@@ -150,11 +156,9 @@ def pixels(browser: webdriver.Chrome, case: str, condition: str) -> int:
     )
 
 
-def test_every_section_is_shown_alone_under_its_address_and_nothing_is_fetched(
-    page: webdriver.Chrome, directory: Path
-) -> None:
+def test_every_section_is_shown_alone_under_its_address_and_nothing_is_fetched(page: Browser) -> None:
     for section in PAGES:
-        go(page, directory, section)
+        page.section(section)
         assert page.execute_script(
             "return [...document.querySelectorAll('.page')].filter((one) => !one.hidden).map((one) => one.id)"
         ) == [section]
@@ -162,16 +166,14 @@ def test_every_section_is_shown_alone_under_its_address_and_nothing_is_fetched(
     assert page.execute_script("return performance.getEntriesByType('resource').map((entry) => entry.name)") == []
 
 
-def test_text_of_the_data_does_not_run(page: webdriver.Chrome, directory: Path) -> None:
-    go(page, directory, f"case/{SOLID}")
+def test_text_of_the_data_does_not_run(page: Browser) -> None:
+    page.section(f"case/{SOLID}")
     assert "onerror" in page.find_element(By.CSS_SELECTOR, ".page:not([hidden])").text
     assert page.title == f"{SOLID} – Signorini study"
 
 
-def test_without_a_filter_every_row_of_the_ledger_is_seen(
-    page: webdriver.Chrome, directory: Path, claims: pd.DataFrame
-) -> None:
-    go(page, directory, "ledger")
+def test_without_a_filter_every_row_of_the_ledger_is_seen(page: Browser, claims: pd.DataFrame) -> None:
+    page.section("ledger")
     assert shown_rows(page) == rows_of(claims)
 
 
@@ -186,9 +188,9 @@ def test_without_a_filter_every_row_of_the_ledger_is_seen(
     ],
 )
 def test_filters_leave_exactly_the_rows_that_match_and_say_how_many(
-    page: webdriver.Chrome, directory: Path, claims: pd.DataFrame, wanted: dict[str, str]
+    page: Browser, claims: pd.DataFrame, wanted: dict[str, str]
 ) -> None:
-    go(page, directory, "ledger")
+    page.section("ledger")
     matching = claims
     for name, value in wanted.items():
         Select(page.find_element(By.ID, f"filter-{name}")).select_by_visible_text(value)
@@ -202,10 +204,8 @@ def test_filters_leave_exactly_the_rows_that_match_and_say_how_many(
     WebDriverWait(page, 5).until(lambda _: shown_rows(page) == rows_of(claims))
 
 
-def test_words_are_looked_for_in_all_of_a_row_and_scripts_do_not_matter(
-    page: webdriver.Chrome, directory: Path, claims: pd.DataFrame
-) -> None:
-    go(page, directory, "ledger")
+def test_words_are_looked_for_in_all_of_a_row_and_scripts_do_not_matter(page: Browser, claims: pd.DataFrame) -> None:
+    page.section("ledger")
     field = page.find_element(By.ID, "filter-text")
     field.send_keys("Pythagoras size")
     matching = claims["expected"].str.contains("Pythagoras") & claims["quantity"].str.contains("size")
@@ -219,10 +219,8 @@ def test_words_are_looked_for_in_all_of_a_row_and_scripts_do_not_matter(
     assert shown_rows(page) == rows_of(claims[matching])
 
 
-def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(
-    page: webdriver.Chrome, directory: Path, claims: pd.DataFrame
-) -> None:
-    go(page, directory, f"case/{CASE}")
+def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(page: Browser, claims: pd.DataFrame) -> None:
+    page.section(f"case/{CASE}")
     page.find_element(By.CSS_SELECTOR, ".page:not([hidden]) a[href^='#ledger?']").click()
     of_case = claims[claims["case"] == CASE]
     WebDriverWait(page, 5).until(lambda _: shown_rows(page) == rows_of(of_case))
@@ -233,14 +231,14 @@ def test_the_address_keeps_the_filters_and_a_case_leads_to_its_rows(
     assert page.title.startswith(CASE)
 
 
-def test_a_statement_with_brackets_and_commas_leads_to_its_rows(page: webdriver.Chrome, claims: pd.DataFrame) -> None:
+def test_a_statement_with_brackets_and_commas_leads_to_its_rows(page: Browser, claims: pd.DataFrame) -> None:
     label = "(3.9)–(3.11), (4.14), (4.15)"
     page.find_element(By.LINK_TEXT, label).click()
     WebDriverWait(page, 5).until(lambda _: shown_rows(page) == rows_of(claims[claims["label"] == label]))
 
 
-def test_keys_move_the_slider_the_body_and_the_curves(page: webdriver.Chrome, directory: Path) -> None:
-    go(page, directory, f"case/{CASE}")
+def test_keys_move_the_slider_the_body_and_the_curves(page: Browser) -> None:
+    page.section(f"case/{CASE}")
     data, slider = film_data(page), film(page).find_element(By.CSS_SELECTOR, "input[type=range]")
     (face,) = data["faces"]
     high = max(max(map(max, pressures)) for pressures in (face["pressure"], face["line"]["pressure"]))
@@ -258,8 +256,8 @@ def test_keys_move_the_slider_the_body_and_the_curves(page: webdriver.Chrome, di
     assert len(drawn) == 5
 
 
-def test_keys_move_the_slider_the_body_and_the_maps_of_a_solid(page: webdriver.Chrome, directory: Path) -> None:
-    go(page, directory, f"case/{SOLID}")
+def test_keys_move_the_slider_the_body_and_the_maps_of_a_solid(page: Browser) -> None:
+    page.section(f"case/{SOLID}")
     data, section = film_data(page, SOLID), film(page, SOLID)
     slider, (face,) = section.find_element(By.CSS_SELECTOR, "input[type=range]"), data["faces"]
     nodes, drawn = len(face["nodes"]), set()
@@ -287,10 +285,8 @@ def test_keys_move_the_slider_the_body_and_the_maps_of_a_solid(page: webdriver.C
     assert [float(y) for y in re.findall(r",([\d.]+)", line)] == pytest.approx(150 - 140 * inside / nodes, abs=0.006)
 
 
-def test_a_map_of_a_solid_has_the_colours_of_its_values_and_the_exact_front(
-    page: webdriver.Chrome, directory: Path
-) -> None:
-    go(page, directory, f"case/{SOLID}")
+def test_a_map_of_a_solid_has_the_colours_of_its_values_and_the_exact_front(page: Browser) -> None:
+    page.section(f"case/{SOLID}")
     data, section = film_data(page, SOLID), film(page, SOLID)
     (face,), n = data["faces"], 8
     assert time_shown(page, SOLID) == data["times"][n]
@@ -313,10 +309,8 @@ def test_a_map_of_a_solid_has_the_colours_of_its_values_and_the_exact_front(
     np.testing.assert_allclose(np.linalg.norm(s - [0.4 + t / 5, 0.5], axis=1) ** 2, 0.1 + 0.6 * t * (1 - t), atol=4e-3)
 
 
-def test_a_solid_shows_pressure_where_there_is_some_and_its_exact_front_always(
-    page: webdriver.Chrome, directory: Path
-) -> None:
-    go(page, directory, f"case/{SOLID}")
+def test_a_solid_shows_pressure_where_there_is_some_and_its_exact_front_always(page: Browser) -> None:
+    page.section(f"case/{SOLID}")
     slider = film(page, SOLID).find_element(By.CSS_SELECTOR, "input[type=range]")
     red, blue = "r > 200 && g < 180 && b < 130", "r < 40 && g > 90 && b > 150"
     assert pixels(page, SOLID, red) > 2000
@@ -327,9 +321,9 @@ def test_a_solid_shows_pressure_where_there_is_some_and_its_exact_front_always(
 
 
 @pytest.mark.parametrize("case", [CASE, SOLID])
-def test_the_body_is_drawn_where_it_is(page: webdriver.Chrome, directory: Path, case: str) -> None:
+def test_the_body_is_drawn_where_it_is(page: Browser, case: str) -> None:
     """The middle of the canvas is inside the body, its upper left corner outside."""
-    go(page, directory, f"case/{case}")
+    page.section(f"case/{case}")
     middle, corner = page.execute_script(
         "const canvas = arguments[0].querySelector('canvas'), {width, height} = canvas;"
         "const {data} = canvas.getContext('2d').getImageData(0, 0, width, height);"
@@ -356,8 +350,8 @@ const watch = setInterval(() => {
 """All of it in the page: a driver on a busy machine would come back when the film is over."""
 
 
-def test_play_runs_through_the_times_and_pauses(page: webdriver.Chrome, directory: Path) -> None:
-    go(page, directory, f"case/{CASE}")
+def test_play_runs_through_the_times_and_pauses(page: Browser) -> None:
+    page.section(f"case/{CASE}")
     before, pressed, paused, label, later = page.execute_async_script(PLAY_AND_PAUSE, film(page))
     assert pressed == "true"
     assert paused != before
@@ -365,45 +359,41 @@ def test_play_runs_through_the_times_and_pauses(page: webdriver.Chrome, director
     assert later == paused
 
 
-def test_the_space_bar_plays(page: webdriver.Chrome, directory: Path) -> None:
-    go(page, directory, f"case/{CASE}")
+def test_the_space_bar_plays(page: Browser) -> None:
+    page.section(f"case/{CASE}")
     before = time_shown(page)
     film(page).find_element(By.TAG_NAME, "button").send_keys(Keys.SPACE)
     WebDriverWait(page, 10).until(lambda _: time_shown(page) > before)
 
 
 @pytest.mark.parametrize("pixels", [360, 1280])
-def test_no_section_is_wider_than_the_screen(page: webdriver.Chrome, directory: Path, pixels: int) -> None:
+def test_no_section_is_wider_than_the_screen(page: Browser, pixels: int) -> None:
     width(page, pixels)
     for section in PAGES:
-        go(page, directory, section)
+        page.section(section)
         wide, inner = page.execute_script("return [document.scrollingElement.scrollWidth, innerWidth]")
         assert wide <= inner == pixels, section
 
 
-def test_on_a_phone_a_row_of_the_ledger_shows_its_verdict_and_numbers_without_scrolling(
-    page: webdriver.Chrome, directory: Path
-) -> None:
+def test_on_a_phone_a_row_of_the_ledger_shows_its_verdict_and_numbers_without_scrolling(page: Browser) -> None:
     width(page, 360)
-    go(page, directory, "ledger")
+    page.section("ledger")
     for cell in page.find_elements(By.CSS_SELECTOR, "#rows tbody:nth-of-type(2) tr:nth-child(2) td"):
         assert cell.rect["x"] >= 0
         assert cell.rect["x"] + cell.rect["width"] <= 360
 
 
 @pytest.mark.parametrize("pixels", [1400, 390])
-def test_bounds_fit_a_screen_and_a_phone_without_scrolling(
-    page: webdriver.Chrome, directory: Path, pixels: int
-) -> None:
+def test_bounds_fit_a_screen_and_a_phone_without_scrolling(page: Browser, pixels: int) -> None:
     width(page, pixels)
-    go(page, directory, "bounds")
+    page.section("bounds")
     box = page.find_element(By.CSS_SELECTOR, "#bounds .scroll")
     wide, room = (page.execute_script(f"return arguments[0].{name}", box) for name in ("scrollWidth", "clientWidth"))
     assert wide <= room
 
 
-def test_tabs_reach_every_filter_in_order_and_show_where_they_are(page: webdriver.Chrome, directory: Path) -> None:
-    go(page, directory, "ledger")
+def test_tabs_reach_every_filter_in_order_and_show_where_they_are(page: Browser) -> None:
+    page.section("ledger")
     names = ["filter-text", "filter-verdict", "filter-statement", "filter-case"]
     reached = []
     for _ in range(20):
@@ -415,9 +405,9 @@ def test_tabs_reach_every_filter_in_order_and_show_where_they_are(page: webdrive
     assert all(page.find_elements(By.CSS_SELECTOR, f"label[for={name}]") for name in names)
 
 
-def test_the_first_tab_leads_past_the_links_to_the_content(page: webdriver.Chrome, directory: Path) -> None:
+def test_the_first_tab_leads_past_the_links_to_the_content(page: Browser) -> None:
     page.get("about:blank")
-    page.get((directory / "report.html").as_uri())
+    page.get(page.address)
     page.switch_to.active_element.send_keys(Keys.TAB)
     link = page.switch_to.active_element
     assert link.text == "To the content"
@@ -426,19 +416,19 @@ def test_the_first_tab_leads_past_the_links_to_the_content(page: webdriver.Chrom
     assert page.find_element(By.ID, "overview").is_displayed()
 
 
-def test_a_section_that_is_gone_to_takes_the_focus(page: webdriver.Chrome) -> None:
+def test_a_section_that_is_gone_to_takes_the_focus(page: Browser) -> None:
     page.find_element(By.LINK_TEXT, "Cases").send_keys(Keys.ENTER)
     WebDriverWait(page, 5).until(lambda _: page.switch_to.active_element.get_attribute("id") == "cases-title")
     assert page.find_element(By.CSS_SELECTOR, "nav [aria-current=page]").text == "Cases"
 
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_text_stands_out_from_the_paper_by_day_and_night(page: webdriver.Chrome, directory: Path, scheme: str) -> None:
+def test_text_stands_out_from_the_paper_by_day_and_night(page: Browser, scheme: str) -> None:
     """Contrast by WCAG 2: (L₁ + 0.05)/(L₂ + 0.05) ≥ 4.5, the darker colour of the two below 1/2 as the scheme says."""
     page.execute_cdp_cmd(
         "Emulation.setEmulatedMedia", {"features": [{"name": "prefers-color-scheme", "value": scheme}]}
     )
-    go(page, directory, "ledger")
+    page.section("ledger")
     paper = luminance(page.find_element(By.TAG_NAME, "body").value_of_css_property("background-color"))
     assert (paper < 0.5) == (scheme == "dark")
     for chosen in ("h2", "caption", "#rows td", "#rows a", "label", ".group code", "nav a"):

@@ -17,7 +17,7 @@ from manufactured.tensors import full, mandel
 from study.cli.main import main
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
-from study.ledger.packing import STEPS
+from study.ledger.pictures import STEPS
 from study.present.drawing import in_style
 from study.present.palette import VERMILLION
 from study.present.picture import Picture, with_every_shape

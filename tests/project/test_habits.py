@@ -22,7 +22,7 @@ from typing import Any
 import pandas as pd
 import pytest
 import yaml
-from case_docstrings import lacks
+from case_docstrings import missing_parts
 
 import manufactured
 from manufactured import Case, prove
@@ -33,9 +33,8 @@ from study.fem.mesh import OneDiagonal
 from study.ledger.verdict import FAILS, HOLDS
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.from_rates import SizeOfInterpolation
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.measure import measure_case
+from study.statements.from_rates import SizeOfInterpolation
+from study.statements.prop_5_4 import FirstOrder, measure_case
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
@@ -83,19 +82,15 @@ def module(monkeypatch: pytest.MonkeyPatch, name: str) -> ModuleType:
 # Citation, changes, pins.
 
 
-def test_the_version_is_the_same_everywhere() -> None:
-    newest = re.search(r"^## \[(.+?)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
-    assert newest is not None
-    assert CITATION["version"] == newest[1] == PROJECT["version"]
-
-
 def test_the_citation_names_the_holder_of_the_licence_and_the_paper() -> None:
     holder = re.search(r"Copyright \(c\) \d{4} (.+)", (ROOT / "LICENSE").read_text())
     assert holder is not None
+    newest = re.search(r"^## \[(.+?)\]", (ROOT / "CHANGELOG.md").read_text(), re.MULTILINE)
+    assert newest is not None
+    assert CITATION["version"] == newest[1]
     assert CITATION["cff-version"] == "1.2.0"
     assert {"message", "title", "authors"} <= set(CITATION)
     assert CITATION["authors"] == [{"name": holder[1]}]
-    assert CITATION["license"] == PROJECT["license"]
     (paper,) = CITATION["references"]
     assert {"type", "title", "authors"} <= set(paper)
     assert [author["family-names"] for author in paper["authors"]] == ["Barboteu", "Han", "Sofonea"]
@@ -105,8 +100,9 @@ def test_the_citation_names_the_holder_of_the_licence_and_the_paper() -> None:
         assert f"{key} = {{{value}}}" in entry
 
 
-def test_every_pin_has_hashes_and_no_address() -> None:
-    pins = (ROOT / "requirements.txt").read_text()
+@pytest.mark.parametrize("path", [*(ROOT / "requirements").iterdir()], ids=lambda path: path.stem)
+def test_every_pin_has_hashes_and_no_address(path: Path) -> None:
+    pins = path.read_text()
     assert "://" not in pins
     for pin in re.split(r"\n(?=[a-zA-Z])", re.sub(r"^\s*#.*\n", "", pins, flags=re.MULTILINE)):
         assert re.match(r"\S+==\S+.*\\\n\s+--hash=sha256:[0-9a-f]{64}", pin), pin[:60]
@@ -119,7 +115,7 @@ def test_every_pin_has_hashes_and_no_address() -> None:
 def test_every_make_target_and_study_command_exists(path: Path) -> None:
     for words in commands(path):
         if words[0] == "make":
-            assert set(words[1:]) <= TARGETS | {".venv/.ready"}, words
+            assert set(words[1:]) <= TARGETS, words
         elif Path(words[0]).name == "study":
             parser().parse_args(words[1:])
 
@@ -134,15 +130,12 @@ def test_workflows_use_actions_of_a_fixed_major_version_and_may_write_nothing(wo
 
 
 def test_workflows_run_what_the_documentation_tells_to_run() -> None:
-    """Benchmarks are left out: they time the machine."""
+    """Except benchmarks, which time the machine, and `make cluster`, which `make test` does as well."""
     told = set(re.findall(r"\bmake ([a-z][a-z-]*)", RUN_THE_STUDY.read_text())) & TARGETS
     run = {target for workflow in WORKFLOWS for words in commands(workflow) if words[0] == "make" for target in words}
     assert {"test", "study", "full", "controls"} <= told
-    assert {target for target in told - run if not target.startswith("bench")} == set()
-
-
-def test_the_workflow_types_what_the_pages_say_also_where_it_takes_minutes() -> None:
-    assert ["make", "tutorials"] in [*commands(WORKFLOWS[0])]
+    assert ["make", "tutorials"] in [*commands(WORKFLOWS[0])], "every page, also where that takes minutes"
+    assert {target for target in told - run if not target.startswith("bench")} <= {"cluster"}
 
 
 def test_the_tests_of_the_report_in_a_browser_are_never_skipped_by_ci() -> None:
@@ -160,17 +153,15 @@ def test_the_versions_of_python_that_the_documentation_says_are_tested_are() -> 
     assert PROJECT["requires-python"] == f">={tested[0]}"
 
 
-def test_report_and_junit_file_are_uploaded_also_when_a_verdict_fails() -> None:
-    study = yaml.safe_load(WORKFLOWS[0].read_text())["jobs"]["study"]["steps"]
-    (upload,) = [step for step in study if "upload-artifact" in step.get("uses", "")]
-    assert {"results/quick/report.html", "results/quick/junit.xml"} <= set(upload["with"]["path"].split())
-    assert upload["if"] == "${{ !cancelled() }}"
-
-
 def test_a_commit_is_checked_by_what_make_lint_runs() -> None:
+    """Except the table of sizes, which checks nothing."""
     lint = re.search(r"^lint:.*\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(), re.MULTILINE)
     assert lint is not None
-    wanted = [line.strip().removeprefix("$(BIN)/").removesuffix(" .") for line in lint[1].splitlines()]
+    wanted = [
+        line.strip().removeprefix("$(BIN)/").removesuffix(" .")
+        for line in lint[1].splitlines()
+        if "budget.py" not in line
+    ]
     (local,) = yaml.safe_load((ROOT / ".pre-commit-config.yaml").read_text())["repos"]
     assert local["repo"] == "local"
     assert [hook["entry"].removesuffix(" --force-exclude") for hook in local["hooks"]] == [
@@ -215,7 +206,7 @@ def test_the_case_of_the_recipe_proves_itself_and_is_new(case: Case) -> None:
 
 def test_the_case_of_the_recipe_states_its_formulas_and_then_the_order_that_they_predict(monkeypatch) -> None:
     recipe = module(monkeypatch, "manufactured.cases.breathing_patch")
-    assert lacks(recipe.__doc__, recipe.case()) == []
+    assert missing_parts(recipe.__doc__, recipe.case()) == []
 
 
 def test_the_case_of_the_recipe_has_its_predicted_order(case: Case) -> None:
@@ -257,7 +248,7 @@ ENTRIES = {
             "from study.statements.uniqueness",
             "from study.statements.trace import Trace\nfrom study.statements.uniqueness",
         ),
-        ("    Slips(),\n", "    Trace(),\n    Slips(),\n"),
+        ("    Misprints(),\n", "    Trace(),\n    Misprints(),\n"),
     ],
 }
 """What the recipes tell to enter, as (before, after)."""
@@ -330,18 +321,6 @@ def test_every_public_name_is_documented(name: str) -> None:
         assert not value.__doc__.startswith(f"{name}(")
     else:
         assert f"``{name}``" in str(manufactured.__doc__)
-
-
-@pytest.mark.slow
-def test_the_pages_of_the_api_are_made_without_a_warning(tmp_path) -> None:
-    recipe = re.search(r"^docs:.*\n((?:\t.*\n)+)", (ROOT / "Makefile").read_text(), re.MULTILINE)
-    assert recipe is not None
-    words = shlex.split(recipe[1].replace("\\\n", " ").replace("build/docs", str(tmp_path)))
-    assert words[0] == "$(BIN)/python"
-    python(ROOT, *words[1:])
-    page = (tmp_path / "manufactured.html").read_text()
-    assert all(f'id="{name}"' in page for name in manufactured.__all__)
-    assert "Korn" in (tmp_path / "study" / "statements" / "korn.html").read_text()
 
 
 # Types.

@@ -23,24 +23,40 @@ from study.cli.main import LACKING, main
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-PINNED = set(re.findall(r"^([\w-]+)==", (ROOT / "requirements.txt").read_text(encoding="utf-8"), re.MULTILINE))
+PINS = {
+    path.stem: dict(re.findall(r"^([\w-]+)==([\w.]+)", path.read_text(encoding="utf-8"), re.MULTILINE))
+    for path in (ROOT / "requirements").iterdir()
+}
+EXTRAS = {"study": "runtime", "orders": "runtime", "dev": "development", "docs": "documentation", "cluster": "cluster"}
 
 
 def names(requirements: list[str]) -> set[str]:
     return {re.split(r"[<>=\[ ]", requirement)[0] for requirement in requirements}
 
 
-def test_the_base_is_numpy_and_sympy_and_everything_else_an_extra() -> None:
+def test_the_base_is_numpy_and_sympy_and_every_extra_has_its_file_of_pins() -> None:
     assert names(PROJECT["dependencies"]) == {"numpy", "sympy"}
-    for extra in PROJECT["optional-dependencies"].values():
-        assert names(extra) <= PINNED
+    assert set(EXTRAS) == set(PROJECT["optional-dependencies"])
+    for extra, file in EXTRAS.items():
+        assert names(PROJECT["optional-dependencies"][extra]) <= set(PINS[file])
+
+
+def test_running_the_study_needs_at_most_forty_packages_and_no_tools() -> None:
+    assert set(PINS) == set(EXTRAS.values())
+    assert len(PINS["runtime"]) <= 40
+    assert set(PINS["runtime"]).isdisjoint({"pytest", "ruff", "mypy", "sphinx", "distributed", "selenium"})
+
+
+def test_a_package_that_is_pinned_twice_has_one_version() -> None:
+    versions = {(package, version) for pins in PINS.values() for package, version in pins.items()}
+    assert len(versions) == len({package for package, _ in versions})
 
 
 def test_every_pinned_package_runs_on_the_oldest_python_that_the_project_names() -> None:
     oldest = PROJECT["requires-python"].removeprefix(">=") + ".0"
-    installed = packages()
-    needed = {package: metadata(package)["Requires-Python"] for package in PINNED & installed}
-    assert len(needed) > 0.9 * len(PINNED)
+    pinned = {package for pins in PINS.values() for package in pins}
+    needed = {package: metadata(package)["Requires-Python"] for package in pinned & packages()}
+    assert len(needed) > 0.9 * len(pinned)
     newer = [package for package, versions in needed.items() if versions and oldest not in SpecifierSet(versions)]
     assert newer == []
 

@@ -20,6 +20,8 @@ ELSEWHERE = {
     "python examples/errors.py": "project/test_habits.py::test_the_example_prints_the_table_beside_it",
     "python checker.py": "certify/test_checker.py::test_a_copy_of_the_file_checks_a_certificate_without_any_package",
     "python -m pip install .": "project/test_packaging.py::test_the_wheel_works_with_numpy_and_sympy_alone",
+    "python solver.py": "orders/test_convergence_check.py::test_the_tutorial_turns_red_when_its_solver_breaks",
+    "python -m pytest": "orders/test_convergence_check.py::test_the_tutorial_turns_red_when_its_solver_breaks",
     "dask scheduler": "run/test_cluster.py::scheduler",
     "dask worker": "run/test_cluster.py::cluster",
 }
@@ -27,7 +29,9 @@ ELSEWHERE = {
 EXCLUDED = {
     "pip install .": "make wheel, which CI runs, installs the wheel in an environment of its own",
     "python -m pip install '.[study]'": "make study installs it so, with pins",
+    "python -m pip install 'signorini-study[orders]'": "the environment of the tests has the package with all extras",
     "pip install '.[study": "the environment of the tests has Dask and everything else",
+    "make cluster": "make test, which CI runs, installs Dask as well",
     "make full": "half an hour: the nightly workflow runs it",
     "make again": "a minute: the nightly workflow runs it, and tests/cli/test_again.py the command behind it",
     "make seeds": "an hour: the nightly workflow runs it",

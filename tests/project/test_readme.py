@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import shutil
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,13 +10,13 @@ import numpy as np
 import pytest
 from pages import README, ROOT, SITE, Page
 
-from study.ledger.datafiles import DataError, read_claims, read_csv, write_csv
+from study.ledger.datafiles import DataError, read_claims, read_csv
 from study.present.full_run import FullRun
-from study.present.pages import badges, main, refresh, results, write_badges
+from study.present.pages import badges, main, refresh, write_badges
 from study.present.palette import VERMILLION
+from study.statements.from_rates import Turned
 from study.statements.prop_5_3 import LIMIT
-from study.statements.prop_5_4.from_rates import Turned
-from study.statements.prop_5_4.judge import NOT_AT_START
+from study.statements.prop_5_4 import NOT_AT_START
 
 
 def page(name: str) -> Page:
@@ -105,17 +104,6 @@ def test_what_its_head_says_is_at_most_so_large_is_not_larger_and_hardly_smaller
     ):
         (shown,) = map(float, re.findall(text, RESULTS))
         assert largest <= shown < largest + digit, text
-
-
-def test_the_row_on_smoothness_shows_whatever_orders_were_seen_and_gives_no_verdict(tmp_path: Path) -> None:
-    shutil.copytree(ROOT / "results" / "data", tmp_path / "data")
-    claims = read_claims(tmp_path)
-    claims.loc[claims["label"] == "(5.36)", ["observed", "low", "high"]] = [0.604, 0.604, 0.706]
-    write_csv(tmp_path / "data" / "claims.csv", claims)
-    data = FullRun.read(tmp_path)
-    assert data is not None
-    (row,) = [line for line in results(data).splitlines() if "(5.36)" in line]
-    assert row.endswith("| orders 0.60 … 0.71 in 3 cases that miss one of them | reported |")
 
 
 def test_the_cases_it_names_for_an_error_largest_at_the_start_are_those_of_the_data() -> None:

@@ -16,14 +16,13 @@ import psutil
 import pytest
 
 from study.cli.main import main
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.run.cluster import connected, identity
-from study.run.execute import execute
+from study.run.executor import execute
 from study.run.fingerprint import versions
-from study.run.job import Job
+from study.run.plan import Job
 from study.run.store import Store
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.sweep import RateSetting
+from study.statements.prop_5_4 import FirstOrder, RateSetting
 
 MINE = """
 from dataclasses import replace

@@ -2,30 +2,21 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
 import random
 import signal
-import subprocess
-import sys
 import time
 from pathlib import Path
 
 import psutil
 import pytest
 
+from study.cli import common
 from study.cli.main import main
+from study.run.plan import Plan
 
 RUN = ["run", "--case", "full-contact", "advance-recede", "--levels", "2", "3", "--jobs", "2", "--out"]
-ONLY_THE_DATA = """
-import sys
-from study.cli.main import main
-from study.ledger.garbage import imported
-common = imported("study.cli.common")
-from study.run.plan import Plan
-common.draw_figures = lambda *arguments, **options: []
-Plan.check = lambda *arguments: None
-sys.exit(main(sys.argv[1:]))
-"""
-"""The command without figures and without the proofs of the cases, which keep nothing and take most of the time."""
 VICTIMS = ["run", "worker", "worker", "run"]
 """What is killed in one directory: the last one stays the last, the others come in any order."""
 EFFECTIVE = 3
@@ -34,10 +25,32 @@ SPARE = 6
 """Jobs that are left when the last kill is due, so that it comes before the end."""
 
 
-def started(out: Path) -> subprocess.Popen[bytes]:
-    """The command, in a process group of its own."""
-    command = [sys.executable, "-c", ONLY_THE_DATA, *RUN, str(out)]
-    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+class Run:
+    """The command in a process group of its own, forked so that nothing is imported again."""
+
+    def __init__(self, out: Path) -> None:
+        self._process = multiprocessing.get_context("fork").Process(target=command, args=(out,))
+        self._process.start()
+        assert self._process.pid is not None
+        self.pid = self._process.pid
+
+    def poll(self) -> int | None:
+        return self._process.exitcode
+
+    def wait(self) -> int | None:
+        self._process.join()
+        return self._process.exitcode
+
+
+def command(out: Path) -> None:
+    """``study run`` without figures and without the proofs of the cases, which write no results and take long."""
+    os.setsid()
+    with open(os.devnull, "w") as nowhere:
+        for stream in (1, 2):
+            os.dup2(nowhere.fileno(), stream)
+    common.draw_figures = lambda *arguments, **options: []  # type: ignore[assignment]
+    Plan.check = lambda *arguments: None  # type: ignore[method-assign, assignment]
+    os._exit(main([*RUN, str(out)]))
 
 
 def written(out: Path) -> dict[str, bytes]:
@@ -67,7 +80,7 @@ def results(out: Path) -> dict[Path, int]:
     return {path: path.stat().st_mtime_ns for path in out.glob("data/jobs/*.json")}
 
 
-def kill(run: subprocess.Popen[bytes], victim: str) -> bool:
+def kill(run: Run, victim: str) -> bool:
     """Kill a worker of a run, or the run itself, of which nothing may be left; whether workers were alive."""
     leader = psutil.Process(run.pid)
     workers = [worker for worker in leader.children(recursive=True) if not gone(worker)]
@@ -95,7 +108,7 @@ def test_kills_at_random_moments_change_no_byte_of_what_the_command_writes_in_th
     run, effective = None, 0
     kept: dict[Path, int] = {}
     for left, victim in zip(range(len(VICTIMS), 0, -1), [*choose.sample(VICTIMS[:-1], 3), VICTIMS[-1]], strict=True):
-        run = run or started(tmp_path)
+        run = run or Run(tmp_path)
         # At least one job more than there are: nothing works before that but imports.
         jobs = len(kept) + 1 + choose.randrange(max(1, (total - SPARE - len(kept)) // left))
         while len(results(tmp_path)) < jobs and run.poll() is None:
@@ -109,6 +122,6 @@ def test_kills_at_random_moments_change_no_byte_of_what_the_command_writes_in_th
         kept = now
         effective += hit and 0 < len(kept) < total
     assert effective >= EFFECTIVE
-    assert started(tmp_path).wait() in (0, 1)
+    assert Run(tmp_path).wait() in (0, 1)
     assert written(tmp_path) == undisturbed
     assert kept.items() <= results(tmp_path).items(), "what was finished is not done again"

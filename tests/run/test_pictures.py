@@ -14,8 +14,7 @@ from manufactured.body import Body, Part
 from manufactured.catalogue import catalogue
 from study.fem.mesh import MeshError, Skin, Unstructured, boundary_parts
 from study.fem.naming import resolve
-from study.ledger.facets import Facets
-from study.ledger.packing import FINE, STEPS
+from study.ledger.pictures import FINE, STEPS, Facets
 from study.present.picture import Picture
 from study.run.plan import Plan, full, quick
 from study.solve.motion import Motion
@@ -127,7 +126,7 @@ def test_an_exact_zone_is_known_just_before_and_just_after_its_pieces_meet() -> 
         half = max(0.3 - t, 0) ** 0.5
         return [[0, 0.5 - half], [0.5 + half, 1]] if half else [[0, 1]]
 
-    zone = pictures._zone(intervals, [0.0, 0.25, 0.5])
+    zone = pictures.zone_over_time(intervals, [0.0, 0.25, 0.5])
     assert list(zone) == sorted(zone)
     before, after = max(t for t in zone if t < 0.3), min(t for t in zone if t >= 0.3)
     assert after - before < 0.001

@@ -15,23 +15,22 @@ from manufactured import Case, catalogue, named
 from manufactured.catalogue import NAMES
 from study.fem.mesh import FAMILIES, MeshError, OneDiagonal
 from study.fem.naming import resolve
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
-from study.statements.contact_work.judged_work import WorkOfContact
-from study.statements.enclosure.bound_rows import posed
+from study.statements.contact_work import WorkOfContact
+from study.statements.enclosure import posed
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.interpolation import TRACES
 from study.statements.landings import Landings
 from study.statements.pictures import Pictures
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.prop_5_4.sweep import Rates, RateSetting
-from study.statements.rollers.judged_rollers import Rollers
+from study.statements.prop_5_4 import FirstOrder, Rates, RateSetting
+from study.statements.rollers import Rollers
 from study.statements.shared.base import Setting
-from study.statements.shared.places import BODIES, BODIES_WITH_LAWS, BODIES_WITH_VISCOSITIES, LAWS
+from study.statements.shared.meshes import BODIES, BODIES_WITH_LAWS, BODIES_WITH_VISCOSITIES, LAWS
 from study.statements.shared.scope import Levels
-from study.statements.thm_4_2.same_mesh import SameMesh
+from study.statements.thm_4_2 import SameMesh
 
 SCOPES = {"quick": quick(), "full": full()}
 PLANS = {name: Plan.of(scope) for name, scope in SCOPES.items()}

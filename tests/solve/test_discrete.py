@@ -25,7 +25,7 @@ from study.solve.evolution import EvolutionError, SemiDiscrete
 from study.solve.signorini import Signorini
 from study.solve.steps import rate_steps
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.experiment import Experiment
 
 FOR_SQUARES = [family for family in FAMILIES if family.serves(unit_square())]
 CASES = {case.name: case for case in catalogue()}

@@ -19,8 +19,8 @@ from study.solve.evolution import SemiDiscrete
 from study.solve.steps import StepsError
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, SCHEMES
 from study.statements.shared.base import Setting
-from study.statements.thm_4_2.gaps import problems
-from study.statements.thm_4_2.stress_errors import StressExperiment
+from study.statements.thm_4_2 import problems
+from study.statements.thm_4_2_own_space import StressExperiment
 
 BODY = unit_square()
 SPACE = Space(OneDiagonal()(BODY, 4), BODY)

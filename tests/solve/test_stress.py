@@ -16,8 +16,7 @@ from study.solve.steps import StepsError
 from study.solve.stress_potential import StressError
 from study.solve.stress_problem import StressProblem
 from study.statements.shared.base import Setting
-from study.statements.thm_4_2.gaps import beyond, gaps, problems
-from study.statements.thm_4_2.stands_alone import StandsAlone
+from study.statements.thm_4_2 import StandsAlone, beyond, gaps, problems
 
 CASES = {case.name: case for case in catalogue()}
 

@@ -12,7 +12,7 @@ from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.solve.steps import StepsError, rate_steps, stress_steps
 from study.solve.tableau import BACKWARD_EULER, SCHEMES, Tableau
-from study.statements.prop_5_4.experiment import Experiment
+from study.statements.shared.experiment import Experiment
 
 K = 0.1
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import numpy as np
 import pandas as pd
 import pytest
+from measured_rows import invented, measured
 
 from manufactured.exact.solution import FaceFields
 from manufactured.tensors import Array
@@ -15,12 +16,19 @@ from study.fem.naming import family_named, resolve
 from study.fem.seminorm import FIRST, PANELS, SECOND, gram, seminorm
 from study.fem.space import Space
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.statements.contact_work.judged_work import WorkOfContact
-from study.statements.contact_work.resolved import Resolved, pressing_on
-from study.statements.contact_work.total_work import FACE_RULE, INSTANTS, TotalWork, shaken, vertices_on
+from study.statements.contact_work import (
+    FACE_RULE,
+    TIME_NODES,
+    Resolved,
+    TotalWork,
+    WorkOfContact,
+    pressing_on,
+    shaken,
+    vertices_on,
+)
 from study.statements.edge_work import BRANCHES, C_0, EQUAL, OF_ALL, OVERALL, WORK, EdgeWork, beta, supremum
-from study.statements.shared.base import Setting
-from study.statements.shared.instants import midpoints
+from study.statements.shared.base import grid
+from study.statements.shared.norms import midpoints
 
 GRID = "one-diagonal"
 
@@ -73,10 +81,8 @@ def test_a_bound_of_another_power_of_the_contact_set_is_exceeded(monkeypatch: py
     assert max(supremum(touching, 0.5) for touching in contact_sets()) > 1
 
 
-def edge_rows(levels: tuple[int, ...] = (16, 32)) -> pd.DataFrame:
-    statement = EdgeWork()
-    settings = [Setting(case, GRID, n) for case in ("trains", "merging-patches") for n in levels]
-    return pd.DataFrame([row for s in settings for _, row in statement.records(s, statement.measure(s))])
+def edge_rows(*levels: int) -> pd.DataFrame:
+    return measured(EdgeWork(), grid(("trains", "merging-patches"), (GRID,), levels))
 
 
 def verdict_of(verdicts: list[Verdict], key: str) -> set[str]:
@@ -84,7 +90,7 @@ def verdict_of(verdicts: list[Verdict], key: str) -> set[str]:
 
 
 def test_the_work_on_every_edge_is_within_its_bound() -> None:
-    assert {verdict.verdict for verdict in EdgeWork().judge(edge_rows())} == {HOLDS}
+    assert {verdict.verdict for verdict in EdgeWork().judge(edge_rows(16, 32))} == {HOLDS}
 
 
 def test_a_pressure_off_the_zone_of_contact_breaks_the_bound(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -95,7 +101,7 @@ def test_a_pressure_off_the_zone_of_contact_breaks_the_bound(monkeypatch: pytest
         return np.asarray(stated(self, time) + 1e4)
 
     monkeypatch.setattr(FaceFields, "stated_pressure", everywhere)
-    verdicts = EdgeWork().judge(edge_rows((32,)))
+    verdicts = EdgeWork().judge(edge_rows(32))
     assert FAILS in verdict_of(verdicts, "solution") & verdict_of(verdicts, "constant")
 
 
@@ -110,8 +116,7 @@ def test_a_pressure_off_the_zone_of_contact_breaks_the_bound(monkeypatch: pytest
 )
 def test_every_row_about_edges_can_fail(quantities: tuple[str, ...], value: float, key: str) -> None:
     numbers = {WORK: 0.5, OF_ALL: 0.5, OVERALL: 0.1, **dict.fromkeys(BRANCHES, 3)}
-    common = {"case": "a", "family": GRID, "level": 16, "h": 1 / 16}
-    right = pd.DataFrame({**common, "quantity": name, "value": float(number)} for name, number in numbers.items())
+    right = invented(numbers, (16,))
     assert verdict_of(EdgeWork().judge(right), key) == {HOLDS}
     wrong = right.assign(value=right["value"].where(~right["quantity"].isin(quantities), value))
     assert verdict_of(EdgeWork().judge(wrong), key) == {FAILS}
@@ -119,13 +124,10 @@ def test_every_row_about_edges_can_fail(quantities: tuple[str, ...], value: floa
 
 def work_rows(work: Callable[[int], float], spread: float = 0.5) -> pd.DataFrame:
     """Rows with h = 1/n, an error of order 1 and work as given."""
-    rows = []
-    for family in (GRID, "shaken"):
-        for n in (16, 32, 64, 128):
-            numbers = {"work": work(n), "mean work": work(n), "spread": n**-spread, "error": 3 / n, "excess": 1 / n}
-            common = {"case": "trains", "family": family, "level": n, "h": 1 / n}
-            rows += [{**common, "quantity": name, "value": value} for name, value in numbers.items()]
-    return pd.DataFrame(rows)
+    levels = np.array([16, 32, 64, 128])
+    works = [work(n) for n in levels.tolist()]
+    numbers = {"work": works, "mean work": works, "spread": levels**-spread, "error": 3 / levels, "excess": 1 / levels}
+    return pd.concat([invented(numbers, levels.tolist(), case="trains", family=f) for f in (GRID, "shaken")])
 
 
 def test_work_of_order_one_holds_and_is_reported_on_irregular_meshes() -> None:
@@ -189,13 +191,13 @@ def test_the_work_is_the_same_through_the_load_and_on_the_face(coarse: Resolved)
 
 def test_the_work_for_many_sets_of_vertices_is_that_of_interpolants_for_each(coarse: Resolved) -> None:
     solution, total = coarse.solution, TotalWork(coarse.solution)
-    rng, times = np.random.default_rng(5), midpoints(1.0, INSTANTS)
+    rng, times = np.random.default_rng(5), midpoints(1.0, TIME_NODES)
     sets = [shaken(vertices_on(coarse.space), rng) for _ in range(3)]
     expected = np.zeros(len(sets))
     for j, face in enumerate(solution.faces):
         place, weights = (face.part.measure * values for values in FACE_RULE)
         for time in times:
-            pressure = solution.on(face, place[None]).stated_pressure(time) * weights / INSTANTS
+            pressure = solution.on(face, place[None]).stated_pressure(time) * weights / TIME_NODES
             nodal = [face.gap_jet(vertices[j][None], time)[(0,)] for vertices in sets]
             expected += [pressure @ np.interp(place, v[j], w) for v, w in zip(sets, nodal, strict=True)]
     np.testing.assert_allclose(total([np.array(each) for each in zip(*sets, strict=True)]), expected, rtol=1e-12)

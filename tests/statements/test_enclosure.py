@@ -8,8 +8,7 @@ import pandas as pd
 import pytest
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
-from study.statements.enclosure.courses import CHECKED, CHECKED_LEVEL
-from study.statements.enclosure.inside import WIDTH, BoundedError, EnclosedError, contains
+from study.statements.enclosure import CHECKED, CHECKED_LEVEL, WIDTH, BoundedError, EnclosedError, contains
 
 
 def bounds(trajectory: str, levels: tuple[int, ...] = (8, 16), case: str = "a", **changes) -> pd.DataFrame:

@@ -15,9 +15,9 @@ from study.fem.naming import resolve
 from study.ledger.codes import FROZEN, MARCH, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.judgement import beside
-from study.statements.other_codes.judge import MARCHED, OURS, PEERS, OtherCodes, Peer
-from study.statements.other_codes.tasks import Task
+from study.statements.other_codes import MARCHED, OURS, PEERS, OtherCodes, Peer
 from study.statements.shared.base import LISTED, Setting, grid
+from study.statements.shared.tasks import Task
 
 RESULTS = Path(__file__).parents[2] / "results"
 SETTINGS = grid(("advance-recede", "corner", "rotated"), ("one-diagonal", "shaken"), (8, 16))

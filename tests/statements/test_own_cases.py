@@ -76,28 +76,28 @@ def test_evidence_that_is_missing_is_named_with_what_to_do(changes: dict[str, ob
     assert told in reason(own(rows)[key])
 
 
-def test_a_start_that_is_not_the_interpolant_fails_for_everybody() -> None:
+@pytest.mark.parametrize("column", ["residual", "clamped", "parallelogram"])
+def test_an_identity_of_the_program_that_is_violated_fails_for_everybody(column: str) -> None:
+    assert own(following([1.0, 1.0], **{column: 0.5}))[column].verdict == FAILS
+
+
+def test_a_wrong_start_and_errors_that_are_no_numbers_fail_for_everybody() -> None:
     rows = following([1.0, 1.0])
     rows = rows.assign(initial_error=rows["error"], interpolation_error=0.99 * rows["error"])
     assert own(rows)["start-share"].verdict == FAILS
-
-
-@pytest.mark.parametrize("column", ["residual", "clamped", "parallelogram"])
-def test_an_identity_of_the_program_that_is_violated_fails_for_everybody(column: str) -> None:
-    rows = following([1.0, 1.0], **{column: 0.5})
-    assert own(rows)[column].verdict == FAILS
-
-
-def test_errors_that_are_no_numbers_fail_for_everybody() -> None:
     assert own(following([1.0, 1.0], error=np.nan))["order"].verdict == FAILS
 
 
-def test_orders_say_nothing_while_time_steps_disturb_the_errors() -> None:
-    assert "time steps disturb" in reason(own(following([0.5, 0.5], time_share=0.1))["order"])
-    coarse = following([0.5, 0.5], quadrature_change=0.1)
-    assert "quadrature disturbs the errors: mend that first" in reason(own(coarse)["order"])
-    both = following([0.5, 0.5], quadrature_change=0.1, time_share=0.1)
-    assert "time steps and quadrature disturb the errors" in reason(own(both)["order"])
+@pytest.mark.parametrize(
+    ("disturbed", "told"),
+    [
+        ({"time_share": 0.1}, "time steps disturb"),
+        ({"quadrature_change": 0.1}, "quadrature disturbs the errors: mend that first"),
+        ({"quadrature_change": 0.1, "time_share": 0.1}, "time steps and quadrature disturb the errors"),
+    ],
+)
+def test_orders_say_nothing_while_time_steps_or_quadrature_disturb_the_errors(disturbed, told: str) -> None:
+    assert told in reason(own(following([0.5, 0.5], **disturbed))["order"])
 
 
 def rough(errors: list[float]) -> dict[str, str]:
@@ -130,16 +130,22 @@ def test_a_case_of_the_catalogue_fails_as_before() -> None:
     assert [v.verdict for v in found if v.key == "order"] == [FAILS, UNDECIDED]
 
 
-def test_levels_to_try_are_finer_and_enough() -> None:
-    assert finer([8, 16, 32], dim=2) == [16, 32, 64]
-    assert finer([9, 12, 15], dim=2) == [12, 15, 18]
+@pytest.mark.parametrize(
+    ("dim", "levels", "expected"),
+    [
+        (2, [8, 16, 32], [16, 32, 64]),
+        (2, [9, 12, 15], [12, 15, 18]),
+        (3, [6, 9, 12], [9, 12, 15]),
+        (3, [8, 16, 32], [16, 32, 48]),
+    ],
+)
+def test_levels_to_try_are_finer_and_in_space_not_too_fine(dim: int, levels: list[int], expected: list[int]) -> None:
+    assert finer(levels, dim) == expected
+
+
+def test_levels_are_added_until_an_order_can_be_decided() -> None:
     assert enough([8], 3, dim=2) == [8, 16, 32]
     assert enough([9, 12], 4, dim=2) == [9, 12, 15, 18]
-
-
-def test_levels_to_try_in_space_are_those_that_a_mesh_can_pay_for() -> None:
-    assert finer([6, 9, 12], dim=3) == [9, 12, 15]
-    assert finer([8, 16, 32], dim=3) == [16, 32, 48]
     assert enough([8], 3, dim=3) == [8, 12, 16]
     assert "try --levels 16 32 48" in reason(own(following([0.6, 0.8]).assign(dim=3))["order"])
     assert (least_levels("Prop. 5.3"), least_levels("Prop. 5.4")) == (4, 3)

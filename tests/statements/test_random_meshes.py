@@ -1,4 +1,4 @@
-"""What is judged on random meshes hangs on chance less than it would, and notices what it should."""
+"""Verdicts on random meshes depend little on chance, and still notice defects."""
 
 from __future__ import annotations
 
@@ -8,15 +8,16 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from measured_rows import invented, verdicts
 
+from study.ledger.criterion import growth, order, weighted
 from study.ledger.datafiles import read_rates
-from study.ledger.measures import growth, order, weighted
 from study.ledger.orders import weighted_order
 from study.ledger.verdict import FAILS, HOLDS
 from study.ledger.window import Window, around, at_most
 from study.statements.interpolation import FIELDS, InterpolationInV
-from study.statements.prop_5_4.judge import FirstOrder
-from study.statements.shared.random_meshes import CELLS, LEADING, in_leading_term, is_random
+from study.statements.prop_5_4 import FirstOrder
+from study.statements.shared.meshes import CELLS, LEADING, in_leading_term, is_random
 
 RESULTS = Path(__file__).parents[2] / "results"
 LEVELS = np.array([8, 16, 32])
@@ -31,7 +32,7 @@ def spread(statistic: Callable[[np.ndarray, np.ndarray], float], scatter: np.nda
 LEVELS_OF = {3: LEVELS, 5: np.array([8, 16, 32, 64, 128])}
 
 
-def test_weights_of_the_cells_are_best_where_cells_do_not_know_of_each_other() -> None:
+def test_the_numbers_of_cells_are_the_best_weights_where_cells_are_independent() -> None:
     scatter = 0.4 / LEVELS
     found = {power: spread(lambda h, e, power=power: weighted_order(h, e, power), scatter) for power in (0, 1, 2, 3, 4)}
     assert min(found, key=found.__getitem__) == CELLS
@@ -73,7 +74,7 @@ def rows(rates: pd.DataFrame, case: str = "travelling-patch") -> dict[str, str]:
     return {verdict.key: verdict.verdict for verdict in found}
 
 
-def test_the_names_of_shaken_meshes_are_those_of_random_ones() -> None:
+def test_shaken_meshes_are_random_with_any_seed() -> None:
     assert [is_random(name) for name in ("shaken", "shaken-7", "unstructured", "one-diagonal")] == [
         True,
         True,
@@ -103,7 +104,7 @@ def test_a_mesh_that_happens_to_be_bad_is_no_alarm(rates: pd.DataFrame) -> None:
     assert in_h[0] < 0.85
 
 
-def test_an_error_that_stagnates_is_one(rates: pd.DataFrame) -> None:
+def test_an_error_that_stagnates_is_an_alarm(rates: pd.DataFrame) -> None:
     worse = rates.copy()
     worse.loc[(worse["case"] == "travelling-patch") & (worse["level"] == 64), "error"] *= 1.3
     assert rows(worse)["order"] == FAILS
@@ -121,12 +122,7 @@ def test_a_leading_term_that_is_not_of_order_h_may_not_take_its_place(rates: pd.
 
 @pytest.mark.parametrize(("order", "verdict"), [(1.0, HOLDS), (0.8, FAILS), (1.2, FAILS)])
 def test_interpolation_of_another_order_fails(order: float, verdict: str) -> None:
-    """And what the coarsest mesh has by chance hardly counts."""
-    numbers = {level: level**-order for level in (8, 16, 32)} | {8: 1.05 * 8**-order}
-    rows = pd.DataFrame(
-        {"case": "a", "family": "shaken", "level": level, "h": 1 / level, "quantity": v, "value": value}
-        for v in FIELDS.values()
-        for level, value in numbers.items()
-    )
-    found = {row.key: row.verdict for row in InterpolationInV().judge(rows)}
-    assert found == dict.fromkeys([f"{key}-random" for key in FIELDS], verdict)
+    """The scatter of the coarsest mesh hardly counts."""
+    errors = np.array([1.05, 1, 1]) * LEVELS**-order
+    rows = invented(dict.fromkeys(FIELDS.values(), errors), LEVELS.tolist(), family="shaken")
+    assert verdicts(InterpolationInV(), rows) == dict.fromkeys([f"{key}-random" for key in FIELDS], verdict)

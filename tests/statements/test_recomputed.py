@@ -1,4 +1,4 @@
-"""Sizes that passed every other row are caught by the numbers that are computed again, and small defects at once."""
+"""Wrong errors in rates.csv are caught by the numbers that are computed again."""
 
 from __future__ import annotations
 
@@ -13,11 +13,9 @@ from study.ledger.verdict import FAILS, HOLDS
 from study.run.judgement import beside
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.prop_5_4.experiment import Experiment
-from study.statements.prop_5_4.measure import measure
-from study.statements.prop_5_4.sweep import RATES
-from study.statements.recomputed.judge import Recomputed
-from study.statements.recomputed.measure import recompute
+from study.statements.prop_5_4 import RATES, measure
+from study.statements.recomputed import Recomputed, recompute
+from study.statements.shared.experiment import Experiment
 
 CASES = "full-contact", "no-contact", "advance-recede", "yield-and-release", "corner", "natural-front"
 LEVEL = 8

@@ -1,4 +1,4 @@
-"""Rollers: the problem condensed to Γ3, the rows that are judged, and what must turn each of them."""
+"""Rollers: the problem condensed to Γ3, and the verdicts with the changes that must turn them."""
 
 from __future__ import annotations
 
@@ -12,16 +12,17 @@ import pytest
 from manufactured.multiscale import ROLLERS, rollers
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.ledger.orders import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
 from study.solve.tableau import MIDPOINT
-from study.statements.contact_work.resolved import Resolved
-from study.statements.rollers.judged_rollers import EQUAL, HALF, Rollers
-from study.statements.rollers.measured_rollers import (
+from study.statements.contact_work import Resolved
+from study.statements.rollers import (
     ALTERNATING,
+    EQUAL,
+    HALF,
     HALVED,
     PLAIN,
     PUSHING,
@@ -29,12 +30,14 @@ from study.statements.rollers.measured_rollers import (
     SEEDS,
     STANDING,
     STEEP,
+    OnContact,
+    Rollers,
+    Trajectories,
     gap,
-    nodal_error_beside,
+    nodal_error_near_patch,
     passing,
     sides,
 )
-from study.statements.rollers.on_contact import OnContact, Trajectories
 
 
 def test_every_level_has_its_rollers_by_name_and_other_names_mean_none() -> None:
@@ -86,14 +89,14 @@ def test_forces_add_up_to_the_pressure_on_the_whole_face(coarse: Trajectories) -
     assert 2.5 < total[coarse.steps // 2] < 3
 
 
-def test_errors_beside_a_patch_are_those_of_the_vertices_near_it_in_the_second_half(coarse: Trajectories) -> None:
+def test_errors_near_a_patch_are_taken_at_the_vertices_near_it_in_the_second_half(coarse: Trajectories) -> None:
     at, second = coarse.on.at, range(coarse.steps // 2, coarse.steps + 1)
     (_, vertices), (face,) = at.space.contact[0], at.solution.faces
     s = face.part.coordinates(at.space.mesh.p[:, vertices])[0][0]
     off = {n: abs(coarse.projected[n] + gap(at, n * coarse.k)) for n in second}
-    everywhere = nodal_error_beside(coarse, np.ptp(s))
+    everywhere = nodal_error_near_patch(coarse, np.ptp(s))
     assert everywhere == pytest.approx(max(off[n].max() for n in second))
-    assert 0 < nodal_error_beside(coarse, 0.05) < everywhere
+    assert 0 < nodal_error_near_patch(coarse, 0.05) < everywhere
 
 
 def test_contact_costs_nothing_where_the_pressure_is_a_traction(coarse: Trajectories) -> None:
@@ -101,7 +104,7 @@ def test_contact_costs_nothing_where_the_pressure_is_a_traction(coarse: Trajecto
     assert coarse.excess() > 0.01
 
 
-def test_both_sides_of_the_bound_are_what_they_are_called(coarse: Trajectories) -> None:
+def test_both_sides_of_the_bound_are_ordered(coarse: Trajectories) -> None:
     found = sides(coarse)
     assert 0 < found["E_h"] <= found["error"] < found["right side"]
     assert found["M_h"] > found["J_h"] > 0
@@ -162,7 +165,7 @@ def verdicts(rows: pd.DataFrame) -> dict[tuple[str, str], str]:
     return {(verdict.case, verdict.key): verdict.verdict for verdict in Rollers().judge(rows)}
 
 
-def test_what_was_predicted_holds() -> None:
+def test_the_predicted_behaviour_holds_in_every_row() -> None:
     found = verdicts(data())
     reported = {(ROLLER, "scatter"), (ROLLER, "best"), (ROLLER, "share"), (ROLLER, "order-unstructured")}
     reported |= {(STANDING, "order-standing-shaken"), (ROLLER, "order-end"), (ROLLER, "nodal-beside")}

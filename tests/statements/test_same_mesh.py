@@ -1,4 +1,4 @@
-"""Theorem 4.2 on one mesh: what is allowed is what is proved, and no step is left out."""
+"""Theorem 4.2 on one mesh: the bounds are the proved ones, and no step is left out."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from study.solve.steps import StepsError
 from study.solve.stress_problem import StressProblem
 from study.solve.stress_programme import StressState
 from study.solve.tableau import BACKWARD_EULER
-from study.statements.thm_4_2.gaps import Gaps, gaps, magnitudes, problems
+from study.statements.thm_4_2 import Gaps, gaps, magnitudes, problems
 
 STEPS = 4
 Change = Callable[[int, StressState], StressState]
@@ -46,7 +46,7 @@ def found(change: Change, name: str = "full-contact") -> Gaps:
 
 @pytest.mark.parametrize(("name", "q"), [("full-contact", 1.0), ("softening", 4 / 3)])
 @pytest.mark.parametrize("left", [(1e-6, 0.0, 0.0, 0.0), (1e-8, 4e-8, 9e-8, 1.6e-7)], ids=["once", "always"])
-def test_what_is_allowed_is_what_the_proof_gives_for_the_gaps_at_which_the_solver_stopped(left, name, q) -> None:
+def test_the_bounds_are_those_of_the_proof_for_the_duality_gaps_of_the_steps(left, name, q) -> None:
     """(q k)^{1/2} R and (L_A/k + L_G)^{1/2} R over the largest sizes by hand, R = Σ q^{N−n} g_n^{1/2}, kγ = 1 − 1/q."""
     displacements, stresses = both(name)
     law, space, k = stresses.law, stresses.space, displacements.T / STEPS
@@ -64,13 +64,13 @@ def test_what_is_allowed_is_what_the_proof_gives_for_the_gaps_at_which_the_solve
     assert now.stress_bound == pytest.approx(np.sqrt(largest[0] / k + largest[1]) * R / size_s, rel=1e-9)
 
 
-def test_steps_for_which_the_proof_has_no_factor_are_refused_in_words() -> None:
+def test_steps_that_need_not_have_one_solution_are_refused() -> None:
     with pytest.raises(StepsError, match="k = 1 need not have one solution"):
         gaps(*both("softening"), steps=1)
 
 
-def test_an_error_of_the_size_that_is_allowed_for_one_step_is_seen() -> None:
-    """The norms of gap and bound are those of the proof: ‖C^{1/2} Δε‖² = gap makes ‖Δu‖_V at most k^{1/2} gap^{1/2}."""
+def test_an_error_as_large_as_the_bound_for_one_step_is_seen() -> None:
+    """In the norms of the proof ‖C^{1/2} Δε‖² = gap makes ‖Δu‖_V at most k^{1/2} gap^{1/2}."""
     displacements, stresses = both()
     law, space, k = stresses.law, stresses.space, displacements.T / STEPS
     d = np.random.default_rng(0).standard_normal(space.dofs)

@@ -11,16 +11,17 @@ import pytest
 import scipy.sparse as sps
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from measured_rows import measured, verdicts, wrong_values
 
 from study.ledger.verdict import FAILS, HOLDS, REPORTED
 from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT
-from study.statements import backward_euler, landings
+from study.statements import landings
 from study.statements.backward_euler import BackwardEuler
-from study.statements.landings import Landings, their_solution, two_unknowns
-from study.statements.shared.base import Setting
+from study.statements.landings import Landings, solution_of_two_unknowns, two_unknowns
+from study.statements.shared.base import grid
 
 FINE = 2048
 STEPS = (1, 2, 8, 32)
@@ -101,25 +102,14 @@ def test_the_first_velocity_is_that_of_the_evolution() -> None:
     assert flow_of(problem).start == pytest.approx([0.0, -1.0])
 
 
-def rows_of(statement: BackwardEuler | Landings, case: str, family: str, levels: tuple[int, ...]) -> pd.DataFrame:
-    rows = [
-        row
-        for level in levels
-        for setting in [Setting(case, family, level)]
-        for _, row in statement.records(setting, statement.measure(setting))
-    ]
-    return pd.DataFrame(rows)
-
-
 @pytest.fixture(scope="module")
 def in_time() -> pd.DataFrame:
-    return rows_of(BackwardEuler(), "advance-recede", "shaken", (4, 8, 16))
+    return measured(BackwardEuler(), grid(("advance-recede",), ("shaken",), (4, 8, 16)))
 
 
 def test_backward_euler_is_judged_by_its_theorem(in_time: pd.DataFrame) -> None:
-    assert {verdict.key: verdict.verdict for verdict in BackwardEuler().judge(in_time)} == dict.fromkeys(
-        ["data", "solution", "constant", "between", "midpoint", "order", "uniform", "reference"], HOLDS
-    )
+    keys = ["data", "solution", "constant", "between", "midpoint", "order", "uniform", "reference"]
+    assert verdicts(BackwardEuler(), in_time) == dict.fromkeys(keys, HOLDS)
 
 
 @pytest.mark.parametrize(
@@ -137,10 +127,7 @@ def test_backward_euler_is_judged_by_its_theorem(in_time: pd.DataFrame) -> None:
     ],
 )
 def test_every_row_about_backward_euler_can_fail(in_time: pd.DataFrame, quantity: str, change, key: str) -> None:
-    mine = in_time["quantity"] == quantity
-    wrong = in_time.assign(value=in_time["value"].where(~mine, change(in_time["value"], in_time["level"])))
-    (verdict,) = (verdict for verdict in BackwardEuler().judge(wrong) if verdict.key == key)
-    assert verdict.verdict == FAILS
+    assert verdicts(BackwardEuler(), wrong_values(in_time, quantity, change))[key] == FAILS
 
 
 def test_a_scheme_that_sees_the_load_of_another_time_is_not_within_the_bounds() -> None:
@@ -158,7 +145,7 @@ def test_two_unknowns_leave_second_order_schemes_the_order_one(scheme, j: int) -
     """√2 (1 − θ)·3k/40 for a landing at (n + θ)k, θ ≥ 3/20, exactly."""
     k = 2.0**-j
     theta = 0.4 / k % 1
-    exact = their_solution(np.arange(2**j + 1) * k)
+    exact = solution_of_two_unknowns(np.arange(2**j + 1) * k)
     problem = two_unknowns()
     error = furthest(problem, path(problem, scheme, 2**j), exact)
     assert error == pytest.approx(math.sqrt(2) * 0.075 * (1 - theta) * k, rel=1e-6)
@@ -169,8 +156,8 @@ def test_two_unknowns_leave_bdf2_the_order_one_whatever_the_place_of_the_landing
     """√2 (17/80)(1 − 2θ)k or √2 (26θ − 9)k/80 after many steps, at least √2·17k/600."""
     theta = 0.4 * steps % 1
     left = 17 / 80 * (1 - 2 * theta) if theta <= 13 / 30 else (26 * theta - 9) / 80
-    problem = two_unknowns()
-    error = steps * furthest(problem, path(problem, BDF2, steps), their_solution(np.arange(steps + 1) / steps))
+    problem, exact = two_unknowns(), solution_of_two_unknowns(np.arange(steps + 1) / steps)
+    error = steps * furthest(problem, path(problem, BDF2, steps), exact)
     assert error == pytest.approx(math.sqrt(2) * left, rel=1e-6)
     assert left >= 17 / 600
 
@@ -188,17 +175,12 @@ def test_an_order_in_k_of_three_halves_is_noticed_on_every_level(orders: tuple[f
 
 def test_landings_are_judged_and_a_scheme_without_loss_would_be_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(landings, "FINEST", 1024)
-    rows = rows_of(Landings(), "travelling-patch", "shaken", (4,))
-    found = {verdict.key: verdict.verdict for verdict in Landings().judge(rows)}
+    rows = measured(Landings(), grid(("travelling-patch",), ("shaken",), (4,)))
+    found = verdicts(Landings(), rows)
     assert [found[f"{name}-two"] for name in ("backward-euler", "midpoint")] == [HOLDS, HOLDS]
     assert {found[f"{name}-{load}"] for name in ("bdf2", "midpoint") for load in ("own", "rolling")} == {REPORTED}
-    mine = rows["quantity"] == "two midpoint 1024"
-    (verdict,) = (
-        verdict
-        for verdict in Landings().judge(rows.assign(value=rows["value"].where(~mine, rows["value"] / 8)))
-        if verdict.key == "midpoint-two"
-    )
-    assert verdict.verdict == FAILS
+    without_loss = wrong_values(rows, "two midpoint 1024", lambda value, level: value / 8)
+    assert verdicts(Landings(), without_loss)["midpoint-two"] == FAILS
 
 
 def test_a_landing_is_counted_once() -> None:
@@ -209,7 +191,3 @@ def test_a_landing_is_counted_once() -> None:
 def test_interpolants_pass_through_their_nodes() -> None:
     states = np.array([[0.0], [2.0], [1.0]])
     assert interpolated(states, 4).ravel() == pytest.approx([0, 1, 2, 1.5, 1])
-
-
-def test_errors_of_backward_euler_are_taken_at_all_times() -> None:
-    assert backward_euler.FINEST % max(backward_euler.COUNTS) == 0

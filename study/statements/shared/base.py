@@ -1,4 +1,4 @@
-"""What stands in the ledger: where it is measured, what is measured, and when it holds."""
+"""Base classes of statements: where a statement is measured, what is measured, and when it holds."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from study.statements.shared.scope import Scope
 
 @dataclass(frozen=True, order=True)
 class Setting:
-    """One measurement: a case, by its name in the catalogue or FILE.py:NAME, on the mesh of a family at level n."""
+    """A case on one mesh: the case by its name in the catalogue or as FILE.py:NAME, a mesh family, and a level n."""
 
     case: str
     family: str
@@ -31,22 +31,23 @@ class Setting:
 
 
 REPORTED = "_reported"
-"""Behind the name of a column of another file."""
+"""Suffix of the columns of another data file after it is joined to the file of a statement."""
 
 
 class Statement:
-    """A numbered statement of the source, or a question beyond it; two of one class are equal.
+    """A numbered statement of the paper, or a question beyond it. Two instances of one class are equal.
 
-    By itself it is judged by what others measure, and a measurement is one row of a file.
+    A subclass sets the attributes and overrides ``measure``; a statement that is judged from the rows of another one
+    measures nothing. By default a measurement is one row of the data file, and each criterion is applied to every case.
 
     Attributes:
-        label: its number.
-        claim: what it says in words.
-        file: the data file with the rows that it is judged by.
-        beside: another file, whose columns are put beside those of the rows with the same key, as ``NAME_reported``.
-        rules: what is judged of every case.
-        quick, full: cases of the catalogue, families and levels of the quick and of the full study.
-        of_every_case: whether it is measured on every case of a run, those of users too.
+        label: the number of the statement.
+        claim: the statement in words.
+        file: the data file with the rows from which it is judged.
+        beside: another data file; its columns are joined to the rows with the same key as ``NAME_reported``.
+        rules: the criteria, each of which gives one row of the ledger for every case.
+        quick, full: the settings of the quick and of the full study.
+        of_every_case: whether it is measured on every case of a run, also on cases of users.
     """
 
     label: str
@@ -59,36 +60,36 @@ class Statement:
     of_every_case: bool = False
 
     def places(self, full: bool) -> Sequence[Any]:
-        """``full`` or ``quick``, unless they depend on what meshes serve a body."""
+        """Return the settings of the full or of the quick study."""
         return self.full if full else self.quick
 
     def settings(self, scope: Scope) -> Sequence[Any]:
-        """Where it is measured in a study of some cases: the places with one of them."""
+        """Return the settings of a study: of all places those whose case is studied."""
         return [setting for setting in self.places(scope.full) if setting.case in scope.cases]
 
     def measure(self, setting: Any) -> Mapping[str, Any]:
-        """Named numbers for one setting."""
+        """Measure one setting and return named numbers."""
         raise NotImplementedError(f"{type(self).__name__}: nothing is measured")
 
     def records(self, setting: Any, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
-        """The rows that a measurement gives to data files."""
+        """Yield the rows of a measurement with their data files."""
         yield self.file, found
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
-        """Rows of the ledger from the rows of its data file, with what is predicted of their cases; solves nothing."""
+        """Return rows of the ledger from the rows of its data file, joined with the predictions for their cases."""
         cases = [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
         return [rule.verdict(self, case, groups) for case, groups in cases for rule in self.rules]
 
     def cost(self, setting: Any) -> float:
-        """Expected time of ``measure`` in µs."""
+        """Return the expected time of ``measure`` in µs."""
         return 0.0
 
     def memory(self, setting: Any) -> float:
-        """Bytes that the process of ``measure`` takes at most, by estimate."""
+        """Return the estimated largest memory of the process of ``measure`` in bytes."""
         return estimates.SMALL
 
     def steps(self, setting: Any) -> int:
-        """Time steps that follow from the setting, part of what a result is known by; 0 if ``measure`` sets them."""
+        """Return the number of time steps, which is part of the cache key; 0 if ``measure`` chooses them."""
         return 0
 
     def __eq__(self, other: object) -> bool:
@@ -99,31 +100,31 @@ class Statement:
 
 
 SEED = 2002
-"""Of whatever is random in a measurement."""
+"""Seed of all random numbers in measurements."""
 EVOLVING = ("full-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
-"""Cases that stand for others where something is measured of trajectories: linear laws, moving fronts, law (3.3)."""
+"""Cases that represent all others when trajectories are measured: linear laws, moving fronts, law (3.3)."""
 SOFTENING = ("softening", "double-well")
-"""Cases whose G is not monotone, linear and not: of them (3.2) holds and no more."""
+"""A linear and a nonlinear case whose G is not monotone: they satisfy (3.2) and no more."""
 LISTED = CsvFile(
     "statements.csv",
     ("label", "case", "family", "level"),
     ("label", "case", "family", "level", "h", "quantity", "value"),
 )
-"""Measurements of most statements: a row for each number."""
+"""Measurements of most statements, one row for each number."""
 
 
 class ListedNumbers(Statement):
     """A statement whose numbers are listed one by one in ``statements.csv``.
 
     Attributes:
-        effort: how many times as long as most it takes at the same level.
+        effort: time of a measurement relative to most others at the same level.
     """
 
     file: DataFile = LISTED
     effort: float = 1.0
 
     def records(self, setting: Setting, found: Mapping[str, float]) -> Iterator[tuple[DataFile, Row]]:
-        """A row for every number but the mesh size."""
+        """Yield a row for every number except the mesh size."""
         common = {"label": self.label, **vars(setting), "h": found["h"]}
         for quantity, value in found.items():
             if quantity != "h":
@@ -133,19 +134,19 @@ class ListedNumbers(Statement):
         return judge(self, rows, self.rules)
 
     def cost(self, setting: Setting) -> float:
-        """By level and dimension alone."""
+        """Return the expected time in µs by level and dimension alone."""
         return self.effort * float(setting.level**2) * (230 if setting.dim == 2 else 30_000)
 
     def memory(self, setting: Setting) -> float:
-        """The largest of all such statements."""
+        """Return the largest memory of all such statements at the level."""
         return estimates.statement(setting.dim, setting.level)
 
 
 def grid(cases: Sequence[str], families: Sequence[str], levels: Sequence[int]) -> list[Setting]:
-    """Every case on every family and level."""
+    """Return the settings of every case on every family and level."""
     return [Setting(case, family, n) for case in cases for family in families for n in levels]
 
 
 def with_h(h: float, values: Mapping[str, float]) -> dict[str, float]:
-    """What ``measure`` returns of numbers that are listed one by one."""
+    """Return the mesh size and numbers as one mapping, as ``ListedNumbers.measure`` must."""
     return {"h": h, **{name: float(value) for name, value in values.items()}}

@@ -1,4 +1,4 @@
-"""The forms of a law and the product of H_1 on V^h, and extreme eigenvalues of one form against another."""
+"""Matrices of forms on V^h, and the extreme eigenvalues of one form against another."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from study.solve.evolution import SemiDiscrete
 from study.statements.shared.base import SEED
 
 SMALLEST, LARGEST = 1e-9, 1e-4
-"""Relative residuals of eigenvectors. The largest eigenvalues lie in clusters, where vectors do not settle; the value
-is a quotient that is attained, and its error is about the square."""
+"""Relative residuals at which eigenvectors are accepted. The largest eigenvalues lie in clusters, where vectors do not
+converge; the value is a Rayleigh quotient, whose error is about the square."""
 LANCZOS = 40
-"""Vectors that Lanczos' method keeps."""
+"""Number of Lanczos vectors."""
 
 
 def unloaded(space: Space, law: KelvinVoigt) -> SemiDiscrete:
-    """Problem 5.1 without load and at rest: the matrices of a law on V^h."""
+    """Return Problem 5.1 without load and at rest, for the matrices of a law on V^h."""
     return SemiDiscrete.of(space, law, lambda time: np.zeros(space.dofs), np.zeros(space.dofs))
 
 
 def strain_product(space: Space) -> sps.csc_array:
-    """The matrix of (ε(u), ε(v))_Q on V^h, (n_dofs, n_dofs)."""
+    """Return the matrix of (ε(u), ε(v))_Q on V^h, (dofs, dofs)."""
     return space.form(np.eye(size(space.dim)))
 
 
 def mass(space: Space) -> sps.csc_array:
-    """The matrix of (u, v)_H on V^h, from ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d+1)(d+2)), (n_dofs, n_dofs)."""
+    """Return the matrix of (u, v)_H on V^h, from ∫_T λ_i λ_j = |T| (1 + δ_ij)/((d+1)(d+2)), (dofs, dofs)."""
     cells, dim = space.mesh.t, space.dim
     local = (1 + np.eye(dim + 1)) / ((dim + 1) * (dim + 2))
     values = local[:, :, None] * space.volumes
@@ -42,24 +42,25 @@ def mass(space: Space) -> sps.csc_array:
 
 
 def h1_product(space: Space) -> sps.csc_array:
-    """The matrix of (u, v)_{H_1} = (u, v)_H + (ε(u), ε(v))_Q on V^h, (2.11)."""
+    """Return the matrix of (u, v)_{H_1} = (u, v)_H + (ε(u), ε(v))_Q on V^h, (2.11)."""
     return sps.csc_array(mass(space) + strain_product(space))
 
 
 def smallest(form: sps.csc_array, product: sps.csc_array) -> float:
-    """min a(v, v)/b(v, v) for positive definite forms a and b."""
+    """Return min a(v, v)/b(v, v) for positive definite forms a and b."""
     return float(eigsh(form, 1, product, sigma=0.0, v0=_start(form), tol=SMALLEST, return_eigenvectors=False)[0])
 
 
 def largest(form: sps.csc_array, product: sps.csc_array) -> float:
-    """max a(v, v)/b(v, v) for a positive definite form b.
+    """Return max a(v, v)/b(v, v) for a positive definite form b.
 
-    Lanczos' method without a shift: one at a supposed bound would hide eigenvalues far beyond it.
+    Lanczos' method has no shift, because a shift at a supposed bound would hide eigenvalues far beyond it.
     """
     start = _start(form)
-    kept = min(LANCZOS, len(start))
-    return float(eigsh(form, 1, product, which="LA", v0=start, tol=LARGEST, ncv=kept, return_eigenvectors=False)[0])
+    vectors = min(LANCZOS, len(start))
+    return float(eigsh(form, 1, product, which="LA", v0=start, tol=LARGEST, ncv=vectors, return_eigenvectors=False)[0])
 
 
 def _start(form: sps.csc_array) -> Array:
+    """Return the start vector of an eigenvalue solver."""
     return np.random.default_rng(SEED).standard_normal(form.shape[0])

@@ -1,81 +1,76 @@
-"""How much memory a measurement needs, by estimate.
+"""How much memory a measurement takes at most: one formula in the number of its unknowns.
 
-The estimates are a base plus what grows with the level n, which is the factor of a matrix for the most part: n² log n
-numbers in the plane, n⁴ in space, n³ where multigrid takes its place. Constants are rounded up from peaks of the
-resident size with one thread, here in MiB beyond the base:
+An interpreter with all imports and compiled formulas takes at most 384 MiB. Each unknown adds at most 16 KiB in the
+plane and 64 KiB in space, for the factor of its matrix and its share of all fields. Both constants are rounded up, so
+that every estimate is above the measured memory, by a factor of one to six.
 
-    displacement   n = 96: 81; n = 128: 139, criss-cross 275, unstructured 366, shaken 417; n = 256: 827, shaken 1542,
-                   with two steps, so that hardly any amplitudes are kept ahead of their time;
-                   in space n = 12: 60, 24: 1440, shaken n = 12: 390, 18: 1220; by multigrid n = 36: 2250, 48: 4100,
-                   shaken 6300 and 15000, since no two cells share points of quadrature, 2500 and 5900 of it without
-                   the finer quadrature of a row
-    equivalence    n = 32: 11, 64: 55; in space n = 6: 18, 9: 79
-    stress         n = 16: 39, 32: 170 … 207, 64: 868
-    bound          of u_h alone n = 8: 25 … 69, 16: 239; with an enclosure on a mesh refined once n = 8: 183,
-                   16: 465, 32: 1890, twice n = 8: 390, 16: 1520; on an adapted mesh of 6756 cells 1450
-    statements     at their fixed levels at most 335, in space 1550
-    task           frozen at three instants n = 128: 180; march of n steps n = 64: 310, 96: 1130; in space n = 18: 390
+They come from peaks of the resident size with one thread, here in MiB beyond 384:
+
+    displacement   plane n = 128: 139, criss-cross 275, shaken 417; n = 256: 827, shaken 1542; space n = 24: 1440,
+                   shaken n = 12: 390, 18: 1220; by multigrid n = 36: 2250, 48: 4100, shaken 6300 and 15000
+    equivalence    plane n = 32: 11, 64: 55; space n = 6: 18, 9: 79
+    stress         n = 16: 39, 32: 207, 64: 868
+    bound          of u_h alone n = 8: 69, 16: 239; with a mesh refined once n = 8: 183, 16: 465, 32: 1890, refined
+                   twice n = 8: 390, 16: 1520; on an adapted mesh of 6756 cells 1450
+    statements     at most 335, in space 1550
+    task           three instants n = 128: 180; n steps n = 64: 310, 96: 1130; in space n = 18: 390
 """
 
 from __future__ import annotations
 
-from math import log2
-
-from study.solve.solver_choice import FACTORED
-
-MIB = 2.0**20
-KIB = 2.0**10
+MIB, KIB = 2.0**20, 2.0**10
 BASE = 384 * MIB
-"""An interpreter with everything imported takes 230, with formulas and compiled passes 290 to 350."""
-SMALL = 736 * MIB
-"""Jobs whose size is fixed."""
-SOLID = 2304 * MIB
-"""The same in space: functionals on cells halved twice."""
-AHEAD, FULL = 32 * MIB, 64
-"""Blocks of amplitudes at times to come in the plane, as large as they get from this level on."""
+PER_UNKNOWN = {2: 16 * KIB, 3: 64 * KIB}
+"""Bytes for each unknown, by dimension."""
+TEXT = {2: 1 * KIB, 3: 3 * KIB}
+"""Bytes for the numbers of one unknown at one time as text, by dimension."""
+SMALL, SOLID = 736 * MIB, 2304 * MIB
+"""Bytes for statements with meshes of fixed size, in the plane and in space."""
+STRESSES = 18
+"""Unknowns of the stress space in each square of a plane mesh, which has two cells."""
 
 
 def cells(family: str) -> int:
-    """Cells of a plane mesh, over those of one with two triangles per square."""
+    """Return the number of cells of a plane mesh, relative to two triangles in each square."""
     return 2 if family == "criss-cross" else 1
 
 
+def unknowns(dim: int, n: int, family: str) -> int:
+    """Return the number of unknowns of a displacement at a level."""
+    return dim * (n + 1) ** dim * (cells(family) if dim == 2 else 1)
+
+
 def displacement(dim: int, n: int, family: str) -> float:
-    """Bytes for Problem 5.1 at a level."""
-    # Where all cells are alike, they share most of what is kept of them.
-    alike = family in ("one-diagonal", "criss-cross")
-    if dim == 2:
-        return BASE + AHEAD * min(1, n / FULL) + (1.6 if alike else 3.2) * KIB * n**2 * log2(n) * cells(family)
-    if dim * (n + 1) ** dim > FACTORED[dim]:
-        return BASE + (50 if alike else 144) * KIB * n**3
-    return BASE + (6 if alike else 21) * KIB * n**4
+    """Return the bytes for Problem 5.1 at a level."""
+    return BASE + PER_UNKNOWN[dim] * unknowns(dim, n, family)
 
 
 def equivalence(dim: int, n: int, family: str) -> float:
-    """Bytes for Problem 3.2 on the strains of V^h, solved by an interior-point method."""
-    return BASE + (4 * KIB * n**2 * log2(n) * cells(family) if dim == 2 else 18 * KIB * n**4)
+    """Return the bytes for Problem 3.2 on the strains of V^h, solved by an interior-point method."""
+    return displacement(dim, n, family)
 
 
 def statement(dim: int, n: int) -> float:
-    """Bytes for a numbered statement at a level, one of those that it chooses itself."""
+    """Return the bytes for a numbered statement at a level that it chooses itself."""
     return max(SMALL, displacement(dim, n, "shaken")) if dim == 2 else SOLID
 
 
 def stress(n: int) -> float:
-    """Bytes for Problem 3.2 on its own space."""
-    return BASE + 42 * KIB * n**2 * log2(n)
+    """Return the bytes for Problem 3.2 on its own space."""
+    return BASE + PER_UNKNOWN[2] * STRESSES * n**2
 
 
 def bound(n: int, refinements: int, family: str) -> float:
-    """Bytes for a bound of the error."""
-    return BASE + 40 * MIB + cells(family) * MIB * n**2 * (1 + 0.35 * 4**refinements * (refinements > 0))
+    """Return the bytes for a bound: 80 unknowns in each square of the mesh of u_h, 32 in each of a refined mesh."""
+    refined = 32 * 4**refinements if refinements else 0
+    return BASE + PER_UNKNOWN[2] * cells(family) * n**2 * (80 + refined)
 
 
 def adapted(cells: int) -> float:
-    """Bytes for a bound from u_h alone on a mesh of so many cells."""
-    return BASE + 40 * MIB + 0.3 * MIB * cells
+    """Return the bytes for a bound from u_h alone on a mesh of so many cells."""
+    return BASE + PER_UNKNOWN[2] * STRESSES * cells
 
 
 def task(dim: int, n: int, family: str, steps: int) -> float:
-    """Bytes for writing a task with so many steps: what is solved, and its numbers as text."""
-    return displacement(dim, n, family) + cells(family) * (1.5 if dim == 2 else 8) * KIB * n**dim * steps
+    """Return the bytes for writing a task with so many steps."""
+    return displacement(dim, n, family) + TEXT[dim] * unknowns(dim, n, family) * steps

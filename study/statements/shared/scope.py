@@ -1,4 +1,4 @@
-"""What a study is about: which cases, on which mesh families, at which levels."""
+"""The scope of a study: its cases, mesh families, levels and time scheme."""
 
 from __future__ import annotations
 
@@ -9,16 +9,16 @@ from manufactured.case import Case
 from manufactured.catalogue import catalogue
 from study.fem.mesh import FAMILIES, MeshFamily
 from study.fem.naming import choose, family_named, resolve
-from study.ledger.errors import UsageError
+from study.ledger.files import UsageError
 from study.solve.steps import StepsError, rate_steps, require_steps
 from study.solve.tableau import SCHEMES
 
 REGULAR = "one-diagonal", "unstructured"
-"""Families in order of preference where one mesh for each case will do: structured meshes where there are any."""
+"""Mesh families in order of preference if one is enough for each case: structured meshes if they fit the body."""
 
 
 def serving(case: Case) -> list[MeshFamily]:
-    """The families that can mesh the body of a case, structured ones first; UsageError if there are none."""
+    """Return the families that can mesh the body of a case, structured ones first; UsageError if there are none."""
     if found := [family for family in FAMILIES if family.serves(case.solution.body)]:
         return found
     raise UsageError(f"no mesh family can mesh the body of {case.name}: in 3D it has to be a parallelepiped")
@@ -32,33 +32,34 @@ def regular(case: Case) -> MeshFamily:
 
 @dataclass(frozen=True)
 class Levels:
-    """The levels for one kind of case: on every mesh family that is used, and finer ones on its regular meshes only."""
+    """The levels for one kind of case: ``all`` on every mesh family, and the finer ``first`` on regular meshes only."""
 
     all: tuple[int, ...]
     first: tuple[int, ...] = ()
 
     @property
     def on_regular(self) -> tuple[int, ...]:
-        """All levels: those of regular meshes."""
+        """All levels, as on regular meshes."""
         return (*self.all, *self.first)
 
 
 @dataclass(frozen=True)
 class Scope:
-    """What a study is about.
+    """The scope of a study.
 
     Attributes:
         name: quick or full.
         cases: references, catalogue names or FILE.py:NAME.
-        plane, rough, solid: levels for plane cases with (5.36), for others, whose orders need more of them, and in 3D.
+        plane, rough, solid: levels for plane cases with (5.36), for plane cases without it, whose orders need more
+            levels, and in 3D.
         equivalence, solid_equivalence: levels of Theorem 4.2 on one mesh, in 2D and 3D.
         every_family: whether cases are measured on all mesh families that can mesh their bodies. Otherwise each case
             is measured on the families that it names.
         scheme: name of the time scheme.
-        k: time step at every level; without it each case's own.
+        k: time step at every level; None for the time step of each case.
         statements: whether all statements are measured, or only those that are measured on every case.
         own: pairs (case, levels) of cases that have other levels.
-        command: what is typed to have it measured, for messages.
+        command: the command that runs the study, for messages.
     """
 
     name: str
@@ -77,7 +78,7 @@ class Scope:
 
     @property
     def full(self) -> bool:
-        """Whether it is the full study."""
+        """Whether this is the full study."""
         return self.name == "full"
 
     @property
@@ -90,11 +91,11 @@ class Scope:
         return [resolve(reference) for reference in self.cases]
 
     def check(self) -> None:
-        """Refuse levels, steps and names that make no study.
+        """Refuse invalid levels, time steps and names.
 
         Raises:
-            UsageError: levels below 2, not increasing, a time step beyond T, far too small or so long that it need not
-                have one solution, two cases of one name, or a body that no mesh family serves.
+            UsageError: levels are below 2 or not increasing, the time step is longer than T, far too small or so long
+                that a step need not have one solution, two cases have the same name, or no family can mesh a body.
         """
         if self.k is not None and not 0 < self.k <= min(case.solution.body.T for case in self.resolved()):
             raise UsageError(f"the time step must be positive and at most T, got k = {self.k:g}")
@@ -113,7 +114,7 @@ class Scope:
             self._require_unique(case)
 
     def _require_unique(self, case: Case) -> None:
-        """Refuse time steps of a case whose law softens that need not have one solution."""
+        """Refuse time steps that need not have one solution, which is possible if the law softens."""
         solution = case.solution
         steps = self.steps(case, min(self.levels_of(case).on_regular))
         try:
@@ -122,7 +123,7 @@ class Scope:
             raise UsageError(f"{case.name}: {error}") from error
 
     def steps(self, case: Case, level: int) -> int:
-        """Time steps at a level: of the size asked for, or as many as the case's pace says."""
+        """Return the number of time steps at a level: of size k if it is given, or by the pace of the case."""
         T = case.solution.body.T
         return rate_steps(T, level, case.pace) if self.k is None else round(T / self.k)
 
@@ -148,7 +149,7 @@ class Scope:
         return levels.on_regular if family.name == regular(case).name else levels.all
 
     def levels_of(self, case: Case) -> Levels:
-        """The levels of a case."""
+        """Return the levels of a case."""
         for name, levels in self.own:
             if name == case.name:
                 return levels

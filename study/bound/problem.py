@@ -1,0 +1,203 @@
+"""Constants of the law and of the body on which a bound rests, and refusal of problems that cannot be bounded.
+
+**Moduli of the law.** Numbers g_i and directions v_i with (Gε₁ − Gε₂)·(ε₁ − ε₂) ≥ Σ_i g_i (Av_i·(ε₁ − ε₂))². The v_i
+are orthonormal in A, so that A(ε)·ε = Σ_i (Av_i·ε)² and A⁻¹τ·τ = Σ_i (v_i·τ)². For linear G they are the eigenvectors
+of A⁻¹G; for other G all g_i are the monotonicity constant m.
+
+**Constants of the body.** ∫_Ω g·v ≤ C_Ω ‖g‖_H ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖_{L²(Γ2)} ‖v‖_V for all v ∈ V. On a
+coarse mesh let P be the projection onto the polynomials of degree 1 on cells, or on the edges of Γ2. A composite stress
+τ with τν = 0 on Γ3 balances P g, so that ∫ P g·v = (τ, ε(v))_Q ≤ ‖τ‖_{A⁻¹} ‖v‖_V. The least ‖τ‖²_{A⁻¹} is at most
+λ ‖P g‖², λ an eigenvalue of a matrix of the size of the mesh. The rest g − P g is orthogonal to the polynomials of
+degree 1 on every cell or edge, where ``study.stresses.oscillation`` has constants C_T and C_e. Hence
+
+    C_Ω² ≤ λ + max_T C_T²,     C_Γ² ≤ λ_Γ + max_e C_e².
+
+No Korn inequality and no constant from the literature enters. The eigenvalues are computed in floating point numbers.
+
+**Units.** A bound is made of roots of sums of squares, and squares overflow above 1e154 and vanish below 1e-162. If
+squares of data underflow, a bound of 0 would be stated for an error that is not 0. If they overflow, infinity or NaN
+would be compared with numbers. So the material, the body and the final time must have sizes between ``LEAST`` and
+``MOST``. Then squares of data and of residuals are normal numbers whenever the bound is ``SMALLEST`` or more.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from scipy.linalg import eigh
+
+from manufactured.body import Body, Kind
+from manufactured.data import Data, Expressions
+from manufactured.law import KelvinVoigt, Linear
+from manufactured.tensors import Array
+from study.fem.mesh import FAMILIES
+from study.stresses.composite import thirds
+from study.stresses.hybrid import Equilibrium
+from study.stresses.loads import Loads
+from study.stresses.oscillation import cell_constants, loaded_sides
+from study.stresses.stress_space import StressSpace
+
+LEAST, MOST = 1e-25, 1e25
+SMALLEST, LARGEST = 1e-50, 1e100
+"""Bounds of data that are not zero, and all quantities whose squares are summed, must lie between these numbers."""
+LEVEL = 2
+"""Level of the coarse mesh for C_Ω and C_Γ; on finer meshes C_Ω falls by a few per cent, C_Γ changes by as much."""
+DEGREE = 2
+"""Degree of stresses that balance linear loads."""
+
+
+class BoundError(ValueError):
+    """No bound can be given for the data."""
+
+
+@dataclass(frozen=True, eq=False)
+class Moduli:
+    """The moduli g, (directions,), ascending, and the directions v_i as columns, (D, directions)."""
+
+    values: Array
+    directions: Array
+
+    def decay(self, k: float) -> float:
+        """Return e^{−mk} for the least modulus m: the factor by which a step of length k changes an error."""
+        return float(np.exp(-self.values.min() * k))
+
+    def weights(self, time: float) -> Array:
+        """Return time/(1 + 2 time g_i), the weight of the squared residual in every direction, (directions,).
+
+        To first order a step adds to y² twice ∫ (c + ¼ Σ_i |ρ|²_i/(g_i + β)), β ~ 1/(2T) (``study.bound.growth``).
+        """
+        return np.asarray(time / (1 + 2 * time * np.maximum(self.values, 0.0)))
+
+    def compliance(self, time: float) -> Array:
+        """Return Σ_i w_i v_i v_iᵀ with these weights, Mandel (D, D): the norm in which residuals are minimised."""
+        return (self.directions * self.weights(time)) @ self.directions.T
+
+
+def moduli(law: KelvinVoigt) -> Moduli:
+    """Return the moduli of G against A.
+
+    Raises:
+        BoundError: G has no finite monotonicity constant.
+    """
+    A, G = law.A, law.G
+    if not np.isfinite(G.monotonicity):
+        raise BoundError(
+            f"{law.name}: G has the monotonicity constant {G.monotonicity}; the bound needs a finite "
+            "one, −L_G if nothing better is known"
+        )
+    if isinstance(G, Linear):
+        values, directions = eigh(G.matrix, A.matrix)
+        if G.factor is A.factor:
+            return Moduli(values, directions)
+        damped, grows = G.factor.low / A.factor.high, G.factor.high / A.factor.low
+        return Moduli(values * np.where(values >= 0, damped, grows), directions)
+    m = G.monotonicity / (A.lipschitz if G.monotonicity >= 0 else A.ellipticity)
+    _, directions = eigh(A.matrix, A.matrix)
+    return Moduli(np.full(len(directions), m), directions)
+
+
+@dataclass(frozen=True)
+class LoadConstants:
+    """C_Ω and C_Γ, 0 without Γ2."""
+
+    volume: float
+    surface: float
+
+
+@lru_cache(maxsize=16)
+def load_constants(body: Body, A: Linear) -> LoadConstants:
+    """Return C_Ω and C_Γ for a homogeneous A."""
+    family = next(family for family in FAMILIES if family.serves(body))
+    space = StressSpace(family(body, LEVEL), body, DEGREE)
+    compliance = np.linalg.inv(A.matrix)
+    equilibrium, components = Equilibrium(space, compliance), np.eye(2)
+    # The functions λ_i e_d of the cells, by their values at the vertices of thirds.
+    hats = np.moveaxis(thirds(np.eye(3)), 2, 1)
+    force = np.einsum("kc,itv,de->kidctve", np.eye(space.cells), hats, components).reshape(-1, space.cells, 3, 3, 2)
+    surface = np.zeros((len(force), len(space.lengths), DEGREE + 1, 2))
+    mass = np.kron(np.kron(np.diag(space.volumes), (np.ones((3, 3)) + np.eye(3)) / 12), components)
+    volume = (
+        _largest_ratio(equilibrium, Loads(force, surface), mass) + cell_constants(space.map, compliance, 1).max() ** 2
+    )
+    sides = [constants for *_, constants in loaded_sides(space, compliance)]
+    if not any(constants.size for constants in sides):
+        return LoadConstants(float(np.sqrt(volume)), 0.0)
+    # The functions of the loaded edges that are 1 at one end and 0 at the other, in each direction.
+    edges, ends = np.concatenate([mine for _, mine in space.on(Kind.LOADED)]), np.array([[1, 0.5, 0], [0, 0.5, 1]])
+    surface = np.einsum("ke,in,df->kidenf", np.eye(len(space.lengths))[edges], ends, components)
+    surface = surface.reshape(-1, len(space.lengths), DEGREE + 1, 2)
+    mass = np.kron(np.kron(np.diag(space.lengths[edges]), (np.ones((2, 2)) + np.eye(2)) / 6), components)
+    loads = Loads(np.zeros((len(surface), space.cells, 3, 3, 2)), surface)
+    on_edges = _largest_ratio(equilibrium, loads, mass) + np.concatenate(sides).max() ** 2
+    return LoadConstants(float(np.sqrt(volume)), float(np.sqrt(on_edges)))
+
+
+def _largest_ratio(equilibrium: Equilibrium, loads: Loads, mass: Array) -> float:
+    """Return the largest λ = min ‖τ‖²_{A⁻¹}/‖load‖² over all combinations of some loads with a mass matrix."""
+    stresses = equilibrium.balance(loads).values
+    weighted = np.einsum("IJ,Jncq,cq->Incq", equilibrium.compliance, stresses, equilibrium.space.weights, optimize=True)
+    energy = np.einsum("Incq,Imcq->nm", weighted, stresses, optimize=True)
+    return float(eigh((energy + energy.T) / 2, mass, eigvals_only=True)[-1])
+
+
+def require_units(data: Data) -> None:
+    """Refuse a material, a body or a final time of extreme size.
+
+    Raises:
+        BoundError: names the quantity and its value.
+    """
+    law, vertices = data.law, data.body.vertices
+    sizes = {
+        "the final time T": [data.body.T],
+        "the size of the body": np.ptp(vertices, axis=1),
+        "a modulus of A": [law.A.ellipticity, law.A.lipschitz],
+    }
+    if isinstance(law.G, Linear) and law.G.matrix.any():
+        sizes["the largest entry of G"] = [abs(law.G.matrix).max()]
+    for name, values in sizes.items():
+        for value in values:
+            if not LEAST <= value <= MOST:
+                raise BoundError(
+                    f"{name} is {value:.3g}; squares of such numbers overflow or vanish in double precision: state the "
+                    f"problem in units in which it lies between {LEAST:g} and {MOST:g}"
+                )
+
+
+def require_finite(quantities: Mapping[str, Array | float]) -> None:
+    """Refuse results that are infinite, NaN, or so large that their squares overflow.
+
+    Raises:
+        BoundError: names the first such quantity.
+    """
+    for name, values in quantities.items():
+        # A comparison with NaN is false.
+        if not (np.abs(values) <= LARGEST).all():
+            raise BoundError(
+                f"{name} is not a finite number below {LARGEST:g}, so nothing can be bounded: large data overflow, and "
+                "data that are unbounded near some point have no finite range; state the problem in units in which the "
+                "data have moderate size, or give bounded data"
+            )
+
+
+def require_visible(data: Data, highest: float, sampled: bool) -> None:
+    """Refuse a bound so small that squares of data which are not zero may have vanished.
+
+    Args:
+        highest: the bound of the error at all times.
+        sampled: whether any sample of the data is not zero, for data that are not formulas.
+
+    Raises:
+        BoundError: states the bound.
+    """
+    formulas = data.formulas_of
+    if isinstance(formulas, Expressions):
+        loads = (component for _, load in formulas.loads for component in load)
+        sampled = any(component != 0 for component in (*formulas.force, *loads, *formulas.start))
+    if sampled and not highest >= SMALLEST:
+        raise BoundError(
+            f"the data are not zero, and the bound is {highest:.3g}, below {SMALLEST:g}: squares of numbers this small "
+            "vanish in double precision; state the problem in units in which the data have moderate size"
+        )

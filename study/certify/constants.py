@@ -1,0 +1,222 @@
+"""Numbers that every certificate of a body states and the checker verifies: the stress element, and constants of loads.
+
+**The reference element.** The composite element of degree 3 on the reference triangle with exact coefficients. The
+unknowns are 90 Bernstein coefficients of a stress and three of a rigid motion q̂. The equations are: tractions are
+continuous inside and prescribed outside, and Div σ̂ − q̂ = −f̂. Row reduction over the rationals solves them for every
+input at once.
+
+**Constants of loads.** A tensor field Φ proves ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V. For a totally
+symmetric Φ, continuous and linear on cells, and v = 0 on Γ1,
+
+    ∫ (div Φ)(v, v) + 2 (Φv)·ε(v) = ∫_{Γ2 ∪ Γ3} Φ(ν, v, v),
+
+since (Φv)·∇v = (Φv)·ε(v). With −2 (Φv)·ε(v) ≤ Aε(v)·ε(v) + A⁻¹(Φv)·(Φv) follows
+
+    ‖v‖_V² ≥ ∫ div Φ(v, v) − A⁻¹(Φv)·(Φv) − ∫_{Γ2 ∪ Γ3} Φ(ν, v, v) ≥ μ ‖v‖² + κ ‖v‖²_{L²(Γ2)}
+
+if the integrands are that large. It suffices to look at 2 × 2 matrices at vertices, because the square is convex along
+a cell. No Korn inequality is needed. The largest min(μ, κ) is a semidefinite programme, with the Schur complement
+
+    ( div Φ − μ 1   Φᵀ )
+    ( Φ             A  )  ⪰ 0     at every vertex of every cell.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+from functools import cache
+from itertools import product
+from typing import Any
+
+import clarabel
+import numpy as np
+import scipy.sparse as sps
+from sympy import QQ
+from sympy.polys.matrices import DomainMatrix
+
+from manufactured.tensors import Array
+from study.bound.problem import BoundError
+from study.certify import checker
+from study.certify.checker import CENTRE, CORNERS, CUBIC, SQUARE, Poly, X, Y
+from study.stresses.bernstein import indices
+
+GIVEN, INNER = 36, 9
+"""Numbers of inputs: tractions with forces, and inner numbers that stay free."""
+RIGID = ((checker.ONE, Poly()), (Poly(), checker.ONE), (Y * -1, X))
+BITS = 28
+"""Φ is rounded to multiples of 2^−BITS."""
+MARGIN = 1e-6
+"""Margin for rounding in every semidefinite condition."""
+WITH_FORCE, WITHOUT_FORCE = Fraction(1), Fraction(1, 100)
+"""μ over κ; without f_0, C_Ω serves rounding errors only."""
+SLACKS = (1e-4, 1e-3, 1e-2, 0.1)
+"""Shares of κ that are given up until the rounded field proves the rest."""
+ENTRIES = ((0, 0), (0, 1), (1, 1))
+"""Entries of a symmetric 2 × 2 matrix; to the k-th Φ contributes its entries k and k + 1."""
+Field = list[list[Poly]]
+"""Three components on three thirds."""
+
+
+# ---- the reference element
+
+
+def bernstein(third: int) -> list[Poly]:
+    """Return the cubic Bernstein polynomials of a third in X and Y, in the order of ``indices``."""
+    (p, q), (r, s), (m, n) = CORNERS[(third + 1) % 3], CORNERS[(third + 2) % 3], CENTRE
+    rows = checker.inverse([[p, r, m], [q, s, n], [Fraction(1)] * 3])
+    factors = [X * a + Y * b + checker.ONE * c for a, b, c in rows]
+    return [
+        math.prod([factor for factor, e in zip(factors, alpha, strict=True) for _ in range(e)], start=checker.ONE)
+        * math.factorial(3)
+        * Fraction(1, math.prod(map(math.factorial, alpha)))
+        for alpha in indices(3)
+    ]
+
+
+def _conditions(field: Field) -> list[Fraction]:
+    """Tractions outside, jumps inside and divergences, all by their coefficients."""
+    outside, jumps, divergences = [], [], []
+    stress = [[[p.get(key, Fraction(0)) for key in CUBIC] for p in third] for third in field]
+    for i, (x, y, z) in enumerate(field):
+        outside += checker.tractions(stress[i], CORNERS[(i + 1) % 3], CORNERS[(i + 2) % 3])
+        one, other = (checker.tractions(stress[(i + n) % 3], CORNERS[i], CENTRE) for n in (1, 2))
+        jumps += [p - q for p, q in zip(one, other, strict=True)]
+        divergences += [x.slope(0) + z.slope(1), z.slope(0) + y.slope(1)]
+    on_edges = [p.get((n, 0, 0), Fraction(0)) for p in outside + jumps for n in range(4)]
+    return on_edges + _at(divergences)
+
+
+def _at(divergences: list[Poly]) -> list[Fraction]:
+    return [p.get(key, Fraction(0)) for p in divergences for key in SQUARE]
+
+
+def _right_sides() -> list[list[Fraction]]:
+    """The right sides of the conditions for the inputs, in their order."""
+    found = []
+    for i, p, d in product(range(3), checker.bernstein(3, X), (0, 1)):
+        column = [Fraction(0)] * 84
+        start = 8 * i + 4 * d
+        column[start : start + 4] = [p.get((n, 0, 0), Fraction(0)) for n in range(4)]
+        found.append(column)
+    for key, d in product(SQUARE, (0, 1)):
+        force = [Poly({key: Fraction(-1)}) if c == d else Poly() for c in (0, 1)]
+        found.append([Fraction(0)] * 48 + _at(force * 3))
+    return found
+
+
+@cache
+def columns() -> dict[str, Any]:
+    """Return the element as a certificate states it: for each of 45 inputs the monomials of a stress, integers over one
+    denominator."""
+    # The fields of which one Bernstein coefficient is 1.
+    fields: list[Field] = [
+        [[p if (i, c) == place else Poly() for c in range(3)] for i in range(3)]
+        for place in product(range(3), repeat=2)
+        for p in bernstein(place[0])
+    ]
+    motions = [[Fraction(0)] * 48 + _at([p * -1 for p in motion] * 3) for motion in RIGID]
+    every = [*map(_conditions, fields), *motions, *_right_sides()]
+    rows = [[QQ(x.numerator, x.denominator) for x in row] for row in zip(*every, strict=True)]
+    reduced, pivots = DomainMatrix(rows, (len(rows), len(every)), QQ).rref()
+    solved, unknowns = reduced.to_list(), len(fields) + len(motions)
+    free = [n for n in range(len(fields)) if n not in pivots]
+    if len(free) != INNER or max(pivots) >= unknowns:
+        raise ArithmeticError("the reference element has another dimension than it has to have")
+    found = []
+    for column in [*range(unknowns, unknowns + GIVEN), *free]:
+        sign = 1 if column >= unknowns else -1
+        weights = {pivot: sign * row[column] for pivot, row in zip(pivots, solved, strict=False) if pivot < len(fields)}
+        found.append(_monomials(fields, weights | ({column: QQ(1)} if sign < 0 else {})))
+    over = math.lcm(*(x.denominator for column in found for x in column))
+    return {"over": over, "columns": [[int(x * over) for x in column] for column in found]}
+
+
+def _monomials(fields: list[Field], weights: dict[int, Any]) -> list[Fraction]:
+    """A combination of fields by three components of ten monomials on three thirds."""
+    total = [[Poly() for _ in range(3)] for _ in range(3)]
+    for n, weight in weights.items():
+        factor = Fraction(int(weight.numerator), int(weight.denominator))
+        total = [[p + q * factor for p, q in zip(r, s, strict=True)] for r, s in zip(total, fields[n], strict=True)]
+    return [total[i][c].get(key, Fraction(0)) for c, i, key in product(range(3), range(3), CUBIC)]
+
+
+# ---- constants of loads
+
+
+def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
+    """Return the constants as a certificate states them: a mesh, the values of Φ at its vertices, μ and κ.
+
+    Raises:
+        BoundError: no field proves any constant.
+    """
+    exact = checker.Mesh.of(mesh, problem)
+    inside = WITH_FORCE if any(problem.force) else WITHOUT_FORCE
+    field, largest = _solve(exact, problem, float(inside))
+    rounded = [[int(c) for c in row] for row in np.round(field * 2**BITS)]
+    for slack in SLACKS:
+        kappa = Fraction(largest * (1 - slack)).limit_denominator(10**6)
+        found = {"mesh": mesh, "bits": BITS, "field": rounded, "volume": str(kappa * inside), "surface": str(kappa)}
+        try:
+            checker.load_constants(found, problem)
+        except checker.RefusedError:
+            continue
+        return found
+    raise BoundError("no constant of the loads was found for this body: its mesh may have cells that are too flat")
+
+
+def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple[Array, float]:
+    """Φ at the vertices, (vertices, 4), and the largest κ with μ = inside · κ."""
+    blocks = [*_inside(mesh, problem, inside), *_on_boundary(mesh)]
+    unknowns = 4 * len(mesh.points) + 1
+    rows, right = zip(*(_triangle(linear, constant) for linear, constant in blocks), strict=True)
+    cones = [clarabel.PSDTriangleConeT(len(constant)) for _, constant in blocks]
+    settings = clarabel.DefaultSettings()
+    settings.verbose = False
+    objective = np.zeros(unknowns)
+    objective[-1] = -1.0
+    matrix, nothing = sps.csc_matrix(sps.vstack(rows)), sps.csc_matrix((unknowns, unknowns))
+    solver = clarabel.DefaultSolver(nothing, objective, matrix, np.concatenate(right), cones, settings)
+    x = np.array(solver.solve().x)
+    return x[:-1].reshape(-1, 4), float(x[-1])
+
+
+def _inside(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> Iterator[tuple[Array, Array]]:
+    """The Schur complement at the vertices of the cells: coefficients (5, 5, unknowns) and constants (5, 5)."""
+    constant = -MARGIN * np.eye(5)
+    constant[2:, 2:] = [[float(c) for c in row] for row in problem.A]
+    for cell in mesh.cells:
+        divergence = np.zeros((5, 5, 4 * len(mesh.points) + 1))
+        a, b, c, d = (x * mesh.h / cell.det for x in cell.F)
+        for w, slope in zip(cell.v, ((c - d, b - a), (d, -b), (-c, a)), strict=True):
+            for k, entry in enumerate(ENTRIES):
+                divergence[entry][[4 * w + k, 4 * w + k + 1]] += slope
+        divergence[[0, 1], [0, 1], -1] -= inside
+        for v in cell.v:
+            block = divergence.copy()
+            for stress, columns in enumerate(((0, 1), (2, 3), (1, 2))):
+                block[[0, 1], 2 + stress, [4 * v + column for column in columns]] += 1
+            yield block, constant
+
+
+def _on_boundary(mesh: checker.Mesh) -> Iterator[tuple[Array, Array]]:
+    """−Φ(ν) at the ends of edges off Γ1, minus κ where there is a load."""
+    for edge, side in mesh.boundary.items():
+        normal = np.array([float(c) for c in side.normal])
+        normal /= np.linalg.norm(normal)
+        for v in edge if side.kind != "clamped" else ():
+            block = np.zeros((2, 2, 4 * len(mesh.points) + 1))
+            for k, entry in enumerate(ENTRIES):
+                block[entry][[4 * v + k, 4 * v + k + 1]] -= normal
+            if side.load:
+                block[[0, 1], [0, 1], -1] -= 1
+            yield block, -MARGIN * np.eye(2)
+
+
+def _triangle(linear: Array, constant: Array) -> tuple[sps.csr_matrix, Array]:
+    """constant + linear · x ⪰ 0 in the format of clarabel: the upper triangle by columns, off the diagonal times √2."""
+    entries = [(i, j) for j in range(len(constant)) for i in range(j + 1)]
+    scale = np.array([1.0 if i == j else np.sqrt(2) for i, j in entries])
+    rows, columns = zip(*entries, strict=True)
+    return sps.csr_matrix(-scale[:, None] * linear[rows, columns]), scale * constant[rows, columns]

@@ -1,0 +1,364 @@
+"""Differences between two result directories (``study compare``), and between a file and its expected text."""
+
+from __future__ import annotations
+
+import csv
+import json
+import math
+import textwrap
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass
+from itertools import zip_longest
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from study.ledger.datafiles import LEDGER, TEXT, DataError, line, made_by, read_csv
+from study.ledger.pictures import Packed
+
+IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
+"""States of a file: equal bytes; no difference beyond the tolerance; a larger difference; skipped, as only one
+directory has it and ``study run`` does not write it."""
+PROSE = {"statement", "quantity", "expected", "summary", "reason", "what", "regularity", "law"}
+"""Columns of prose: their changes are listed, but do not count as differences of results."""
+LATER = ["key", "family", "window_low", "window_high"]
+"""Columns that data of earlier versions lack: no difference if only one directory has them."""
+KEYS = {
+    "rates.csv": ("claim", "case", "family", "scheme", "level"),
+    "equivalence.csv": ("case", "form", "level", "family"),
+    "stresses.csv": ("case", "family", "level"),
+    "recomputed.csv": ("case", "family", "scheme", "level"),
+    "contact.csv": ("case", "family", "level"),
+    "statements.csv": ("label", "case", "family", "level", "quantity"),
+    "bounds.csv": ("trajectory", "case", "family", "scheme", "level"),
+    "enclosures.csv": ("trajectory", "case", "family", "scheme", "level"),
+    "claims.csv": ("label", "case", "quantity"),
+    "cases.csv": ("case",),
+    "controls.csv": ("defect", "setting"),
+    "sensitivity.csv": ("defect", "case", "family"),
+    "seeds.csv": ("label", "key", "case"),
+}
+"""Columns that tell rows apart. Rows of ``NUMBERS`` and enclosures may share them, and are compared in their order."""
+MAGNITUDES = {"equivalence.csv": ("displacement_gap", "stress_gap", "displacement_bound", "stress_bound")}
+"""Columns whose order of magnitude alone is compared, as it depends on where an iteration stops."""
+SAME_MAGNITUDE = 100.0
+"""Such numbers are equal up to this factor: between two tolerances of the solver they differed by at most 100."""
+KEYED = ("label", "key", "case", "family")
+"""Columns that tell the rows of claims.csv apart if both directories have them."""
+NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
+"""Columns by which a row is matched again if its words were changed."""
+OF_CONTROLS = "controls.csv", "seeds.csv", "sensitivity.csv"
+"""Files that ``study run`` does not write."""
+MOST = 2000
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Numbers a and b count as equal if |a − b| ≤ absolute + relative · max(|a|, |b|)."""
+
+    relative: float = 1e-12
+    absolute: float = 0.0
+
+    def equates(self, a: NDArray[Any], b: NDArray[Any]) -> NDArray[Any]:
+        """Return where numbers count as equal; NaN equals NaN, and an infinite number equals itself."""
+        with np.errstate(all="ignore"):
+            near = abs(a - b) <= self.absolute + self.relative * np.maximum(abs(a), abs(b))
+        return (a == b) | (np.isnan(a) & np.isnan(b)) | (near & np.isfinite(a) & np.isfinite(b))
+
+
+@dataclass(frozen=True)
+class Difference:
+    """The differences in a column, or the rows that only one file has.
+
+    Attributes:
+        what: the column, the place in a picture, or "rows only in OLD" and the like.
+        compared, differing: how many cells both files have, 0 for what only one has, and how many differ at all.
+        beyond: how many make the files differ: numbers beyond the tolerance, words that are not for readers.
+        cells: ``row``, ``old``, ``new`` of the first MOST words; of numbers those of the one that differs most, with
+            |a − b| / max(|a|, |b|) as ``relative``, which is None where one of them is not finite.
+    """
+
+    what: str
+    compared: int
+    differing: int
+    beyond: int
+    cells: list[dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class FileDifference:
+    """The differences in one file, largest first; ``only`` is OLD or NEW if the other directory has no such file."""
+
+    name: str
+    state: str
+    only: str = ""
+    differences: tuple[Difference, ...] = ()
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The differences between two result directories."""
+
+    old: Path
+    new: Path
+    tolerance: Tolerance
+    files: tuple[FileDifference, ...]
+
+    @property
+    def verdicts(self) -> list[dict[str, Any]]:
+        """The cells of all changed verdicts."""
+        return [cell for file in self.files for d in file.differences if d.what == "verdict" for cell in d.cells]
+
+    @property
+    def states(self) -> dict[str, int]:
+        """State ↦ number of files."""
+        states = [file.state for file in self.files]
+        return {state: states.count(state) for state in (IDENTICAL, WITHIN, DIFFERS, LEFT_OUT)}
+
+    @property
+    def differs(self) -> bool:
+        return self.states[DIFFERS] > 0
+
+
+def compare(old: Path, new: Path, tolerance: Tolerance) -> Comparison:
+    """Return the differences between two result directories; DataError names a missing or damaged file."""
+    names: set[str] = set()
+    for directory in (old, new):
+        data = directory / "data"
+        found = {path.relative_to(data).as_posix() for path in (*data.glob("*.csv"), *data.glob("pictures/*.json"))}
+        if not found:
+            raise DataError(f"{directory} has no data/*.csv, expected the directory that follows --out in `study run`")
+        names |= found
+    ordered = sorted(names, key=lambda name: ("/" in name, name))
+    return Comparison(old, new, tolerance, tuple(_file(name, (old, new), tolerance) for name in ordered))
+
+
+def _file(name: str, directories: Sequence[Path], tolerance: Tolerance) -> FileDifference:
+    paths = [directory / "data" / name for directory in directories]
+    for path, other in zip(paths, ("NEW", "OLD"), strict=True):
+        if not path.exists():
+            return FileDifference(name, LEFT_OUT if name in OF_CONTROLS else DIFFERS, other)
+    try:
+        first, second = (path.read_bytes() for path in paths)
+    except OSError as error:
+        raise DataError(f"cannot read {error.filename}: {error.strerror}; make it readable") from error
+    if first == second and first.endswith(b"\n"):  # What ends within a line is read, and refused.
+        return FileDifference(name, IDENTICAL)
+    csv = name.endswith(".csv")
+    read: list[Any] = _tables(name, directories) if csv else [_picture(name, directory) for directory in directories]
+    old, new, *found = read
+    for side, mine, other in (("OLD", old, new), ("NEW", new, old)):
+        single = pd.Index([*mine]).difference([*other], sort=False)
+        found.append(_words(f"{'columns' if csv else 'places'} only in {side}", single.difference(LATER, sort=False)))
+        found.append(_words(f"columns that earlier data lack, in {side}", single.intersection(LATER), counts=False))
+    rough = MAGNITUDES.get(name, ())
+    found += [_column(c, old[c], new[c], tolerance, c in rough) for c in old if c in new and not old[c].equals(new[c])]
+    told = sorted((d for d in found if d.differing), key=lambda d: (not d.beyond, -(d.cells[0]["relative"] or np.inf)))
+    return FileDifference(name, DIFFERS if any(d.beyond for d in told) else WITHIN, "", tuple(told))
+
+
+def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
+    """Return the common rows of two tables and notes on the others; a column has words or numbers in both tables."""
+    key, numbers = KEYS.get(name, ()), NUMBERS.get(name, ())
+    tables = [read_csv(directory, name, (*key, *numbers)) for directory in directories]
+    columns = tables[0].columns.intersection(tables[1].columns)
+    for column in columns:
+        values = [pd.to_numeric(table[column], errors="coerce").astype(float) for table in tables]
+        words = column in TEXT or all(value.isna().all() for value in values)
+        for directory, table, value in zip(directories, tables, values, strict=True):
+            wrong = table[column][value.isna() & table[column].notna() & (table[column].astype(str) != "nan")]
+            if not words and len(wrong):
+                stands, place = wrong.iloc[0], line(int(wrong.index[0]))
+                raise _refusal(directory, name, f"has {stands!r} as {column}, expected a number, in line {place}")
+            table[column] = table[column].astype(object).where(table[column].notna(), "").map(str) if words else value
+    if keyed := name == "claims.csv" and {*KEYED} <= {*columns}:
+        key, numbers = KEYED, ()
+    for directory, table in zip(directories, tables, strict=True):
+        if key and (keyed or name not in (*NUMBERS, "enclosures.csv")) and (twice := table.duplicated([*key])).any():
+            raise _refusal(directory, name, f"has the row {_rows(table[twice], key)[0]} twice")
+    old, new = (table.set_axis(_rows(table, key)) for table in tables)
+    found = []
+    if numbers:
+        loose = [column for column in (*key, *numbers) if column not in PROSE]
+        lost = [mine.loc[mine.index.difference(other.index, sort=False)] for mine, other in ((old, new), (new, old))]
+        names = pd.concat([pd.Series(rows.index, _rows(rows, loose)) for rows in lost], axis=1, join="inner")
+        new = new.rename(index=dict(zip(names[1], names[0], strict=True)))
+        found = [_words("rows renamed, found by their numbers", names[0], counts=False)]
+    both = old.index.intersection(new.index, sort=False)
+    for side, mine in (("OLD", old), ("NEW", new)):
+        found.append(_words(f"rows only in {side}", mine.index.difference(both, sort=False)))
+    return [old.loc[both], new.loc[both], *found]
+
+
+def _refusal(directory: Path, name: str, what: str) -> DataError:
+    return DataError(f"{directory / 'data' / name} {what}: make it again with `{made_by(directory)}`")
+
+
+def _rows(table: pd.DataFrame, key: Sequence[str]) -> pd.Index:
+    """Return names of rows: the cells of the key, numbers with nine digits, and a number for rows of the same name."""
+    cells = [[v if isinstance(v, str) else f"{v + 0.0:.9g}" for v in table[column]] for column in key]
+    joined = [", ".join(filter(None, row)) for row in zip(*cells, strict=True)] if key else ["row"] * len(table)
+    names = pd.Series(joined, dtype=str)
+    number = names.groupby(names).cumcount() + 1
+    return pd.Index(names.where(number == 1, names + ", no. " + number.astype(str)))
+
+
+def _picture(name: str, directory: Path) -> dict[str, pd.Series]:
+    try:
+        return dict(_places(json.loads((directory / "data" / name).read_bytes()), ""))
+    # No JSON or no UTF-8, brackets nested too deeply, packed numbers that are none.
+    except (ValueError, RecursionError, KeyError, TypeError) as error:
+        raise _refusal(directory, name, f"is not a picture ({error})") from error
+
+
+def _places(value: Any, place: str) -> Iterator[tuple[str, pd.Series]]:
+    """Yield (place and shape, values) of the largest arrays of numbers, and of words."""
+    packed = isinstance(value, dict) and value.keys() == {"unit", "shape", "changes"}
+    array = np.atleast_1d(Packed.read(value).values if packed else np.array(value, dtype=object))
+    if any(isinstance(item, list | dict) for item in array.flat):
+        for key, item in value.items() if isinstance(value, dict) else enumerate(value):
+            yield from _places(item, f"{place}[{key}]" if isinstance(key, int) else f"{place}.{key}")
+    else:
+        index = pd.MultiIndex.from_product(map(range, array.shape))
+        yield f"{place} {array.shape}", pd.Series(array.ravel(), index).infer_objects()
+
+
+def _words(what: str, rows: Any, old: Any = "", new: Any = "", compared: int = 0, counts: bool = True) -> Difference:
+    cells = pd.DataFrame({"row": [*map(str, rows)], "old": old, "new": new, "relative": None}, dtype=object)
+    return Difference(what, compared, len(cells), len(cells) * counts, cells[:MOST].to_dict("records"))
+
+
+def _column(what: str, old: pd.Series, new: pd.Series, tolerance: Tolerance, rough: bool = False) -> Difference:
+    """Return the differences in a column; words and whole numbers, such as levels, have no tolerance.
+
+    ``rough`` numbers are compared by their order of magnitude.
+    """
+    a, b = old.to_numpy(), new.to_numpy()
+    if object in (a.dtype, b.dtype):
+        a, b = a.astype(str), b.astype(str)
+        return _words(what, old.index[a != b], a[a != b], b[a != b], len(a), what not in PROSE)
+    a, b = a.astype(float), b.astype(float)
+    changed, both = ~Tolerance(0).equates(a, b), np.append(a, b)
+    beyond = changed if np.all((both == np.round(both)) | np.isnan(both)) else ~tolerance.equates(a, b)
+    if rough:
+        small, large = np.minimum(abs(a), abs(b)), np.maximum(abs(a), abs(b))
+        beyond &= ~((a * b > 0) & (large <= (1 + 1e-9) * SAME_MAGNITUDE * small))
+    with np.errstate(all="ignore"):
+        relative = np.nan_to_num(abs(a - b) / np.maximum(abs(a), abs(b)), nan=np.inf, posinf=np.inf)
+    i = int(np.argmax(np.where(beyond if beyond.any() else changed, relative, -1)))
+    largest = float(relative[i]) if relative[i] < np.inf else None
+    cell = {"row": str(old.index[i]), "old": f"{a[i]:.15g}", "new": f"{b[i]:.15g}", "relative": largest}
+    return Difference(what, len(a), int(changed.sum()), int(beyond.sum()), [cell])
+
+
+SHOWN_VERDICTS, SHOWN_ROWS, SHOWN_PLACES = 20, 5, 3
+"""How many changed verdicts, rows that only one directory has, and differences in a picture are shown."""
+
+
+def as_json(found: Comparison) -> dict[str, Any]:
+    """Return the comparison for JSON."""
+    head = {"differs": found.differs, "states": found.states, "verdicts": found.verdicts}
+    return {**head, **asdict(found), "old": str(found.old), "new": str(found.new)}
+
+
+def as_text(found: Comparison) -> str:
+    """Return the comparison as text of 80 columns: changed verdicts, a block for each file, and a summary."""
+    lines = (textwrap.fill(line, 80, subsequent_indent=" " * 8, break_on_hyphens=False) for line in _lines(found))
+    return "\n".join(lines).replace("\u00a0", " ")
+
+
+def _lines(found: Comparison) -> Iterator[str]:
+    """Yield lines of any length."""
+    yield f"verdicts: {len(found.verdicts) or 'none'} changed"
+    yield from _listed(found.verdicts, SHOWN_VERDICTS)
+    yield ""
+    same = [file for file in found.files if file.state == IDENTICAL and "/" in file.name]
+    for file in found.files:
+        if file not in same:
+            yield f"{file.name}: {file.state}" + f", only in {file.only}" * bool(file.only)
+        for difference in file.differences[: SHOWN_PLACES if "/" in file.name else None]:
+            text = f"{difference.what}: {difference.differing}"
+            if difference.compared:
+                text += f" of {difference.compared} differ, {difference.beyond} beyond tolerance"
+            largest = difference.cells[0]["relative"]
+            yield f"  {text}" if largest is None else f"  {text}; largest {largest:.1e}"
+            yield from _listed(difference.cells, 1 if difference.compared else SHOWN_ROWS)
+    if same:
+        yield f"pictures/: {len(same)} {IDENTICAL}"
+    count, size = found.states, f"{found.tolerance.relative:g} relative + {found.tolerance.absolute:g}"
+    told = f"{count[IDENTICAL]} identical, {count[WITHIN]} within {size}, {count[DIFFERS]} differ"
+    yield ""
+    yield f"{len(found.files)} files: {told}, {count[LEFT_OUT]} left out"
+
+
+def _listed(cells: list[dict[str, Any]], most: int) -> Iterator[str]:
+    for cell in cells[:most]:
+        # Spaces at which no line ends.
+        change = f": {cell['old'] or 'nothing'}\u00a0→\u00a0{cell['new'] or 'nothing'}"
+        yield f"    {cell['row']}" + change * (cell["old"] != cell["new"])
+    if len(cells) > most > 1:
+        yield f"    and {len(cells) - most} more"
+
+
+ROUNDED = {name for name in LEDGER if name not in TEXT} - {"expected", "family"}
+"""Columns of ``claims.csv`` whose last digits depend on the machine."""
+ROUNDED_RTOL = 1e-6
+"""Relative difference that their numbers may have, as iterations stop at different places."""
+SHOWN_TEXT = 60
+"""Characters that are shown of a text."""
+
+
+def difference(path: Path, expected: str, close: frozenset[str] = frozenset()) -> str | None:
+    """Return where a file first differs from its expected text, in words: line, column, both texts; None if equal.
+
+    Args:
+        close: columns whose numbers may differ by rounding.
+    """
+    stands = path.read_text(encoding="utf-8", errors="replace")
+    if stands == expected:
+        return None
+    pairs = zip_longest(stands.split("\n"), expected.split("\n"))
+    head = next(csv.reader([expected.partition("\n")[0]])) if path.suffix == ".csv" else []
+    for number, (old, new) in enumerate(pairs, start=1):
+        if old != new and (said := _in_line(old, new, head, close)):
+            return f"{path}, line {number}{said}"
+    return None
+
+
+def _in_line(old: str | None, new: str | None, head: list[str], close: frozenset[str]) -> str:
+    """Return which column of a line differs; "" if only last digits do."""
+    if old is None or new is None:
+        return f": stands {_shown(old)}, would be {_shown(new)}"
+    if not head:
+        return f": stands {_shown(*_around(old, new))}, would be {_shown(*_around(new, old))}"
+    cells = zip_longest(head, *(next(csv.reader([text]), []) for text in (old, new)))
+    for name, a, b in cells:
+        if a != b and not (name in close and _close(a, b)):
+            return f", column {name}: stands {_shown(*_around(a, b))}, would be {_shown(*_around(b, a))}"
+    return ""
+
+
+def _around(text: str | None, other: str | None) -> tuple[str | None, int]:
+    """Return a text and the place where it begins to differ from another one."""
+    same = next((i for i, (a, b) in enumerate(zip(text or "", other or "", strict=False)) if a != b), 0)
+    return text, same
+
+
+def _shown(text: str | None, place: int = 0) -> str:
+    """Return a text, or the part around a place if it is long; "nothing" for no line."""
+    if text is None:
+        return "nothing"
+    start = max(0, place - SHOWN_TEXT // 2) if len(text) > SHOWN_TEXT else 0
+    part = text[start : start + SHOWN_TEXT]
+    return f"{'…' * (start > 0)}{part!r}{'…' * (start + SHOWN_TEXT < len(text))}"
+
+
+def _close(a: str | None, b: str | None) -> bool:
+    """Return whether two texts are numbers that differ by rounding."""
+    try:
+        return math.isclose(float(a or "nan"), float(b or "nan"), rel_tol=ROUNDED_RTOL, abs_tol=1e-12)
+    except ValueError:
+        return False

@@ -1,0 +1,248 @@
+"""Contact problems as files for other codes: the format ``contact-task`` (docs/reference/tasks.md)."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import lzma
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from manufactured.body import Kind
+from manufactured.law import Linear
+from manufactured.tensors import Array
+from study.fem.material import means
+from study.fem.space import Space
+from study.ledger.files import StoreError, UsageError, write_text, write_whole
+from study.run.store import Store
+from study.statements.shared.tasks import Task
+
+FORMAT, VERSION = "contact-task", 1
+Data = dict[str, Any]
+MARGIN, DEPTH = 0.25, 0.25
+"""How far a meshed foundation extends beyond its face, and its thickness, relative to the length of the face."""
+SUMS = "SHA256SUMS"
+DIGITS = 13
+"""Decimal digits of the largest number of an array; smaller numbers have as many decimal places."""
+FINER = {"reference": 14}
+"""Digits of the reference displacement: distances from it may be zero, and their rounding errors grow like 1/h."""
+
+
+def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
+    """Return the static problems at some instants, with the data that answers are judged by."""
+    require_instants(instants, task.solution.body.T)
+    loads = [
+        {
+            "time": float(t),
+            "load": scale * task.space.nodal(task.gauge.load(t)).T,
+            "initial_stress": scale * task.initial_stress(t).T,
+            "initial_traction": [scale * values for values in task.initial_tractions(t)],
+            "traction": [scale * values for values in task.loads_on(t)],
+        }
+        for t in instants
+    ]
+    judge = [_judged(task, t, t, task.static(t)) for t in instants]
+    return {**_head(task, "frozen", scale), "steps": loads, "judge": judge}
+
+
+def require_instants(instants: Sequence[float], T: float) -> None:
+    """Raise UsageError for instants outside [0, T], or none."""
+    if not instants or min(instants) < 0 or max(instants) > T:
+        raise UsageError(f"--instants must lie in [0, {T:g}], got {', '.join(f'{t:g}' for t in instants)}")
+
+
+def require_scale(scale: float) -> None:
+    """Raise UsageError for a factor of loads that is not positive."""
+    if not 0 < scale < float("inf"):
+        raise UsageError(f"--scale must be a positive number, got {scale:g}")
+
+
+def march(task: Task, steps: int, scale: float = 1.0) -> Data:
+    """Return the evolution by the midpoint rule with equal steps: the load at t_{n−1/2}, the answer at t_n."""
+    problem, states = task.march(steps)
+    k, judge, loads = problem.T / steps, [], []
+    for n, state in enumerate(states):
+        if n:
+            load = scale * task.space.nodal(problem.load((n - 0.5) * k)).T
+            loads.append({"time": state.time, "load": load})
+            judge.append(_judged(task, state.time, (n - 0.5) * k, state.u))
+    moved = scale * task.space.nodal(problem.u0).T
+    return {**_head(task, "march", scale), "step": k, "start": moved, "steps": loads, "judge": judge}
+
+
+def _judged(task: Task, time: float, balanced: float, reference: Array) -> Data:
+    """Return the data that an answer at one time is judged by; contact forces are those at the time ``balanced``."""
+    sample = task.gauge.sample(time)
+    return {
+        "time": float(time),
+        "strain": sample.means.T,
+        "rest": sample.oscillation,
+        "displacement": task.space.nodal(sample.interpolant).T,
+        "reference": task.space.nodal(reference).T,
+        "pressure": task.pressures(balanced),
+        "resultant": task.resultants(balanced),
+    }
+
+
+def _head(task: Task, mode: str, scale: float) -> Data:
+    require_scale(scale)
+    space, law = task.space, task.solution.law
+    mesh, clamped = space.mesh, [space.vertices(part) for part, _ in space.on(Kind.CLAMPED)]
+    numbers = {"A": law.A, "G": law.G}
+    return {
+        "format": FORMAT,
+        "version": VERSION,
+        "case": task.case.name,
+        "family": task.family.name,
+        "level": task.level,
+        "mode": mode,
+        "scale": scale,
+        "h": space.h,
+        "vertices": mesh.p.T,
+        "cells": oriented(mesh.p, mesh.t).T,
+        "clamped": np.unique(np.concatenate(clamped)),
+        "contact": [
+            {"normal": part.normal, "facets": mesh.facets[:, space.facets(part)].T, "vertices": vertices}
+            for part, vertices in space.contact
+        ],
+        "loaded": [
+            {"normal": part.normal, "facets": mesh.facets[:, facets].T} for part, facets in space.on(Kind.LOADED)
+        ],
+        "law": {name: _constants(space, tensor) for name, tensor in numbers.items()},
+    }
+
+
+def _constants(space: Space, tensor: Linear) -> Data:
+    factor = means(space, tensor.factor)
+    return {"matrix": tensor.matrix, "factor": 1.0 if np.ptp(factor) == 0 and factor[0] == 1 else factor}
+
+
+def oriented(points: Array, cells: Array) -> Array:
+    """Return the cells with positive volumes, (d + 1, cells)."""
+    corners = points[:, cells]
+    negative = np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0)) < 0
+    turned = cells.copy()
+    turned[-2:, negative] = turned[:-3:-1, negative]
+    return turned
+
+
+def with_foundation(data: Data, segments: int) -> Data:
+    """Return the data of a task with a meshed slab below each part of Γ3."""
+    vertices = np.asarray(data["vertices"])
+    pieces = [
+        slab(vertices[np.unique(piece["facets"])], np.asarray(piece["normal"]), segments) for piece in data["contact"]
+    ]
+    return {**data, "foundation": pieces}
+
+
+def require_segments(segments: int, dim: int) -> None:
+    """Raise UsageError for a foundation of a solid, or with fewer than one segment."""
+    if dim != 2:
+        raise UsageError("--foundation meshes foundations in the plane only; leave it out for a body in space")
+    if segments < 1:
+        raise UsageError(f"--foundation must be 1 or more, got {segments}")
+
+
+def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
+    """Return a rigid foundation as a meshed body: two triangles for each of some equal segments below a straight face.
+
+    Args:
+        face: vertices of the face, (n, 2).
+        normal: ν, out of the body and into the slab, (2,).
+        segments: number of segments on the side that touches the body, margins included.
+
+    Raises:
+        UsageError: the body is a solid, or there is fewer than one segment.
+    """
+    require_segments(segments, face.shape[1])
+    # With the body below, the axes (along, −ν) are right-handed.
+    along = np.array([-normal[1], normal[0]])
+    s = face @ along
+    length = float(np.ptp(s))
+    origin = face[s.argmin()] - MARGIN * length * along
+    steps = np.linspace(0, (1 + 2 * MARGIN) * length, segments + 1)
+    near = origin + np.multiply.outer(steps, along)
+    first = np.arange(segments)
+    far, count = near + DEPTH * length * normal, segments + 1
+    lower = np.stack([first, first + 1, first + count + 1], axis=1)
+    upper = np.stack([first, first + count + 1, first + count], axis=1)
+    cells = np.concatenate([lower, upper])
+    corners = np.concatenate([near, far])[cells]
+    turned = np.linalg.det(corners[:, 1:] - corners[:, :1]) < 0
+    cells[turned] = cells[turned][:, [0, 2, 1]]
+    return {
+        "vertices": np.concatenate([near, far]),
+        "cells": cells,
+        "facets": np.stack([first, first + 1], axis=1),
+    }
+
+
+@dataclass(frozen=True)
+class TaskStore(Store):
+    """A directory with tasks and their checksums only, as people copy it: the lock is removed at the end."""
+
+    written: tuple[str, ...] = (".",)
+
+    @property
+    def lock(self) -> Path:
+        return self.directory / ".lock"
+
+    @property
+    def marks(self) -> tuple[Path, ...]:
+        return self.lock, self.directory / SUMS
+
+    @contextmanager
+    def locked(self) -> Iterator[None]:
+        """``Store.locked``; the lock is removed at the end."""
+        with super().locked():
+            try:
+                yield
+            finally:
+                # Windows removes no file that is open.
+                with suppress(PermissionError):
+                    self.lock.unlink(missing_ok=True)
+
+
+def write_task(directory: Path, data: dict[str, Any]) -> Path:
+    """Write NAME.json.xz, the same bytes for the same data, and its line in SHA256SUMS; returns the path.
+
+    Raises:
+        StoreError: the directory cannot be written, or SHA256SUMS has a line of another form.
+    """
+    scale = "" if data["scale"] == 1 else f"-times-{data['scale']:g}"
+    path = directory / f"{data['case']}-{data['family']}-{data['mode']}-{data['level']}{scale}.json.xz"
+    packed = lzma.compress(json.dumps(plain(data), separators=(",", ":")).encode())
+    sums = _sums(directory / SUMS) | {path.name: hashlib.sha256(packed).hexdigest()}
+    write_whole(path, lambda part: part.write_bytes(packed))
+    write_text(directory / SUMS, "".join(f"{sums[name]}  {name}\n" for name in sorted(sums)))
+    return path
+
+
+def _sums(path: Path) -> dict[str, str]:
+    """Return name of a file ↦ checksum from a file of ``sha256sum``."""
+    sums = {}
+    for number, line in enumerate(path.read_text(encoding="utf-8").splitlines() if path.exists() else [], 1):
+        parts = line.split()
+        if len(parts) != 2:
+            raise StoreError(f"{path}, line {number}: stands {line!r}, expected a sum and a file; remove the line")
+        sums[parts[1]] = parts[0]
+    return sums
+
+
+def plain(value: Any, digits: int = DIGITS) -> Any:
+    """Return nested data with arrays as lists, rounded to some digits of the largest number of each array."""
+    if isinstance(value, dict):
+        return {key: plain(one, FINER.get(key, DIGITS)) for key, one in value.items()}
+    if isinstance(value, list):
+        return [plain(one, digits) for one in value]
+    if not isinstance(value, np.ndarray):
+        return value
+    largest = abs(value).max(initial=0.0)
+    if value.dtype.kind == "f" and 0 < largest < np.inf:
+        return np.round(value, digits - int(np.ceil(np.log10(largest)))).tolist()
+    return value.tolist()

@@ -1,0 +1,270 @@
+"""The contact force: −σ^h_ν against p on Γ3, and u^h_ν between the vertices.
+
+Orders in V hardly depend on contact: where all of Γ3 is in contact, a multiplier that is wrong by a fifth does not
+change u^h, and penalty methods that stagnate pass. Proposition 5.4 says nothing about the force, so separate
+criteria judge it.
+
+**Measured** for every case of Proposition 5.4 that touches. With the multipliers λ_n of the midpoint rule, which are
+nodal forces at t_{n−1/2}, Problem 5.1 reads
+
+    (σ^h, ε(v))_Q + λ_n·Nv = (f, v)_V,   v ∈ V^h,    and exactly   (σ, ε(v))_Q + ∫_{Γ3} p v_ν = (f, v)_V.
+
+So ⟨p − p^h, v_ν⟩ = ∫_{Γ3} p v_ν − λ_n·Nv is measured without the load and without a matrix of the problem: p comes from
+the exact stress at points of the faces.
+
+**Predicted orders** in L²(0,T), with k ~ h. For an exact load, ⟨p − p^h, v_ν⟩ = (σ^h − σ, ε(v))_Q for every v ∈ V^h.
+
+* **dual norm**: the supremum over v ∈ V^h of the right side, which depends only on the part of
+  σ^h − σ = Aε(u̇^h − u̇) + Gε(u^h − u) that is not orthogonal to V^h. It has the order of ‖Π^h u − u^h‖_V, by the same
+  cancellation: 3/2 to 2 on one-diagonal meshes, from 1 to 2 on others. No higher order is possible, because p^h is
+  piecewise linear and a front cuts cells.
+* **L²(Γ3)**: take v with the trace of a function on Γ3, and zero at all other vertices. It lives in the cells along Γ3,
+  which contain O(h^{3/2}) of ‖σ − σ^h‖_Q for solutions with ε(u) ∈ W^{1,∞}, and ‖v‖_V ≤ c h^{−1/2} ‖v_ν‖: order 1 if
+  nothing cancels, and, by the inverse inequality, half an order less than the dual norm if it does: 1 to 3/2.
+* **resultant**: v with v_ν = 1 on a piece is one of the v of the dual norm, and a smooth one: (σ^h − σ, ε(v − Π^h v))
+  is of order 2 by the argument of Aubin and Nitsche, if the contact zone is known. A moving front is known up to a
+  cell, which costs the pressure there. The order is at least the order of the dual norm. On coarse levels orders above
+  2 are observed where a patch is a few cells wide, so the window is one-sided.
+
+On random meshes ‖p − p^h‖_{L²(Γ3)} is the error of the few edges that happen to be long where p bends. In a pilot on
+ten of them its logarithm scattered by 0.2 on every level, n = 8, 16, 32, and its order by 0.18 about 1.16: the order is
+reported there. The dual norm, a sum over cells, scattered by half of that about 1.51, and is judged.
+
+u^h_ν is linear between vertices and u^h ∈ K^h: u^h_ν ≤ 0 at every point of straight faces, up to rounding, and λ ≥ 0.
+
+If the whole face lands with a velocity, p jumps in time. One step of every scheme has the mean of both sides, and the
+error in L²(0,T) is of order 1/2 in k, times a factor that depends on the place of the jump in its step: reported.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import scipy.sparse as sps
+
+from manufactured.exact import ExactSolution, Face
+from manufactured.tensors import Array
+from study.fem.naming import resolve
+from study.fem.quadrature import facet_rule
+from study.fem.space import Space
+from study.ledger.criterion import ENOUGH, Groups, Observation, Rule, by_family, finest, largest, order
+from study.ledger.datafiles import CsvFile
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, around, at_least, at_most, between
+from study.solve.signorini import Signorini
+from study.solve.steps import stress_steps
+from study.solve.tableau import MIDPOINT
+from study.statements.shared import estimates
+from study.statements.shared.base import EVOLVING, Setting, Statement
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import split_random
+from study.statements.shared.scope import Scope
+
+ERRORS = "pressure", "dual", "resultant"
+SHARES = tuple(f"{name}_time_share" for name in ERRORS)
+COLUMNS = ("case", "family", "level", "h", "steps", *ERRORS, *SHARES, "penetration", "pulling")
+"""``contact.csv``: norms in L²(0,T) by the midpoints of the steps, relative to the same norm of the exact quantity.
+
+    pressure: ‖p − p^h‖_{L²(Γ3)}; p^h is P1 on each piece Γ3,i and has the moments λ_n against P1.
+    dual: sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over v ∈ V^h.
+    resultant: ⟨p − p^h, 1⟩ on each piece, in the Euclidean norm over the pieces.
+    …_time_share: |error − error with half as many steps| / error.
+    penetration: max over the nodes in time and points of Γ3 of (u^h_ν)_+, over max |u^h|.
+    pulling: max_n (λ_n)_− / max_n |λ_n|.
+"""
+CONTACT = CsvFile("contact.csv", ("case", "family", "level"), COLUMNS)
+POINTS, SOLID_POINTS = 20, 6
+"""Gauss points on a facet in 2D, and in each direction of a facet in 3D; p has kinks inside facets."""
+
+
+class PressedFace:
+    """One piece Γ3,i with quadrature points: p, u_ν, and the P1 functions φ_i that belong to the rows of N on it."""
+
+    def __init__(self, solution: ExactSolution, space: Space, face: Face, vertices: Array) -> None:
+        count = POINTS if space.dim == 2 else SOLID_POINTS
+        rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count)
+        corners = np.broadcast_to(space.mesh.facets[:, rule.facets][..., None], rule.shapes.shape)
+        places = np.broadcast_to(np.arange(rule.weights.size).reshape(rule.weights.shape), rule.shapes.shape)
+        shape = rule.weights.size, space.mesh.p.shape[1]
+        self.every = sps.csr_array((rule.shapes.ravel(), (places.ravel(), corners.ravel())), shape=shape)
+        self.functions = self.every[:, vertices]
+        self.weights, self.normal = rule.weights.ravel(), face.part.normal
+        self.mass = (self.functions.T @ sps.diags_array(self.weights) @ self.functions).toarray()
+        self._exact = solution.on(face, rule.s)
+
+    def pressure(self, times: Array) -> Array:
+        """Return p at the points, at n times, (points, n)."""
+        return self._exact.pressure(times).reshape(-1, len(times))
+
+    def moments(self, pressure: Array) -> Array:
+        """Return ∫ p φ_i, (points, n) → (m, n)."""
+        return self.functions.T @ (self.weights[:, None] * pressure)
+
+    def square(self, pressure: Array) -> float:
+        """Return Σ_n ‖p‖² for n pressures at the points, (points, n)."""
+        return float((self.weights @ pressure**2).sum())
+
+    def from_moments(self, forces: Array) -> Array:
+        """Return p^h at the points, whose moments against the φ_i are the nodal forces, (m, n) → (points, n)."""
+        return self.functions @ np.linalg.solve(self.mass, forces)
+
+
+@dataclass(frozen=True, eq=False)
+class Forces:
+    """Γ3 of an experiment: its pieces, their rows of N, and W = N M⁻¹ Nᵀ, by which sup y·Nv/‖v‖_V = (y·Wy)^½."""
+
+    space: Space
+    faces: Sequence[PressedFace]
+    rows: Sequence[slice]
+    W: Array
+
+    @classmethod
+    def of(cls, setup: Experiment) -> Forces:
+        """Return the pieces, which depend on the exact solution and V^h alone."""
+        space, ends = setup.space, np.cumsum([0, *(len(vertices) for _, vertices in setup.space.contact)])
+        faces = [
+            PressedFace(setup.solution, space, face, vertices)
+            for face, (_, vertices) in zip(setup.solution.faces, space.contact, strict=True)
+        ]
+        rows = [slice(*pair) for pair in pairwise(ends)]
+        return cls(space, faces, rows, Signorini(setup.problem.M, space.N, space.free_points).W)
+
+    def squares(self, times: Array, multipliers: Array) -> tuple[Array, Array]:
+        """Return the squares of the ERRORS and of the exact quantities for λ (n, m), summed over n times, (3,) each."""
+        exact = [face.pressure(times) for face in self.faces]
+        y = np.concatenate([face.moments(p) for face, p in zip(self.faces, exact, strict=True)])
+        missing, parts = y - multipliers.T, list(zip(self.faces, exact, self.rows, strict=True))
+        errors = sum(face.square(p - face.from_moments(multipliers.T[rows])) for face, p, rows in parts)
+        sizes = sum(face.square(p) for face, p, _ in parts)
+        total, lost = (np.array([values[rows].sum(axis=0) for rows in self.rows]) for values in (y, missing))
+        found = errors, np.vdot(missing, self.W @ missing), np.vdot(lost, lost)
+        return np.array(found), np.array([sizes, np.vdot(y, self.W @ y), np.vdot(total, total)])
+
+    def penetration(self, u: Array) -> float:
+        """Return max (u_ν)_+ over the points of Γ3 for u ∈ V^h."""
+        nodal = self.space.nodal(u)
+        return float(np.max([0.0, *((face.every @ (face.normal @ nodal)).max() for face in self.faces)]))
+
+
+def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array, float, float]:
+    """March with the midpoint rule and return the relative ERRORS in L²(0,T), (3,), penetration and pulling."""
+    k, multipliers, extremes = setup.problem.T / steps, [], []
+    for state in setup.scheme.march(setup.problem, steps):
+        forces_now = state.multipliers
+        extremes.append([forces.penetration(state.u), abs(state.u).max(), -forces_now.min(), abs(forces_now).max()])
+        multipliers.append(forces_now)
+    # NumPy's maximum is not a number if one value is none; Python's max would hide it.
+    inside, moved, pulled, pressed = np.max(extremes, axis=0)
+    squares, sizes = forces.squares((np.arange(steps) + 0.5) * k, np.array(multipliers[1:]))
+    return np.sqrt(squares / sizes), float(inside / moved), float(max(pulled, 0.0) / pressed)
+
+
+def measure_contact(setup: Experiment) -> dict[str, Any]:
+    """Return the columns of ``contact.csv`` from ``h`` on, by the midpoint rule with an even number of steps."""
+    forces = Forces.of(setup)
+    errors, penetration, pulling = errors_in_time(setup, forces, setup.steps)
+    coarse, *_ = errors_in_time(setup, forces, setup.steps // 2)
+    shares = abs(errors - coarse) / errors
+    return {
+        "h": setup.space.h,
+        "steps": setup.steps,
+        **dict(zip(ERRORS, map(float, errors), strict=True)),
+        **dict(zip(SHARES, map(float, shares), strict=True)),
+        "penetration": penetration,
+        "pulling": pulling,
+    }
+
+
+LANDS = "lift-and-land"
+"""The case whose pressure jumps in time, so that no order of the force is claimed."""
+NO_ORDER = "p jumps in time, and the error is that of the step with the jump"
+JUMP = around(0.5, 0.2, "k^{1/2}")
+STRIP = between(1, 1.5, 0.15, 0.7, "the cells along Γ3; piecewise linears have 2 at most")
+PRESSURE = order("order-pressure", "order of ‖p − p^h‖_{L²(Γ3)}", STRIP, "pressure")
+OF_CHANCE = replace(PRESSURE, key="order-pressure-random", quantity=f"{PRESSURE.quantity}, random meshes")
+FEW_EDGES = "on random meshes it hangs on the few edges that happen to be long where p bends"
+SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "as the discrete error, on one-diagonal meshes")
+OTHERS = between(1, 2, 0.15, 0.2, "as the discrete error, on other meshes")
+DUAL = "order of sup ⟨p − p^h, v_ν⟩ / ‖v‖_V over V^h"
+DUAL_ORDERS = {
+    True: order("order-dual-superclose", f"{DUAL}, superclose", SUPERCLOSE, "dual"),
+    False: order("order-dual-other", f"{DUAL}, other families", OTHERS, "dual"),
+}
+"""On one-diagonal meshes (True) and on others."""
+RESULTANT = at_least(1, "order of the dual norm; 2 where the zone is known")
+SIZE = at_most(0.05, "of the exact one, on the finest level")
+TIME = at_most(0.5, "of each error, by half as many steps")
+NORMS = (
+    order("order-resultant", "order of the resultant on each face", RESULTANT, "resultant"),
+    finest("resultant", "error of the resultant on each face", SIZE, "resultant"),
+    # The time share of the resultant is not judged: time steps can only spoil an order that must be large, and on
+    # symmetric meshes the part of its error that is due to space may vanish.
+    largest("time-share", "time shares of both norms", TIME, *SHARES[:2]),
+)
+ROUND_OFF = at_most(1e-10, "straight faces and P1: only rounding")
+EXACT = (
+    largest("penetration", "max (u^h_ν)_+ between vertices / max |u^h|", ROUND_OFF, "penetration"),
+    largest("pulling", "max λ_− / max |λ|", ROUND_OFF, "pulling"),
+)
+
+
+def rules_of(case: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
+    """Yield the criteria for a case, and the mesh families that each of them judges."""
+    norms = [(rule, groups) for rule in NORMS]
+    random, others = split_random(groups)
+    if others:
+        norms.append((PRESSURE, others))
+    if random:
+        yield Observation(OF_CHANCE, FEW_EDGES), random
+    for superclose, rule in DUAL_ORDERS.items():
+        if mine := {name: table for name, table in groups.items() if (name == "one-diagonal") is superclose}:
+            norms.append((rule, mine))
+    for rule, mine in norms:
+        jump = JUMP if rule.key.startswith("order") else Window()
+        yield Observation(replace(rule, window=jump), NO_ORDER) if case == LANDS else rule, mine
+    for rule in EXACT:
+        yield rule, groups
+
+
+class ContactForce(Statement):
+    """Rows for each case over its mesh families, by the midpoint rule with k ~ h."""
+
+    label = "contact force"
+    claim = "−σ^h_ν → p on Γ3, and u^h_ν ≤ 0 between vertices, for the solutions of Proposition 5.4"
+    file = CONTACT
+
+    def settings(self, scope: Scope) -> list[Setting]:
+        """Cases of Prop. 5.4 that touch, on the three finest levels that the study has on all of their families."""
+        cases = [case for case in scope.resolved() if case.proposition == "Prop. 5.4" and case.name != "no-contact"]
+        return [
+            Setting(case.name, family.name, level)
+            for case in cases
+            if scope.full or case.name in EVOLVING
+            for family in scope.families_of(case)
+            for level in scope.levels_of(case).all[-ENOUGH:]
+        ]
+
+    def measure(self, setting: Setting) -> dict[str, Any]:
+        setup = Experiment.at(setting, MIDPOINT, self.steps(setting))
+        return {"case": setting.case, "family": setting.family, "level": setting.level, **measure_contact(setup)}
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        cases = [(str(case), by_family(mine)) for case, mine in rows.groupby("case", sort=False)]
+        return [rule.verdict(self, case, chosen) for case, groups in cases for rule, chosen in rules_of(case, groups)]
+
+    def cost(self, setting: Setting) -> float:
+        cells = setting.level**setting.dim * estimates.cells(setting.family)
+        return float(cells * self.steps(setting)) * (5 if setting.dim == 2 else 120)
+
+    def memory(self, setting: Setting) -> float:
+        return estimates.displacement(setting.dim, setting.level, setting.family)
+
+    def steps(self, setting: Setting) -> int:
+        """An even number, k ~ h."""
+        case = resolve(setting.case)
+        return stress_steps(case.solution.body.T, setting.level, case.pace)

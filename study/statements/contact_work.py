@@ -1,0 +1,300 @@
+"""Beyond the paper: the work of contact for solutions with contact patches of every size.
+
+The contact term of the estimate (5.21), which a linear problem does not have, is ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}. It
+is of order 1 for u ∈ W^{1,1}(0,T;H²), for any trace (``edge_work``); for a fixed u it is even o(h). In the cases of the
+catalogue with a few smooth fronts it is 1e-6 … 1e-3 of the error, too small to be observed (0.03 in natural-front, 0.1
+in rough-trace). Here it is measured for the cases of ``manufactured.multiscale``, whose contact zones have details of
+the size of h on every mesh.
+
+**Measured**, with integrals on a mesh that is refined until its cells are a third of the depth of every lifting:
+
+* ``work``: ‖R(·; Π^h u − u)‖^{1/2}_{L¹(0,T)}, R = ∫_{Γ3} p Π^h w as p w = 0;
+* ``error``: max_t ‖u − u^h‖_V;
+* ``excess``: max_t ‖u^h − u^h_lin‖_V, where u^h_lin solves the linear problem with p as a given traction: the part of
+  the error that is due to contact.
+
+**Predicted.** On grids all edges are equal, ℓ halves with h, and every train of waves is cut at the same places, so
+R/h² is the sum over the trains of one function of ℓ/h. It is constant, and the root has order 1, as long as there are
+trains of all widths h/2 … 4h, for 32 ≤ n ≤ 128: ± 0.15 there, and lower before. With random vertices each edge cuts the
+waves at another place. Between four and sixteen edges lie on the train that contributes most, and R_E varies between
+them as much as it is large, so single orders may be off by 0.5: they are reported. If that is the reason, the mean of R
+over random vertices has the order of grids, and its relative standard deviation falls like n^{−1/2}: both are claimed.
+Unstructured meshes have equal edges on each piece, whose number does not double. They cut the waves at other places on
+every level, all edges in the same way, so the work may nearly vanish on one of them (observed: orders −2.5 … 1.2,
+shares from 0.011).
+
+No order is predicted for the error and the excess: a train is resolved only for h < ℓ/10, so the error has hardly begun
+to fall where R has. On grids work / error must be above 1/50, twenty times its value for smooth fronts.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+
+import numpy as np
+import pandas as pd
+import scipy.sparse as sps
+
+from manufactured.body import Kind
+from manufactured.contact import ContactFace
+from manufactured.exact import ExactSolution, Face
+from manufactured.multiscale import FadingFace
+from manufactured.tensors import Array, Points
+from study.fem.gauge import FACET_POINTS, Gauge
+from study.fem.mesh import Shaken
+from study.fem.naming import resolve
+from study.fem.quadrature import facet_rule
+from study.fem.refining import inclusion_of, refined
+from study.fem.seminorm import composite
+from study.fem.space import Space
+from study.ledger.criterion import ENOUGH, Criterion, Measured, Observation, by_case, consecutive, exactly
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, around, at_least
+from study.solve.evolution import SemiDiscrete
+from study.solve.steps import rate_steps
+from study.solve.tableau import MIDPOINT
+from study.statements.shared.base import SEED, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.meshes import space_of
+from study.statements.shared.norms import midpoints, norm
+from study.statements.shared.scope import Scope
+
+PARTS = 3
+"""Cells of the refined mesh to the depth of a lifting."""
+
+
+@dataclass(frozen=True, eq=False)
+class Resolved:
+    """V^h on a mesh, with integrals on another mesh that is refined where the exact solution has details.
+
+    Attributes:
+        gauge: on the refined mesh.
+        inclusion: free values on the mesh → free values on the refined one.
+    """
+
+    solution: ExactSolution
+    space: Space
+    gauge: Gauge
+    inclusion: sps.csr_array
+
+    @classmethod
+    def of(cls, solution: ExactSolution, space: Space) -> Resolved:
+        """Refine the mesh of a space for a solution."""
+        mesh, nodal = refined(space.mesh, lambda corners: least_depth(solution, corners) / PARTS)
+        fine = Space(mesh, space.body)
+        return cls(solution, space, Gauge(solution, fine, along=()), inclusion_of(space, fine, nodal))
+
+    def load(self, time: float) -> Array:
+        """Return (f, ·)_V, (dofs,)."""
+        return np.asarray(self.inclusion.T @ self.gauge.load(time))
+
+    def distance(self, time: float, v: Array) -> float:
+        """Return ‖u(t) − v‖_V."""
+        return self.gauge.distance(self.gauge.sample(time), self.inclusion @ v)
+
+
+def least_depth(solution: ExactSolution, corners: Points) -> Array:
+    """Return the least depth of a lifting that reaches into a cell, (2, 3, cells) → (cells,)."""
+    found = np.full(corners.shape[2:], math.inf)
+    for face in solution.faces:
+        assert isinstance(face, ContactFace | FadingFace)
+        (along,), into = face.part.coordinates(corners)
+        depth = face.least_depth if isinstance(face, FadingFace) else face.profile.depth
+        met = (into.min(axis=0) < depth) & (along.max(axis=0) > 0) & (along.min(axis=0) < face.part.measure)
+        found[met] = np.minimum(found[met], depth)
+    return found
+
+
+def pressing_on(at: Resolved) -> Callable[[float], Array]:
+    """Return the function t ↦ ∫_{Γ3} p v_ν for v ∈ V^h, (dofs,)."""
+    space, rules = at.gauge.space, []
+    mesh = space.mesh
+    for face in at.solution.faces:
+        rule = facet_rule(mesh, space.facets(face.part), face.part, (), FACET_POINTS)
+        exact = at.solution.on(face, rule.s)
+        rules.append((face.part.normal, mesh.facets[:, rule.facets], rule.weights * rule.shapes, exact))
+
+    def pressing(time: float) -> Array:
+        nodal = np.zeros_like(mesh.p)
+        for normal, corners, weights, exact in rules:
+            moments = np.sum(exact.stated_pressure(time) * weights, axis=-1)
+            nodal += np.multiply.outer(normal, np.bincount(corners.ravel(), moments.ravel(), space.count))
+        return np.asarray(at.inclusion.T @ space.interpolate(nodal))
+
+    return pressing
+
+
+def error_and_excess(at: Resolved, steps: int) -> dict[str, float]:
+    """Return the largest error and the largest excess over the linear problem at the time nodes."""
+    solution, space = at.solution, at.space
+    load, press = lru_cache(maxsize=None)(at.load), pressing_on(at)
+    start = space.interpolate(solution.at(space.mesh.p).displacement(0.0))
+    problem = SemiDiscrete.of(space, solution.law, load, start)
+    linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) - press(time))
+    pairs = zip(MIDPOINT.march(problem, steps), MIDPOINT.march(linear, steps), strict=True)
+    found = [(at.distance(state.time, state.u), norm(problem, state.u - free.u)) for state, free in pairs]
+    error, excess = np.max(found, axis=0)
+    return {"error": error, "excess": excess}
+
+
+FACE_RULE = composite(512, 4)
+"""Quadrature on a piece of Γ3: ℓ is at least 1/64 of the piece."""
+TIME_NODES = 8
+"""Nodes of the midpoint rule in time."""
+DRAWS = 400
+"""Random sets of vertices on Γ3, for the mean and the standard deviation."""
+
+
+@dataclass(frozen=True, eq=False)
+class TotalWork:
+    """The function from the vertices of every piece of Γ3 to ∫_0^T R(t; Π^h u − u) dt, R = ∫_{Γ3} p Π^h w.
+
+    The integral in time is the midpoint rule. Many sets of vertices are evaluated together: the contribution of an edge
+    follows from cumulative sums over the quadrature points before its ends.
+    """
+
+    solution: ExactSolution
+
+    @cached_property
+    def moments(self) -> list[Array]:
+        """Cumulative sums of p and of p s over the points of every piece, weighted in space and time.
+
+        (2, points + 1, TIME_NODES) for each piece.
+        """
+        T, found = self.solution.body.T, []
+        for face in self.solution.faces:
+            place, weights = self._rule(face)
+            pressure = self.solution.on(face, place[None]).stated_pressure(midpoints(T, TIME_NODES))
+            weighted = pressure * (weights * T / TIME_NODES)[:, None]
+            sums = np.cumsum([weighted, weighted * place[:, None]], axis=1)
+            found.append(np.concatenate([np.zeros((2, 1, TIME_NODES)), sums], axis=1))
+        return found
+
+    def _rule(self, face: Face) -> tuple[Array, Array]:
+        """Return points and weights on a piece."""
+        place, weights = FACE_RULE
+        return face.part.measure * place, face.part.measure * weights
+
+    def __call__(self, vertices: Sequence[Array]) -> Array:
+        """Return the work for increasing coordinates of vertices along each piece, (..., vertices) → (...).
+
+        From s_i to the next vertex, p Π^h w = p w(s_i) + p (s − s_i) w' with the derivative w' of Π^h w.
+        """
+        total, times = np.zeros(np.shape(vertices[0])[:-1]), midpoints(self.solution.body.T, TIME_NODES)
+        for face, moments, s in zip(self.solution.faces, self.moments, vertices, strict=True):
+            w = face.gap_jet(s[None, ..., None], times)[(0,)]
+            derivative = np.diff(w, axis=-2) / np.diff(s)[..., None]
+            pressed, turned = np.diff(moments[:, np.searchsorted(self._rule(face)[0], s)], axis=-2)
+            turned = turned - s[..., :-1, None] * pressed
+            total += np.sum(pressed * w[..., :-1, :] + turned * derivative, axis=(-1, -2))
+        return total
+
+
+def vertices_on(space: Space) -> list[Array]:
+    """Return the coordinates of the vertices along every piece of Γ3."""
+    parts = space.body.of(Kind.CONTACT)
+    return [np.sort(part.coordinates(space.mesh.p[:, space.vertices(part)])[0][0]) for part in parts]
+
+
+def shaken(vertices: Sequence[Array], rng: np.random.Generator) -> list[Array]:
+    """Move equidistant vertices on every piece as on shaken meshes, by up to a fifth of an edge; the ends stay."""
+    moved = []
+    for s in vertices:
+        shift = rng.uniform(-1, 1, s.size) * Shaken().amplitude * (s[1] - s[0])
+        shift[[0, -1]] = 0
+        moved.append(s + shift)
+    return moved
+
+
+def over_random_vertices(total: TotalWork, vertices: Sequence[Array]) -> dict[str, float]:
+    """Return the root of the mean work over random vertices, and the relative standard deviation of the work."""
+    rng = np.random.default_rng(SEED)
+    found = total([np.array(moved) for moved in zip(*(shaken(vertices, rng) for _ in range(DRAWS)), strict=True)])
+    return {"mean work": math.sqrt(np.mean(found)), "spread": float(np.std(found) / np.mean(found))}
+
+
+GRID = "one-diagonal"
+COARSE = 32
+"""The coarsest level with trains of enough widths on both sides of h."""
+
+
+def from_32(key: str, quantity: str, column: str, window: Window) -> Criterion:
+    """Return the criterion for the order from each level to the next, from n = 32 on."""
+    found = consecutive(key, f"{quantity}, level by level from n = 32", window, column)
+    return replace(found, measure=lambda group: found.measure(group[group["level"] >= COARSE]), levels=ENOUGH)
+
+
+ROOT = "order of ‖R(·; Π^h u − u)‖^{1/2}"
+FIRST_ORDER = around(1, 0.15, "trains of all widths from h/2 to 4h")
+HALF = around(0.5, 0.15, "as of a sum of n independent edges")
+NOT_RESOLVED = "a train is resolved for h < ℓ/10 only"
+SHARE = at_least(0.02, "smooth fronts have 1e-6 … 1e-3")
+
+
+def share(group: pd.DataFrame) -> Measured:
+    """Return the least ratio of the root of the work and the error."""
+    return exactly((group["work"] / group["error"]).min())
+
+
+def excess_share(group: pd.DataFrame) -> Measured:
+    """Return the largest ratio of the excess and the error."""
+    return exactly((group["excess"] / group["error"]).max())
+
+
+ON_GRIDS = (
+    from_32("order", f"{ROOT}, on grids", "work", FIRST_ORDER),
+    from_32("order-mean", f"{ROOT}, R the mean over {DRAWS} times random vertices", "mean work", FIRST_ORDER),
+    from_32("spread", "order of the relative standard deviation of R over random vertices", "spread", HALF),
+    Criterion("share", "‖R‖^{1/2} / error, least", SHARE, share, ("work", "error")),
+)
+ON_IRREGULAR_MESHES = Observation(
+    from_32("order-irregular", f"{ROOT}, on single irregular meshes", "work", FIRST_ORDER),
+    "on irregular meshes single orders depend on chance",
+)
+ON_ALL_MESHES = (
+    Observation(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), NOT_RESOLVED),
+    Observation(
+        Criterion("excess-share", "‖u^h − u^h_lin‖_V / error, largest", Window(), excess_share, ("excess", "error")),
+        "what contact costs in V has no bound of its own",
+    ),
+    Observation(from_32("excess", "order of ‖u^h − u^h_lin‖_V", "excess", Window()), NOT_RESOLVED),
+)
+
+
+class WorkOfContact(ListedNumbers):
+    """The root of the work of contact, the error, and the excess over the linear problem."""
+
+    label = "beyond: work of contact"
+    claim = "‖R(·; Π^h u − u)‖^{1/2} = O(h) with contact at every scale, u_ν not bounded in H²(Γ3)"
+    effort = 5
+    # Full study only: coarse meshes show nothing, and fine ones take time.
+    full = (
+        *grid(("trains", "breathing-trains"), (GRID, "shaken"), (16, 32, 64, 128)),
+        *grid(("trains",), ("unstructured",), (16, 32, 64, 128)),
+    )
+
+    def settings(self, scope: Scope) -> Sequence[Setting]:
+        """Only if the whole catalogue is studied, because the cases with trains do not belong to it."""
+        return self.places(scope.full) if scope.whole else []
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        case, space = resolve(setting.case), space_of(setting)
+        steps = rate_steps(space.body.T, setting.level, case.pace)
+        found = error_and_excess(Resolved.of(case.solution, space), steps)
+        total, vertices = TotalWork(case.solution), vertices_on(space)
+        found["work"] = math.sqrt(total(vertices))
+        if setting.family == GRID:
+            found |= over_random_vertices(total, vertices)
+        return with_h(space.h, found)
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        found = []
+        for case, groups in by_case(rows):
+            on_grid = {name: table for name, table in groups.items() if name == GRID}
+            irregular = {name: table for name, table in groups.items() if name != GRID}
+            found += [rule.verdict(self, case, on_grid) for rule in ON_GRIDS]
+            found += [ON_IRREGULAR_MESHES.verdict(self, case, irregular)]
+            found += [rule.verdict(self, case, groups) for rule in ON_ALL_MESHES]
+        return found

@@ -1,0 +1,90 @@
+"""Three statements that are judged from rows of ``rates.csv`` and measure nothing themselves.
+
+* (5.23): the size of the interpolation error, for the cases of Proposition 5.4. It must agree with its leading term,
+  which is computed from second derivatives of u and shares no code with the errors.
+* (5.36): whether Proposition 5.4 needs this regularity. For the cases of Proposition 5.3, which miss it, the observed
+  order on uniform meshes is reported next to the order that the proof gives for their regularity.
+* Axes: a body in another position must have the same errors on congruent meshes.
+"""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from study.ledger.criterion import ENOUGH, Observation, between_levels, by_family, largest
+from study.ledger.verdict import Verdict
+from study.ledger.window import around, at_least, at_most
+from study.statements.prop_5_4 import RATES, over
+from study.statements.shared.base import Statement
+from study.statements.shared.meshes import LEADING
+
+GRADED = "graded"
+NEAR = around(1, 0.05, "on the finest level")
+
+
+class SizeOfInterpolation(Statement):
+    """‖u − Π^h u‖_V over its leading term, for the cases of Proposition 5.4."""
+
+    label = "(5.23)"
+    claim = "‖v − Π^h v‖_V ≤ c h |v|_{H²}"
+    file = RATES
+    rules = (over("leading-term", "‖u − Π^h u‖_V / leading term", NEAR, "interpolation_error", LEADING),)
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        return super().judge(rows[rows["claim"] == "Prop. 5.4"])
+
+
+class RegularityNeeded(Statement):
+    """The observed order against the order that the proof of Prop. 5.4 gives for a solution that misses (5.36)."""
+
+    label = "(5.36)"
+    claim = "is the regularity that Prop. 5.4 asks for needed?"
+    file = RATES
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        found = []
+        for case, mine in rows[rows["claim"] == "Prop. 5.3"].groupby("case", sort=False):
+            proved = at_least(float(mine["proved_order"].iloc[0]), "the order that the proof gives")
+            seen = between_levels("order", "order seen, on uniform meshes", proved, "error", 2, ENOUGH)
+            rule = Observation(seen, "the source claims an order for (5.36) alone")
+            found.append(rule.verdict(self, str(case), by_family(mine[mine["family"] != GRADED])))
+        return found
+
+
+WITH_AXES = (GRADED, "unstructured")
+"""Mesh families whose meshes depend on the axes."""
+SAME_MESH = ["family", "scheme", "level"]
+DIFFERENCE = "relative difference of"
+SAME = at_most(1e-10)
+ROUND_OFF = at_most(1e-7, "round-off times the condition of the matrices, of order h⁻², in a small difference")
+CHANGES = (
+    largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", SAME, "error", "interpolation_error"),
+    largest("discrete-error", f"{DIFFERENCE} ‖Π^h u − u^h‖_V", ROUND_OFF, "discrete_error"),
+)
+"""No lower ends: the twelve digits in ``rates.csv`` agree for both bodies on most meshes, as fresh random ones showed.
+"""
+
+
+class Turned(Statement):
+    """The largest relative difference of errors between a body and the same body in another position."""
+
+    label = "axes"
+    claim = "nothing depends on the axes: a turned body has the errors of the unturned one"
+    file = RATES
+    rules = CHANGES
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        found = []
+        turned = rows[rows["twin"].isin(rows["case"]) & (rows["twin"] != rows["case"])]
+        for case, mine in turned.groupby("case", sort=False):
+            twin = rows[rows["case"] == mine["twin"].iloc[0]]
+            found += [rule.verdict(self, str(case), {"": relative_changes(mine, twin)}) for rule in self.rules]
+        return found
+
+
+def relative_changes(rows: pd.DataFrame, twin: pd.DataFrame) -> pd.DataFrame:
+    """Return |e/e' − 1| for the errors e of a case and e' of its twin; without columns if they share no meshes."""
+    names = [name for rule in CHANGES for name in rule.needs]
+    same = rows[~rows["family"].isin(WITH_AXES)]
+    pairs = same.merge(twin[[*SAME_MESH, *names]], on=SAME_MESH, suffixes=("", "_twin"))
+    return pd.DataFrame({name: abs(pairs[name] / pairs[f"{name}_twin"] - 1) for name in (names if len(pairs) else ())})

@@ -1,0 +1,142 @@
+"""Beyond the paper: errors of other people's contact codes on the same problems must agree with errors of this study.
+
+A program may contain the same mistake as its author's test. So contact codes of other people solved frozen problems of
+these cases, which they were given as plain data (``shared.tasks``): mesh, loads and, for the judge, the exact solution.
+They used their own assembly and contact algorithms (FreeFEM a loop in its scripting language, as in its documentation).
+``make codes`` wrote their errors in V, computed by a judge that imports NumPy alone. Here the errors of the same
+problems are measured again, with the quadrature and the solver of this study, and both are compared. In two cases,
+trajectories by the midpoint rule are compared as well, in which a code carries its own history.
+
+**Predicted.** Numbers of a task are rounded to 13 digits. This changes a strain by about 1e-13 ‖u‖/h, which is at most
+1e-11 of the error on these meshes. A code that imposes the contact condition at vertices by multipliers ends at the
+solution in K^h up to rounding of its linear solver, whose condition is like h^−2: less than 1e-11. So errors agree to
+1e-10, also for trajectories, whose steps do not amplify perturbations. Kratos knows contact at deformed places only:
+loads are multiplied by 1e-5, so places move by 1e-5 and displacements change in this proportion, which changes an error
+by less. 1e-5 was allowed at first; 5e-10 was measured, and the window was narrowed.
+
+**No copies.** Linear solvers of different codes round differently. The distance from the solution in K^h, which a task
+contains with 14 digits, consists of the missing digits of that solution, which are the same for all codes, and of the
+rounding of a code, about a thousandth of it: two codes agree by chance in the nine reported digits on one mesh in a
+million. A copied column agrees on all. (Errors themselves agree in double precision on up to three meshes of eight: one
+rounding error is as large as the difference between codes.)
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+import pandas as pd
+
+from study.fem.naming import family_named, resolve
+from study.ledger.codes import FROZEN, MADE, MARCH, NOT_EXPRESSED, OtherErrors
+from study.ledger.criterion import greatest
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Verdict, row
+from study.ledger.window import Window, at_most
+from study.statements.shared.base import LISTED, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.base import REPORTED as OF_FILE
+from study.statements.shared.tasks import FROZEN_TIMES, Task
+
+LABEL, ALL = "other codes", "all cases"
+ROUNDED = at_most(1e-10, "of the error, ten times what the digits of a task leave open")
+DEFORMED = at_most(1e-8, "of the error: contact at deformed places, which are 1e-5 away")
+OWN = at_most(0.1, "nine digits; 1 if one was copied from the other")
+
+
+@dataclass(frozen=True)
+class Peer:
+    """A code with its parameters, as named in ``errors.csv``, and how far its errors may be from those of this study.
+
+    By its documentation it solves the problem in K^h. scikit-fem is not among them, because this study assembles with
+    it.
+    """
+
+    key: str
+    code: str
+    variant: str
+    window: Window = ROUNDED
+
+
+OURS = "this study", "condensed active set"
+PEERS = (
+    Peer("snesvi", "DOLFINx + PETSc SNESVI", "vinewtonrsls, rtol 1e-12"),
+    Peer("getfem", "GetFEM", "nodal augmented Lagrangian, r = g"),
+    Peer("freefem", "FreeFEM", "scripted primal-dual active set"),
+    Peer("kratos", "Kratos", "ALM mortar, foundation as fine as the face", DEFORMED),
+)
+PLANE = (
+    *("advance-recede", "merging-patches", "rotated", "corner"),
+    *("layered", "anisotropic", "full-contact", "lift-and-land"),
+)
+MARCHED = frozenset(grid(("advance-recede", "anisotropic"), ("one-diagonal",), (8, 16, 32)))
+"""The problems whose trajectories are compared, too."""
+COLUMNS = ("label", "case", "family", "level", "mode", "code", "version", "variant", "class", "error", "distance")
+MODE, CODE, VERSION, VARIANT, CLASS, ERROR, DISTANCE = (name + OF_FILE for name in COLUMNS[4:])
+PROBLEM = ["case", "family", "level", "quantity"]
+"""The columns that identify a problem; the quantity is the mode, frozen or march."""
+
+
+class OtherCodes(ListedNumbers):
+    """Errors of frozen problems and of trajectories, and the errors of other people's codes if there are any."""
+
+    label = LABEL
+    claim = "the errors of this study, frozen and through time, by codes of other people"
+    beside = OtherErrors("codes/errors.csv", LISTED.key, COLUMNS, label=LABEL)
+    quick = grid(("advance-recede",), ("one-diagonal",), (8,))
+    full = (
+        *grid(PLANE, ("one-diagonal", "shaken"), (8, 16, 32, 64)),
+        *grid(("cube-disc",), ("one-diagonal",), (4, 8)),
+        *grid(("cube-two-faces",), ("one-diagonal",), (3, 6)),
+    )
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        task = Task(resolve(setting.case), family_named(setting.family), setting.level)
+        found = {FROZEN: task.error(FROZEN_TIMES)}
+        if setting in MARCHED:
+            found[MARCH] = task.error_of_march(setting.level)
+        return with_h(task.space.h, found)
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        if CODE not in rows or rows[CODE].isna().all():
+            nothing = float("nan"), NOWHERE, REPORTED
+            made = f"no claim: there are no errors of other codes beside these data, which `{MADE}` makes"
+            return [row(self, "none", "errors of other codes", Window(), nothing, ALL, expected=made)]
+        return [*(self.agreement(rows, peer) for peer in PEERS), self.own_digits(rows)]
+
+    def agreement(self, rows: pd.DataFrame, peer: Peer) -> Verdict:
+        """Return the row for the errors of a code; undecided if a problem is left out without a reason."""
+        mine = rows_of(rows, peer.code, peer.variant)
+        run = mine[mine[CLASS] != NOT_EXPRESSED]
+        missing = len(rows[PROBLEM].drop_duplicates()) - len(mine)
+        judged: Found = float("nan"), NOWHERE, UNDECIDED
+        if len(run):
+            value, span = greatest((run[ERROR] / run["value"] - 1).abs().to_numpy())
+            verdict = FAILS if not peer.window.contains(*span) else UNDECIDED if missing else HOLDS
+            judged = value, span, verdict
+        short = f"{BECAUSE}{missing} problems lack an error" if missing else ""
+        name = f"{peer.code} {' '.join(sorted(run[VERSION].unique()))}, {peer.variant}"
+        quantity = f"{name}: |‖u − u^h‖_V / that of this study − 1|, {len(run)} problems"
+        return row(self, peer.key, quantity, peer.window, judged, ALL, expected=f"{peer.window.text}{short}")
+
+    def own_digits(self, rows: pd.DataFrame) -> Verdict:
+        """Return the row for the part of the problems in which two codes have the same distance, of all pairs."""
+        names = [OURS, *((peer.code, peer.variant) for peer in PEERS)]
+        columns = [rows_of(rows, *name).set_index(PROBLEM)[DISTANCE].dropna() for name in names]
+        both = [pd.concat(pair, axis=1, join="inner").to_numpy() for pair in combinations(columns, 2)]
+        parts = np.array([np.mean(pair[:, 0] == pair[:, 1]) for pair in both if len(pair)])
+        judged: Found = float("nan"), NOWHERE, UNDECIDED
+        if len(parts):
+            value, span = greatest(parts)
+            judged = value, span, HOLDS if OWN.contains(*span) else FAILS
+        quantity = "part of the problems in which two codes have the same distance from the solution in K^h"
+        return row(self, "own-digits", quantity, OWN, judged, ALL)
+
+    def cost(self, setting: Setting) -> float:
+        """A trajectory has as many steps as there are cells along a side."""
+        return super().cost(setting) * (setting.level if setting in MARCHED else 1)
+
+
+def rows_of(rows: pd.DataFrame, code: str, variant: str) -> pd.DataFrame:
+    """Return the rows with the errors of a code in the mode of the problem."""
+    return rows[(rows[MODE] == rows["quantity"]) & (rows[CODE] == code) & (rows[VARIANT] == variant)]

@@ -1,0 +1,416 @@
+"""Proposition 5.4: ‖u − u^h‖_{L∞(0,T;V)} = O(h).
+
+**Measured.** Problem 5.1 is solved for every exact solution that satisfies (5.36), on every mesh family that can mesh
+its body, on finer and finer meshes. A row of ``rates.csv`` is one mesh. It holds the maxima over time of the error
+‖u − u^h‖_V, of the interpolation error ‖u − Π^h u‖_V and of the discrete error ‖Π^h u − u^h‖_V. Diagnostics show that
+time steps, quadrature, the contact solver and the condition on Γ1 do not disturb the error: the shares of time steps
+and quadrature, the residual of the contact solves, u^h on Γ1.
+
+The proposition is about the semi-discrete solution u^h. Two trajectories with time steps k and k/2 advance together;
+the finer one stands for u^h, and its error is measured at all its nodes, which are the nodes and the midpoints of the
+k-grid. The time share max_n ‖u^h_k − u^h_{k/2}‖_V / error at common nodes bounds the contribution of the time
+discretisation from above.
+
+**Judged.** Orders must be 1 from both sides, because (5.37) is sharp for piecewise linear functions. Sizes are judged
+by three relations, of which the first shares no code with the errors:
+
+* ‖u − Π^h u‖_V against its leading term, computed from second derivatives of u (``from_rates``, (5.23));
+* (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ = 1 within 10 %. If u^h were the best approximation of u in V^h,
+  this would be Pythagoras' theorem; contact and memory disturb it little. It ties the error to the interpolation error;
+* the parallelogram law of u − u^h and u − Π^h u at every time. It ties the error to u^h: the interpolation error,
+  reported as the error, would pass the other relations because both are nearly equal.
+
+**Why ‖Π^h u − u^h‖_V is reported as well.** For piecewise linear functions the error is nearly all interpolation
+error, and its maximum may be at t = 0, before anything is solved. The discrete error shows the work of the solver;
+its order and its share of the interpolation error are judged separately.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from manufactured.body import Kind
+from manufactured.case import Case
+from manufactured.tensors import Array
+from study.fem.gauge import Gauge
+from study.fem.independent import LeadingTerm
+from study.fem.mesh import MeshFamily
+from study.fem.naming import choose, family_named, resolve
+from study.ledger.criterion import (
+    ENOUGH,
+    ROUNDING,
+    Criterion,
+    Groups,
+    Measured,
+    Observation,
+    Rule,
+    between_levels,
+    by_family,
+    consecutive,
+    exactly,
+    fitted,
+    greatest,
+    largest,
+    order,
+)
+from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
+from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Named, Verdict, row
+from study.ledger.window import Window, above_nothing, around, at_least, at_most, between
+from study.solve import solver_choice
+from study.solve.evolution import State
+from study.solve.solver_choice import contact_solver
+from study.solve.tableau import MIDPOINT, SCHEMES, Tableau
+from study.statements.shared import estimates
+from study.statements.shared.base import Setting, Statement
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import LEADING, in_leading_term, split_random
+from study.statements.shared.scope import Scope
+
+# Data file. The README explains the columns.
+COLUMNS = (
+    *("case", "family", "scheme", "dim", "level", "h", "dofs", "steps", "k"),
+    *("error", "at", "interpolation_error", "discrete_error", "time_share", "interpolation_at"),
+    *("predicted_interpolation", "discrete_at", "initial_error", "discrete_time_share"),
+    *("residual", "quadrature_change", "clamped", "parallelogram"),
+)
+RATES = CsvFile("rates.csv", ("case", "family", "scheme", "level"), ("claim", *COLUMNS), with_orders)
+
+
+@dataclass(frozen=True, order=True)
+class RateSetting(Setting):
+    """The setting of one row of ``rates.csv``, which also has the name of the time scheme and the number of steps."""
+
+    scheme: str
+    steps: int
+
+
+class Rates(Statement):
+    """Errors of Problem 5.1 for the cases of one proposition: what Propositions 5.3 and 5.4 measure."""
+
+    file = RATES
+    of_every_case = True
+
+    def settings(self, scope: Scope) -> list[RateSetting]:
+        """The cases of the proposition on all their mesh families and levels."""
+        return [
+            RateSetting(reference, family.name, n, scope.scheme, scope.steps(case, n))
+            for reference, case in zip(scope.cases, scope.resolved(), strict=True)
+            if case.proposition == self.label
+            for family in scope.families_of(case)
+            for n in scope.levels_on(case, family)
+        ]
+
+    def measure(self, setting: RateSetting) -> dict[str, Any]:
+        case, scheme = resolve(setting.case), choose("scheme", setting.scheme, SCHEMES)
+        return measure_case(case, family_named(setting.family), setting.level, scheme, setting.steps)
+
+    def records(self, setting: RateSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
+        """The row, labelled with this proposition: a case may move to the other one without a new measurement."""
+        yield self.file, {"claim": self.label, **found}
+
+    def cost(self, setting: RateSetting) -> float:
+        """Time in µs by cells and steps; a cell in 3D costs more, with more components and a denser factor."""
+        cells = setting.level**setting.dim * estimates.cells(setting.family)
+        return float(cells * setting.steps) * (7 if setting.dim == 2 else 150)
+
+    def memory(self, setting: RateSetting) -> float:
+        return estimates.displacement(setting.dim, setting.level, setting.family)
+
+    def steps(self, setting: RateSetting) -> int:
+        return setting.steps
+
+
+# Measurement.
+RESPONSE, MORE = 12, 4
+"""Time steps in which the response to a change of the load is first computed, and the factor to the next number of
+steps. The quadrature error changes from step to step and averages out over many steps, so few steps overestimate the
+effect."""
+NEGLIGIBLE = 0.01
+"""A relative change for which more steps are not worth their time."""
+
+
+def measure_case(case: Case, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> dict[str, Any]:
+    """Return the row of ``rates.csv`` for a case on one mesh, with time steps of size T/steps."""
+    return measure(Experiment.of(case.solution, family, level, scheme, steps)).row(case.name, family.name, level)
+
+
+def measure(experiment: Experiment) -> Measurement:
+    """Advance the trajectories with steps k and k/2 together and measure the errors of the finer one at all nodes."""
+    gauge, problem, M = experiment.gauge, experiment.problem, experiment.problem.M
+    coarse = experiment.scheme.march(problem, experiment.steps)
+    history: list[tuple[float, ...]] = []
+    drift, residual, largest = 0.0, 0.0, 0.0
+    for n, state in enumerate(experiment.scheme.march(problem, 2 * experiment.steps)):
+        sample = gauge.sample(state.time)
+        interpolant, discrete = sample.interpolant, sample.interpolant - state.u
+        measured = [gauge.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
+        history.append((state.time, *measured[:2], math.sqrt(discrete @ (M @ discrete)), measured[2]))
+        residual = max(residual, state.residual())
+        if n == 0 or measured[0] > largest:
+            largest, worst = measured[0], state
+        if n % 2 == 0:
+            difference = next(coarse).u - state.u
+            drift = max(drift, math.sqrt(difference @ (M @ difference)))
+    return Measurement(experiment, np.array(history).T, drift, residual, worst)
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """Errors of one experiment over time.
+
+    Attributes:
+        experiment: the experiment.
+        history: (5, nodes): t, ‖u − u^h‖_V, ‖u − Π^h u‖_V, ‖Π^h u − u^h‖_V, ‖u − (u^h + Π^h u)/2‖_V.
+        drift: max_n ‖u^h_k − u^h_{k/2}‖_V.
+        residual: largest relative residual of a contact solve.
+        worst: the state at which the error is largest.
+    """
+
+    experiment: Experiment
+    history: Array
+    drift: float
+    residual: float
+    worst: State
+
+    def row(self, case: str, family: str, level: int) -> dict[str, Any]:
+        """Return the row of ``rates.csv``."""
+        experiment, space, drift = self.experiment, self.experiment.space, self.drift
+        times, error, interpolation, discrete, _ = self.history
+        first, second, third = (int(np.argmax(values)) for values in (error, interpolation, discrete))
+        return {
+            "case": case,
+            "family": family,
+            "scheme": experiment.scheme.name,
+            "dim": space.dim,
+            "level": level,
+            "h": space.h,
+            "dofs": space.dofs,
+            "steps": experiment.steps,
+            "k": experiment.problem.T / experiment.steps,
+            "error": float(error[first]),
+            "at": float(times[first]),
+            "interpolation_error": float(interpolation[second]),
+            "discrete_error": float(discrete[third]),
+            "time_share": drift / float(error[first]),
+            "interpolation_at": float(times[second]),
+            "predicted_interpolation": LeadingTerm(experiment.solution, space).largest(),
+            "discrete_at": float(times[third]),
+            "initial_error": float(error[0]),
+            "discrete_time_share": drift / float(discrete[third]),
+            "residual": self.residual,
+            "quadrature_change": self.quadrature_change(),
+            "clamped": self.clamped(),
+            "parallelogram": self.parallelogram(),
+        }
+
+    def clamped(self) -> float:
+        """Return max |u^h| on Γ1 over max |u^h|, which is zero for u^h ∈ V. Γ1 is taken from the body."""
+        space = self.experiment.space
+        size = np.linalg.norm(space.nodal(self.worst.u), axis=0)
+        on = [part.contains(space.mesh.p, 1e-9 * space.h) for part in space.body.of(Kind.CLAMPED)]
+        return float(size[np.any(on, axis=0)].max() / max(size.max(), np.finfo(float).tiny))
+
+    def parallelogram(self) -> float:
+        """Return max_n |2e² + 2i² − (2m)² − d²| over max_n d², which is zero by the parallelogram law.
+
+        e, i, d, m are the rows of ``history`` after t. d is measured by the matrix M, the others by the gauge, which
+        averages the factor of A by another quadrature rule. If u − Π^h u were measured instead of all others,
+        e = m = i would miss all of d². If i were measured instead of e alone, 2 |i² − e²| would be missing, which is
+        twice d² if u^h is the best approximation.
+        """
+        _, error, interpolation, discrete, halfway = self.history
+        missed = 2 * error**2 + 2 * interpolation**2 - (2 * halfway) ** 2 - discrete**2
+        return float(abs(missed).max() / (discrete**2).max())
+
+    def quadrature_change(self) -> float:
+        """Return the relative change of the largest error if quadrature is finer.
+
+        The degree of every cell rule is raised by two, and points are not moved along rough lines. The rule of the
+        error changes it directly. The rule of the load changes u^h by the response of the linear problem without
+        contact to the change of the load. The response is computed with RESPONSE steps, and with more steps, up to
+        those of u^h, while the change is not NEGLIGIBLE.
+        """
+        experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
+        finer = Gauge(experiment.solution, experiment.space, raised=2, along=())
+        error, raised = (gauge.distance(gauge.sample(time), self.worst.u) for gauge in (experiment.gauge, finer))
+        change = replace(
+            problem,
+            load=lambda t: finer.load(t) - experiment.gauge.load(t),
+            u0=np.zeros_like(problem.u0),
+            N=problem.N[:0],
+            remainder=None,
+            solver=contact_solver(experiment.space),
+        )
+
+        def relative(steps: int) -> float:
+            drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
+            return (abs(raised - error) + drift) / error
+
+        steps = RESPONSE
+        while (found := relative(steps)) > NEGLIGIBLE and steps < 2 * experiment.steps:
+            steps = min(MORE * steps, 2 * experiment.steps)
+        return found
+
+
+# Criteria of every row of ``rates.csv``, for Propositions 5.3 and 5.4: the size of the error is right, the error is the
+# error of u^h, and nothing else disturbs it. Every diagnostic must be positive, except u^h on Γ1, which is zero by
+# construction: two numbers of steps, two quadratures or two ways to a norm differ at least by rounding, and a time
+# share of 0 means that a trajectory was compared with itself.
+def over(key: str, quantity: str, window: Window, above: str, below: str) -> Criterion:
+    """Return the criterion for the quotient of two columns on the finest level."""
+
+    def measure(group: pd.DataFrame) -> Measured:
+        return exactly(group[above].iloc[-1] / group[below].iloc[-1])
+
+    return Criterion(key, quantity, window, measure, (above, below))
+
+
+def size_of_error(group: pd.DataFrame) -> Measured:
+    """Return (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} / ‖u − Π^h u‖ on the finest level."""
+    last = group.iloc[-1]
+    return exactly(np.hypot(last["error"], last["discrete_error"]) / last["interpolation_error"])
+
+
+def residuals(group: pd.DataFrame) -> Measured:
+    """Return the residuals of the contact solves over the tolerance of the solver for that number of unknowns."""
+    allowed = [solver_choice.residual(dim, dofs) for dim, dofs in zip(group["dim"], group["dofs"], strict=True)]
+    return greatest(group["residual"].to_numpy() / np.array(allowed))
+
+
+PARALLELOGRAM = above_nothing(1e-3, "exact but for rounding and two quadratures of A's factor")
+RESIDUAL = above_nothing(1.0, f"{solver_choice.ROUNDING:g} of a factorisation, {solver_choice.SHARE:g} h² of multigrid")
+SIZE = around(1, 0.1, "Pythagoras")
+SIZES = Criterion("size", "size of the error", SIZE, size_of_error, ("error", "discrete_error", "interpolation_error"))
+EVIDENCE = (
+    largest("parallelogram", "parallelogram law of u − u^h and u − Π^h u", PARALLELOGRAM, "parallelogram"),
+    largest("time-share", "time share", above_nothing(0.02, "of the error"), "time_share"),
+    Criterion("residual", "residual of the contact solves / allowed", RESIDUAL, residuals, ("dim", "dofs", "residual")),
+    largest("clamped", "u^h = 0 on Γ1", at_most(1e-10), "clamped"),
+    largest("quadrature", "change under finer quadrature", above_nothing(0.02, "of the error"), "quadrature_change"),
+)
+
+# Criteria of Proposition 5.4.
+RANDOM = "; random meshes: in the leading term"
+"""On random meshes the leading term of the interpolation error takes the place of h."""
+SOLID = around(1, 0.1, RANDOM.removeprefix("; "))
+PAIR = "order of ‖u − Π^h u‖_V, finest pair"
+SOLIDS = (
+    between_levels("order-finest", "order of the error, finest pair", SOLID, "error", 1, ENOUGH),
+    between_levels("interpolation-order-finest", PAIR, SOLID, "interpolation_error", 1, ENOUGH),
+)
+"""In 3D few levels are affordable, so the finest pair alone must be closer to 1."""
+OF_THE_TERM = around(1, 0.15, "least squares, as the error is compared with this term there")
+TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, random meshes"
+LEADING_ORDER = order("leading-order", TERM, OF_THE_TERM, LEADING, ENOUGH + 1)
+"""On random meshes: the leading term, which takes the place of h there, must be of order h."""
+SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
+OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
+DISCRETE = "order of ‖Π^h u − u^h‖_V"
+DISCRETE_ORDERS = {
+    True: order("discrete-order-superclose", f"{DISCRETE}, superclose", SUPERCLOSE, "discrete_error", ENOUGH),
+    False: order("discrete-order-others", f"{DISCRETE}, other families", OTHERS, "discrete_error", ENOUGH),
+}
+"""Orders of the discrete error on one-diagonal meshes (True) and on others. On one-diagonal meshes neighbouring
+triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (traction boundary) to 2. On other meshes it
+is at least of the order of the error. It is at most of order 2."""
+SHARE = above_nothing(0.6, "of the interpolation error: by Pythagoras both errors differ by ≤ 20 %")
+TIME = above_nothing(0.3, "of the discrete error")
+DISCRETE_SIZES = (
+    over("discrete-share", "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", SHARE, "discrete_error", "interpolation_error"),
+    largest("discrete-time-share", "time share of ‖Π^h u − u^h‖_V", TIME, "discrete_time_share"),
+)
+NOT_AT_START = 0.99
+"""The largest error is after t = 0 if the error at t = 0 is at most this part of it."""
+EXPECTED_AT_START = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share of 0.6 leaves 0.8 of it")
+AT_START = "as ‖u − Π^h u‖_V is largest near t = 0, where nothing was solved: rows of ‖Π^h u − u^h‖_V say what was"
+ENOUGH_AFTER_START = at_least(4)
+"""Number of cases whose largest error must be after t = 0, where something was solved."""
+AFTER_START = Criterion(
+    "start-share",
+    "error at t = 0 / largest error",
+    at_most(NOT_AT_START, "after t = 0, where nothing was solved"),
+    lambda group: exactly(np.max((group["initial_error"] / group["error"]).to_numpy())),
+    ("initial_error", "error"),
+)
+
+
+@dataclass(frozen=True)
+class StartShare:
+    """The largest error must be after t = 0, because the error at t = 0 is the interpolation error of u_0.
+
+    Otherwise the rows about the error say nothing about the solver. This is no fault of the solver if ‖u − Π^h u‖_V,
+    which is known without solving, is as large at t = 0: at least EXPECTED_AT_START of its maximum, and at most its
+    maximum, as u^h(0) = Π^h u_0. Then the row is reported. Otherwise it fails.
+    """
+
+    def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
+        """Return the row of the ledger for a case."""
+        found = AFTER_START.verdict(of, case, groups, family)
+        rows = pd.concat(groups.values())
+        at_start = rows[~(rows["initial_error"] <= NOT_AT_START * rows["error"])]
+        shares = at_start["initial_error"] / at_start["interpolation_error"]
+        if found.verdict == FAILS and EXPECTED_AT_START.contains(*shares):
+            return Observation(replace(AFTER_START, window=Window()), AT_START).verdict(of, case, groups, family)
+        return found
+
+
+def error_orders(expected: float) -> tuple[Criterion, Criterion]:
+    """Return the criteria for the order of the error: level by level, and fitted by least squares.
+
+    The confidence interval of the fitted order must exclude the orders 0 and 2. On random meshes both are orders in the
+    leading term of the interpolation error, which is of order h by LEADING_ORDER.
+    """
+    by_level = around(expected, 0.15, f"every consecutive order{RANDOM}")
+    line = around(expected, 0.1, f"least squares; interval in (0, 2){RANDOM}")
+    return (
+        consecutive("order", "order of the error, level by level", by_level, "error"),
+        fitted("order-fitted", "order of the error, fitted", line, "error", ENOUGH + 1, Window(0.0, 2.0)),
+    )
+
+
+def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups]]:
+    """Yield the criteria for the rows of one case, and the mesh families that each of them judges."""
+    groups = by_family(rows)
+    in_h, (random, _) = in_leading_term(groups), split_random(groups)
+    for criterion in (*error_orders(expected), SIZES):
+        yield criterion, in_h
+    for superclose, criterion in DISCRETE_ORDERS.items():
+        if mine := {name: table for name, table in groups.items() if (name == "one-diagonal") is superclose}:
+            yield criterion, mine
+    for rule in (*DISCRETE_SIZES, StartShare(), *EVIDENCE):
+        yield rule, groups
+    for criterion in SOLIDS if int(rows["dim"].iloc[0]) == 3 else ():
+        yield criterion, in_h
+    if random:
+        yield LEADING_ORDER, random
+
+
+class FirstOrder(Rates):
+    """Proposition 5.4 on the exact solutions that satisfy (5.36)."""
+
+    label = "Prop. 5.4"
+    claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h)"
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        mine = rows[rows["claim"] == self.label]
+        found = [
+            verdict
+            for case, of_case in mine.groupby("case", sort=False)
+            for verdict in self.judge_case(str(case), of_case, float(of_case["expected_order"].iloc[0]))
+        ]
+        if mine["case"].nunique() >= ENOUGH_AFTER_START.low:
+            later = (mine["initial_error"] < NOT_AT_START * mine["error"]).groupby(mine["case"]).all()
+            judged = *exactly(later.sum()), HOLDS if ENOUGH_AFTER_START.contains(later.sum()) else UNDECIDED
+            quantity = f"cases with the supremum after t = 0 (of {len(later)})"
+            found.append(row(self, "after-start", quantity, ENOUGH_AFTER_START, judged, "all cases"))
+        return found
+
+    def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
+        """Return the verdicts on one case from its rows of ``rates.csv`` and the expected order."""
+        return [rule.verdict(self, case, groups) for rule, groups in rules_of(rows, expected)]

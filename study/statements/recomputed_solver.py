@@ -1,0 +1,204 @@
+"""A second, plain solver of Problem 5.1, for ``recomputed``: what ``study.fem`` and ``study.solve`` do, in another way.
+
+Both share only the exact solution, the mesh, and the lines along which cells are cut for quadrature. Here gradients
+come from inverse matrices of coordinates. Integrals are sums over the points of a finer rule, strain by strain, without
+modes, cell means or an oscillation. The law acts at these points: in every iteration, or once for a matrix if it is
+linear. A step of the midpoint rule
+
+    M (u_n − u_{n−1})/k + (Gε((u_n + u_{n−1})/2), ε(·))_Q + Nᵀλ_n = F(t_{n−1/2})
+
+is a fixed point in u_n, also for a linear law, with a factorisation of M by SuperLU. The multipliers are computed with
+the positive ones of the last iteration, and by the method of Lawson and Hanson if these are no longer the right ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+import scipy.sparse as sps
+from scipy.linalg import cholesky, solve_triangular
+from scipy.optimize import nnls
+from scipy.sparse.linalg import splu
+from skfem import Mesh
+
+from manufactured.body import Kind
+from manufactured.exact import ExactSolution
+from manufactured.law import Linear
+from manufactured.tensors import Array, Tensors, dyad, mandel
+from study.fem.gauge import rules
+from study.fem.quadrature import facet_rule
+
+DEGREE, SOLID_DEGREE = 10, 6
+"""Degrees of the cell rule in 2D and in 3D, where the gauge has 4 and 2."""
+POINTS, SOLID_POINTS = 20, 6
+"""Gauss points on a facet of Γ3 in 2D, and in each direction of a facet in 3D."""
+SETTLED, ITERATIONS = 1e-12, 100
+"""Relative change at which the fixed-point iteration stops, and the largest number of iterations."""
+ON = 1e-9
+"""A vertex lies on a part up to this distance, relative to the largest extent of the mesh."""
+Trajectory = Sequence[tuple[float, Array, Array]]
+"""(t_n, u_n, λ_n) for n = 0, 1, …"""
+
+
+class PlainProblem:
+    """V^h and Problem 5.1 on one mesh.
+
+    Attributes:
+        free: the positions of the unknowns among the values at all vertices, vertex by vertex, (n,).
+        M: (A ε(u), ε(v))_Q, (n, n).
+        N: v ↦ v_ν at the vertices of each piece of Γ3 off Γ1, one row for each normal, (m, n).
+    """
+
+    def __init__(self, solution: ExactSolution, mesh: Mesh) -> None:
+        self.solution, self.mesh, self.dim = solution, mesh, int(mesh.dim())
+        tolerance = ON * float(np.ptp(mesh.p))
+        fixed = np.any([part.contains(mesh.p, tolerance) for part in solution.body.of(Kind.CLAMPED)], axis=0)
+        self.free = np.flatnonzero(np.repeat(~fixed, self.dim))
+        self.numbers = np.full(fixed.size * self.dim, -1)
+        self.numbers[self.free] = np.arange(self.free.size)
+        on = [np.flatnonzero(face.part.contains(mesh.p, tolerance)) for face in solution.faces]
+        self._set_points(on)
+        self._set_forms()
+        self._set_contact(on)
+
+    def _set_points(self, on: list[Array]) -> None:
+        """Set the quadrature points in the cells and on Γ3, the law and the exact solution there.
+
+        ``faces`` has for each piece of Γ3 the positions of its points and the matrix from σ at these points to
+        ∫ p v_ν, with p = −σ_ν, (n, D points).
+        """
+        found = rules(self.solution, self.mesh, DEGREE if self.dim == 2 else SOLID_DEGREE)
+        self.cell = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in found])
+        self.weights = np.concatenate([rule.weights.ravel() for rule in found])
+        within = self.cell, np.arange(self.cell.size)
+        self.sums = sps.csr_array((self.weights, within), shape=(self.mesh.t.shape[1], self.cell.size))
+        points = [np.concatenate([rule.points.reshape(self.dim, -1) for rule in found], axis=1)]
+        self.law, self.at_vertices = self.solution.law.at(points[0]), self.solution.at(self.mesh.p)
+        self.faces, end = [], self.cell.size
+        boundary = self.mesh.boundary_facets()
+        for face, vertices in zip(self.solution.faces, on, strict=True):
+            facets = boundary[np.isin(self.mesh.facets[:, boundary], vertices).all(axis=0)]
+            count = POINTS if self.dim == 2 else SOLID_POINTS
+            rule = facet_rule(self.mesh, facets, face.part, face.rough, count)
+            points.append(face.part.point(rule.s).reshape(self.dim, -1))
+            normal = face.part.normal
+            forces = np.multiply.outer(normal, rule.shapes * rule.weights)
+            positions = np.add.outer(np.arange(self.dim), self.dim * self.mesh.facets[:, rule.facets, None])
+            columns = np.arange(rule.weights.size).reshape(rule.weights.shape)
+            at = tuple(np.broadcast_to(axis, forces.shape).ravel() for axis in (positions, columns))
+            nodal = sps.csr_array((forces.ravel(), at), shape=(self.numbers.size, rule.weights.size))
+            pressed = sps.kron(-dyad(normal, normal)[None], nodal[self.free], format="csr")
+            self.faces.append((slice(end, end + rule.weights.size), pressed))
+            end += rule.weights.size
+        self.exact = self.solution.at(np.concatenate(points, axis=1))
+
+    def _set_forms(self) -> None:
+        """Set the strains of the local functions φ_i e_j, (cells, D, (d + 1) d), and the matrices of A and a linear G.
+
+        ``elastic`` is v ↦ (Gε(v), ε(·))_Q for the columns of v, (n, c) → (n, c).
+        """
+        corners = np.moveaxis(self.mesh.p[:, self.mesh.t], -1, 0).swapaxes(1, 2)
+        gradients = np.linalg.inv(np.insert(corners, 0, 1.0, axis=2))[:, 1:]
+        jacobians = np.einsum("jk,cli->jlcik", np.eye(self.dim), gradients)
+        self.strains = np.moveaxis(mandel(jacobians), 0, 1).reshape(len(gradients), -1, (self.dim + 1) * self.dim)
+        self.local = (self.dim * self.mesh.t.T[..., None] + np.arange(self.dim)).reshape(len(gradients), -1)
+        self.M = self._form(self.law.A)
+        self._solve = splu(self.M, permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True}).solve
+        if isinstance(self.solution.law.G, Linear):
+            self.elastic = self._form(self.law.G).__matmul__
+        else:
+            self.elastic = lambda v: np.stack([self.work(self.law.G(self.strain(one))) for one in v.T], axis=1)
+
+    def _form(self, law: Callable[[Tensors], Tensors]) -> sps.csc_array:
+        """Return (Cε(u), ε(v))_Q with a linear law C at the points, (n, n)."""
+        columns = [self._tested(law(each[self.cell].T)) for each in np.moveaxis(self.strains, 2, 0)]
+        local = np.stack(columns, axis=2)
+        rows, cols = (np.broadcast_to(axis, local.shape) for axis in (self.local[..., None], self.local[:, None]))
+        size = self.numbers.size
+        full = sps.csc_array((local.ravel(), (rows.ravel(), cols.ravel())), shape=(size, size))
+        return sps.csc_array(full[self.free][:, self.free])
+
+    def _tested(self, stress: Tensors) -> Array:
+        """Return ∫_T σ·ε(φ) for the functions of each cell, from σ at the points, (cells, (d + 1) d)."""
+        means = np.array([self.sums @ row for row in stress])
+        return np.einsum("Ic,cIk->ck", means, self.strains)
+
+    def _set_contact(self, on: list[Array]) -> None:
+        """Set N, M⁻¹Nᵀ, Q = NM⁻¹Nᵀ and R with RᵀR = Q."""
+        normals: list[Array] = []
+        at: list[int] = []
+        for face, vertices in zip(self.solution.faces, on, strict=True):
+            known = [
+                vertex for vertex, normal in zip(at, normals, strict=True) if np.allclose(normal, face.part.normal)
+            ]
+            new = [int(v) for v in vertices if self.numbers[self.dim * v] >= 0 and v not in known]
+            at, normals = [*at, *new], [*normals, *[face.part.normal] * len(new)]
+        columns = self.numbers[self.dim * np.array(at)[:, None] + np.arange(self.dim)]
+        rows = np.repeat(np.arange(len(at)), self.dim)
+        self.N = sps.csr_array((np.ravel(normals), (rows, columns.ravel())), shape=(len(at), self.free.size))
+        self._response = self._solve(self.N.T.toarray())
+        self._normal = self.N @ self._response
+        self._root = cholesky(self._normal)
+
+    def work(self, stress: Tensors) -> Array:
+        """Return (σ, ε(·))_Q, (n,)."""
+        return np.bincount(self.local.ravel(), self._tested(stress).ravel(), self.numbers.size)[self.free]
+
+    def strain(self, v: Array) -> Tensors:
+        """Return ε(v) at the points in the cells, (D, points)."""
+        full = np.zeros(self.numbers.size)
+        full[self.free] = v
+        return np.take(np.einsum("cIk,ck->Ic", self.strains, full[self.local]), self.cell, axis=1)
+
+    def load(self, time: float) -> Array:
+        """Return (σ, ε(v))_Q + ∫_{Γ3} p v_ν, (n,)."""
+        stress = self.exact.stress(time)
+        pressed = [forces @ stress[:, points].ravel() for points, forces in self.faces]
+        return np.sum([self.work(stress[:, : self.cell.size]), *pressed], axis=0)
+
+    def interpolant(self, time: float) -> Array:
+        """Return Π^h u(t), (n,)."""
+        return self.at_vertices.displacement(time).T.ravel()[self.free]
+
+    def contact(self, b: Array, k: float, last: Array) -> tuple[Array, Array]:
+        """Return (u, λ) with M u/k + Nᵀλ = b, N u ≤ 0, λ ≥ 0, λ·N u = 0 for every column of b.
+
+        With Q = NM⁻¹Nᵀ, λ solves Qλ ≥ NM⁻¹b with complementarity. First only the multipliers that were positive in
+        ``last``, (m, c), are taken as unknowns; if they give no solution, Lawson and Hanson's method takes all.
+        """
+        free = self._solve(b)
+        multipliers = np.zeros(last.shape)
+        for found, entering, positive in zip(multipliers.T, (self.N @ free).T, last.T > 0, strict=True):
+            found[positive] = np.linalg.solve(self._normal[positive][:, positive], entering[positive])
+            if not ((found[positive] > 0).all() and (self._normal @ found >= entering)[~positive].all()):
+                found[:] = nnls(self._root, solve_triangular(self._root, entering, trans="T"))[0]
+        return k * (free - self._response @ multipliers), multipliers
+
+    def trajectories(self, steps: int, *loads: Callable[[float], Array]) -> list[Trajectory]:
+        """Return the trajectory of the midpoint rule from Π^h u_0 for each load t ↦ F, computed together; λ_0 = 0."""
+        k, u = self.solution.body.T / steps, np.tile(self.interpolant(0.0)[:, None], len(loads))
+        guess, multipliers = u, np.zeros((self.N.shape[0], len(loads)))
+        states = [(0.0, u, multipliers)]
+        for n in range(1, steps + 1):
+            b = np.stack([load((n - 0.5) * k) for load in loads], axis=1) + self.M @ u / k
+            before = u
+            for _ in range(ITERATIONS):
+                u, multipliers = self.contact(b - self.elastic((guess + before) / 2), k, multipliers)
+                changes, sizes = self.norms(np.hstack([u - guess, u])).reshape(2, -1)
+                if (changes <= SETTLED * sizes).all():
+                    break
+                guess = u
+            guess = 2 * u - before
+            states.append((n * k, u, multipliers))
+        return [[(time, u[:, c], multipliers[:, c]) for time, u, multipliers in states] for c in range(len(loads))]
+
+    def norms(self, functions: Array) -> Array:
+        """Return ‖v‖_V for every column v ∈ V^h, (n, c) → (c,)."""
+        return np.sqrt(np.einsum("nc,nc->c", functions, self.M @ functions))
+
+    def distance(self, time: float, *functions: Array) -> list[float]:
+        """Return ‖u(t) − v‖_V for each v ∈ V^h, integrated at the points in the cells."""
+        exact = self.exact.strain(time)[:, : self.cell.size]
+        missing = [exact - self.strain(v) for v in functions]
+        return [float(np.sqrt(np.einsum("Ip,Ip->p", self.law.A(each), each) @ self.weights)) for each in missing]

@@ -1,0 +1,47 @@
+"""Problem 5.1 of an exact solution on one mesh, with all that is needed to solve it and to measure its error."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from manufactured.exact import ExactSolution
+from study.fem.gauge import Gauge
+from study.fem.mesh import MeshFamily
+from study.fem.naming import family_named, resolve
+from study.fem.space import Space
+from study.solve.evolution import Scheme, SemiDiscrete
+from study.solve.tableau import Tableau
+from study.statements.shared.base import Setting
+
+
+@dataclass(frozen=True, eq=False)
+class Experiment:
+    """Problem 5.1 of an exact solution on one mesh. Negative controls replace single attributes by wrong ones.
+
+    Attributes:
+        solution: the exact solution, which gives the data and the reference.
+        space: V^h.
+        gauge: computes the load and the errors.
+        problem: the semi-discrete problem that is solved.
+        scheme, steps: time scheme and number of time steps.
+    """
+
+    solution: ExactSolution
+    space: Space
+    gauge: Gauge
+    problem: SemiDiscrete
+    scheme: Scheme
+    steps: int
+
+    @classmethod
+    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> Experiment:
+        """Return the experiment of the paper: u_0^h = Π^h u_0, K^h = V^h ∩ K and the load of (3.7)."""
+        space = Space(family(solution.body, level), solution.body)
+        gauge = Gauge(solution, space)
+        u0 = gauge.sample(0.0).interpolant
+        return cls(solution, space, gauge, SemiDiscrete.of(space, solution.law, gauge.load, u0), scheme, steps)
+
+    @classmethod
+    def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:
+        """Return the experiment at a setting, whose case and mesh family are given by name."""
+        return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, scheme, steps)

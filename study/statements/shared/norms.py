@@ -1,0 +1,127 @@
+"""Norms in V, products of strains and stresses, and the work of contact, by the quadrature rules of ``Gauge``."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from manufactured.exact import ExactSolution
+from manufactured.tensors import Array, Tensors
+from study.fem.gauge import DEGREE, FACET_POINTS, rules, shared_lines
+from study.fem.quadrature import facet_rule
+from study.fem.space import Space
+from study.solve.evolution import SemiDiscrete
+
+
+def midpoints(T: float, count: int) -> Array:
+    """Return the nodes of the composite midpoint rule on (0, T), each of weight T/count."""
+    return (np.arange(count) + 0.5) * T / count
+
+
+def norm(problem: SemiDiscrete, v: Array) -> float:
+    """Return ‖v‖_V for v ∈ V^h."""
+    return math.sqrt(max(v @ (problem.M @ v), 0.0))
+
+
+def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
+    """Return ‖f‖_V for (f, v)_V = F·v on V^h, which is (FᵀM⁻¹F)^{1/2}.
+
+    Args:
+        functional: F, (dofs,).
+        riesz: b ↦ M⁻¹b.
+    """
+    return math.sqrt(max(float(functional @ riesz(functional)), 0.0))
+
+
+class Velocity:
+    """‖u̇(t)‖_V and ‖u̇(t) − Π^h u̇(t)‖_V for the exact velocity, by the cell rules of ``Gauge``."""
+
+    def __init__(self, solution: ExactSolution, space: Space) -> None:
+        self.space = space
+        self._blocks = [
+            (rule, solution.at(rule.points), solution.law.at(rule.points).A)
+            for rule in rules(solution, space.mesh, DEGREE)
+        ]
+        self._nodes = solution.at(space.mesh.p)
+
+    def norm(self, times: Array) -> Array:
+        """Return ‖u̇(t)‖_V at n times, (n,)."""
+        return np.array([self._distance(time, np.zeros(self.space.dofs)) for time in times.tolist()])
+
+    def interpolation_error(self, times: Array) -> Array:
+        """Return ‖u̇(t) − Π^h u̇(t)‖_V at n times, (n,)."""
+        interpolants = ((time, self.space.interpolate(self._nodes.velocity(time))) for time in times.tolist())
+        return np.array([self._distance(time, v) for time, v in interpolants])
+
+    def _distance(self, time: float, v: Array) -> float:
+        """Return ‖u̇(t) − v‖_V for v ∈ V^h."""
+        strain, total = self.space.strain(v), 0.0
+        for rule, fields, A in self._blocks:
+            difference = fields.strain_rate(time) - strain[:, rule.cells, None]
+            total += float(np.einsum("Icq,Icq,cq->", A(difference), difference, rule.weights))
+        return math.sqrt(total)
+
+
+class Energies:
+    """Products in V and works of stresses on strains, at the points with which ``Gauge`` integrates the load.
+
+    The same points make sure that works and load contain the same stress.
+
+    Attributes:
+        exact: the solution at the points, whose strains are (D, points).
+    """
+
+    def __init__(self, solution: ExactSolution, space: Space) -> None:
+        blocks = rules(solution, space.mesh, DEGREE, shared_lines(solution))
+        self.space = space
+        self.weights = np.concatenate([rule.weights.ravel() for rule in blocks])
+        self._cells = np.concatenate([np.repeat(rule.cells, rule.weights.shape[1]) for rule in blocks])
+        self.exact = solution.at(np.hstack([rule.points.reshape(space.dim, -1) for rule in blocks]))
+        self._nodes = solution.at(space.mesh.p)
+
+    def strain(self, v: Array) -> Tensors:
+        """Return ε(v) for v ∈ V^h, (D, points)."""
+        return self.space.strain(v)[:, self._cells]
+
+    def interpolant(self, time: float) -> Array:
+        """Return Π^h u(t), (dofs,)."""
+        return self.space.interpolate(self._nodes.displacement(time))
+
+    def interpolated_rate(self, time: float) -> Array:
+        """Return Π^h u̇(t), (dofs,)."""
+        return self.space.interpolate(self._nodes.velocity(time))
+
+    def work(self, stress: Tensors, strain: Tensors) -> float:
+        """Return (σ, ε)_Q."""
+        return float(np.sum(stress * strain * self.weights))
+
+    def functional(self, stress: Tensors) -> Array:
+        """Return (σ, ε(·))_Q on V^h, (dofs,)."""
+        count = len(self.space.volumes)
+        sums = [np.bincount(self._cells, self.weights * component, count) for component in stress]
+        return self.space.tested(np.array(sums))
+
+    def product(self, one: Tensors, other: Tensors) -> float:
+        """Return (A ε, ε')_Q, the product of V."""
+        return self.work(self.exact.law.A(one), other)
+
+
+class ContactWork:
+    """R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), for v ∈ V^h from the exact pressure, by the facet rules of ``Gauge``."""
+
+    def __init__(self, solution: ExactSolution, space: Space) -> None:
+        self.space, self._faces = space, []
+        for face in solution.faces:
+            facets = space.facets(face.part)
+            rule = facet_rule(space.mesh, facets, face.part, face.rough, FACET_POINTS)
+            self._faces.append((face.part.normal, space.mesh.facets[:, facets], rule, solution.on(face, rule.s)))
+
+    def __call__(self, v: Array, time: float) -> float:
+        """Return R(t; v)."""
+        nodal, total = self.space.nodal(v), 0.0
+        for normal, ends, rule, exact in self._faces:
+            trace = np.einsum("an,anq->nq", np.tensordot(normal, nodal[:, ends], axes=1), rule.shapes)
+            total -= float(np.sum(exact.pressure(time) * trace * rule.weights))
+        return total

@@ -1,0 +1,176 @@
+"""(4.4) and Theorem 2.2 where G is not monotone: how fast two solutions diverge, over decades of T and of L_G/m_A.
+
+(4.4) says that B + ωI is monotone for ω = L_G/m_A. Then Theorem 2.2 says for two solutions of Problem 5.1
+
+    ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V).
+
+A monotone G does not show this, since ω = 0 serves as well. Therefore G is multiplied by a number such that L_G/m_A is
+ω, for the law of the case, which softens. An *even* law, A τ = 2τ and G τ = −2ω τ, is used, too. Predicted before
+measuring:
+
+* *Even law.* B = −ωI, so u − v = e^{ωt} (u_0 − v_0) if u_0 − v_0 moves no vertex of Γ3 along ν, whatever contact does
+  meanwhile, since both have the same contact forces. The bound is attained, and no smaller ω serves.
+* *Law of the case.* Γ3 is pressed so hard that no vertex leaves it. The difference of two starts along an eigenvector
+  of G'(S) against M in {v : Nv = 0} grows like e^{ct} as long as the material softens, where −c is the least
+  eigenvalue. The rate c is found without time steps. c ≤ max(−m, 0)/m_A ≤ ω, m the constant of monotonicity.
+* *Any two solutions*, of other loads and other starts, under the moving contact of the case: never above the bound.
+
+*In time.* A step of the midpoint rule multiplies an eigenvector by (1 + z/2)/(1 − z/2), z = ck. So the measured rate is
+c (1 + z²/12 + …), too large by 3.3e-4 for z ≤ 1/16. A step of backward Euler is the resolvent of an operator that is
+monotone except for gI, g = max(−m, 0)/m_A ≤ ω: it multiplies differences by at most 1/(1 − gk). So the bound with these
+factors for e^{ωt}, which is smaller, holds for the steps without an error in time, and the even law attains it.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import lru_cache
+from itertools import islice
+from typing import NamedTuple
+
+import numpy as np
+from scipy.linalg import eigh, null_space
+
+from manufactured.law import Combined, Elasticity, Indefinite, KelvinVoigt, Linear, Yield, isotropic, isotropic_matrix
+from manufactured.tensors import Array, size
+from study.fem.material import form
+from study.fem.naming import resolve
+from study.fem.space import Space
+from study.ledger.criterion import every, largest
+from study.ledger.window import Window, above_nothing, around
+from study.solve.evolution import SemiDiscrete
+from study.solve.paths import path
+from study.solve.tableau import BACKWARD_EULER, MIDPOINT
+from study.statements.constitutive_law import derivative
+from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import norm
+from study.statements.wellposed import Perturbation, along_the_contact, perturbations, quotients, smooth
+
+SWEEP = tuple((omega, T) for omega in (0.1, 1.0, 10.0) for T in (0.1, 1.0, 10.0) if omega * T <= 10)
+"""(ω, T): ωT from 1/100 to 10, e^{ωT} up to 2e4."""
+SHORT = 16
+"""Least number of steps in 1/ω and in T."""
+KINDS = 5
+"""Number of perturbations, one of each kind."""
+SMALL = 0.01
+"""Largest strain of an eigenvector at T, far inside K, where the law is linear."""
+SEEN = around(1, 1e-3, "the midpoint rule adds 3.3e-4 at most")
+NEVER = above_nothing(1 + 1e-7, "proved; room for fixed points")
+ATTAINED = Window(1 - 1e-7, 1 + 1e-7, "B = −ωI: equality but for rounding")
+
+
+def column(law: str, what: str, omega: float, T: float) -> str:
+    """Return the column of one (ω, T)."""
+    return f"{law} {what}, ω = {omega:g}, T = {T:g}"
+
+
+def columns(law: str, what: str) -> list[str]:
+    """Return the columns of a law for all (ω, T)."""
+    return [column(law, what, omega, T) for omega, T in SWEEP]
+
+
+class SolutionDivergence(ListedNumbers):
+    """Rates of growth of differences against eigenvalues, and differences over their bound."""
+
+    label = "Thm 2.2, (4.4)"
+    effort = 150
+    claim = "where G softens, solutions part like e^{ct}, c the softest mode, and never faster than e^{ωt}, ω = L_G/m_A"
+    rules = (
+        every("rate", "rate of growth / c, softest mode under contact, all ω and T", SEEN, *columns("own", "rate")),
+        every("rate-even", "rate of growth / ω for G = −ωA, all ω and T", SEEN, *columns("even", "rate")),
+        largest("bound", "‖u − v‖_V / its bound, other loads and starts", NEVER, *columns("own", "bound")),
+        every("bound-even", "the same for G = −ωA, largest, all ω and T", ATTAINED, *columns("even", "bound")),
+    )
+    quick = grid(("softening",), ("shaken",), (4,))
+    full = grid(SOFTENING, ("unstructured",), (6, 12))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        setup, law = Experiment.at(setting, MIDPOINT, 1), resolve(setting.case).solution.law
+        # The steps of all laws and T need the load at the same few times.
+        load = lru_cache(maxsize=None)(setup.problem.load)
+        setup = replace(setup, problem=replace(setup.problem, load=lambda t: load(round(t, 9))))
+        found: dict[str, float] = {}
+        for omega, T in SWEEP:
+            for name, mine in (("own", scaled(law, omega)), ("even", even_law(law.dim, omega))):
+                found[column(name, "rate", omega, T)] = growth_rate(setup.space, mine, T)
+                found[column(name, "bound", omega, T)] = over_bound(setup, mine, T)
+        return with_h(setup.space.h, found)
+
+
+def even_law(dim: int, omega: float) -> KelvinVoigt:
+    """Return the law with A τ = 2τ and G τ = −2ω τ."""
+    return KelvinVoigt(isotropic(1, 0, dim), Indefinite(isotropic_matrix(-omega, 0, dim)), "even")
+
+
+def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
+    """Return the law with the multiple of G for which L_G/m_A = ω.
+
+    Raises:
+        TypeError: G is neither linear nor combined.
+    """
+    factor, G = omega / law.kappa, law.G
+    if isinstance(G, Combined):
+        yielding = Yield(factor * G.yielding.beta, G.yielding.convex)
+        multiple: Elasticity = Combined(factor * G.prestress, Indefinite(factor * G.linear.matrix), yielding)
+    elif isinstance(G, Linear):
+        multiple = Indefinite(factor * G.matrix, G.factor)
+    else:
+        raise TypeError(f"no multiple of {type(G).__name__} is known; take one that is linear or combined")
+    return KelvinVoigt(law.A, multiple, law.name)
+
+
+class Mode(NamedTuple):
+    """The softest mode v in {Nv = 0}: its rate c, and the contact force that keeps it there, (m,)."""
+
+    c: float
+    v: Array
+    force: Array
+
+
+def softest_mode(space: Space, law: KelvinVoigt) -> Mode:
+    """Return the eigenvector of G'(0) against M in {Nv = 0} with the least eigenvalue −c."""
+    slope = derivative(law.G.at(space.mesh.p[:, :1]), np.zeros((size(space.dim), 1)))[0]
+    M, G, N = form(space, law.A).toarray(), space.form(slope).toarray(), space.N.toarray()
+    Z = null_space(N)
+    values, vectors = eigh(Z.T @ G @ Z, Z.T @ M @ Z, subset_by_index=[0, 0])
+    c, v = -float(values[0]), Z @ vectors[:, 0]
+    return Mode(c, v, -np.linalg.pinv(N.T) @ (c * (M @ v) + G @ v))
+
+
+def steps_for(law: KelvinVoigt, T: float) -> int:
+    """Return the number of steps that are short compared with 1/ω and T."""
+    return math.ceil(SHORT * max(law.kappa * T, 1.0))
+
+
+def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
+    """Return log(‖v(T)‖/‖v(0)‖)/(cT) for the solution v that starts with the softest mode.
+
+    The solution that starts with 0 stays 0. Both are pressed onto the foundation with twice the force that the mode
+    needs, and the load balances the stress at rest.
+    """
+    mode = softest_mode(space, law)
+    strain = abs(space.strain(mode.v)).max()
+    start = SMALL * math.exp(-mode.c * T) / strain * mode.v
+    pressing = space.N.T @ np.full(len(mode.force), 2 * SMALL * abs(mode.force).max() / strain)
+    problem = SemiDiscrete.of(space, law, lambda t: np.zeros(space.dofs), start)
+    rest = problem.elastic(np.zeros(space.dofs))
+    problem = replace(problem, T=T, load=lambda t: rest + math.exp(mode.c * (t - T)) * pressing)
+    states = path(problem, MIDPOINT, steps_for(law, T))
+    return math.log(norm(problem, states[-1]) / norm(problem, states[0])) / (mode.c * T)
+
+
+def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
+    """Return the largest ‖u_n − v_n‖_V (1 − gk)^n / (‖u_0 − v_0‖_V + k Σ ‖f_j − g_j‖_V), g = max(−m, 0)/m_A ≤ ω.
+
+    u has the load of the setup, with its time scaled to T; v has another load or another start.
+    """
+    space, steps, pace = setup.space, steps_for(law, T), setup.problem.T / T
+    problem = replace(SemiDiscrete.of(space, law, lambda t: setup.problem.load(t * pace), setup.problem.u0), T=T)
+    trajectory = list(BACKWARD_EULER.march(problem, steps))
+    field = along_the_contact(problem, smooth(space, np.random.default_rng(SEED)))
+    sideways = Perturbation(np.zeros(space.dofs), 0.0, problem.u0 + field)
+    damping = (1 - law.growth * T / steps) ** np.arange(1, steps + 1)
+    others = *islice(perturbations(problem, space), KINDS), sideways
+    return float(max((damping * quotients(problem, trajectory, other)).max() for other in others))

@@ -1,0 +1,325 @@
+"""Theorem 4.2 on one mesh: Problem 3.1 (displacements) and Problem 3.2 (stresses) have the same solution.
+
+**Measured.** Problem 3.1 is solved in displacements on K^h, Problem 3.2 in stresses on Σ^h(t) by an interior-point
+method, where u_n is a multiplier that is not forced into K^h. Both share the strain matrix, the load and the time steps
+of backward Euler, and nothing else. A row of ``equivalence.csv`` holds the largest gaps between both over time.
+
+**How large the gaps may be** is known without the solution. At step j the interior point stops with a duality gap g_j,
+and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are at most g_j, where σ* and ε* are exact
+for the same ε_{j−1} (``study.solve.interior_point``). With ω = max(−m, 0)/m_A, which is 0 for monotone G,
+C ≥ (1 − kω) A/k. So a step is Lipschitz in ε_{j−1} with q = 1/(1 − kω) in the norm of A, which is the norm of V, and
+A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n} g_j^{1/2} for monotone G,
+
+    ‖u_n(3.2) − u_n(3.1)‖_V ≤ (q k)^{1/2} R_n,      ‖σ_n(3.2) − σ_n(3.1)‖_Q ≤ (L_A/k + L_G)^{1/2} R_n
+
+up to the tolerances of both solvers: A/k alone carries ε_{j−1} into σ_n, with ‖A ε/k‖_{C⁻¹} ≤ (q/k)^{1/2} ‖ε‖_A, and
+|τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The same holds for Cε + β(ε − P_K ε), with A/k + C and β(ε − P_K ε) treated separately.
+``paper/proofs_rest.tex`` has the proof.
+
+**Whether the comparison would see a mistake in one problem.** Two solutions that agree prove nothing if one was made
+from the other, or if the comparison is blind. So Problem 3.1 alone is solved wrongly, with flipped normals, ũ ∈ −K^h,
+while Problem 3.2 stays as it is. The gap must show the whole mistake:
+
+    ‖u(3.2) − ũ(3.1)‖_V / ‖u(3.1) − ũ(3.1)‖_V = 1.
+
+If Problem 3.2 took its solution from Problem 3.1, the ratio would be 0; the same if the gap compared a solution with
+itself. A flipped normal matters wherever there is a gap or a pressure, so the ratio is never 0/0. This shows that the
+comparison is sensitive. It does not show how stresses are computed: if both sides agree without the mistake, the
+triangle inequality gives 1 up to their distance, also for a Problem 3.2 that solves its own copy of Problem 3.1.
+``tests/controls/test_controls.py`` shows that stresses are found without a displacement solver in the process.
+
+``thm_4_2_own_space`` solves Problem 3.2 on a stress space that knows no displacement.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+import scipy.sparse as sps
+from scipy.optimize import nnls
+
+from manufactured.case import Case
+from manufactured.exact import ExactSolution
+from manufactured.law import KelvinVoigt
+from manufactured.tensors import Array
+from study.fem.gauge import Gauge
+from study.fem.material import on_cells
+from study.fem.mesh import MeshFamily
+from study.fem.naming import family_named, resolve
+from study.fem.space import Space
+from study.ledger.criterion import Criterion, Measured, every, greatest, largest, largest_quotient
+from study.ledger.datafiles import CsvFile
+from study.ledger.text import power_of_ten
+from study.ledger.window import above_nothing, around, at_most
+from study.solve.evolution import SemiDiscrete
+from study.solve.steps import step_size
+from study.solve.stress_problem import StressProblem
+from study.solve.stress_programme import AIM, StressState
+from study.solve.tableau import BACKWARD_EULER
+from study.statements.shared import estimates
+from study.statements.shared.base import ListedNumbers, Setting, Statement, grid, with_h
+from study.statements.shared.scope import Scope
+
+
+class Gaps(NamedTuple):
+    """Largest gaps over the steps 1, 2, …, each relative to the largest size of its quantity.
+
+    In ``equivalence.csv`` gaps and bounds are rounded (``magnitudes``).
+
+    Attributes:
+        displacement_gap: ‖u_n(3.2) − u_n(3.1)‖_V / max_n ‖u_n(3.1)‖_V.
+        stress_gap: ‖σ_n(3.2) − σ_n(3.1)‖_Q / max_n ‖σ_n(3.1)‖_Q.
+        admissibility: sup of (f(t_n), v)_V − (σ_n, ε(v))_Q over v ∈ K^h with |v| = 1 (nodal values)
+            for σ_n of Problem 3.2, / max_n |F(t_n)|.
+        energy_gap: |(σ_n, ε(u_n))_Q − (f(t_n), u_n)_V| of Problem 3.2, (4.14), / max_n |(f(t_n), u_n)_V|.
+        membership: largest normal displacement v_ν > 0 at a vertex of Γ3 for v = u_n of Problem 3.2, / max_n |u_n|_∞.
+        displacement_bound: bound of displacement_gap from the duality gaps, (q k)^{1/2} R.
+        stress_bound: bound of stress_gap from the duality gaps, (L_A/k + L_G)^{1/2} R.
+    """
+
+    displacement_gap: float
+    stress_gap: float
+    admissibility: float
+    energy_gap: float
+    membership: float
+    displacement_bound: float
+    stress_bound: float
+
+
+BOUNDS = ("displacement_bound", "stress_bound")
+COLUMNS = ("case", "form", "level", "h", "steps", *Gaps._fields, "family")
+"""``form`` names the space of strains that is dual to the stresses."""
+EQUIVALENCE = CsvFile("equivalence.csv", ("case", "family", "level"), COLUMNS)
+
+
+def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[SemiDiscrete, StressProblem]:
+    """Return Problems 3.1 and 3.2 of an exact solution on one mesh."""
+    space = Space(family(solution.body, level), solution.body)
+    gauge = Gauge(solution, space)
+    u0 = gauge.sample(0.0).interpolant
+    return SemiDiscrete.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
+
+
+def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
+    """March both problems together, one step of each in memory, and return their largest gaps.
+
+    Raises:
+        StepsError: the steps are so long that they need not have one solution; then there is no q.
+    """
+    space, law, M = stresses.space, stresses.law, displacements.M
+    cells, k, root, radius = on_cells(space, law), step_size(displacements.T, steps), np.sqrt(space.volumes), 0.0
+    q = lipschitz_of_step(law, k)
+    worst, sizes = np.zeros(5), np.full(5, np.finfo(float).tiny)
+    pairs = zip(BACKWARD_EULER.march(displacements, steps), stresses.march(steps), strict=True)
+    for (before, _), (primal, dual) in pairwise(pairs):
+        strain = space.strain(primal.u)
+        stress = cells.stress((strain - space.strain(before.u)) / k, strain)
+        load = displacements.load(primal.time)
+        defect = load - space.functional(dual.stress)
+        difference = dual.u - primal.u
+        radius = q * radius + np.sqrt(dual.gap)
+        now = [
+            np.sqrt(difference @ (M @ difference)),
+            np.linalg.norm(root * (dual.stress - stress)),
+            beyond(defect, displacements.N),
+            abs(defect @ dual.u),
+            max((displacements.N @ dual.u).max(), 0.0),
+        ]
+        of_both = np.sqrt(primal.u @ (M @ primal.u)), np.linalg.norm(root * stress)
+        size = [*of_both, np.linalg.norm(load), abs(load @ dual.u), abs(dual.u).max()]
+        worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)
+    bounds = radius * np.sqrt([q * k, law.A.lipschitz / k + law.G.lipschitz]) / sizes[:2]
+    return Gaps(*(float(value) for value in [*(worst / sizes), *bounds]))
+
+
+def lipschitz_of_step(law: KelvinVoigt, k: float) -> float:
+    """Return q = 1/(1 − kω), the Lipschitz constant of a step of backward Euler in ‖·‖_V; StepsError if kω ≥ 1."""
+    BACKWARD_EULER.require_unique(k, law.growth)
+    return 1 / (1 - k * law.growth)
+
+
+def beyond(defect: Array, N: sps.csr_array) -> float:
+    """Return sup {defect·v : Nv ≤ 0, |v| ≤ 1}, the distance of the defect from the cone {Nᵀλ : λ ≥ 0}."""
+    touched = np.unique(N.indices)
+    _, distance = nnls(N[:, touched].T.toarray(), defect[touched])
+    return float(np.hypot(distance, np.linalg.norm(np.delete(defect, touched))))
+
+
+LEAST = 1e-9
+"""Smaller gaps are reported as at most this: the last iteration of a solver leaves them by chance."""
+
+
+def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
+    """Round gaps and bounds, which depend on the tolerance of the interior-point method, up to powers of ten.
+
+    Gaps and bounds follow from the duality gap at which the method happens to stop. With a tolerance of 0.1 to 2 times
+    1e-15, bounds changed by factors up to 14 and gaps by factors up to 100, so none of their digits means anything.
+    Rounding up is monotone, so a gap that is at most its bound stays so. A gap above its bound is not rounded, and
+    neither is its bound, so that the verdict stays.
+
+    Args:
+        found: the fields of ``Gaps`` by name.
+    """
+    rounded = dict(found)
+    for what in ("displacement", "stress"):
+        names = gap, bound = f"{what}_gap", f"{what}_bound"
+        if found[gap] <= found[bound]:
+            rounded |= {name: power_of_ten(found[name], LEAST) for name in names}
+    return rounded
+
+
+def compare(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str, Any]:
+    """Return a row of ``equivalence.csv``."""
+    displacements, stresses = problems(case.solution, family, level)
+    found = gaps(displacements, stresses, steps)._asdict()
+    where = {"case": case.name, "form": "strains of V^h", "level": level, "h": stresses.space.h, "steps": steps}
+    return {**where, **magnitudes(found), "family": family.name}
+
+
+def largest_bound(group: pd.DataFrame) -> Measured:
+    """Return the larger one of both bounds on every level."""
+    return greatest(group[list(BOUNDS)].to_numpy().max(axis=1))
+
+
+OVER_BOUND = "of Problem 3.2 − 3.1 / what the gap allows"
+PROVED = above_nothing(1.0, "proved")
+AGREEMENT = above_nothing(1e-7, "at every step")
+SHARP = above_nothing(1e-5, "32 steps, each the root of a gap of 1e-15, and norms 10 apart")
+
+
+class SameMesh(Statement):
+    """Gaps over their bounds, and the properties of Problem 3.2 that are never imposed.
+
+    Time steps are those of backward Euler with k ~ h/2. A displacement inside K^h gives a membership of 0.
+    """
+
+    label = "Thm 4.2"
+    claim = "Problem 3.2 on the strains of V^h and Problem 3.1 have one solution"
+    file = EQUIVALENCE
+    of_every_case = True
+    rules = (
+        largest_quotient(
+            "displacement", f"displacement {OVER_BOUND}", PROVED, "displacement_gap", "displacement_bound"
+        ),
+        largest_quotient("stress", f"stress {OVER_BOUND}", PROVED, "stress_gap", "stress_bound"),
+        Criterion("allowed", "what the gap allows / size of the solution", SHARP, largest_bound, BOUNDS),
+        largest("admissibility", "σ^h ∈ Σ^h(t)", AGREEMENT, "admissibility"),
+        largest("energy", "(σ, ε(u))_Q = (f, u)_V, (4.14)", AGREEMENT, "energy_gap"),
+        largest("membership", "u ∈ K^h though never imposed", at_most(1e-7, "at every step"), "membership"),
+    )
+
+    def settings(self, scope: Scope) -> list[Setting]:
+        """Every case on coarse levels, because the interior-point method is for small problems."""
+        return [
+            Setting(reference, family.name, n)
+            for reference, case in zip(scope.cases, scope.resolved(), strict=True)
+            for family in scope.families_of(case)[: None if scope.every_family else 1]
+            for n in (scope.equivalence if case.solution.body.dim == 2 else scope.solid_equivalence)
+        ]
+
+    def measure(self, setting: Setting) -> dict[str, Any]:
+        return compare(resolve(setting.case), family_named(setting.family), setting.level, self.steps(setting))
+
+    def cost(self, setting: Setting) -> float:
+        return float(setting.level**setting.dim * self.steps(setting)) * (70 if setting.dim == 2 else 1000)
+
+    def memory(self, setting: Setting) -> float:
+        return estimates.equivalence(setting.dim, setting.level, setting.family)
+
+    def steps(self, setting: Setting) -> int:
+        """Two for every cell along a side."""
+        return 2 * setting.level
+
+
+@dataclass(frozen=True, eq=False)
+class Sides:
+    """Both problems of one check of the comparison.
+
+    Attributes:
+        displacements: Problem 3.1.
+        stresses: the Problem 3.2 that is compared with a Problem 3.1. The correct one is the same for every Problem
+            3.1; it is a function so that a negative control can make it depend on Problem 3.1.
+    """
+
+    displacements: SemiDiscrete
+    stresses: Callable[[SemiDiscrete], StressProblem]
+
+    @classmethod
+    def of(cls, solution: ExactSolution, family: MeshFamily, level: int) -> Sides:
+        """Return both problems of an exact solution on one mesh."""
+        displacements, stresses = problems(solution, family, level)
+        return cls(displacements, lambda _: stresses)
+
+
+@dataclass(frozen=True, eq=False)
+class Derived(StressProblem):
+    """A wrong Problem 3.2, whose stresses are computed by the law from the ``displacements`` of a Problem 3.1."""
+
+    displacements: SemiDiscrete
+
+    @classmethod
+    def beside(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Derived:
+        """Return the wrong problem that replaces ``stresses``."""
+        return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
+
+    def march(self, steps: int) -> Iterator[StressState]:
+        """Yield the states of backward Euler in displacements, with the duality gap of a converged interior point."""
+        k, law, old = self.displacements.T / steps, on_cells(self.space, self.law), self.space.strain(self.u0)
+        yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, np.full(self.N.shape[0], np.nan), 0.0)
+        for _, state in pairwise(BACKWARD_EULER.march(self.displacements, steps)):
+            strain = self.space.strain(state.u)
+            stress = law.stress((strain - old) / k, strain)
+            yield StressState(state.time, stress, strain, state.u, state.multipliers, AIM.gap)
+            old = strain
+
+
+class Independence(NamedTuple):
+    """The part of a mistake in Problem 3.1 alone that its gaps to Problem 3.2 show: 1 is all of it, 0 nothing.
+
+    The displacement part is measured in ‖·‖_V, the stress part in ‖·‖_Q.
+    """
+
+    displacement_shown: float
+    stress_shown: float
+
+
+def independence(sides: Sides, steps: int) -> Independence:
+    """Return the gaps if Problem 3.1 alone has flipped normals, relative to the change of its solution.
+
+    Both are measured by ``gaps``, so a comparison of a solution with itself in ``gaps`` is noticed as well.
+    """
+    wrong = replace(sides.displacements, N=-sides.displacements.N)
+    stresses = sides.stresses(wrong)
+    opened = gaps(wrong, stresses, steps)
+    mistake = gaps(wrong, Derived.beside(stresses, sides.displacements), steps)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return Independence(*(float(ratio) for ratio in np.divide(opened[:2], mistake[:2])))
+
+
+CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
+ALONE = around(1, 0.001, "all of it")
+"""The ratio is off by at most the distance of both solutions over the mistake. A flip is a mistake of 0.1 of the
+solution, so distances of 1e-4 of the solution are noticed as well."""
+
+
+class StandsAlone(ListedNumbers):
+    """The gaps show all of a mistake in Problem 3.1 alone; without a mistake the ratio is 0/0, and the row fails."""
+
+    label = "Thm 4.2"
+    claim = "the comparison sees all of a mistake in Problem 3.1 alone"
+    rules = tuple(
+        every(f"alone-{side}", f"mistake in 3.1 alone that the {side} gap shows", ALONE, f"{side}_shown")
+        for side in ("displacement", "stress")
+    )
+    quick = grid(CASES, ("one-diagonal",), (4,))
+    full = grid(CASES, ("one-diagonal", "shaken"), (4, 8))
+
+    def measure(self, setting: Setting) -> dict[str, float]:
+        sides = Sides.of(resolve(setting.case).solution, family_named(setting.family), setting.level)
+        shown = independence(sides, 2 * setting.level)
+        return with_h(sides.stresses(sides.displacements).space.h, shown._asdict())

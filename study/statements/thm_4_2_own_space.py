@@ -1,0 +1,446 @@
+"""Theorem 4.2 on a stress space of its own: Problem 3.2 without displacements and Problem 3.1 converge to each other.
+
+**Measured.** Problem 3.2 is solved by BDF2 on equilibrated composite stresses (``study.stresses.dual``) from f_0, f_2
+and ε(u_0) alone: no displacement, no V^h. A row of ``stresses.csv`` is one mesh, with k ~ h. σ^h is compared with the
+exact σ and with the stress of Problem 5.1 for the same time steps, its multipliers with displacements.
+
+**Predicted orders** for u(t) ∈ H^{1+s}, u̇(t) ∈ H^{1+s'}, s' ≤ s (``manufactured.regularity``), in L²(0,T), k ~ h:
+
+* ‖σ − σ^h‖_Q. σ^h and the interpolant of σ balance the same projected loads, so their distance is an interpolation
+  error, plus a contact term that is no larger. σ contains ε(u̇): order r = min(2, s'). A moving front gives σ kinks
+  across a line: the few cells on it have order 3/2 with a small constant, all others order 2, and any order between is
+  observed. Corners r^λ have order λ on uniform meshes, min(2, eλ) on meshes graded with the exponent e.
+* The best polynomials on the thirds of cells have the same order, so the ratio of both errors must not grow. The ratio
+  is at least 1, because they are the best of a larger space. This holds by construction, so the ratio is reported.
+* −σ^h_ν against p in L²(Γ3): by the inverse inequality on cells as thin as h up to half an order of the error on them
+  may be lost. On them σ is as smooth as without corners off Γ3, of order r_Γ, which is r for λ = ∞ there. A corner off
+  Γ3 contributes at most the global error r, which is smooth there and loses nothing to thin cells. The interpolant has
+  the best polynomials on edges: between min(r, r_Γ − 1/2) and 2. No claim is made where r_Γ − 1/2 ≤ 0.
+* ε_n against ε(u): ε_n solves the law at every point, driven by σ^h: order r, but at most the order of BDF2 in k, which
+  is 2, falling to 3/2 where u̇ jumps because edges change between contact and release.
+* The multipliers against u: the product of two stress errors, min(2, 2s), or the order of BDF2 if that is less;
+  at most 3.
+* ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q, where the second stress is constant on cells: min(1, s'), 1 on graded meshes.
+* The multipliers against u^h, which is as close to u in L² (Aubin, Nitsche): as against u, and at most 2.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import islice
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from manufactured.body import Kind
+from manufactured.case import Case
+from manufactured.data import Data
+from manufactured.exact import ExactSolution
+from manufactured.law import Linear
+from manufactured.regularity import Regularity
+from manufactured.tensors import Array, Tensors, Vectors
+from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
+from study.fem.mesh import Graded, MeshFamily, size
+from study.fem.naming import family_named, resolve
+from study.fem.quadrature import facet_rule
+from study.fem.space import Space
+from study.ledger.criterion import Criterion, Observation, Rule, among, growth, largest, order, weighted
+from study.ledger.datafiles import CsvFile
+from study.ledger.verdict import Verdict
+from study.ledger.window import Window, above_nothing, at_least, at_most, between
+from study.solve.evolution import SemiDiscrete, velocities
+from study.solve.signorini import Signorini
+from study.solve.steps import stress_steps
+from study.solve.tableau import BDF2, Tableau
+from study.statements.shared import estimates
+from study.statements.shared.base import Setting, Statement, grid
+from study.statements.shared.meshes import ALONG, CELLS, is_random
+from study.stresses.bernstein import bernstein
+from study.stresses.composite import alfeld_split, barycentric
+from study.stresses.dual import DualState, StressEvolution, tensor_at
+from study.stresses.hybrid import act
+from study.stresses.stress_space import StressSpace
+
+# Cases and meshes. Plane cases with linear laws, f_0 ∈ L² and stresses that are continuous in time: where the face
+# lands with a velocity, BDF2 is wrong for one step whatever k is. A case without contact has no pressure to compare;
+# at the junction of Γ1 and Γ3 the pressure is not in L²(Γ3). rough-trace is left out, too: at its front, r^{5/4} where
+# the contact problem itself makes r^{3/2}, errors depend on the place of the front in a cell, and multipliers fall with
+# orders of 0.6 to 2.5 from level to level up to n = 64.
+CASES = (
+    *("full-contact", "fixed-front-on-vertex", "fixed-front-off-vertex", "advance-recede", "travelling-patch"),
+    *("merging-patches", "load-w11", "anisotropic", "heterogeneous", "layered", "softening"),
+    *("rotated", "corner", "hexagon", "natural-front", "re-entrant"),
+)
+QUICK_CASES = ("advance-recede", "layered", "corner", "natural-front")
+MESHES = "one-diagonal", "shaken"
+OTHER_MESHES = {
+    "hexagon": ("unstructured",),
+    "re-entrant": ("unstructured", "graded"),
+    "natural-front": ("one-diagonal",),
+    "merging-patches": ("one-diagonal", "unstructured"),
+    "layered": ("one-diagonal", "unstructured"),
+}
+"""Cases on other mesh families than MESHES. The pressure error at a natural front that rests is the error of one cell.
+The place of the front in that cell must not be random, or orders scatter by 1 from seed to seed. Merging patches and
+layers are three or four cells wide on the coarsest meshes, where orders on random ones scatter most."""
+LEVELS, FINEST = (8, 16, 32), {"re-entrant": (64,)}
+"""Levels of the full study, and further levels of some cases."""
+
+ERRORS = "stress", "stress_sup", "best", "strain", "pressure", "displacement", "primal_stress", "primal_displacement"
+COLUMNS = ("case", "family", "level", "h", "steps", "unknowns", *ERRORS, "admissibility", "time_share")
+"""``stresses.csv``: norms in L²(0,T), root mean squares over the steps 1, 2, …
+
+All are relative to the same norm of the exact quantity; stresses and the pressure are relative to σ.
+
+    unknowns: moments of the edges in one contact solve.
+    stress: ‖σ − σ^h‖_Q.
+    stress_sup: its maximum over the steps, relative to the maximum of ‖σ‖_Q.
+    best: ‖σ − τ‖_Q for the best τ that is linear on every third of a cell: no stress of this space can do better.
+    strain: ‖ε(u) − ε_n‖_Q, ε_n the strains that the law gives for the stresses.
+    pressure: ‖σ_ν − σ^h_ν‖_{L²(Γ3)}.
+    displacement: (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |u − m|²)^½ for the P1 functions m on the edges whose moments are the
+        multipliers, u projected onto such functions.
+    primal_stress: ‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q, u^h of Problem 5.1 with the same time steps.
+    primal_displacement: as ``displacement`` with u^h instead of u.
+    admissibility: max_n of the strong violation of (2.4), (2.5) and continuity: |σ^hν − P f_2| on Γ2, |σ^h_τ| and
+        (σ^h_ν)_+ on Γ3, jumps of σ^hν, in Bernstein coefficients, relative to the largest |σ^hν|.
+    time_share: ‖σ^h_k − σ^h_{2k}‖_Q at common nodes / ‖σ − σ^h_k‖_Q, where σ^h_{2k} has f_0 by a finer rule: the
+        contribution of time steps and quadrature.
+"""
+STRESSES = CsvFile("stresses.csv", ("case", "family", "level"), COLUMNS)
+EDGE_POINTS = 4
+"""Gauss points on an edge for the moments of u."""
+RAISED = 2
+"""Added to the degree of the rule for f_0 in the companion with half as many steps."""
+
+
+@dataclass(frozen=True, eq=False)
+class StressExperiment:
+    """Problem 3.2 of an exact solution on one mesh. Negative controls replace single attributes by wrong ones.
+
+    Attributes:
+        solution: the exact solution.
+        data: f_0, f_2 and ε(u_0), all that Problem 3.2 knows of it.
+        space: the stress space.
+        scheme, steps: BDF2 and the number of its steps.
+        solver: the contact solver, made from (S, N).
+    """
+
+    solution: ExactSolution
+    data: Data
+    space: StressSpace
+    scheme: Tableau
+    steps: int
+    solver: type[Signorini] = Signorini
+
+    @classmethod
+    def of(cls, solution: ExactSolution, family: MeshFamily, level: int, steps: int) -> StressExperiment:
+        """Return the experiment for Problem 3.2."""
+        return cls(solution, Data.of(solution), StressSpace(family(solution.body, level), solution.body), BDF2, steps)
+
+    @classmethod
+    def at(cls, setting: Setting, steps: int) -> StressExperiment:
+        """Return the experiment at a setting, whose case and mesh family are given by name."""
+        return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, steps)
+
+    @cached_property
+    def problem(self) -> StressEvolution:
+        """Problem 3.2."""
+        return StressEvolution(self.data, self.space, self.solver)
+
+    def march(self) -> Iterator[DualState]:
+        """Yield the states of Problem 3.2 at t_1, …, t_steps."""
+        return islice(self.scheme.march(self.problem, self.steps), 1, None)
+
+    def companion(self) -> Iterator[DualState]:
+        """Yield the states with half as many steps and a finer rule for f_0."""
+        return islice(self.scheme.march(replace(self.problem, raised=RAISED), self.steps // 2), 1, None)
+
+
+class Exact:
+    """The exact solution at the quadrature points of a stress space, and norms of errors.
+
+    Cells are cut where the solution is rough, as in ``study.fem.gauge``.
+    """
+
+    def __init__(self, solution: ExactSolution, space: StressSpace) -> None:
+        self.space = space
+        mesh, corners = alfeld_split(space.mesh)
+        self._blocks = []
+        for rule in rules(solution, mesh, max(DEGREE, 2 * space.degree)):
+            shapes = bernstein(space.degree, barycentric(corners[:, :, rule.cells], rule.points))
+            weighted = np.moveaxis(shapes * rule.weights, 1, 0)
+            best = np.linalg.solve(weighted @ np.moveaxis(shapes, 0, -1), weighted)
+            self._blocks.append((rule.cells, rule.weights, shapes, best, solution.at(rule.points)))
+        self._inside, self._faces = solution.at(space.points), []
+        for face in solution.faces:
+            edges = space.parts[space.body.parts.index(face.part)]
+            on = facet_rule(space.mesh, edges, face.part, face.rough, FACET_POINTS)
+            self._faces.append((edges, bernstein(space.degree, on.shapes), on.weights, solution.on(face, on.s)))
+        x, weights = np.polynomial.legendre.leggauss(EDGE_POINTS)
+        self._along = np.array([1 - x, 1 + x]) / 2
+        self._shapes = bernstein(space.degree, self._along)
+        self._moments = self._shapes * weights / 2
+        self._edges = solution.at(np.einsum("den,eq->dnq", space.mesh.p[:, space.mesh.facets], self._along))
+        self._share = np.bincount(space.edges.ravel(), np.repeat(space.volumes / 3, 3), len(space.lengths))
+
+    def stress(self, time: float, values: Tensors) -> tuple[float, float, float]:
+        """Return ‖σ − σ^h‖, ‖σ − the best polynomials on the thirds of cells‖ and ‖σ‖ in Q."""
+        coefficients, squares = self.space.coefficients(values), np.zeros(3)
+        for cells, weights, shapes, best, fields in self._blocks:
+            exact = fields.stress(time)
+            mine = np.einsum("Ina,anq->Inq", coefficients[:, cells], shapes, optimize=True)
+            nearest = np.einsum("naq,Inq,anp->Inp", best, exact, shapes, optimize=True)
+            squares += [np.einsum("Inq,Inq,nq->", d, d, weights) for d in (exact - mine, exact - nearest, exact)]
+        error, least, size = np.sqrt(squares)
+        return float(error), float(least), float(size)
+
+    def strain(self, time: float) -> Tensors:
+        """Return ε(u) at the points of the stress space."""
+        return self._inside.strain(time)
+
+    def norm(self, values: Tensors) -> float:
+        """Return ‖·‖_Q of values at the points of the stress space."""
+        return float(np.sqrt(np.einsum("Icq,Icq,cq->", values, values, self.space.weights)))
+
+    def pressure(self, time: float, tractions: Array) -> float:
+        """Return ‖σ_ν − σ^h_ν‖ in L²(Γ3)."""
+        square = 0.0
+        for edges, shapes, weights, fields in self._faces:
+            exact = fields.pressure(time)
+            mine = -np.einsum("na,anq->nq", self.space.boundary_tractions(edges, tractions)[..., 0], shapes)
+            square += float(np.vdot((exact - mine) ** 2, weights))
+        return float(np.sqrt(square))
+
+    def moments(self, time: float) -> Array:
+        """Return ∫_e u B_i in the axes of the edges, (edges, n, 2)."""
+        return self._tested(self._edges.displacement(time))
+
+    def moments_of(self, nodal: Vectors) -> Array:
+        """Return ∫_e v B_i for the nodal values of a P1 displacement, (2, vertices) → (edges, n, 2)."""
+        return self._tested(np.einsum("den,eq->dnq", nodal[:, self.space.mesh.facets], self._along))
+
+    def _tested(self, u: Vectors) -> Array:
+        """Return the moments of values at the Gauss points of the edges."""
+        turned = np.einsum("nij,jnq->inq", self.space.frames, u)
+        return np.einsum("inq,aq,n->nai", turned, self._moments, self.space.lengths, optimize=True)
+
+    def mean_square(self, moments: Array) -> float:
+        """Return (Σ_T Σ_{e ⊂ ∂T} |T|/3 mean_e |m|²)^½ for the functions m on the edges with these moments."""
+        means = moments / self.space.lengths[:, None, None]
+        inverse = np.linalg.inv(self._moments @ self._shapes.T)
+        return float(np.sqrt(np.einsum("nad,ab,nbd,n->", means, inverse, means, self._share)))
+
+
+class Primal:
+    """Problem 5.1 on the same mesh with the same time steps: an iterator over its displacements and stresses."""
+
+    def __init__(self, solution: ExactSolution, space: StressSpace, steps: int) -> None:
+        law, self.displacements = solution.law, Space(space.mesh, solution.body)
+        assert isinstance(law.G, Linear)
+        self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
+        gauge = Gauge(solution, self.displacements)
+        problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
+        self.states = islice(velocities(problem, BDF2, steps), 1, None)
+
+    def __next__(self) -> tuple[Vectors, Tensors]:
+        """Return the next displacement at the vertices, and Aε(δu^h) + Gε(u^h) at the points of the stress space.
+
+        Their shapes are (2, vertices) and (3, cells, Q), or (3, cells, 1) if the material is homogeneous.
+        """
+        state, velocity = next(self.states)
+        rate, strain = (self.displacements.strain(u)[..., None] for u in (velocity, state.u))
+        return self.displacements.nodal(state.u), act(self.viscous, rate) + act(self.elastic, strain)
+
+
+def measure(experiment: StressExperiment) -> dict[str, float]:
+    """March Problems 3.2 and 5.1 together and return the columns of ``stresses.csv`` from ``h`` on."""
+    space, exact = experiment.space, Exact(experiment.solution, experiment.space)
+    clamped = sum(len(edges) for _, edges in space.on(Kind.CLAMPED))
+    primal = Primal(experiment.solution, space, experiment.steps)
+    coarse, steps, drift = experiment.companion(), [], []
+    for n, state in enumerate(experiment.march(), start=1):
+        stress, strain, moments = state.stress, exact.strain(state.time), exact.moments(state.time)
+        nodal, primal_stress = next(primal)
+        error, best, whole = exact.stress(state.time, stress.values)
+        steps.append(
+            {
+                "stress": error,
+                "best": best,
+                "exact stress": whole,
+                "strain": exact.norm(strain - state.strain),
+                "exact strain": exact.norm(strain),
+                "pressure": exact.pressure(state.time, stress.tractions),
+                "primal stress": exact.norm(stress.values - primal_stress),
+                "displacement": exact.mean_square(stress.moments - moments),
+                "primal displacement": exact.mean_square(stress.moments - exact.moments_of(nodal)),
+                "exact displacement": exact.mean_square(moments),
+                "admissibility": inadmissible(space, state),
+            }
+        )
+        if n % 2 == 0:
+            drift.append(exact.norm(next(coarse).stress.values - stress.values))
+    history = {name: np.array([step[name] for step in steps]) for name in steps[0]}
+    mean = {name: float(np.sqrt(np.mean(values**2))) for name, values in history.items()}
+    return {
+        "h": size(space.mesh),
+        "steps": experiment.steps,
+        "unknowns": 2 * (space.degree + 1) * (len(space.lengths) - clamped),
+        "stress": mean["stress"] / mean["exact stress"],
+        "stress_sup": float(history["stress"].max() / history["exact stress"].max()),
+        "best": mean["best"] / mean["exact stress"],
+        "strain": mean["strain"] / mean["exact strain"],
+        "pressure": mean["pressure"] / mean["exact stress"],
+        "displacement": mean["displacement"] / mean["exact displacement"],
+        "primal_stress": mean["primal stress"] / mean["exact stress"],
+        "primal_displacement": mean["primal displacement"] / mean["exact displacement"],
+        "admissibility": float(history["admissibility"].max()),
+        "time_share": float(np.sqrt(np.mean(np.array(drift) ** 2))) / mean["stress"],
+    }
+
+
+def inadmissible(space: StressSpace, state: DualState) -> float:
+    """Return the largest violation of (2.4), (2.5) and continuity, over the largest traction."""
+    tractions = state.stress.tractions
+    total = np.zeros((len(space.lengths), *tractions.shape[2:]))
+    np.add.at(total, space.edges, tractions)
+    for _, edges in space.on(Kind.CLAMPED):
+        total[edges] = 0.0
+    for _, edges in space.on(Kind.LOADED):
+        total[edges] -= state.loads.surface[edges]
+    for _, edges in space.on(Kind.CONTACT):
+        total[edges, :, 0] = np.maximum(total[edges, :, 0], 0.0)
+    return float(abs(total).max() / abs(tractions).max())
+
+
+def measure_stresses(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str, Any]:
+    """Return the row of ``stresses.csv`` for a case on one mesh."""
+    experiment = StressExperiment.of(case.solution, family, level, steps)
+    return {"case": case.name, "family": family.name, "level": level, **measure(experiment)}
+
+
+# Criteria.
+MARGIN, SMOOTH = 0.15, 0.3
+"""Tolerance below a predicted order: below the order of a singularity, and below 2, which is reached from below on
+coarse meshes because of the boundary."""
+JUDGED, PAIR = 3, 2
+"""Orders are taken over the last levels, at most so many, and at least a pair."""
+IN_CELLS = ("stress", "strain", "primal_stress")
+"""Quantities whose errors are sums over all cells. The pressure error is a sum over the edges on Γ3, and multiplier
+errors are largest along a moving front: sums over as many cells as there are along a line."""
+CHANCE = 0.3
+"""Further tolerance for an order on random meshes that comes from cells along a line: three standard deviations. One
+standard deviation was 0.03 … 0.19 in a pilot on shaken meshes, n = 8, 16, 32, that judged nothing. Orders of sums over
+all cells scattered by 0.03 and need none. The windows without it are used on one-diagonal meshes."""
+TIME = above_nothing(0.5, "by the order 3/2 in k what steps contribute is then ≤ 0.27 of the error")
+ADMISSIBLE = "σ^hν continuous, P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3, strongly"
+RATIO = "‖σ − σ^h‖_Q / that of the best polynomials"
+QUANTITIES = {
+    "stress": "‖σ − σ^h‖_Q",
+    "strain": "‖ε(u) − ε^h‖_Q for the strains that belong to σ^h",
+    "pressure": "‖σ_ν − σ^h_ν‖_{L²(Γ3)}",
+    "displacement": "multipliers − u on the edges",
+    "primal_stress": "‖σ^h − (Aε(δu^h) + Gε(u^h))‖_Q",
+    "primal_displacement": "multipliers − u^h on the edges",
+}
+
+
+@dataclass(frozen=True)
+class Orders:
+    """The lowest and the highest order that regularity and time scheme predict."""
+
+    low: float
+    high: float
+
+    def window(self, chance: float = 0.0) -> Window:
+        """Return these orders with a tolerance, enlarged by ``chance``."""
+        return between(self.low, self.high, (SMOOTH if self.low == 2 else MARGIN) + chance, 0.2 + chance)
+
+
+def predicted(regularity: Regularity, family: str) -> dict[str, Orders]:
+    """Return the predicted orders on a mesh family of every quantity that is claimed to converge."""
+    s, rate = smoothness(regularity, family)
+    constant, r = min(1.0, rate), min(2.0, rate)
+    _, at_contact = smoothness(replace(regularity, corner=math.inf), family)
+    in_time = 1.5 if regularity.moving else 2.0
+    moments = min(2 * s, in_time)
+    found = {
+        "stress": Orders(r, max(r, 2.0) if r >= 1 else r),
+        "strain": Orders(min(r, in_time), 2.0 if r >= 1 else r),
+        "pressure": Orders(min(r, at_contact - 0.5), 2.0),
+        "displacement": Orders(moments, 3.0),
+        "primal_stress": Orders(constant, constant),
+        "primal_displacement": Orders(moments, max(moments, 2.0)),
+    }
+    return {name: orders for name, orders in found.items() if orders.window().low > 0}
+
+
+def smoothness(regularity: Regularity, family: str) -> tuple[float, float]:
+    """Return (s, s') for u(t) ∈ H^{1+s}, u̇(t) ∈ H^{1+s'} on meshes of a family; graded ones have s = eλ at r^λ."""
+    if family != Graded().name:
+        return regularity.smoothness, regularity.rate_smoothness
+    away = replace(regularity, corner=math.inf, on_contact=math.inf)
+    s = min(away.smoothness, Graded().exponent * min(regularity.corner, regularity.on_contact))
+    return s, min(s, away.rate_smoothness)
+
+
+def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
+    """Yield the criteria for a solution on a mesh family."""
+    random = is_random(family)
+    for name, orders in predicted(regularity, family).items():
+        parts = CELLS if name in IN_CELLS else ALONG
+        window = orders.window(CHANCE if parts == ALONG and random else 0.0)
+        yield weighted(f"order-{name}", f"order of {QUANTITIES[name]}", window, name, parts, JUDGED, PAIR)
+    # The ratio on the finest level is shown.
+    ratios = Criterion("ratio", RATIO, at_least(1), lambda of: among(of["ratio"].iloc[-1], of["ratio"]), ("ratio",))
+    yield Observation(ratios, "the best polynomials are those of a larger space")
+    bounded = at_most(1.35, "bounded; two deviations more for chance") if random else at_most(1.25, "bounded")
+    yield growth("growth", f"growth of {RATIO}, coarsest to finest, fitted", bounded, "ratio", CELLS, PAIR)
+    yield largest("admissible", ADMISSIBLE, above_nothing(1e-9), "admissibility")
+    yield largest("time-share", "share of steps and quadrature in ‖σ − σ^h‖_Q", TIME, "time_share")
+    in_the_maximum = order("order-sup", "order of max_n ‖σ − σ^h‖_Q", Window(), "stress_sup", JUDGED, PAIR)
+    yield Observation(in_the_maximum, "the maximum is where a front lies worst in its cell, by chance on every level")
+
+
+class OwnSpace(Statement):
+    """One row for each quantity, case and mesh family."""
+
+    label = "Thm 4.2, own space"
+    claim = "Problem 3.2 on a conforming stress space of its own and Problem 3.1 meet"
+    file = STRESSES
+    # Orders from two levels of random meshes miss their window once in twenty. On eight edges terms of higher order are
+    # not small: the pressure of *corner* has the orders 2.26, 2.06, 1.90 from n = 8, 12, 16 to twice as many.
+    quick = grid(QUICK_CASES, ("one-diagonal",), (12, 24))
+    full = tuple(
+        Setting(case, family, level)
+        for case in CASES
+        for family in OTHER_MESHES.get(case, MESHES)
+        for level in (*LEVELS, *FINEST.get(case, ()))
+    )
+
+    def measure(self, setting: Setting) -> dict[str, Any]:
+        case, family = resolve(setting.case), family_named(setting.family)
+        return measure_stresses(case, family, setting.level, self.steps(setting))
+
+    def judge(self, rows: pd.DataFrame) -> list[Verdict]:
+        found: list[Verdict] = []
+        for (case, family), series in rows.groupby(["case", "family"], sort=False):
+            levels = series.sort_values("h", ascending=False).assign(ratio=series["stress"] / series["best"])
+            rules = rules_of(resolve(str(case)).regularity, str(family))
+            found += [rule.verdict(self, str(case), {str(family): levels}, str(family)) for rule in rules]
+        return found
+
+    def cost(self, setting: Setting) -> float:
+        return 65.0 * setting.level**2 * self.steps(setting)
+
+    def memory(self, setting: Setting) -> float:
+        return estimates.stress(setting.level)
+
+    def steps(self, setting: Setting) -> int:
+        """k ~ h, shorter in cases with a faster pace."""
+        case = resolve(setting.case)
+        return stress_steps(case.solution.body.T, setting.level, case.pace)

@@ -1,0 +1,493 @@
+"""The bound and the enclosure: no error lies outside, whatever the case, the mesh, the scheme and the time.
+
+That is a theorem, so one error outside refutes the implementation; and a wrong implementation has to put one outside.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+
+import numpy as np
+import pytest
+import sympy as sp
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sympy import Expr, Integer, Rational, binomial
+
+from manufactured import (
+    Case,
+    ContactFace,
+    ExactSolution,
+    FrobeniusBall,
+    KelvinVoigt,
+    Kind,
+    Linear,
+    Prescribed,
+    Regularity,
+    Yield,
+    catalogue,
+    isotropic,
+    pos,
+    prove,
+    s,
+    t,
+    unit_square,
+    x2,
+)
+from manufactured.cases.laws import not_proportional
+from manufactured.data import Data
+from manufactured.tensors import Array, Points
+from study.bound import terms
+from study.bound.bounded import _intervals, levels
+from study.bound.discretisation import Discretisation
+from study.bound.enclosing import enclose, known_error
+from study.bound.problem import BoundError
+from study.bound.terms import Majorant
+from study.bound.trajectory import (
+    DiscreteSolution,
+    Parabola,
+    Refined,
+    SmoothedInTime,
+    Trajectory,
+    compute,
+    prolongation,
+    spline,
+)
+from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
+from study.fem.quadrature import Line, cell_rules
+from study.solve.evolution import Scheme
+from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
+from study.statements.enclosure import eligible, measure, posed
+
+CASES = {case.name: case for case in catalogue()}
+BOUNDED = [case for case in catalogue() if eligible(case)]
+ROUNDING = 1e-9
+"""Relative; errors in round-off are compared with bounds in round-off."""
+TRAJECTORIES = [SmoothedInTime(), Refined(0, 2)]
+
+
+# ---- the error, measured by another quadrature
+
+
+def distance(discretisation: Discretisation, solution: ExactSolution) -> Callable[[float, Array], float]:
+    """(t, v) ↦ ‖u(t) − v‖_V for v of degree 2."""
+    lines = [Line(*line) for line in discretisation.data.lines]
+    rules = cell_rules(discretisation.mesh, 8, lines, discretisation.data.points)
+    fields, V = [(rule, solution.at(rule.points)) for rule in rules], discretisation.displacements
+
+    def measured(time: float, v: Array) -> float:
+        total = 0.0
+        for rule, exact in fields:
+            difference = exact.strain(time) - V.strain_at(v, rule.cells, rule.points)
+            stress = solution.law.A.at(rule.points)(difference)
+            total += float(np.einsum("Inq,Inq,nq->", stress, difference, rule.weights))
+        return math.sqrt(total)
+
+    return measured
+
+
+def closest(case: Case, mesh, scheme: Scheme, steps: int, trajectory: Trajectory, seed: int = 0) -> tuple[float, float]:
+    """Assert that no error lies outside, at the knots and at a random time of every piece.
+
+    Returns the largest lower/error, and the largest ‖u − ũ‖/y.
+    """
+    coarse = Discretisation(Data.of(case.solution), mesh)
+    computed = compute(coarse, scheme, steps)
+    error = known_error(case, computed)
+    assert error is not None
+    found = enclose(coarse, computed, trajectory, error)
+    slack = ROUNDING * max(found.error.max(), found.upper.max())
+    assert (found.lower <= found.error + slack).all()
+    assert (found.error <= found.upper + slack).all()
+    assert found.lowest - slack <= found.error.max() <= found.highest + slack
+
+    fine = trajectory.discretisation(coarse)
+    u_h, true, rng, nearest = computed.on(fine), distance(fine, case.solution), np.random.default_rng(seed), 0.0
+    for piece, interval in zip(spline(trajectory.nodes(fine, computed)), found.intervals, strict=True):
+        assert (piece.a, piece.b) == (interval.a, interval.b)
+        assert interval.inside >= max(interval.at_a, interval.at_b) * (1 - 1e-12)
+        for share, bound in ((rng.random(), interval.inside), (1.0, interval.at_b)):
+            time = piece.a + share * (piece.b - piece.a)
+            v, u = piece.at(time), computed.at(time)
+            assert (fine.displacements.N @ v).max(initial=0.0) <= 1e-10
+            off = true(time, v)
+            assert off <= bound + slack
+            assert error(time, u) <= min(bound + fine.norm(v - u_h(time)), found.highest) + slack
+            nearest = max(nearest, off / bound if bound > slack else 0.0)
+    return float((found.lower / np.maximum(found.error, np.finfo(float).tiny)).max()), nearest
+
+
+# ---- the main property
+
+
+def turns() -> Iterator[tuple[Case, MeshFamily, Scheme]]:
+    """Every case with the families that mesh it and the schemes in turn; graded meshes where corners need them."""
+    for number, case in enumerate(BOUNDED):
+        serving = [family for family in FAMILIES if family.serves(case.solution.body)]
+        graded = [family for family in serving if isinstance(family, Graded)]
+        yield case, (graded or serving)[number % len(graded or serving)], SCHEMES[number % len(SCHEMES)]
+
+
+TURNS = list(turns())
+QUICK = [
+    pytest.param(*turn, level, id=f"{turn[0].name}, {turn[1].name}, {turn[2].name}, {level}", marks=marks)
+    for n, turn in enumerate(TURNS)
+    for level in (3, 4, 8)
+    for marks in [pytest.mark.slow if level > 3 or n % 3 else ()]
+]
+
+
+@pytest.mark.parametrize(("case", "family", "scheme", "level"), QUICK)
+@pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=lambda trajectory: trajectory.name)
+def test_no_error_lies_outside(case: Case, family, scheme: Scheme, level: int, trajectory: Trajectory) -> None:
+    closest(case, family(case.solution.body, level), scheme, math.ceil(level * case.solution.body.T), trajectory)
+
+
+def test_all_families_and_schemes_have_their_turn() -> None:
+    assert {family for _, family, _ in TURNS} == set(FAMILIES)
+    assert {scheme for *_, scheme in TURNS} == set(SCHEMES)
+    assert len(TURNS) >= 20
+
+
+def twentieths(low: int, high: int) -> st.SearchStrategy[Rational]:
+    return st.integers(low, high).map(lambda number: Rational(number, 20))
+
+
+def polynomial(coefficients: list[Expr]) -> Expr:
+    """Σ c_i B_i(t): between the least and the largest c_i on [0, 1]."""
+    n = len(coefficients) - 1
+    return sum((c * binomial(n, i) * t**i * (1 - t) ** (n - i) for i, c in enumerate(coefficients)), Integer(0))
+
+
+@st.composite
+def tensors(draw) -> Linear:
+    """Isotropic, or any symmetric positive definite one."""
+    if draw(st.booleans()):
+        mu, lam = draw(twentieths(5, 60)), draw(twentieths(-4, 80))
+        return isotropic(float(mu), float(lam))
+    B = np.array([float(draw(twentieths(-20, 20))) for _ in range(9)]).reshape(3, 3)
+    C = B @ B.T + 0.3 * np.eye(3)
+    return Linear((C + C.T) / 2)
+
+
+@st.composite
+def cases(draw) -> Case:
+    """A front anywhere that moves or stays, full contact of a linear or yielding body, or none."""
+    body = unit_square()
+    (part,) = body.of(Kind.CONTACT)
+    zone = draw(st.sampled_from(["moves", "moves", "moves", "stays", "full", "none", "yields"]))
+    regularity, rough = Regularity(), ()
+    amplitudes = st.lists(twentieths(1, 40), min_size=1, max_size=3).map(polynomial)
+    # Never constant in time: for a solution at rest the self-proof would compare rounding with rounding.
+    strength, opening = 20 * (1 + t) * draw(amplitudes), 5 * (1 + t) * draw(amplitudes)
+    bump = 1 + 4 * s * (1 - s)
+    if zone == "yields":
+        G = Yield(float(draw(twentieths(5, 80))), FrobeniusBall(float(draw(twentieths(1, 20)))))
+        law = KelvinVoigt(isotropic(1, 0.5), G, "random (3.3)")
+        strain = Prescribed(((body.T, -draw(twentieths(1, 40)) * t * bump),))
+        face = ContactFace(part, Integer(0), strain, Integer(1))
+    else:
+        law = KelvinVoigt(draw(tensors()), draw(tensors()), "random")
+        if zone == "full":
+            gap, pressure, level = Integer(0), t * strength * bump, Integer(1)
+        elif zone == "none":
+            gap, pressure, level = opening * (1 + s), Integer(0), Integer(-1)
+        else:
+            count = 1 if zone == "stays" else draw(st.integers(2, 3))
+            front = polynomial([draw(twentieths(3, 17)) for _ in range(count)])
+            alpha, m = draw(st.integers(4, 5)), draw(st.integers(2, 3))
+            level = draw(st.sampled_from([1, -1])) * (front - s)
+            moving = sp.expand(front).has(t)
+            level, rough = sp.expand(level), () if moving else (float(sp.expand(front)),)
+            gap, pressure = opening * pos(-level, alpha), strength * pos(level, m)
+            regularity = Regularity(gap=alpha, pressure=m, moving=moving)
+        face = ContactFace.linear(part, law, body.T, gap, pressure, level, rough=rough)
+    solution = ExactSolution(body, law, (face,))
+    return Case("random", zone, solution, regularity, regularity.order, "exponents")
+
+
+seeds = st.integers(0, 999)
+families = st.one_of(
+    st.just(OneDiagonal()),
+    st.just(CrissCross()),
+    seeds.map(lambda seed: Shaken(seed=seed)),
+    seeds.map(lambda seed: Unstructured(seed=seed)),
+)
+trajectories = st.one_of(st.just(SmoothedInTime()), st.integers(1, 3).map(lambda shorter: Refined(0, shorter)))
+random_examples = given(
+    cases(), families, st.integers(3, 6), st.sampled_from(SCHEMES), st.integers(2, 6), trajectories, seeds
+)
+
+
+@settings(max_examples=2)
+@random_examples
+def test_no_error_lies_outside_for_random_cases(case, family, n, scheme, steps, trajectory, seed) -> None:
+    closest(case, family(case.solution.body, n), scheme, steps, trajectory, seed)
+
+
+@pytest.mark.slow
+@settings(max_examples=30)
+@random_examples
+def test_no_error_lies_outside_for_many_random_cases(case, family, n, scheme, steps, trajectory, seed) -> None:
+    prove(case.solution, case.name)
+    closest(case, family(case.solution.body, n), scheme, steps, trajectory, seed)
+
+
+def test_a_refined_mesh_encloses_the_error_more_tightly() -> None:
+    case = CASES["fixed-front-off-vertex"]
+    mesh = Unstructured()(case.solution.body, 3)
+    plain, finer = (closest(case, mesh, MIDPOINT, 4, Refined(r, 2)) for r in (0, 1))
+    assert plain[0] < finer[0] < 1
+
+
+@dataclass(frozen=True)
+class Anything:
+    """Random functions of the cone, far from any solution."""
+
+    seed: int
+    name: str = "anything"
+
+    def discretisation(self, coarse: Discretisation) -> Discretisation:
+        return coarse
+
+    def nodes(self, discretisation: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
+        rng, V = np.random.default_rng(self.seed), discretisation.displacements
+        for time in np.linspace(0, computed.T, computed.steps + 1):
+            v = rng.normal(size=V.dofs) * 0.1
+            normal = V.N @ v
+            yield float(time), v - V.N.T @ np.maximum(normal, 0)
+
+
+@pytest.mark.parametrize("name", ["advance-recede", "yield-on-a-part", "anisotropic"])
+def test_no_error_lies_outside_even_for_a_displacement_that_is_far_from_the_solution(name: str) -> None:
+    case, seed = CASES[name], len(name)
+    closest(case, Shaken(seed=seed)(case.solution.body, 3), BACKWARD_EULER, 3, Anything(seed), seed)
+
+
+@pytest.mark.parametrize("trajectory", TRAJECTORIES, ids=lambda trajectory: trajectory.name)
+@pytest.mark.parametrize("name", ["no-contact", "advance-recede"])
+def test_a_load_that_is_left_out_puts_errors_outside(name: str, trajectory: Trajectory) -> None:
+    """f_2 is left out of u_h and of the bound alike, so that they agree with each other."""
+    case = CASES[name]
+    data = replace(Data.of(case.solution), formulas_of=None)
+    without = replace(data, surface_load=lambda part, x: lambda time: np.zeros_like(x))
+    for given_data, holds in ((data, True), (without, False)):
+        discretisation = Discretisation(given_data, OneDiagonal()(case.solution.body, 4))
+        computed, true = compute(discretisation, MIDPOINT, 4), distance(discretisation, case.solution)
+        found = enclose(discretisation, computed, trajectory)
+        pieces = spline(trajectory.nodes(discretisation, computed))
+        errors = np.array([true(piece.b, piece.end) for piece in pieces])
+        largest = (errors / found.bound).max()
+        assert largest <= 1 if holds else largest > 1.2
+
+
+# ---- problems whose solution the spaces contain
+
+
+def coefficients(
+    discretisation: Discretisation, value: Callable[[Points], Array], polar: Callable[[Array, Array], Array]
+) -> Array:
+    """(0, w) of degree 2 from its values at vertices and its polar form at the ends of edges."""
+    mesh, V = discretisation.mesh, discretisation.displacements
+    middle = polar(mesh.p[:, mesh.facets[0]], mesh.p[:, mesh.facets[1]])
+    full = np.hstack([value(mesh.p), np.array([0 * middle, middle])])
+    return full.T.ravel()[V.free]
+
+
+@dataclass(frozen=True)
+class Patch:
+    """u = g(t) (0, w(x2)) with w of degree 2, w(1) = 0, in full contact or in none.
+
+    Attributes:
+        w: coefficients of 1, x2, x2².
+    """
+
+    name: str
+    w: tuple[float, float, float]
+
+    def value(self, x: Points) -> Array:
+        return np.array([0 * x[0], self.w[0] + self.w[1] * x[1] + self.w[2] * x[1] ** 2])
+
+    def polar(self, x: Points, y: Points) -> Array:
+        return self.w[0] + self.w[1] * (x[1] + y[1]) / 2 + self.w[2] * x[1] * y[1]
+
+    def data(self, g: Expr, law: KelvinVoigt) -> Data:
+        """f_0, f_2 and u_0 from the law by hand: ε = ε_22 = g w'."""
+        slope = self.w[1] + 2 * self.w[2] * x2
+        A, G = law.A.matrix, law.G.matrix
+        across, along = ((sp.diff(g, t) * A[1, i] + g * G[1, i]) * slope for i in (0, 1))
+        displacement = (self.w[0] + self.w[1] * x2 + self.w[2] * x2**2) * g.subs(t, 0)
+        force = (0, -sp.diff(along, x2))
+        return Data.formulas(unit_square(), law, force, {1: (across, 0), 3: (-across, 0)}, (0, displacement))
+
+
+PATCHES = [Patch("full contact", (0.0, -1.0, 1.0)), Patch("no contact", (1.0, 0.0, -1.0))]
+ORTHOTROPIC = KelvinVoigt(
+    Linear(np.array([[4.0, 0.5, 0.0], [0.5, 2.0, 0.0], [0.0, 0.0, 1.5]])),
+    Linear(np.array([[3.0, 1.0, 0.0], [1.0, 6.0, 0.0], [0.0, 0.0, 2.0]])),
+    "orthotropic",
+)
+
+
+@pytest.mark.parametrize("law", [not_proportional(), ORTHOTROPIC], ids=lambda law: law.name)
+@pytest.mark.parametrize("patch", PATCHES, ids=lambda patch: patch.name)
+def test_the_bound_vanishes_for_a_solution_of_degree_2_in_space_and_time(patch: Patch, law: KelvinVoigt) -> None:
+    data = patch.data(1 + t + 3 * t**2 / 2, law)
+    data.check()
+    discretisation = Discretisation(data, Unstructured()(data.body, 3))
+    v = coefficients(discretisation, patch.value, patch.polar)
+    pieces = [
+        Parabola(a, b, (1 + a + 1.5 * a * a) * v, (1 + (a + b) / 2 + 1.5 * a * b) * v, (1 + b + 1.5 * b * b) * v)
+        for a, b in pairwise([0.0, 0.1, 0.15, 0.5, 1.0])
+    ]
+    intervals = [interval for _, interval in Majorant(discretisation)(pieces, 0.0)]
+    size = discretisation.norm(pieces[-1].end)
+    assert size > 1
+    # Rounding of the products in c, some 1e-14 of ‖u‖², comes under a square root.
+    assert intervals[-1].at_b <= 1e-6 * size
+    assert max(interval.inside for interval in intervals) <= 1e-6 * size
+
+
+@pytest.mark.parametrize(("patch", "family"), [(PATCHES[0], OneDiagonal()), (PATCHES[1], Unstructured())])
+def test_the_enclosure_is_the_error_itself_for_a_solution_of_degree_2_that_grows_linearly(patch, family) -> None:
+    """From the data alone: Problem 5.1 in degree 2 finds the solution, and nothing is left to bound."""
+    data = patch.data(1 + 2 * t, not_proportional())
+    discretisation = Discretisation(data, family(data.body, 4))
+    computed = compute(discretisation, BACKWARD_EULER, 3)
+    found = enclose(discretisation, computed, Refined(0, 2))
+    v, J = coefficients(discretisation, patch.value, patch.polar), prolongation(computed.space, discretisation)
+    errors = [discretisation.norm((1 + 2 * time) * v - J @ computed.at(time)) for time in found.times]
+    # The root of what rounding leaves of c.
+    assert (found.upper - found.lower).max() <= 1e-5 * found.upper.max()
+    assert found.upper == pytest.approx(errors, rel=1e-5)
+    assert min(errors) > 0.01
+
+
+# ---- the spline and u_h
+
+
+@st.composite
+def marches(draw) -> list[tuple[float, Array]]:
+    lengths = draw(st.lists(st.floats(0.1, 2), min_size=1, max_size=6))
+    times = np.concatenate([[0.0], np.cumsum(lengths)])
+    rng = np.random.default_rng(draw(seeds))
+    return [(float(time), rng.normal(size=4)) for time in times]
+
+
+@given(marches(), st.lists(st.floats(0, 1), min_size=1, max_size=5))
+def test_a_spline_is_continuous_with_its_velocity_and_starts_and_ends_in_its_nodes(nodes, shares) -> None:
+    pieces = list(spline(nodes))
+    assert len(pieces) == len(nodes)
+    assert (pieces[0].a, pieces[-1].b) == (nodes[0][0], nodes[-1][0])
+    assert np.array_equal(pieces[0].start, nodes[0][1])
+    assert np.array_equal(pieces[-1].end, nodes[-1][1])
+    for (time, here), (later, there), piece in zip(nodes, nodes[1:], pieces, strict=False):
+        assert piece.b == (time + later) / 2
+        assert np.allclose(piece.end, (here + there) / 2)
+    for left, right in pairwise(pieces):
+        assert left.b == right.a
+        assert np.array_equal(left.end, right.start)
+    for piece in pieces:
+        k = piece.b - piece.a
+        assert np.allclose(piece.at(piece.a), piece.start)
+        assert np.allclose(piece.at(piece.b), piece.end)
+        for share in shares:
+            time, step = piece.a + share * k, 1e-6 * k
+            difference = (piece.at(time + step) - piece.at(time - step)) / (2 * step)
+            rate = (1 - share) * piece.rate(end=False) + share * piece.rate(end=True)
+            assert np.allclose(difference, rate, atol=1e-6 * (1 + abs(rate).max()))
+    # Weights of nodes: points are convex combinations, so ũ stays in every convex set with the nodes.
+    for piece in spline((time, unit) for (time, _), unit in zip(nodes, np.eye(len(nodes)), strict=True)):
+        for share in shares:
+            weights = piece.at(piece.a + share * (piece.b - piece.a))
+            assert weights.min() >= 0
+            assert weights.sum() == pytest.approx(1)
+
+
+@given(st.integers(2, 7), seeds)
+def test_equal_steps_give_continuous_velocities_equal_to_difference_quotients(steps: int, seed: int) -> None:
+    rng, k = np.random.default_rng(seed), 0.3
+    nodes = [(k * j, rng.normal(size=3)) for j in range(steps + 1)]
+    for j, (left, right) in enumerate(pairwise(spline(nodes))):
+        expected = (nodes[j + 1][1] - nodes[j][1]) / k
+        assert np.allclose(left.rate(end=True), expected)
+        assert np.allclose(right.rate(end=False), expected)
+
+
+def test_displacements_computed_for_the_bound_are_admissible_and_linear_between_their_nodes() -> None:
+    case = CASES["travelling-patch"]
+    discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 5))
+    for scheme in SCHEMES:
+        computed = compute(discretisation, scheme, 4)
+        assert (computed.space.N @ computed.nodes.T).max() <= 1e-12
+        for j in range(5):
+            assert np.allclose(computed.at(j / 4), computed.nodes[j], atol=1e-9)
+        assert np.allclose(computed.at(0.3), 0.8 * computed.nodes[1] + 0.2 * computed.nodes[2])
+
+
+@pytest.mark.parametrize("name", ["advance-recede", "heterogeneous", "yield-and-release"])
+def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by_one(name: str, monkeypatch) -> None:
+    case, found = CASES[name], []
+    for most in (1, 4):
+        monkeypatch.setattr(terms, "LEAST", 1)
+        monkeypatch.setattr(terms, "MOST", most)
+        discretisation = Discretisation(Data.of(case.solution), Shaken()(case.solution.body, 3))
+        found.append(enclose(discretisation, compute(discretisation, MIDPOINT, 5), SmoothedInTime()))
+    one_by_one, together = found
+    assert together.bound == pytest.approx(one_by_one.bound, rel=1e-9)
+    assert together.between == pytest.approx(one_by_one.between, rel=1e-9)
+
+
+# ---- rows and refusals
+
+
+def test_a_row_says_how_close_the_ends_came() -> None:
+    case = CASES["advance-recede"]
+    row, found = measure(posed(case.name), Shaken(), 4, MIDPOINT, 6, Refined(0, 2))
+    assert row["error"] == found.error.max()
+    assert row["above"] == pytest.approx((found.error / found.upper).max())
+    assert row["below"] == pytest.approx((found.lower / found.error).max())
+    late = found.times >= 0.5
+    assert row["upper"] == pytest.approx((found.upper / found.error)[late].max())
+    assert row["lowest"] <= row["error"] <= row["highest"]
+    assert found.contains
+    assert not replace(found, error=found.upper * 1.001).contains
+    assert not replace(found, error=found.lower * 0.999).contains
+    parts = row["residual"] + row["oscillation"] + row["bending"]
+    assert parts > 0
+    assert found.bound.max() <= parts + math.sqrt(2 * row["contact"]) + found.intervals[0].at_a
+
+
+def test_what_cannot_be_bounded_is_refused() -> None:
+    with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
+        measure(posed("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
+    with pytest.raises(BoundError, match="runs through cells of the mesh; list it as an interface"):
+        Discretisation(Data.of(CASES["layered-unmet"].solution), OneDiagonal()(unit_square(), 4))
+    discretisation = Discretisation(Data.of(CASES["no-contact"].solution), OneDiagonal()(unit_square(), 2))
+    nodes = [(time, (1 + time) * np.ones(discretisation.displacements.dofs)) for time in (0.0, 0.25, 0.5)]
+    nodes.append((1.0, 3 * nodes[-1][1]))
+    with pytest.raises(BoundError, match="equally spaced in time"):
+        list(Majorant(discretisation)(spline(nodes), 1.0))
+
+
+def test_orders_are_enclosed_since_the_first_level_and_since_the_previous_one() -> None:
+    """E = (1, 1/2, 1/8) at h = (1, 1/2, 1/4): the order is 3/2 over all levels and 2 on the last pair."""
+    ends = [(0.9, 1.1), (0.45, 0.55), (0.11, 0.14)]
+    rest = {"dofs": 1, "error": math.nan, "plain": 1.0, "kind": "guaranteed"}
+    rows = [
+        {"level": 2**i, "h": 0.5**i, "steps": 2**i, "lowest": low, "highest": high, **rest}
+        for i, (low, high) in enumerate(ends)
+    ]
+    table = levels(rows).set_index("level")
+    for name, first in (("order", 0), ("pair", 1)):
+        low, high = (math.log2(a / b) / (2 - first) for a, b in ((ends[first][0], 0.14), (ends[first][1], 0.11)))
+        assert table.loc[4, [f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([low, high])
+    assert table.loc[1, ["order_low", "pair_low"]].isna().all()
+    lines = _intervals(table.reset_index(), known=False)
+    assert lines[0].split()[-10:] == ["order", "since", "level", "1", "in", "since", "the", "one", "before", "in"]
+    assert lines[3].count("[") == 3
+    assert lines[-1].endswith("with steps that follow the mesh")
+    assert _intervals(table.reset_index().head(2).assign(steps=4), known=False)[-1].endswith("same steps on every mesh")

@@ -1,0 +1,249 @@
+"""Every formula of the data is served, or refused by a sentence: never a traceback, never a range that is too small."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+import sympy as sp
+from scipy.interpolate import BarycentricInterpolator
+from sympy import Expr, Float, Integer, Rational, cos, exp, log, sin, sqrt, tanh
+
+from manufactured import KelvinVoigt, isotropic, pos, t, unit_square
+from manufactured.compiled import function
+from manufactured.data import Data, LoadError
+from manufactured.data.compiled_formulas import own_formula
+from manufactured.factor import x1, x2
+from manufactured.symbols import FormulaError
+from study.bound.ranges import KNOWN, REWRITTEN, Boxes, RangeError, coefficients, require_known
+from study.bound.remainders import CUBIC, PARABOLA, Regions
+
+LAW = KelvinVoigt(isotropic(1, 0.5), isotropic(2, 3), "linear")
+HALF = Rational(1, 2)
+SERVED = {
+    **{function.__name__: function for function in KNOWN},
+    "sqrt": lambda x: sp.sqrt(1 + x**2),
+    "inverse": lambda x: 1 / (2 + x**2),
+    "power": lambda x: (1 + x**2) ** (1 + x2),
+    "pos": lambda x: pos(x - HALF, 2),
+    "step": lambda x: pos(x - HALF, 0),
+    "Max": lambda x: sp.Max(0, x - HALF, x2),
+    "Min": lambda x: sp.Min(x, HALF, t),
+    "Abs": lambda x: sp.Abs(x - HALF),
+    "sign": lambda x: sp.sign(x - HALF),
+    "Heaviside": lambda x: sp.Heaviside(x - HALF),
+    "Piecewise": lambda x: sp.Piecewise((x, (x < HALF) & (x2 > t)), (x**2, (x > 1) | ~(x2 < HALF)), (2, True)),
+}
+assert {function.__name__ for function in REWRITTEN} <= set(SERVED)
+OTHERS = {
+    function.__name__: function
+    for function in (sp.gamma, sp.atan, sp.asin, sp.erf, sp.floor, sp.DiracDelta, sp.besselj, sp.zeta, sp.sec, sp.arg)
+}
+
+
+def called(function, *arguments: sp.Expr) -> sp.Expr:
+    return function(0, *arguments) if function is sp.besselj else function(*arguments)
+
+
+def posed(formula: sp.Expr) -> Data:
+    """The problem with this f_0; a refusal by a sentence is an error of one of these kinds."""
+    data = Data.formulas(unit_square(), LAW, f0=(0, formula))
+    data.check()
+    return data
+
+
+INNER = ("sin", "Max", "tan", "gamma")
+"""An entire function, one with kinks, one with poles, one that NumPy does not have."""
+
+
+@pytest.mark.parametrize("outer", [*SERVED, *OTHERS])
+def test_any_function_is_served_or_refused_by_a_sentence(outer: str) -> None:
+    functions = SERVED | OTHERS
+    for inner in INNER:
+        formula = called(functions[outer], called(functions[inner], x1 * t + x2 / 3 + Rational(1, 7)))
+        refused = ""
+        try:
+            data = posed(formula)
+            assert np.isfinite(data.body_force(np.full((2, 3), 0.3))(0.5)).all()
+            require_known(formula)
+        except (FormulaError, LoadError, RangeError) as error:
+            refused = str(error)
+        assert not refused or len(refused) > 30
+        assert not (refused and {outer, inner} <= set(SERVED)) or "is not finite at" in refused
+
+
+PAIRS = [(outer, inner) for n, outer in enumerate(SERVED) for m, inner in enumerate(SERVED) if (n + m) % 4 == 0]
+"""A quarter of all pairs: each function with five others inside it, and inside five others."""
+
+
+@pytest.mark.parametrize(("outer", "inner"), PAIRS)
+def test_ranges_of_composed_functions_contain_their_values(outer: str, inner: str) -> None:
+    formula = SERVED[outer](SERVED[inner](x1 * t + x2 / 3 + Rational(1, 7)))
+    rng, count = np.random.default_rng(0), 30
+    low = rng.random((3, count))
+    high = low + np.geomspace(1e-3, 0.3, count)
+    found = Boxes(dict(zip((x1, x2, t), zip(low, high, strict=True), strict=True)), (t,), 2)(formula)
+    assert not np.isnan([found.low, found.high]).any()
+    for _ in range(5):
+        x = low + rng.random((3, count)) * (high - low)
+        with np.errstate(all="ignore"):
+            inside = evaluated(inner)(x[0] * x[2] + x[1] / 3 + 1 / 7, *x[1:])[0]
+            values = evaluated(outer)(inside * np.ones(count), *x[1:])[0] * np.ones(count)
+        known = np.isfinite(values)
+        slack = 1e-9 * abs(values) + 1e-12
+        assert (found.low[0] - slack <= values)[known].all()
+        assert (values <= found.high[0] + slack)[known].all()
+
+
+@cache
+def evaluated(name: str):
+    """(x1, x2, t) ↦ a function of ``SERVED`` at x1."""
+    return function((x1, x2, t), [own_formula(SERVED[name](x1))])
+
+
+@pytest.mark.parametrize("known", KNOWN, ids=lambda known: known.__name__)
+@pytest.mark.parametrize("ends", [(-0.7, 0.4), (0.3, 0.5), (1.1, 4.9), (-2.0, -1.8)], ids=str)
+def test_ranges_of_taylor_coefficients_are_those_that_sampling_finds(known, ends: tuple[float, float]) -> None:
+    """Neither too small nor too large: scaled by 0.9, or with the smaller end for the larger, they would differ."""
+    x = sp.Symbol("x", real=True)
+    places = np.linspace(*ends, 20001)
+    found = coefficients(known(x), (np.array(ends[:1]), np.array(ends[1:])), 4)
+    for order, (low, high) in enumerate(found):
+        derivative = sp.diff(known(x), x, order) / sp.factorial(order)
+        with np.errstate(all="ignore"):
+            values = sp.lambdify(x, derivative, "numpy")(places) * np.ones_like(places)
+        if np.isfinite([low, high]).all():
+            assert (low[0], high[0]) == pytest.approx((values.min(), values.max()), rel=1e-6, abs=1e-6)
+        else:
+            assert (~np.isfinite(values)).any() or abs(values).max() > 1e3
+
+
+@pytest.mark.parametrize(
+    ("formula", "names"),
+    [
+        (sp.gamma(1 + x1), "gamma"),
+        (sp.DiracDelta(x1 - t), "DiracDelta"),
+        (sp.sqrt(-2) * x1, "not a real"),
+        (sp.oo * x1, "not a real"),
+        (Integer(10) ** 400 * x1, "1.00E+400"),
+        (Float("1e-330") * (1 + x1) ** 1000, "1.00E-330"),
+    ],
+    ids=["gamma", "DiracDelta", "complex", "infinite", "huge", "tiny"],
+)
+def test_what_cannot_be_evaluated_is_refused_before_time_is_spent(formula: sp.Expr, names: str) -> None:
+    for load in ({"f0": (0, formula)}, {"f0": (0, 0), "f2": {1: (formula, 0)}}, {"f0": (0, 0), "u0": (formula, 0)}):
+        with pytest.raises(FormulaError) as error:
+            Data.formulas(unit_square(), LAW, **{name: _at_rest(name, value) for name, value in load.items()})
+        assert names in str(error.value)
+
+
+def _at_rest(name: str, value):
+    return tuple(sp.sympify(part).subs(t, 0) for part in value) if name == "u0" else value
+
+
+def test_a_condition_without_an_order_is_named() -> None:
+    with pytest.raises(RangeError, match="is no inequality"):
+        require_known(sp.Piecewise((x1, sp.Eq(x1, x2)), (0, True)))
+
+
+def test_a_factor_that_overflows_or_underflows_in_the_ranges_does_not_hide_the_others() -> None:
+    """e^y/(e^y + e^{−y}) is 1 for y of 800 or more, where e^y is infinite in double precision and e^{−y} is 0."""
+    y = 400 * (2 + x1)
+    one = (sp.exp(y) - sp.exp(-y)) / (sp.exp(y) + sp.exp(-y))
+    box = {x1: (np.zeros(1), np.ones(1)), x2: (np.zeros(1), np.ones(1))}
+    for factor in (one, sp.tanh(y), sp.sinh(y) / sp.cosh(y)):
+        found = Boxes(box, (x1, x2), 4)(factor * sp.sin(3 * x2))
+        assert found.low[0, 0] <= 1e-9
+        assert found.high[0, 0] >= 1
+
+
+# ---- ranges of series
+
+
+BALLISTIC = [{"pos": lambda x, a: np.where(x > 0, np.maximum(x, 1e-300) ** a, 0.0)}, "numpy"]
+
+
+FORMULAS = [
+    t * exp(-4 * (x1 - 0.3) ** 2 - 4 * (x2 - 0.4) ** 2),
+    sin(3 * x1 * t) * cos(x2) / (1 + x1**2),
+    pos(x1 - t, 3) * x2,
+    pos(x1 - x2, Rational(5, 2)) - pos(t - x2, 0),
+    sqrt(1 + x1 * x2) + (1 + x2) ** Rational(-3, 2),
+    tanh(x1 - 2 * t) + x1 ** (1 + x2),
+    x2**5 * log(2 + x1) + (x1 - Rational(1, 2)) ** 4,
+    (1 - (x1 - t) ** 2) ** 3 / (2 + sin(9 * x2)) ** 2,
+]
+
+
+@pytest.mark.parametrize("formula", FORMULAS, ids=str)
+@pytest.mark.parametrize("variables", [(x1, x2), (t,)], ids=["space", "time"])
+def test_taylor_coefficients_lie_in_their_ranges(formula: Expr, variables: tuple[sp.Symbol, ...]) -> None:
+    rng, count = np.random.default_rng(0), 40
+    low = rng.random((3, count))
+    high = low + np.geomspace(1e-3, 0.3, count)
+    found = (boxes := Boxes(dict(zip((x1, x2, t), zip(low, high, strict=True), strict=True)), variables, 4))(formula)
+    for term, key in enumerate(boxes.keys):
+        derivative = formula
+        for variable, times in zip(variables, key, strict=True):
+            derivative = sp.diff(derivative, variable, times) / sp.factorial(times)
+        values = sp.lambdify((x1, x2, t), derivative, modules=BALLISTIC)
+        for _ in range(10):
+            with np.errstate(over="ignore"):
+                value = values(*(low + rng.random((3, count)) * (high - low))) * np.ones(count)
+            slack = 1e-9 * abs(value) + 1e-12
+            assert (found.low[term] - slack <= value).all()
+            assert (value <= found.high[term] + slack).all()
+
+
+def test_ranges_of_small_boxes_are_tight() -> None:
+    low, high = np.array([0.4]), np.array([0.4 + 1e-6])
+    found = Boxes({x1: (low, high), t: (low, high)}, (x1,), 4)(sin(3 * x1 * t) * exp(x1) / (1 + x1**2))
+    assert (found.high - found.low).max() < 1e-3
+
+
+def test_no_derivative_is_known_beyond_the_order_of_a_kink() -> None:
+    low, high = np.array([0.0, 0.6]), np.array([1.0, 0.9])
+    found = Boxes({x1: (low, high)}, (x1,), 4)(pos(x1 - Rational(1, 2), 2))
+    assert np.isfinite(found.high[:3]).all()
+    assert np.isinf(found.high[3:, 0]).all()
+    assert np.isfinite(found.high[:, 1]).all()
+
+
+def test_functions_without_ranges_are_named() -> None:
+    low, high = np.zeros(1), np.ones(1)
+    with pytest.raises(RangeError, match="gamma"):
+        Boxes({x1: (low, high)}, (x1,), 2)(sp.gamma(1 + x1))
+
+
+@pytest.mark.parametrize("part", [sp.gamma(1 + x1), sp.atan(x1 - x2), sp.floor(x1 + t)], ids=str)
+def test_they_are_found_anywhere_in_a_formula_before_time_is_spent(part: Expr) -> None:
+    for formula in FORMULAS:
+        require_known(formula)
+        with pytest.raises(RangeError, match=type(part).__name__):
+            require_known(1 + x2 * sin(formula + part) ** 2)
+
+
+def test_polynomials_of_degree_three_have_no_remainder_and_others_have_that_of_taylor() -> None:
+    sides = {x1: (np.array([0.2]), np.array([0.4])), x2: (np.array([0.1]), np.array([0.3]))}
+    region = Regions(sides)
+    assert region.in_space([x1**3 - x1 * x2**2 + t**5], 0.0, 1.0) == 0
+    assert region.in_space([x1**4], 0.0, 1.0) == pytest.approx(0.1**4)
+    assert region.in_space([pos(x1 - Rational(3, 10), 1)], 0.0, 1.0) <= 0.1
+    parabola, cubic = region.in_time([t**2 * x1, t**2], 0.0, 1.0)
+    assert parabola == cubic == 0
+    assert region.in_time([t**3], 0.0, 1.0)[0] > 0 == region.in_time([t**3], 0.0, 1.0)[1]
+
+
+def test_the_remainder_of_a_vector_is_the_euclidean_norm_of_the_remainders_of_its_components() -> None:
+    region = Regions({x1: (np.array([0.2]), np.array([0.4])), x2: (np.array([0.1]), np.array([0.3]))})
+    single = region.in_space([x1**4], 0.0, 1.0), *region.in_time([t**4], 0.0, 1.0)
+    double = region.in_space([3 * x1**4, 4 * x1**4], 0.0, 1.0), *region.in_time([3 * t**4, 4 * t**4], 0.0, 1.0)
+    np.testing.assert_allclose(double, 5 * np.array(single))
+
+
+@pytest.mark.parametrize(("factor", "nodes"), [(PARABOLA, (0, 0.5, 1)), (CUBIC, (0, 0.25, 0.5, 1))], ids=str)
+def test_factors_of_interpolation_are_one_plus_lebesgue_constants(factor: float, nodes: tuple[float, ...]) -> None:
+    x = np.linspace(0, 1, 10007)
+    constant = sum(abs(BarycentricInterpolator(nodes, unit)(x)) for unit in np.eye(len(nodes))).max()
+    assert 1 + constant <= factor <= 1 + 1.002 * constant

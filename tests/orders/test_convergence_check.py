@@ -1,0 +1,114 @@
+"""The project of the tutorial on CI: its tests and the steps of the action turn red when its solver is broken."""
+
+from __future__ import annotations
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+import yaml
+
+ROOT = Path(__file__).parents[2]
+TUTORIAL = (ROOT / "docs/tutorials/convergence-in-ci.md").read_text(encoding="utf-8")
+FILES = dict(re.findall(r"^```\{code-block\} \w+\n:caption: (\S+)\n\n(.*?)^```$", TUTORIAL, re.DOTALL | re.MULTILINE))
+RIGHT, WRONG = "f(x[1:-1])", "f(x[:-2])"
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Path:
+    """The three files, in a directory outside the repository."""
+    for name in ("solver.py", "test_convergence.py", "convergence.yml"):
+        (tmp_path / name).write_text(FILES[name], encoding="utf-8")
+    return tmp_path
+
+
+def run(project: Path, *command: str, **variables: str) -> subprocess.CompletedProcess[str]:
+    path = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
+    env = os.environ | {"PATH": path, "PYTHONPATH": str(ROOT)} | variables
+    return subprocess.run(command, cwd=project, env=env, capture_output=True, text=True, check=False)
+
+
+def judge(project: Path) -> tuple[int, str]:
+    """Runs the steps of the job by hand: the solver writes its table, and the action judges it."""
+    *_, solver, action = yaml.safe_load(FILES["convergence.yml"])["jobs"]["orders"]["steps"]
+    assert run(project, "bash", "-c", solver["run"]).returncode == 0
+    steps = yaml.safe_load((ROOT / ".github/actions/check-orders/action.yml").read_text())["runs"]["steps"]
+    given = {"TABLE": action["with"]["table"], "OPTIONS": action["with"]["options"]}
+    files = {name: str(project / name.lower()) for name in ("GITHUB_OUTPUT", "GITHUB_STEP_SUMMARY")}
+    shell = ("bash", "--noprofile", "--norc", "-eo", "pipefail", "-c")
+    done = run(project, *shell, steps[-1]["run"], **given, **files)
+    assert done.stderr == ""
+    assert (project / "github_output").read_text().splitlines()[-1] == f"code={done.returncode}"
+    assert (project / "orders.png").exists()
+    return done.returncode, (project / "github_step_summary").read_text(encoding="utf-8")
+
+
+def test_the_tutorial_turns_red_when_its_solver_breaks(project: Path) -> None:
+    tests = run(project, sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", "-W", "error")
+    assert tests.returncode == 0, tests.stdout
+    assert "max_error: holds: converges with order 2.00" in tests.stdout
+    code, summary = judge(project)
+    assert (code, (project / "errors.csv").read_text()) == (0, FILES["errors.csv"])
+    assert "| max_error | holds |" in summary
+
+    solver = FILES["solver.py"]
+    assert solver.count(RIGHT) == 1
+    (project / "solver.py").write_text(solver.replace(RIGHT, WRONG))
+    tests = run(project, sys.executable, "-B", "-m", "pytest", "-q", "-p", "no:cacheprovider")
+    assert tests.returncode == 1
+    said = "max_error: fails: converges with order 1.12 (orders 1.16, 1.08)"
+    assert said in tests.stdout
+    assert said in TUTORIAL
+    code, summary = judge(project)
+    assert code == 1
+    assert "| max_error | fails |" in summary
+
+
+def test_options_of_the_action_may_have_quotes(project: Path) -> None:
+    (project / "errors.csv").write_text("h,||u - u_h||\n.4,.16\n.2,.04\n.1,.01\n")
+    steps = yaml.safe_load((ROOT / ".github/actions/check-orders/action.yml").read_text())["runs"]["steps"]
+    for options, code in (("--expected '||u - u_h||=2'", 0), ("", 0), ("--expected 1", 1)):
+        given = {"TABLE": "errors.csv", "OPTIONS": options, "GITHUB_OUTPUT": "out", "GITHUB_STEP_SUMMARY": "summary"}
+        assert run(project, "bash", "-eo", "pipefail", "-c", steps[-1]["run"], **given).returncode == code
+
+
+OWN_STUDY = """
+import sys
+
+import study
+
+
+def test_the_package_of_the_project_is_imported_and_nothing_else():
+    assert study.value == 3
+    assert not {"scipy", "pandas", "_convergence_orders"} & set(sys.modules)
+
+
+def test_orders_are_judged(convergence_orders):
+    assert convergence_orders("L2", [4, 2, 1], [16, 4, 1], expected=2).verdict == "holds"
+    assert not hasattr(study, "orders")
+"""
+
+
+def test_a_project_with_a_package_study_uses_the_plugin(tmp_path: Path) -> None:
+    (tmp_path / "study").mkdir()
+    (tmp_path / "study" / "__init__.py").write_text("value = 3\n")
+    (tmp_path / "test_own.py").write_text(OWN_STUDY)
+    code = (
+        "import sys, pytest, pytest_convergence_orders; sys.path.remove(sys.argv[1]); "
+        "sys.exit(pytest.main(['-q', '-p', 'pytest_convergence_orders']))"
+    )
+    done = run(tmp_path, sys.executable, "-c", code, str(ROOT), PYTEST_DISABLE_PLUGIN_AUTOLOAD="1")
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_without_scipy_the_fixture_says_what_to_install(tmp_path: Path) -> None:
+    (tmp_path / "test_it.py").write_text(
+        "def test_it(convergence_orders):\n    convergence_orders('L2', [2, 1], [2, 1])\n"
+    )
+    (tmp_path / "scipy.py").write_text("raise ModuleNotFoundError(name='scipy')\n")
+    done = run(tmp_path, sys.executable, "-m", "pytest", "-q")
+    assert done.returncode == 1
+    assert "the fixture convergence_orders needs scipy: python -m pip install 'signorini-study[orders]'" in done.stdout

@@ -1,0 +1,177 @@
+"""Exit codes, JSON, JUnit, Markdown and plots of ``study rates``; tables that are written and read back."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from study.cli.main import main
+from study.orders.columns import Options, read_series
+
+GOOD, LOW, BENT = [1, 0.25, 0.0625, 0.015625], [1, 0.5, 0.25, 0.125], [1, 0.5, 0.3, 0.08]
+SCHEMA = json.loads((Path(__file__).parents[2] / "docs/reference/rates.schema.json").read_text(encoding="utf-8"))
+
+
+def table(path: Path, **columns: list[float]) -> str:
+    rows = zip([0.5, 0.25, 0.125, 0.0625], *columns.values(), strict=True)
+    path.write_text("\n".join([",".join(["h", *columns]), *(",".join(map(str, row)) for row in rows)]))
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("columns", "options", "code"),
+    [
+        ({"a": GOOD}, [], 0),
+        ({"a": LOW, "b": BENT}, [], 0),
+        ({"a": GOOD}, ["--expected", "2"], 0),
+        ({"a": LOW}, ["--expected", "2"], 1),
+        ({"a": GOOD}, ["--expected", "1"], 1),
+        ({"a": GOOD}, ["--at-least", "1"], 0),
+        ({"a": BENT}, ["--expected", "2"], 3),
+        ({"a": GOOD, "b": BENT}, ["--expected", "2"], 3),
+        ({"a": LOW, "b": BENT}, ["--expected", "2"], 1),
+        ({"a": LOW, "b": BENT}, ["--expected", "a=1"], 0),
+        ({"a": GOOD, "b": [0, 0, 0, 0]}, ["--expected", "2"], 0),
+        ({"b": [0, 0, 0, 0]}, ["--expected", "2"], 3),
+        ({"a": LOW, "b": BENT}, ["--expected", "c=1"], 2),
+        ({"a": LOW}, ["--expected", "2", "--at-least", "1"], 2),
+        ({"a": LOW}, ["--expected", "-2"], 2),
+        ({"a": LOW}, ["--tolerance", "0"], 2),
+        ({"a": LOW}, ["--dim", "4"], 2),
+        ({"a": LOW}, ["--ratio", "1"], 2),
+        ({"a": LOW}, ["--columns", "z"], 2),
+        ({"a": LOW}, ["--in", "z"], 2),
+        ({"a": [1, -1, 1, 1]}, ["--expected", "2"], 2),
+        ({"a": [1, -1, 1, 1]}, ["--values"], 0),
+        ({"a": LOW}, ["--values", "--expected", "1"], 2),
+        ({"a": LOW}, ["--values", "--plot", "p.png"], 2),
+        ({"a": LOW}, ["--plot", "p.bmp"], 2),
+    ],
+)
+def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, capsys) -> None:
+    assert main(["rates", table(tmp_path / "table.csv", **columns), *options]) == code
+    captured = capsys.readouterr()
+    assert bool(captured.err) == (code == 2)
+
+
+def matches(value: Any, schema: dict[str, Any]) -> bool:
+    """Whether a value has the types, keys and words that a JSON Schema of this form asks for."""
+    types = {"string": str, "number": (int, float), "integer": int, "array": list, "object": dict, "null": type(None)}
+    if "enum" in schema:
+        return value in schema["enum"]
+    names = schema["type"] if isinstance(schema["type"], list) else [schema["type"]]
+    if not any(isinstance(value, types[name]) for name in names):
+        return False
+    if isinstance(value, list):
+        return all(matches(entry, schema["items"]) for entry in value)
+    if isinstance(value, dict) and "properties" in schema:
+        complete = set(value) == set(schema["required"]) == set(schema["properties"])
+        return complete and all(matches(value[key], entry) for key, entry in schema["properties"].items())
+    return True
+
+
+@pytest.mark.parametrize("file", sorted((Path(__file__).parent / "cases").glob("*.*")), ids=lambda path: path.name)
+def test_json_has_the_documented_schema(file: Path, capsys) -> None:
+    code = main(["rates", str(file), "--json", "--dim", "2", "--expected", "2"])
+    output = capsys.readouterr().out
+    if code != 2:
+        entries = json.loads(output, parse_constant=lambda name: pytest.fail(f"{name} is no JSON"))
+        assert entries
+        assert matches(entries, SCHEMA)
+        assert not matches([entries[0] | {"kind": "?"}], SCHEMA)
+
+
+def test_junit_and_markdown_say_what_the_terminal_says(tmp_path, capsys) -> None:
+    file = table(tmp_path / "t.csv", **{"good": GOOD, "|low|": LOW, "bent": BENT, "zero": [0, 0, 0, 0]})
+    outputs = ["--junit", str(tmp_path / "j.xml"), "--markdown", str(tmp_path / "m.md")]
+    assert main(["rates", file, "--expected", "2", *outputs]) == 1
+    suite = ElementTree.parse(tmp_path / "j.xml").getroot()
+    assert {case.get("name"): [child.tag for child in case] for case in suite} == {
+        "good": [], "|low|": ["failure"], "bent": ["failure"], "zero": ["skipped"],
+    }  # fmt: skip
+    assert (suite.get("tests"), suite.get("failures")) == ("4", "2")
+    lines = (tmp_path / "m.md").read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 6
+    assert lines[3].startswith(r"| \|low\| | fails | converges with order 1.00")
+    assert "|low|: fails: converges with order 1.00" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("ending", "start"), [("png", b"\x89PNG"), ("svg", b"<?xml"), ("pdf", b"%PDF")])
+def test_a_plot_is_drawn_whatever_the_errors_do(ending: str, start: bytes, tmp_path) -> None:
+    columns = {"L2": GOOD, "$\\rho^{": LOW, "inf": [0, 0, 0, 0], "some": [1, 0.1, 0, 0], "nan": [1, "nan", 0.1, 0.2]}
+    file = table(tmp_path / "t.csv", **columns)
+    assert main(["rates", file, "--expected", "2", "--plot", str(tmp_path / f"p.{ending}")]) == 1
+    assert (tmp_path / f"p.{ending}").read_bytes().startswith(start)
+
+
+NUMBER = st.floats(1e-12, 1e3).map(lambda value: float(f"{value:.6g}"))
+TABLES = st.integers(3, 6).flatmap(
+    lambda n: st.tuples(
+        st.lists(NUMBER, min_size=n, max_size=n, unique=True).filter(
+            lambda h: all(a - b > 1e-4 * b for a, b in zip(sorted(h)[1:], sorted(h), strict=False))
+        ),
+        st.lists(st.lists(NUMBER, min_size=n, max_size=n), min_size=1, max_size=3),
+    )
+)
+
+
+def separated(sign: str, end: str = "") -> Any:
+    return lambda names, rows: "\n".join(f"{sign.join(row)}{end}" for row in [names, *rows])
+
+
+def aligned(names: list[str], rows: list[list[str]]) -> str:
+    return "\n".join("".join(f"{cell:>18}" for cell in row) for row in [names, *rows])
+
+
+def markdown(names: list[str], rows: list[list[str]]) -> str:
+    return "\n".join(f"| {' | '.join(row)} |" for row in [names, ["---"] * len(names), *rows])
+
+
+def lists(names: list[str], rows: list[list[str]]) -> str:
+    columns = zip(names, zip(*rows, strict=True), strict=True)
+    return "\n".join(f"{name} = [{', '.join(column)}]" for name, column in columns)
+
+
+def key_values(names: list[str], rows: list[list[str]]) -> str:
+    return "\n".join(f"{name} = {cell}" for row in rows for name, cell in zip(names, row, strict=True))
+
+
+def transposed(names: list[str], rows: list[list[str]]) -> str:
+    return "\n".join(f"{name}  {'  '.join(column)}" for name, *column in zip(names, *rows, strict=True))
+
+
+def decimal_commas(names: list[str], rows: list[list[str]]) -> str:
+    return separated(";")(names, [[cell.replace(".", ",") for cell in row] for row in rows])
+
+
+def with_orders(names: list[str], rows: list[list[str]]) -> str:
+    lines = [(names, "EOC"), *((row, "1.0" if k else "-") for k, row in enumerate(rows))]
+    first, *rest = [[row[0], *(cell for error in row[1:] for cell in (error, order))] for row, order in lines]
+    return markdown(first, rest)
+
+
+FORMS = {
+    "CSV": separated(","), "semicolons": separated(";"), "tabs": separated("\t"), "LaTeX": separated(" & ", r" \\"),
+    "blanks": aligned, "Markdown": markdown, "lists": lists, "name = value": key_values, "transposed": transposed,
+    "decimal commas": decimal_commas, "orders": with_orders,
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("form", FORMS)
+@given(drawn=TABLES)
+def test_a_table_that_is_written_reads_back_the_same(form: str, drawn: tuple[list[float], list[list[float]]]) -> None:
+    h, errors = drawn
+    names = ["h", *(f"err{k}" for k in range(len(errors)))]
+    # 1.234e3 as 1.234 and three digits would be read as thousands with decimal commas: an exponent tells.
+    cells = [[f"{value:.5e}" for value in row] for row in zip(h, *errors, strict=True)]
+    (series,) = read_series(FORMS[form](names, cells), Options())
+    assert series.h == pytest.approx(h)
+    assert list(series.errors) == names[1:]
+    for found, expected in zip(series.errors.values(), errors, strict=True):
+        assert found == pytest.approx(expected)

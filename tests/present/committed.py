@@ -1,0 +1,52 @@
+"""Copies of the committed results of a few cases, small enough to draw and to damage in a test."""
+
+import shutil
+from pathlib import Path
+
+import pandas as pd
+
+RESULTS = Path(__file__).parents[2] / "results"
+TABLES = ("bounds", "cases", "claims", "enclosures", "equivalence", "rates", "stresses")
+SMOOTH, ROUGH = CASES = ("advance-recede", "rough-1.75")
+"""A case of Proposition 5.4 and one of Proposition 5.3."""
+CORNER, SOLID = ("corner", "cube-two-faces")
+"""A body in the plane and one in space, each with two contact faces."""
+LEDGER = [
+    ["Prop. 5.4", "‖u − u^h‖_{L∞(0,T;V)} = O(h)", SMOOTH, "order, shaken, 32 → 64", "1 ± 0.1", 0.98765, 0.95, 1.02]
+    + ["holds", "order", "shaken", 0.9, 1.1],
+    ["Prop. 5.4", "‖u − u^h‖_{L∞(0,T;V)} = O(h)", SMOOTH, "order, criss-cross", "1 ± 0.1", 0.71, 0.65, 0.78]
+    + ["fails", "order", "criss-cross", 0.9, 1.1],
+    ["Prop. 5.4", "‖u − u^h‖_{L∞(0,T;V)} = O(h)", "two_faces", "time |δ| in max_n e_n", "< 5 %", 0.0123, None, None]
+    + ["holds", "time", "", 0, 0.05],
+    ["(3.1), (3.2)", "m_A ε:ε ≤ Aε:ε & L_G", "", "Γ3,i: eigenvalues of A" + 9 * ", and more", "≥ 2", 2.0, None, None]
+    + ["undecided", "least", "", 2, "inf"],
+    ["Thm 4.2", "σ̃ ∈ Σ(t) ⇔ u̇ solves Problem 3.1", "two_faces", "gap", "0", 1.2e-9, "-inf", 1e-8]
+    + ["holds", "gap", "", 0, 0],
+]
+"""A ledger with every verdict, a statement without a case, and text that is hard on LaTeX and Markdown."""
+LEDGER_COLUMNS = ["label", "statement", "case", "quantity", "expected", "observed", "low", "high", "verdict"]
+LEDGER_COLUMNS += ["key", "family", "window_low", "window_high"]
+
+
+def committed(name: str, cases: tuple[str, ...] = CASES) -> pd.DataFrame:
+    """The rows of some cases in a committed data file; the numbers as they are written."""
+    table = pd.read_csv(RESULTS / "data" / f"{name}.csv", dtype=str, keep_default_na=False)
+    return table[table["case"].isin([*cases, "all cases"])]
+
+
+def copy_results(directory: Path, cases: tuple[str, ...] = CASES, pictures: tuple[str, ...] = (CORNER, SOLID)) -> Path:
+    """Writes the committed tables of some cases, and pictures of some of them, into ``directory / "data"``."""
+    data = directory / "data"
+    (data / "pictures").mkdir(parents=True)
+    for name in TABLES:
+        # Pictures are drawn of the cases in cases.csv.
+        chosen = (*cases, *pictures) if name == "cases" else cases
+        committed(name, chosen).to_csv(data / f"{name}.csv", index=False)
+    for case in pictures:
+        shutil.copy(RESULTS / "data" / "pictures" / f"{case}.json", data / "pictures")
+    return directory
+
+
+def write_ledger(directory: Path) -> None:
+    """Replaces the ledger by ``LEDGER``."""
+    pd.DataFrame(LEDGER, columns=LEDGER_COLUMNS).to_csv(directory / "data" / "claims.csv", index=False)

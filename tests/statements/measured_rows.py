@@ -1,0 +1,45 @@
+"""Rows as a study hands them to ``judge``, measured or invented, and verdicts by their keys."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from functools import cache
+
+import numpy as np
+import pandas as pd
+
+from study.statements.shared.base import ListedNumbers, Setting, Statement
+
+
+def measured(statement: Statement, settings: Sequence[Setting]) -> pd.DataFrame:
+    return pd.DataFrame([row for s in settings for _, row in statement.records(s, statement.measure(s))])
+
+
+@cache
+def quick_rows(statement: ListedNumbers) -> pd.DataFrame:
+    """The rows of the first and the last case of the quick settings."""
+    settings = statement.places(full=False)
+    cases = settings[0].case, settings[-1].case
+    return measured(statement, [setting for setting in settings if setting.case in cases])
+
+
+def invented(quantities: Mapping[str, object], levels: Sequence[int] = (8, 16, 32), **where: str) -> pd.DataFrame:
+    """Rows of one case: one value, or one for each level, of each quantity."""
+    place = {"case": "a", "family": "one-diagonal", **where}
+    return pd.DataFrame(
+        [
+            {**place, "level": n, "h": 1 / n, "quantity": name, "value": float(value)}
+            for name, values in quantities.items()
+            for n, value in zip(levels, np.broadcast_to(np.asarray(values, dtype=float), len(levels)), strict=True)
+        ]
+    )
+
+
+def verdicts(statement: Statement, rows: pd.DataFrame) -> dict[str, str]:
+    """Key ↦ verdict."""
+    return {verdict.key: verdict.verdict for verdict in statement.judge(rows)}
+
+
+def wrong_values(rows: pd.DataFrame, quantity: str, change) -> pd.DataFrame:
+    """The rows with other values of a quantity, a function of value and level."""
+    return rows.assign(value=rows["value"].where(rows["quantity"] != quantity, change(rows["value"], rows["level"])))

@@ -1,0 +1,81 @@
+"""How fast two solutions diverge where G softens: rates from eigenvalues, and the bound of Theorem 2.2."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from manufactured import named
+from manufactured.body import unit_square
+from manufactured.law import KelvinVoigt, isotropic
+from study.fem.mesh import OneDiagonal, Shaken
+from study.fem.space import Space
+from study.solve.tableau import MIDPOINT
+from study.statements.shared.experiment import Experiment
+from study.statements.solution_divergence import (
+    SHORT,
+    even_law,
+    growth_rate,
+    over_bound,
+    scaled,
+    softest_mode,
+    steps_for,
+)
+
+BODY = unit_square()
+SPACE = Space(Shaken()(BODY, 4), BODY)
+LAWS = [named(name).solution.law for name in ("softening", "double-well")]
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+def test_a_law_is_scaled_to_any_omega(law: KelvinVoigt) -> None:
+    strain = np.array([[0.3], [-2.0], [1.0]])
+    for omega in (0.1, 10.0):
+        assert scaled(law, omega).kappa == pytest.approx(omega)
+        np.testing.assert_allclose(scaled(law, omega).G(strain), omega / law.kappa * law.G(strain))
+
+
+def test_multiples_of_other_laws_are_not_known() -> None:
+    with pytest.raises(TypeError, match="no multiple of Yield"):
+        scaled(named("yield-on-a-part").solution.law, 2.0)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
+def test_the_softest_mode_stays_in_contact_and_is_an_eigenvector(law: KelvinVoigt) -> None:
+    mode = softest_mode(SPACE, law)
+    assert 0 < mode.c <= law.growth * (1 + 1e-12)
+    assert abs(SPACE.N @ mode.v).max() <= 1e-12 * abs(mode.v).max()
+    assert mode.force.any()
+
+
+def test_where_g_is_a_multiple_of_a_the_softest_rate_is_omega() -> None:
+    assert softest_mode(SPACE, even_law(2, 3.0)).c == pytest.approx(3.0)
+
+
+def test_a_law_that_is_softer_than_it_says_diverges_faster_than_its_bound() -> None:
+    """The steps are for ω = 1.1, the bound for ω = 1."""
+
+    class Modest(KelvinVoigt):
+        @property
+        def growth(self) -> float:
+            return 1.0
+
+    law, setup = even_law(2, 1.1), Experiment.of(named("softening").solution, OneDiagonal(), 4, MIDPOINT, 1)
+    assert over_bound(setup, law, 1.0) == pytest.approx(1, abs=1e-9)
+    steps = steps_for(law, 1.0)
+    expected = ((1 - 1 / steps) / (1 - 1.1 / steps)) ** steps
+    assert over_bound(setup, Modest(law.A, law.G, "modest"), 1.0) == pytest.approx(expected, rel=1e-9)
+    assert expected > 1.1
+
+
+def test_the_measured_rate_is_the_rate_of_the_midpoint_rule() -> None:
+    z = 10 * 1.0 / steps_for(even_law(2, 10.0), 1.0)
+    assert z == 1 / SHORT
+    expected = math.log((1 + z / 2) / (1 - z / 2)) / z
+    assert growth_rate(SPACE, even_law(2, 10.0), 1.0) == pytest.approx(expected, rel=1e-12)
+
+
+def test_a_monotone_law_has_no_rate_of_growth() -> None:
+    assert softest_mode(SPACE, KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "monotone")).c < 0
