@@ -30,7 +30,6 @@ from study.ledger.datafiles import DataError, read_table, table_text, write_csv
 from study.ledger.files import write_packed
 from study.ledger.verdict import HOLDS, Verdict, worst
 from study.ledger.window import SMALL
-from study.statements.prop_5_4 import error_orders
 
 DIGITS = ascii_letters + digits + "+-"
 NONE = ".."
@@ -45,15 +44,13 @@ RowKey = tuple[str, str, str]
 Known = tuple[str, str, str, str]
 """(label, key, case, rule)."""
 MADE = "study seeds"
-INTERVALS = {criterion.key for criterion in error_orders(1.0) if criterion.spread is not None}
-"""Rows whose range is an interval for the observed value, and has a window of its own."""
 DRAWN = ["seed", "part", "rules", "judged", "alarms"]
 PLACES = ["label", "key", "case", "rule", "window_low", "window_high", "places"]
 
 
 def place(verdict: Verdict) -> float:
     """Where a row lies in its window: beyond ±1 if and only if it does not hold; 0 for one without numbers."""
-    judged = verdict.observed if verdict.key in INTERVALS else float(worst(pd.Series(asdict(verdict))))
+    judged = float(worst(pd.Series(asdict(verdict))))
     low, high, value = verdict.window_low, verdict.window_high, judged
     if not low < high or (low <= 0 and np.isinf(high)):
         found = 0.0

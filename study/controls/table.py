@@ -161,7 +161,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("contact by springs", "a stiff foundation in place of v_ν ≤ 0", FULL, SOLVER, wrong.springs, "discrete-share"),
     Control("one time behind", "u^h(t − k) in place of u^h(t)", MOVING, "scheme", wrong.one_behind, "size"),
     Control("start at the end", "u_0^h = Π^h u(T) in place of Π^h u_0", NONE, "", wrong.start_at_the_end, "start-share"),
-    Control("size of a mesh", "1/(n − 1) in place of 1/n", FULL, "space.h", lambda h: h / (1 - h), "order-fitted"),
+    Control("size of a mesh", "1/(n − 1) in place of 1/n", FULL, "space.h", lambda h: h / (1 - h), "order-extrapolated"),
     Control("few steps", "an eighth of the time steps", MOVING, "steps", wrong.an_eighth, "discrete-time-share"),
     Control("load too large", "1.1 F in place of F", CROSSED, LOAD, wrong.times(1.1), "discrete-order-others"),
     Control("energy for norm", "½‖·‖_V² in place of ‖·‖_V", NONE, DISTANCE, wrong.energy, "leading-term"),
@@ -369,7 +369,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("quadrature: error", "the error's rule has one point, the load's is right", MOVING, "", wrong.one_point_quadrature, "quadrature"),
     Control("quadrature: degree", "rules of degree 1 for 4", MERGING, "fem.gauge:DEGREE", wrong.instead(1), "quadrature"),
     Control("ten defects at once", "evidence too small in ten ways, forces that pull, a late load", MOVING, "solve.evolution:ContactStep._residual", wrong.balance_alone,
-            ("order", "order-fitted", "size", DISCRETE, "discrete-share"),
+            ("order", "order-extrapolated", "size", DISCRETE, "discrete-share"),
             # No sign, complementarity or gap; the last step, every second time, the time share and the law at the last time alone; nothing on Γ1 and of quadrature.
             (("controls.baselines:measure", wrong.hastily), (f"{MEASURE}.parallelogram", wrong.at_the_last_time),
              (f"{MEASURE}.clamped", wrong.returns(1e-12)), (f"{MEASURE}.quadrature_change", wrong.returns(1e-9)),

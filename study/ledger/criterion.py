@@ -14,7 +14,7 @@ from typing import Protocol
 import numpy as np
 import pandas as pd
 
-from study.ledger.orders import Array, RatesError, fit, orders, weighted_order
+from study.ledger.orders import Array, RatesError, extrapolated_order, fit, orders, weighted_order
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Named, Span, Verdict, row
 from study.ledger.window import Window, at_most
 
@@ -60,7 +60,6 @@ class Criterion:
         measure: computes it from the levels of one family.
         needs: the columns that ``measure`` reads.
         levels: with fewer levels the verdict is undecided.
-        spread: the window for the range of the values; the same window by default.
     """
 
     key: str
@@ -69,7 +68,6 @@ class Criterion:
     measure: Measure
     needs: tuple[str, ...]
     levels: int = 1
-    spread: Window | None = None
 
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
         """Return the row for a case: undecided if the levels of one family do not decide."""
@@ -85,7 +83,7 @@ class Criterion:
     def _judge(self, found: Sequence[Measured]) -> Found:
         values, spans = [value for value, _ in found], [span for _, span in found]
         span = min(low for low, _ in spans), max(high for _, high in spans)
-        inside = (self.spread or self.window).contains(*span)
+        inside = self.window.contains(*span)
         verdict = FAILS if not self.window.contains(*values) else HOLDS if inside else UNDECIDED
         return self.window.worst(values), span, verdict
 
@@ -197,7 +195,7 @@ def order(key: str, quantity: str, window: Window, column: str, last: int = 0, l
     """Return the criterion for the observed order of a column, by least squares over all levels or the last ones."""
 
     def measure(group: pd.DataFrame) -> Measured:
-        return exactly(fit(*_errors(group.tail(last) if last else group, column)).order)
+        return exactly(fit(*_errors(group.tail(last) if last else group, column)))
 
     return Criterion(key, quantity, window, or_none(measure), (column,), levels)
 
@@ -223,15 +221,13 @@ def growth(key: str, quantity: str, window: Window, column: str, power: int, lev
     return Criterion(key, quantity, window, or_none(measure), (column,), levels)
 
 
-def fitted(key: str, quantity: str, window: Window, column: str, last: int, spread: Window) -> Criterion:
-    """Return the criterion for the observed order over the last levels and its interval at 95 %, which has to lie in
-    ``spread``."""
+def extrapolated(key: str, quantity: str, window: Window, column: str) -> Criterion:
+    """Return the criterion for the observed order extrapolated from the three finest levels."""
 
     def measure(group: pd.DataFrame) -> Measured:
-        line = fit(*_errors(group.tail(last), column))
-        return line.order, (line.low, line.high)
+        return exactly(extrapolated_order(*_errors(group, column)))
 
-    return Criterion(key, quantity, window, or_none(measure), (column,), ENOUGH, spread)
+    return Criterion(key, quantity, window, or_none(measure), (column,), ENOUGH)
 
 
 def exactly(value: float) -> Measured:

@@ -1,8 +1,6 @@
-"""Observed orders of convergence: consecutive, fitted with an interval, and the limit for h → 0."""
+"""Observed orders of convergence: consecutive, fitted, extrapolated, and the limit for h → 0."""
 
 from __future__ import annotations
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,8 +8,6 @@ from numpy.typing import NDArray
 from study.orders.sequences import consecutive_orders, fitted_order
 
 Array = NDArray[np.float64]
-
-CONFIDENCE = 0.95
 
 
 class RatesError(ValueError):
@@ -32,23 +28,28 @@ def orders(h: Array, error: Array) -> Array:
     return consecutive_orders(h, error)
 
 
-@dataclass(frozen=True)
-class Fit:
-    """The observed order p in log e = log C + p log h by least squares, with its Student interval at 95 %."""
-
-    order: float
-    low: float
-    high: float
-
-
-def fit(h: Array, error: Array) -> Fit:
-    """Return the observed order by least squares; its interval is infinite for two levels.
+def fit(h: Array, error: Array) -> float:
+    """Return the observed order by least squares.
 
     Raises:
         RatesError: as ``orders``.
     """
     orders(h, error)
-    return Fit(*fitted_order(h, error))
+    return fitted_order(h, error)[0]
+
+
+def extrapolated_order(h: Array, error: Array) -> float:
+    """Return the observed order for h → 0, extrapolated from the three finest levels.
+
+    If e = C h^p (1 + c h + …), the order between two levels is p + c' (h_i h_{i+1})^½ + …, whose second term is
+    eliminated from the orders of two consecutive pairs; on halved meshes this is 2 p_2 − p_1.
+
+    Raises:
+        RatesError: as ``orders``.
+    """
+    first, second = orders(h[-3:], error[-3:])
+    size = np.sqrt(h[-3:-1] * h[-2:])
+    return float((second * size[0] - first * size[1]) / (size[0] - size[1]))
 
 
 def weighted_order(h: Array, error: Array, power: float) -> float:

@@ -92,9 +92,9 @@ def _smooth(data: FullRun) -> Named:
     """Proposition 5.4."""
     label = "Prop. 5.4"
     yield from _extremes("orderLevel", data.rows(label, "order"))
-    fitted = data.rows(label, "order-fitted")["observed"]
-    yield "orderFittedMin", below(fitted.min(), 2)
-    yield "orderFittedMax", above(fitted.max(), 2)
+    extrapolated = data.rows(label, "order-extrapolated")
+    yield "orderExtrapolatedMin", below(extrapolated["low"].min(), 2)
+    yield "orderExtrapolatedMax", above(extrapolated["high"].max(), 2)
     yield from _extremes("orderDiagonal", data.rows(label, "discrete-order-superclose"))
     yield from _extremes("orderOther", data.rows(label, "discrete-order-others"))
     yield from _extremes("pythagoras", data.rows(label, "size"))
@@ -295,14 +295,14 @@ def smooth(data: FullRun) -> str:
     for case, rows in data.rates[data.rates["claim"] == label].groupby("case", sort=False):
         cells = [
             _cell(data, label, "order", case, _range),
-            _cell(data, label, "order-fitted", case, _observed),
+            _cell(data, label, "order-extrapolated", case, _range),
             _cell(data, label, "discrete-order-superclose", case, _range),
             _cell(data, label, "discrete-order-others", case, _range),
             _cell(data, label, "discrete-share", case, _observed),
             _cell(data, label, "time-share", case, lambda row: f"{100 * row['observed']:.2f}"),
         ]
         body.append([prose(str(case)), _regularity(data, case), str(rows["level"].max()), *cells])
-    headings = ["case", "regularity", r"\(n\)", "orders", "fitted", "superclose", "other", "share", r"time, \%"]
+    headings = ["case", "regularity", r"\(n\)", "orders", "extrapolated", "superclose", "other", "share", r"time, \%"]
     return tabular(headings, "llrrrrrrr", body)
 
 

@@ -371,7 +371,7 @@ def rollers_chart(statements: pd.DataFrame) -> Chart | None:
         if family == "shaken":
             bands.append(Band(h, low, high, style.colour))
         if len(h) > 1:
-            found.append(f"{fit(h, mean).order:.2f} ({family})")
+            found.append(f"{fit(h, mean):.2f} ({family})")
     triangle = slope_triangle(curves, 0.5, math.log10(rows["value"].max() / rows["value"].min()))
     lowest = min(curves, key=lambda curve: float(curve.y.min()))
     ends = np.array([lowest.x.min(), lowest.x.max()])

@@ -38,7 +38,7 @@ from study.present.windows import Change, added, changes
 
 FILM, FILM_DPI = "hexagon", 75
 """The case on the first screen of the README, and dots per inch of its film."""
-ORDERS, CONVERGENCE = ("order", "order-fitted", "order-finest"), ("falling", "limit", "order", "order-graded")
+ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
 """Keys of the rows that test a proposition itself; the other rows check the discrete solution."""
 
 
@@ -111,12 +111,12 @@ def results(data: FullRun) -> str:
 
 
 def _prop_5_4(data: FullRun) -> list[str]:
-    fitted = data.rows("Prop. 5.4", "order-fitted")
+    extrapolated = data.rows("Prop. 5.4", "order-extrapolated")
     return [
-        f"Proposition 5.4: errors consistent with O(h) on these meshes, in {counted(fitted['case'].nunique(), 'case')}",
+        f"Proposition 5.4: errors consistent with O(h) on these meshes, in "
+        f"{counted(extrapolated['case'].nunique(), 'case')}",
         "order 1",
-        # A fit is judged by its value, which lies inside its interval.
-        f"fitted orders {_outwards(fitted['observed'].min(), fitted['observed'].max())}, level by level "
+        f"orders extrapolated to h → 0 {_range(extrapolated)}, level by level "
         + _range(data.rows("Prop. 5.4", "order")),
         _weighed(data, "Prop. 5.4", ORDERS),
     ]

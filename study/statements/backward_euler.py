@@ -57,7 +57,7 @@ def columns(quantity: str) -> list[str]:
 
 def orders_in_k(levels: pd.DataFrame) -> Measured:
     """Return the order of the error in k on every mesh; the one on the finest is shown."""
-    orders = np.array([fit(1 / np.array(COUNTS), row).order for row in levels[columns("error")].to_numpy()])
+    orders = np.array([fit(1 / np.array(COUNTS), row) for row in levels[columns("error")].to_numpy()])
     return among(orders[-1], orders)
 
 

@@ -30,7 +30,6 @@ from scipy.special import stdtrit
 
 from manufactured.tensors import Array
 from study.ledger.criterion import ENOUGH, Criterion, Measured, Observation, exactly, judge
-from study.ledger.orders import CONFIDENCE
 from study.ledger.verdict import Verdict
 from study.ledger.window import Window, around, at_most, between
 from study.solve.evolution import Scheme
@@ -48,6 +47,8 @@ VISIBLE = 0.5
 """An order in k is read from e only if d/e is at least this for two numbers of steps."""
 SECOND = between(1.5, 2, 0.1, 0.1, "3/2 where vertices change contact")
 ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND, "midpoint": SECOND}
+CONFIDENCE = 0.95
+"""Of the intervals of fitted parameters."""
 IN_H = around(1, 0.15)
 OPEN = "the source leaves it open (no number: not to be seen; undecided: a wide interval)"
 

@@ -88,7 +88,7 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
     columns = tuple(f"{load} {scheme.name} {count}" for count in counts)
 
     def measure(group: pd.DataFrame) -> Measured:
-        found = np.array([fit(1 / np.array(counts), row).order for row in group[list(columns)].to_numpy()])
+        found = np.array([fit(1 / np.array(counts), row) for row in group[list(columns)].to_numpy()])
         middle = (window.low + window.high) / 2
         return among(found[abs(found - middle).argmax()], found)
 

@@ -92,7 +92,7 @@ def orders_in_k(kind: str) -> Criterion:
 
     def measure(group: pd.DataFrame) -> Measured:
         k = 1 / np.array(COUNTS)
-        found = np.array([fit(k, row).order for row in group[list(columns)].to_numpy()])
+        found = np.array([fit(k, row) for row in group[list(columns)].to_numpy()])
         return among(found[-1], found)
 
     quantity = f"order of ‖u^h − û^{{hk}}‖ in k, {kind} steps"

@@ -34,7 +34,7 @@ NEARER = 0.8
 """An order approaches its target if its distance shrinks at least by this factor from level to level."""
 NOT_YET = "not asymptotic yet"
 TRY = "try --levels"
-OF_ERRORS = {"order", "order-fitted", "order-finest", "falling", "limit", "size"}
+OF_ERRORS = {"order", "order-extrapolated", "order-finest", "falling", "limit", "size"}
 """Rows that say nothing while time steps or quadrature disturb the errors."""
 NO_RATE = "Prop. 5.3 claims no rate, and the order that the regularity gives is not seen: {remedy}"
 SHARE = "contact disturbs the error on these meshes more than a good test allows: {remedy}"
@@ -83,7 +83,7 @@ def reason(verdict: Verdict, groups: Groups, expected: float) -> str:
     levels = sorted({int(level) for group in groups.values() for level in group["level"]})
     remedy = f"{TRY} {' '.join(map(str, finer(levels, max(int(group['dim'].iloc[0]) for group in groups.values()))))}"
     key = verdict.key
-    if key in ("order", "order-fitted", "order-finest"):
+    if key in ("order", "order-extrapolated", "order-finest"):
         why = why_missed(series(groups, orders_of("error")), expected, expected - verdict.window_low, remedy)
         return why or (NO_RATE.format(remedy=remedy) if verdict.label == "Prop. 5.3" else "")
     if key == "interpolation-order-finest":

@@ -54,7 +54,7 @@ from study.ledger.criterion import (
     by_family,
     consecutive,
     exactly,
-    fitted,
+    extrapolated,
     greatest,
     largest,
     order,
@@ -69,7 +69,7 @@ from study.solve.tableau import MIDPOINT, SCHEMES, Tableau
 from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.meshes import LEADING, in_leading_term, split_random
+from study.statements.shared.meshes import LEADING, in_leading_term, split_irregular
 from study.statements.shared.scope import Scope
 
 # Data file. The README explains the columns.
@@ -296,9 +296,9 @@ EVIDENCE = (
 )
 
 # Criteria of Proposition 5.4.
-RANDOM = "; random meshes: in the leading term"
-"""On random meshes the leading term of the interpolation error takes the place of h."""
-SOLID = around(1, 0.1, RANDOM.removeprefix("; "))
+IRREGULAR = "; irregular meshes: in the leading term"
+"""On irregular meshes the leading term of the interpolation error takes the place of h."""
+SOLID = around(1, 0.1, IRREGULAR.removeprefix("; "))
 PAIR = "order of ‖u − Π^h u‖_V, finest pair"
 SOLIDS = (
     between_levels("order-finest", "order of the error, finest pair", SOLID, "error", 1, ENOUGH),
@@ -306,9 +306,9 @@ SOLIDS = (
 )
 """In 3D few levels are affordable, so the finest pair alone must be closer to 1."""
 OF_THE_TERM = around(1, 0.15, "least squares, as the error is compared with this term there")
-TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, random meshes"
+TERM = "order in h of the leading term of ‖u − Π^h u‖_V, fitted, irregular meshes"
 LEADING_ORDER = order("leading-order", TERM, OF_THE_TERM, LEADING, ENOUGH + 1)
-"""On random meshes: the leading term, which takes the place of h there, must be of order h."""
+"""On irregular meshes: the leading term, which takes the place of h there, must be of order h."""
 SUPERCLOSE = between(1.5, 2, 0.2, 0.2, "superclose on one-diagonal meshes")
 OTHERS = between(1, 2, 0.15, 0.2, "other meshes")
 DISCRETE = "order of ‖Π^h u − u^h‖_V"
@@ -361,23 +361,23 @@ class StartShare:
 
 
 def error_orders(expected: float) -> tuple[Criterion, Criterion]:
-    """Return the criteria for the order of the error: level by level, and fitted by least squares.
+    """Return the criteria for the order of the error: level by level, and extrapolated to h → 0.
 
-    The confidence interval of the fitted order must exclude the orders 0 and 2. On random meshes both are orders in the
-    leading term of the interpolation error, which is of order h by LEADING_ORDER.
+    On irregular meshes both are orders in the leading term of the interpolation error, which is of order h by
+    LEADING_ORDER.
     """
-    by_level = around(expected, 0.15, f"every consecutive order{RANDOM}")
-    line = around(expected, 0.1, f"least squares; interval in (0, 2){RANDOM}")
+    by_level = around(expected, 0.15, f"every consecutive order{IRREGULAR}")
+    limit = around(expected, 0.1, f"extrapolated from the three finest levels{IRREGULAR}")
     return (
         consecutive("order", "order of the error, level by level", by_level, "error"),
-        fitted("order-fitted", "order of the error, fitted", line, "error", ENOUGH + 1, Window(0.0, 2.0)),
+        extrapolated("order-extrapolated", "order of the error, extrapolated", limit, "error"),
     )
 
 
 def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups]]:
     """Yield the criteria for the rows of one case, and the mesh families that each of them judges."""
     groups = by_family(rows)
-    in_h, (random, _) = in_leading_term(groups), split_random(groups)
+    in_h, (irregular, _) = in_leading_term(groups), split_irregular(groups)
     for criterion in (*error_orders(expected), SIZES):
         yield criterion, in_h
     for superclose, criterion in DISCRETE_ORDERS.items():
@@ -387,8 +387,8 @@ def rules_of(rows: pd.DataFrame, expected: float) -> Iterator[tuple[Rule, Groups
         yield rule, groups
     for criterion in SOLIDS if int(rows["dim"].iloc[0]) == 3 else ():
         yield criterion, in_h
-    if random:
-        yield LEADING_ORDER, random
+    if irregular:
+        yield LEADING_ORDER, irregular
 
 
 class FirstOrder(Rates):

@@ -435,7 +435,7 @@ def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, capsys: p
     assert "column order" in told
     table["order"] += 0.6
     write_csv(path, table)
-    assert "fails: Prop. 5.4, pocket: order of the error, fitted" in refusal(own, capsys, code=1)
+    assert "fails: Prop. 5.4, pocket: order of the error, extrapolated" in refusal(own, capsys, code=1)
     report = own.parent / "ledger.xml"
     assert main(["check", "--out", str(own), "--junit", str(report)]) == 1
     assert 'failures="0"' not in report.read_text(encoding="utf-8")

@@ -59,12 +59,6 @@ def test_an_alarm_is_a_place_beyond_whatever_raised_it() -> None:
         assert abs(unpacked(packed(place(verdict)))[0]) > 1
 
 
-def test_the_interval_of_a_fitted_order_is_no_place_of_the_order() -> None:
-    fitted = replace(judged(0.98, key="order-fitted"), low=0.91, high=1.05)
-    assert place(fitted) == pytest.approx(-0.2)
-    assert place(replace(fitted, key="order")) == pytest.approx(-0.9)
-
-
 def test_what_is_written_is_read_again(tmp_path: Path) -> None:
     record = after([1.0, 1.05, 0.95, 1.2])
     record.write(tmp_path)

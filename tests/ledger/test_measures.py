@@ -15,14 +15,14 @@ from study.ledger.criterion import (
     change,
     consecutive,
     every,
+    extrapolated,
     finest,
-    fitted,
     largest,
     order,
 )
 from study.ledger.datafiles import with_orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.ledger.window import Window, around, at_most
+from study.ledger.window import around, at_most
 
 LEVELS = (8, 16, 32, 64)
 
@@ -48,11 +48,11 @@ ORDERS = [
     consecutive("key", "order", ABOUT_1, "e"),
     between_levels("key", "order", ABOUT_1, "e", 2, 3),
     order("key", "order", ABOUT_1, "e"),
-    fitted("key", "order", ABOUT_1, "e", 4, Window(0, 2)),
+    extrapolated("key", "order", ABOUT_1, "e"),
 ]
 
 
-@pytest.mark.parametrize("rule", ORDERS, ids=["consecutive", "between levels", "order", "fitted"])
+@pytest.mark.parametrize("rule", ORDERS, ids=["consecutive", "between levels", "order", "extrapolated"])
 def test_orders_are_those_of_powers_and_need_three_levels_and_positive_errors(rule: Criterion) -> None:
     found = judged(rule, levels(FIRST))
     assert (found.verdict, found.observed) == (HOLDS, pytest.approx(1))
@@ -70,11 +70,16 @@ def test_every_consecutive_order_counts_and_the_finest_is_shown() -> None:
     assert (found.observed, found.low, found.high, found.verdict) == (1, 1, 2, UNDECIDED)
 
 
-def test_the_interval_of_a_fit_has_a_window_of_its_own() -> None:
-    rule = fitted("key", "order", around(1, 0.5), "e", 4, Window(0.9, 1.1))
-    found = judged(rule, levels(FIRST * [1, 1.5, 1, 1.5]))
-    assert found.verdict == UNDECIDED
-    assert 0.5 < found.observed < 1.1 < found.high
+@pytest.mark.parametrize("correction", [-0.5, 0.5, 2.0])
+def test_the_extrapolated_order_is_free_of_corrections_of_first_order(correction: float) -> None:
+    """log e = log h + c h: consecutive orders differ from 1 by c h times a constant, which extrapolation removes."""
+    errors = FIRST * np.exp(correction * FIRST)
+    assert judged(extrapolated("key", "order", around(1, 1e-9), "e"), levels(errors)).verdict == HOLDS
+    assert judged(consecutive("key", "order", around(1, 1e-9), "e"), levels(errors)).verdict == FAILS
+
+
+def test_a_limit_above_zero_is_not_extrapolated_to_the_expected_order() -> None:
+    assert judged(extrapolated("key", "order", ABOUT_1, "e"), levels(FIRST + 0.01)).verdict == FAILS
 
 
 def test_an_order_may_be_that_of_the_last_levels_alone() -> None:

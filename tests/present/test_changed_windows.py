@@ -16,9 +16,9 @@ from study.present.windows import NOT_NOTHING, added, changes, earlier
 RESULTS = Path(__file__).parents[2] / "results"
 CLAIMS = read_claims(RESULTS)
 THEN = earlier(RESULTS)
-KEY = CLAIMS["label"].eq("Prop. 5.4") & CLAIMS["key"].eq("order-fitted")
+KEY = CLAIMS["label"].eq("Prop. 5.4") & CLAIMS["key"].eq("order")
 
-FIRST = THEN[THEN["label"].eq("Prop. 5.4") & THEN["key"].eq("order-fitted")]
+FIRST = THEN[THEN["label"].eq("Prop. 5.4") & THEN["key"].eq("order")]
 
 
 def test_all_rows_of_the_first_round_are_compared_each_once() -> None:
@@ -46,18 +46,18 @@ def test_a_window_that_is_moved_or_a_row_that_is_given_up_needs_one(edit: dict[s
     edited = CLAIMS.copy()
     for column, value in edit.items():
         edited.loc[KEY, column] = value
-    with pytest.raises(DataError, match=r"the window of Prop\. 5\.4, order-fitted for .* was 0\.9 … 1\.1 at 27a936c"):
+    with pytest.raises(DataError, match=r"the window of Prop\. 5\.4, order for .* was 0\.85 … 1\.15 at 27a936c"):
         changes(THEN, edited)
 
 
 def test_a_reason_is_shown_with_the_number_of_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(windows.WHY, ("Prop. 5.4", "order-fitted"), "the reason")
+    monkeypatch.setitem(windows.WHY, ("Prop. 5.4", "order"), "the reason")
     edited = CLAIMS.copy()
     edited.loc[KEY, "window_high"] = 1.2
-    (change,) = [one for one in changes(THEN, edited) if one.key == "order-fitted"]
+    (change,) = [one for one in changes(THEN, edited) if one.key == "order"]
     assert (change.before, change.today, change.why, change.rows) == (
-        "0.9 … 1.1",
-        "0.9 … 1.2",
+        "0.85 … 1.15",
+        "0.85 … 1.2",
         "the reason",
         int((KEY & CLAIMS["case"].isin(FIRST["case"])).sum()),
     )

@@ -132,12 +132,12 @@ def test_missing_rows_leave_the_data_undecided() -> None:
 
 def test_two_levels_leave_the_order_undecided() -> None:
     found = verdicts(prop_5_4(table(levels=(8, 16))))
-    assert found["order"] == found["order-fitted"] == UNDECIDED
+    assert found["order"] == found["order-extrapolated"] == UNDECIDED
 
 
 def test_one_bad_family_is_enough_to_fail() -> None:
     rows = pd.concat([table(), table(0.7, family="criss-cross")])
-    assert verdicts(prop_5_4(rows))["order-fitted"] == FAILS
+    assert verdicts(prop_5_4(rows))["order-extrapolated"] == FAILS
 
 
 def test_prop_5_3_accepts_any_rate_it_predicts_but_no_positive_limit() -> None:
