@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from study.orders import sequences
 from study.orders.sequences import consecutive_orders, fitted_order
 
 Array = NDArray[np.float64]
@@ -47,9 +48,8 @@ def extrapolated_order(h: Array, error: Array) -> float:
     Raises:
         RatesError: as ``orders``.
     """
-    first, second = orders(h[-3:], error[-3:])
-    size = np.sqrt(h[-3:-1] * h[-2:])
-    return float((second * size[0] - first * size[1]) / (size[0] - size[1]))
+    orders(h, error)
+    return sequences.extrapolated_order(h, error)
 
 
 def weighted_order(h: Array, error: Array, power: float) -> float:
