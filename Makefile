@@ -127,7 +127,7 @@ docs: $(DOCUMENTATION)  ## the documentation with the gallery and the API, build
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
-		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.controls\.(seeded|blindness|stress_slips)'
+		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.controls\.seeded'
 
 paper: $(RUNTIME)  ## article and supplement from the data of the full study, in paper/build; needs latexmk
 	$(BIN)/study tables --out results

@@ -7,7 +7,6 @@ import io
 import os
 import sys
 from collections.abc import Sequence
-from types import ModuleType
 
 from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
 
@@ -20,9 +19,12 @@ def main(arguments: Sequence[str] | None = None) -> int:
             stream.reconfigure(errors="backslashreplace")
     options = parser().parse_args(arguments)
     module, name = options.command
+    if sys.flags.optimize >= 2 and module in WITH_PYAMG:
+        print(f"study: {STRIPPED}", file=sys.stderr)
+        return USAGE
     try:
         # Only now, as the solvers take seconds to import.
-        command = getattr(_command_module(module), name)
+        command = getattr(importlib.import_module(f"study.cli.{module}"), name)
         code = int(command(options))
         sys.stdout.flush()
         return code
@@ -36,11 +38,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if (error.name or "study").partition(".")[0] in ("study", "manufactured"):
             raise
         print(f"study: {LACKING.format(error.name)}", file=sys.stderr)
-        return USAGE
-    except ImportError as error:
-        if str(error) != STRIPPED:
-            raise
-        print(f"study: {error}", file=sys.stderr)
         return USAGE
     except Exception as error:
         code, message = importlib.import_module("study.cli.refusals").exit_code_and_message(error)
@@ -59,17 +56,6 @@ STRIPPED = (
     "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them: "
     "run python or python -O"
 )
-
-
-def _command_module(name: str) -> ModuleType:
-    """Return the module of a command.
-
-    Raises:
-        ImportError: the command needs pyamg, and Python was started with -OO.
-    """
-    if sys.flags.optimize >= 2 and name in WITH_PYAMG:
-        raise ImportError(STRIPPED)
-    return importlib.import_module(f"study.cli.{name}")
 
 
 def _close_output() -> None:

@@ -155,13 +155,13 @@ def errors_in_time(setup: Experiment, forces: Forces, steps: int) -> tuple[Array
     """March with the midpoint rule and return the relative ERRORS in L²(0,T), (3,), penetration and pulling."""
     k, multipliers, extremes = setup.problem.T / steps, [], []
     for state in setup.scheme.march(setup.problem, steps):
-        forces_now = state.multipliers
-        extremes.append([forces.penetration(state.u), abs(state.u).max(), -forces_now.min(), abs(forces_now).max()])
-        multipliers.append(forces_now)
+        pulling = -state.multipliers.min(initial=0.0)
+        extremes.append([forces.penetration(state.u), abs(state.u).max(), pulling, abs(state.multipliers).max()])
+        multipliers.append(state.multipliers)
     # NumPy's maximum is not a number if one value is none; Python's max would hide it.
     inside, moved, pulled, pressed = np.max(extremes, axis=0)
     squares, sizes = forces.squares((np.arange(steps) + 0.5) * k, np.array(multipliers[1:]))
-    return np.sqrt(squares / sizes), float(inside / moved), float(max(pulled, 0.0) / pressed)
+    return np.sqrt(squares / sizes), float(inside / moved), float(pulled / pressed)
 
 
 def measure_contact(setup: Experiment) -> dict[str, Any]:

@@ -31,6 +31,7 @@ from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
 from study.ledger.criterion import Observation, Rule, every, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
+from study.ledger.orders import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
 from study.ledger.window import Window, above_nothing, at_most
 from study.solve.evolution import Scheme
@@ -329,7 +330,7 @@ class EnclosedError(Bounds):
         order = math.nan if known else float(fine["expected_order"])
         quantity = f"order of max_t ‖u − u_h‖_V, u_h of the scheme, k with h, n = {coarse['level']} to {fine['level']}"
         verdict, expected = contains(span, order)
-        found = math.log(sizes[0] / sizes[1]) / ratio, span, verdict
+        found = float(orders(np.array([coarse["h"], fine["h"]]), np.array(sizes))[0]), span, verdict
         return row(self, "order", quantity, Window(order, order), found, case, family, expected)
 
 

@@ -18,10 +18,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import islice
-from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -117,7 +116,8 @@ def observations(scheme: Scheme) -> Iterator[Observation]:
         yield Observation(Criterion(*named, window, measure, needs, ENOUGH), OPEN)
 
 
-class Table(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Table:
     """The errors of one scheme on one mesh family: h (levels,), coarse to fine; e and d (levels, numbers of steps)."""
 
     h: Array
@@ -125,7 +125,8 @@ class Table(NamedTuple):
     d: Array
 
 
-class Fit(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Fit:
     """A least-squares fit: its parameters with Student intervals at 95 %, and the root mean square of its residuals."""
 
     parameters: list[Measured]

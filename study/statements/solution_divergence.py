@@ -24,10 +24,9 @@ factors for e^{ωt}, which is smaller, holds for the steps without an error in t
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import islice
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import eigh, null_space
@@ -121,7 +120,8 @@ def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
     return KelvinVoigt(law.A, multiple, law.name)
 
 
-class Mode(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class Mode:
     """The softest mode v in {Nv = 0}: its rate c, and the contact force that keeps it there, (m,)."""
 
     c: float

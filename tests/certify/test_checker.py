@@ -189,6 +189,7 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
     "f_0 with a kink": (edit("problem", "force", 1, 0, 2, to=1), "f_0 with kinks"),
     "f_2 on Γ3": (edit("problem", "loads", by=lambda x: {"0": x["1"]}), "which is not of Γ2"),
     "time runs backwards": (edit("problem", "T", to="-1"), "T is not positive"),
+    "time does not run": (edit("problem", "T", to="0"), "T is not positive"),
     "u_0 off the wall": (edit("problem", "start", 0, to=[["1", 0, 0]]), "u_0 does not vanish on Γ1"),
     "u_0 in the foundation": (edit("problem", "start", 1, to=[["-1", 0, 0], ["1", 0, 1]]), "u_0ν ≤ 0 on Γ3"),
 }
