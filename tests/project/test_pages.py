@@ -35,6 +35,7 @@ EXCLUDED = {
     "make full": "half an hour: the nightly workflow runs it",
     "make again": "a minute: the nightly workflow runs it, and tests/cli/test_again.py the command behind it",
     "make seeds": "an hour: the nightly workflow runs it",
+    "make controls": "five minutes: the workflow and the nightly job run it, and tests/controls a part of it",
     "make mutants": "some hours; whoever changes code that judges or bounds runs it",
     "make codes": "half an hour, and codes that are optional: CI runs two of them by make codes-check",
     "make certificates": "half an hour; CI checks the certificates that are committed by make certificates-check",
