@@ -22,7 +22,7 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array, Tensors, dyad, mapped
-from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, amplitudes_of, energy
+from study.fem.moments import Amplitudes, QuadraturePoints, StrainEnergy, StressSums, amplitudes_of
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
@@ -91,7 +91,7 @@ class Gauge:
         on = [(face.part, vertices) for face, (_, vertices) in zip(solution.faces, faces, strict=True)]
         self._faces = [(part.normal, sums) for (part, _), sums in zip(on, on_faces, strict=True)]
         self._normal = space.normal_components(on)
-        self._energy = energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
+        self._energy = StrainEnergy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
 
     def _on(self, face: Face, points: int) -> tuple[QuadraturePoints, Array]:
