@@ -193,7 +193,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("stress without f_2", "σν = 0 in place of f_2 on Γ2", OWN, "data.surface_load", wrong.instead(wrong.no_surface_load), "order-stress"),
     Control("first step off", "u_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", u=1.0001), "displacement"),
     Control("first stress off", "σ_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", stress=1.0001), "stress"),
-    Control("stopped early", "gaps of 1e-8 in place of 1e-15", BOTH, "solve.stress_programme:AIM", wrong.instead(Accuracy(gap=1e-8, feasibility=1e-11)), "allowed"),
+    Control("stopped early", "gaps of 1e-8 in place of 1e-15", BOTH, "solve.stress_problem:AIM", wrong.instead(Accuracy(gap=1e-8, feasibility=1e-11)), "allowed"),
     Control("3.2: load late", "the load of the step before in 3.2", BOTH, "", wrong.stress_load_late, "admissibility"),
     Control("3.2: work late", "u of the step before in the work", BOTH, "", wrong.displacement_late, "energy"),
     Control("3.2: contact with gaps", "v_ν ≤ 0 at every other vertex in 3.2", BOTH, "", wrong.stress_gaps, "membership"),

@@ -313,7 +313,7 @@ from study.solve.tableau import BACKWARD_EULER
                 "factorisation",
             },
         ),
-        (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem", "stress_programme"}),
+        (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem"}),
     ],
     ids=["stresses", "displacements"],
 )

@@ -14,7 +14,7 @@ from manufactured.catalogue import catalogue
 from manufactured.law import LawError, Linear
 from manufactured.multiscale import multiscale, rollers
 from manufactured.natural_motion import natural_motion
-from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
+from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.moments import PointwiseSums, amplitudes_of
 from study.fem.naming import resolve
@@ -81,7 +81,7 @@ def test_means_and_oscillation_are_those_of_the_strain_at_the_points_of_the_rule
     solution = resolve(case).solution
     family = next(family for family in FAMILIES if family.serves(solution.body) and family.name != "one-diagonal")
     space = Space(family(solution.body, 12 if solution.body.dim == 2 else 6), solution.body)
-    gauge, time = Gauge(solution, space), 0.61 * solution.body.T
+    gauge, time = ErrorNorm(solution, space), 0.61 * solution.body.T
     sample, oscillation = gauge.sample(time), 0.0
     for rule in rules(solution, space.mesh, gauge.degree, shared_lines(solution)):
         strain, weights = solution.at(rule.points).strain(time), rule.weights * solution.law.A.factor(rule.points)
@@ -98,7 +98,7 @@ def test_the_load_on_cells_and_faces_is_that_of_the_stress_at_the_points_of_the_
     solution = resolve(case).solution
     family = next(family for family in FAMILIES if family.serves(solution.body) and family.name != "one-diagonal")
     space = Space(family(solution.body, 12 if solution.body.dim == 2 else 6), solution.body)
-    gauge, time = Gauge(solution, space), 0.61 * solution.body.T
+    gauge, time = ErrorNorm(solution, space), 0.61 * solution.body.T
     integrals, nodal = np.zeros((len(solution.law.A.matrix), space.mesh.t.shape[1])), np.zeros_like(space.mesh.p)
     for rule in rules(solution, space.mesh, gauge.degree, shared_lines(solution)):
         integrals[:, rule.cells] = np.einsum("Inq,nq->In", solution.at(rule.points).stress(time), rule.weights)

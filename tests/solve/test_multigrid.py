@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured import Kind, catalogue, polygon
-from study.fem.gauge import Gauge
+from study.fem.gauge import ErrorNorm
 from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
@@ -114,7 +114,7 @@ def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
     solution, shares = CASES[name].solution, []
     for n in levels:
         space = Space(family(solution.body, n), solution.body)
-        gauge = Gauge(solution, space)
+        gauge = ErrorNorm(solution, space)
         problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
         exact = replace(problem, solver=Signorini)
         left, errors = [], []

@@ -31,8 +31,7 @@ from study.fem.naming import family_named, resolve
 from study.ledger.measures import every
 from study.ledger.window import around
 from study.solve.evolution import SemiDiscrete
-from study.solve.stress_problem import StressProblem
-from study.solve.stress_programme import AIM, StressState
+from study.solve.stress_problem import AIM, StressProblem, StressState
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.thm_4_2.gaps import gaps, problems
