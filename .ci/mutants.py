@@ -31,7 +31,7 @@ AREAS = {  # files to change; tests that should fail, the quickest first
     "judging": ("study/ledger/**/*.py", f"tests/ledger {VERDICTS}"),
     "certify": ("study/certify/*.py", "tests/certify"),
     "bound": ("study/bound/*.py", "tests/bound"),
-    "measuring": ("study/statements/**/*.py study/fem/gauge.py", f"tests/statements {NUMBERS}"),
+    "measuring": ("study/statements/**/*.py study/fem/error_norm.py", f"tests/statements {NUMBERS}"),
 }
 NOT_MEASURED = ("pictures.py", "unmeasured.py", "estimates.py")
 OPERATORS = re.compile(

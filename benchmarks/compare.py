@@ -29,7 +29,7 @@ import scipy.sparse as sps
 from benchmarks.peers.problem import save
 from benchmarks.report import RESULTS, single_thread, write
 from manufactured.tensors import Array
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import Shaken
 from study.fem.naming import resolve
 from study.fem.space import Space
@@ -141,8 +141,8 @@ def export(n: int, path: Path) -> SemiDiscrete:
     """Write one level for all peers, and return it."""
     solution = resolve(CASE).solution
     space = Space(FAMILY(solution.body, n), solution.body)
-    gauge = Gauge(solution, space)
-    problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    v_norm = ErrorNorm(solution, space)
+    problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
     k = problem.T / STEPS
     R, bounded = rotation(problem.N)
     S = problem.M / k + problem.reference
@@ -150,7 +150,7 @@ def export(n: int, path: Path) -> SemiDiscrete:
         path,
         {"S": S, "M": problem.M, "G": problem.reference, "N": problem.N, "R": R},
         bounded=bounded,
-        loads=np.array([gauge.load(step * k) for step in range(1, STEPS + 1)]),
+        loads=np.array([v_norm.load(step * k) for step in range(1, STEPS + 1)]),
         u0=problem.u0,
         k=k,
         p=space.mesh.p,

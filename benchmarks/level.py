@@ -101,9 +101,9 @@ class Place:
 
 def errors(setup: Experiment) -> list[float]:
     """‖u(t_n) − u_n‖_V at every node: solves all steps."""
-    gauge = setup.gauge
+    v_norm = setup.v_norm
     states = setup.scheme.march(setup.problem, setup.steps)
-    return [gauge.distance(gauge.sample(state.time), state.u) for state in states]
+    return [v_norm.distance(v_norm.sample(state.time), state.u) for state in states]
 
 
 def compile_formulas(case: str) -> None:

@@ -64,7 +64,9 @@ class PressureTerm:
 
     def intervals(self, points: Array, T: float) -> tuple[Array, Array]:
         """Times at which contact begins and ends at each point: two arrays (J, N), equal where unused."""
-        passes = [np.empty((0, points.shape[1])), *(moving.passes(points, T) for moving in self.moving)]
+        passes = [np.empty((0, points.shape[1]))]
+        for moving in self.moving:
+            passes.append(moving.passes(points, T))
         begin, end = between(np.vstack(passes), T)
         times = within(begin, end)
         inside = np.ones(times.shape, dtype=bool)

@@ -54,24 +54,19 @@ class Convolution:
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
         """∂_s^i ∂_r^j P(s, a) for every |i| ≤ order and j, found once."""
-        values = [jet(points, lower, order) for jet in self.derivatives]
-        return _Taylor(self, lower, {index: np.array([value[index] for value in values]) for index in values[0]})
-
-    def weights(self, duration: Array) -> Array:
-        """τ^{j+1} φ_{j+1}(−λτ), (m + 1, N)."""
-        found = phi(-self.decay * duration, len(self.derivatives))
-        power = duration
-        for row in found:
-            row *= power
-            power = power * duration
-        return found
+        values = []
+        for jet in self.derivatives:
+            values.append(jet(points, lower, order))
+        coefficients = {index: np.array([value[index] for value in values]) for index in values[0]}
+        return _Taylor(self.decay, len(values) - 1, lower, coefficients)
 
 
 @dataclass(frozen=True, eq=False)
 class _Taylor:
-    """Taylor coefficients at a, (m + 1, N) for each i."""
+    """λ, m, a and the Taylor coefficients at a, (m + 1, N) for each i."""
 
-    convolution: Convolution
+    decay: float
+    degree: int
     lower: Array
     coefficients: dict[Index, Array]
 
@@ -80,7 +75,9 @@ class _Taylor:
         found = {i: np.empty(upper.shape, np.result_type(upper, value)) for i, value in self.coefficients.items()}
         for first in range(0, len(upper), TOGETHER):
             here = slice(first, first + TOGETHER)
-            weights = self.convolution.weights(upper[here] - self.lower[chosen[here]])
+            duration = upper[here] - self.lower[chosen[here]]
+            weights = phi(-self.decay * duration, self.degree + 1)
+            weights *= duration ** np.arange(1, self.degree + 2)[:, None]
             for index, value in self.coefficients.items():
                 found[index][here] = np.einsum("jn,jn->n", np.take(value, chosen[here], axis=1), weights)
         return found
@@ -102,10 +99,13 @@ def phi(z: Array, count: int) -> Array:
     found = np.empty((count, *z.shape), dtype=np.result_type(z, float))
     large = abs(z) > SMALL
     near = np.where(large, 0.0, z)
+    size, terms, first = float(abs(near).max(initial=0.0)), 1, 1e18 * math.factorial(count)
+    while terms < TERMS and size**terms * first >= math.factorial(terms + count):
+        terms += 1
     # Horner's rule, in place: this is most of what the memory of a face costs.
     series = found[-1]
     series[:] = 0.0
-    for n in reversed(range(_terms(float(abs(near).max(initial=0.0)), count))):
+    for n in reversed(range(terms)):
         series *= near
         series += 1 / math.factorial(n + count)
     for k in range(count - 1, 0, -1):
@@ -117,12 +117,6 @@ def phi(z: Array, count: int) -> Array:
             found[k - 1] = np.where(large, value, found[k - 1])
             value = (value - 1 / math.factorial(k)) / far
     return found
-
-
-def _terms(size: float, count: int) -> int:
-    """How many terms of the series of φ_count are seen beside the first one for |z| ≤ ``size``."""
-    first = 1e18 * math.factorial(count)
-    return next((n for n in range(1, TERMS) if size**n * first < math.factorial(n + count)), TERMS)
 
 
 def _nested(coefficients: Sequence[sp.Expr]) -> sp.Expr:

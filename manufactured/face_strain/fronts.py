@@ -68,8 +68,8 @@ class PolynomialFront:
         return found
 
     def _at(self, points: Array) -> Array:
-        count = points.shape[1]
-        return np.array([np.broadcast_to(c, count) for c in self.coefficients(*points)], dtype=float)
+        _, *found = np.broadcast_arrays(points[0], *self.coefficients(*points))
+        return np.array(found, dtype=float)
 
 
 INSTANTS, SURE = (257, 600), 1e-6

@@ -18,7 +18,7 @@ import sympy as sp
 from manufactured.body import Part
 from manufactured.compiled import function
 from manufactured.contact.contact_face import distinct
-from manufactured.jet import BLOCK, Jet
+from manufactured.jet import Jet
 from manufactured.modes import Modes, at_each
 from manufactured.symbols import Index, Values, indices, refuse_kinks, s, t
 from manufactured.tensors import Array, Points, Tensors, Vectors, mandel, rotation
@@ -182,11 +182,9 @@ class Fading:
         depth = np.real(self.face.depth_jet(self.s, time)[(0,)])
         inside = np.flatnonzero(np.real(self.y) < (depth if self.where is None else depth[self.where]))
         traced = self._traced(time, rate, order)
-        blocks = [inside[start : start + BLOCK] for start in range(0, len(inside), BLOCK)] or [inside]
-        values = [of(self.face.lifted(traced(block), self.y[block], rate, order)) for block in blocks]
-        found = np.zeros((*values[0].shape[:-1], len(self.y)), dtype=values[0].dtype)
-        for block, here in zip(blocks, values, strict=True):
-            found[..., block] = here
+        values = of(self.face.lifted(traced(inside), self.y[inside], rate, order))
+        found = np.zeros((*values.shape[:-1], len(self.y)), dtype=values.dtype)
+        found[..., inside] = values
         return found.reshape(*found.shape[:-1], *self.shape)
 
     def _traced(self, time: complex, rate: bool, order: int) -> Callable[[Array], Sequence[Array]]:

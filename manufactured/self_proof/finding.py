@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from manufactured.jet import BLOCK
 from manufactured.tensors import Array, Points
 
+TOGETHER = 1 << 13
+"""Values that are evaluated together: more of them do not fit a cache."""
 ROUND_OFF = 1e-9
 """Largest defect relative to the size of the terms that counts as round-off."""
 
@@ -74,7 +75,7 @@ def at_times(of: Callable[[Array], Array], instants: Array, points: int) -> Arra
 
     ``of`` takes times (n,) and has them on its last axis.
     """
-    together = max(1, BLOCK // points)
+    together = max(1, TOGETHER // points)
     blocks = (instants[first : first + together] for first in range(0, len(instants), together))
     return np.concatenate([np.moveaxis(of(block), -1, 0) for block in blocks])
 

@@ -22,7 +22,7 @@ from study.bound.problem import SMALLEST, Moduli, require_finite, require_visibl
 from study.bound.remainders import Evidence
 from study.bound.terms import Interval, Majorant, Shares
 from study.bound.trajectory import DiscreteSolution, Parabola, Trajectory, spline
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.quadrature import Line, cell_rules
 
 POOR = 0.5
@@ -155,8 +155,8 @@ def known_error(case: Case | None, computed: DiscreteSolution) -> Callable[[floa
     """Return (t, u_h(t)) ↦ ‖u(t) − u_h(t)‖_V if there is an exact solution."""
     if case is None:
         return None
-    gauge = Gauge(case.solution, computed.space)
-    return lambda time, u: gauge.distance(gauge.sample(time), u)
+    v_norm = ErrorNorm(case.solution, computed.space)
+    return lambda time, u: v_norm.distance(v_norm.sample(time), u)
 
 
 def _largest_distance(fine: Discretisation, piece: Parabola, u_h: Callable[[float], Array]) -> float:

@@ -12,7 +12,7 @@ from manufactured.self_proof import SelfProofError
 from manufactured.symbols import FormulaError
 from study.bound.problem import BoundError
 from study.cli.options import FAILED, USAGE
-from study.fem.gauge import NormError
+from study.fem.error_norm import NormError
 from study.fem.mesh import MeshError
 from study.ledger.datafiles import DataError
 from study.ledger.files import JobsError, StoreError, UsageError, disk_full

@@ -26,8 +26,8 @@ class Control:
         name: of the defect.
         what: is wrong, in a line.
         setting: where it is measured.
-        place: which piece is replaced. "fem.gauge:Gauge.distance" is looked up in a module of ``study`` while the
-            setting is measured, "green:work_on" in one of ``study.statements``. "problem.solver" is an attribute of
+        place: which piece is replaced. "fem.error_norm:ErrorNorm.distance" is looked up in a module of ``study`` while
+            the setting is measured, "green:work_on" in one of ``study.statements``. "problem.solver" is an attribute of
             what is measured, "" all of it.
         replacement: gives the wrong piece from the correct one.
         rows: the key of the row that must fail, or of several rows that all must fail.

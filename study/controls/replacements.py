@@ -18,7 +18,7 @@ from manufactured import isotropic
 from manufactured.body import Kind
 from manufactured.law import Yield
 from study.controls.control import Replacement, overridden, replaced
-from study.fem.gauge import DEGREE, Gauge
+from study.fem.error_norm import DEGREE, ErrorNorm
 from study.fem.mesh import Unstructured
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
@@ -371,7 +371,7 @@ def contact_work_times(factor: float) -> Replacement:
     """The work of contact in the load (3.7) is wrong by a factor."""
 
     def change(setup: Any) -> Any:
-        load = other_contact_work(factor)(Gauge)(setup.solution, setup.space).load
+        load = other_contact_work(factor)(ErrorNorm)(setup.solution, setup.space).load
         return replaced(setup, "problem.load", instead(load))
 
     return change
@@ -380,9 +380,9 @@ def contact_work_times(factor: float) -> Replacement:
 def other_contact_work(factor: float) -> Replacement:
     """A class that measures errors whose work of contact is wrong by a factor."""
 
-    def make(gauge: type[Gauge]) -> Function:
+    def make(v_norm: type[ErrorNorm]) -> Function:
         def made(*given: Any) -> Any:
-            found = gauge(*given)
+            found = v_norm(*given)
             right = found._contact_work
             return overridden(found, _contact_work=lambda *amplitudes: factor * right(*amplitudes))
 
@@ -393,7 +393,7 @@ def other_contact_work(factor: float) -> Replacement:
 
 def start_at_the_end(setup: Any) -> Any:
     """u_0^h = Π^h u(T)."""
-    return replaced(setup, "problem.u0", instead(setup.gauge.sample(setup.problem.T).interpolant))
+    return replaced(setup, "problem.u0", instead(setup.v_norm.sample(setup.problem.T).interpolant))
 
 
 def start_outside(problem: Any) -> Any:
@@ -412,9 +412,9 @@ def clamp_one_cell_short(setup: Any) -> Any:
     ends = [_nearest(space, part.start) for part in space.body.of(Kind.CLAMPED)]
     loose = space.dim * np.array(ends)[:, None] + np.arange(space.dim)
     overridden(space, free=np.union1d(setup.space.free, loose))
-    gauge = Gauge(setup.solution, space)
-    problem = SemiDiscrete.of(space, setup.solution.law, gauge.load, gauge.sample(0.0).interpolant)
-    return replace(setup, space=space, gauge=gauge, problem=problem)
+    v_norm = ErrorNorm(setup.solution, space)
+    problem = SemiDiscrete.of(space, setup.solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
+    return replace(setup, space=space, v_norm=v_norm, problem=problem)
 
 
 def _nearest(space: Space, x: Any) -> int:
@@ -429,14 +429,14 @@ def k_like_h(setup: Any) -> Any:
 # How errors are measured.
 
 
-def _gauge(setup: Any, **methods: Any) -> Any:
+def _v_norm(setup: Any, **methods: Any) -> Any:
     """The experiment with a new object that measures errors, some of whose methods are other ones."""
-    return replace(setup, gauge=overridden(Gauge(setup.solution, setup.space), **methods))
+    return replace(setup, v_norm=overridden(ErrorNorm(setup.solution, setup.space), **methods))
 
 
 def norm_of_l2(setup: Any) -> Any:
     """‖v‖_{L²} in place of (A ε(v), ε(v))^½."""
-    return _gauge(setup, distance=_l2_distance(setup))
+    return _v_norm(setup, distance=_l2_distance(setup))
 
 
 def _l2_distance(setup: Any) -> Function:
@@ -452,22 +452,22 @@ def _l2_distance(setup: Any) -> Function:
 
 def norm_of_h1(setup: Any) -> Any:
     """(‖v‖² + ‖ε(v)‖²)^½ in place of (A ε(v), ε(v))^½."""
-    found, of_values = _gauge(setup, A=isotropic(0.5, 0, setup.space.dim)), _l2_distance(setup)
-    of_strain = found.gauge.distance
-    overridden(found.gauge, distance=lambda sample, v: math.hypot(of_strain(sample, v), of_values(sample, v)))
+    found, of_values = _v_norm(setup, A=isotropic(0.5, 0, setup.space.dim)), _l2_distance(setup)
+    of_strain = found.v_norm.distance
+    overridden(found.v_norm, distance=lambda sample, v: math.hypot(of_strain(sample, v), of_values(sample, v)))
     return found
 
 
 def norm_with_elasticity(setup: Any) -> Any:
     """(G ε(v), ε(v))^½ in place of (A ε(v), ε(v))^½."""
-    return _gauge(setup, A=setup.solution.law.G)
+    return _v_norm(setup, A=setup.solution.law.G)
 
 
 def one_point_quadrature(setup: Any) -> Any:
     """ε(u) at the centres of cells, where the interpolant's strain is nearly exact, in place of all of ε(u)."""
     centres = setup.solution.at(setup.space.mesh.p[:, setup.space.mesh.t].mean(axis=1))
-    sample = setup.gauge.sample
-    return _gauge(setup, sample=lambda t: replace(sample(t), means=centres.strain(t), oscillation=0.0))
+    sample = setup.v_norm.sample
+    return _v_norm(setup, sample=lambda t: replace(sample(t), means=centres.strain(t), oscillation=0.0))
 
 
 def sum_of_roots(setup: Any) -> Any:
@@ -475,10 +475,10 @@ def sum_of_roots(setup: Any) -> Any:
 
     def distance(sample: Any, v: Any) -> float:
         difference = sample.means - setup.space.strain(v)
-        local = np.sum(setup.gauge.A(difference) * difference, axis=0) * setup.space.volumes
+        local = np.sum(setup.v_norm.A(difference) * difference, axis=0) * setup.space.volumes
         return float(np.sqrt(local + sample.oscillation / len(local)).sum())
 
-    return _gauge(setup, distance=distance)
+    return _v_norm(setup, distance=distance)
 
 
 def interpolant_off(which: str) -> Replacement:
@@ -489,7 +489,7 @@ def interpolant_off(which: str) -> Replacement:
             five = lambda found: replace(found, interpolant=5.0 * found.interpolant)  # noqa: E731
             return lambda time: _when(np.isclose(time, _time(which, setup)), five, right(time))
 
-        return replaced(setup, "gauge.sample", sample)
+        return replaced(setup, "v_norm.sample", sample)
 
     return change
 
@@ -505,7 +505,7 @@ def interpolation_error_off(which: str, factor: float) -> Replacement:
 
             return measured
 
-        return replaced(setup, "gauge.distance", distance)
+        return replaced(setup, "v_norm.distance", distance)
 
     return change
 
@@ -519,9 +519,9 @@ def load_off(amount: Callable[[float], float]) -> Replacement:
     """A load that is wrong by a relative amount, a function of t/T, as if its quadrature were coarse."""
 
     def change(setup: Any) -> Any:
-        right, T = setup.gauge.load, setup.problem.T
+        right, T = setup.v_norm.load, setup.problem.T
         wrong = instead(lambda time: (1 + amount(time / T)) * right(time))
-        return replaced(replaced(setup, "problem.load", wrong), "gauge.load", wrong)
+        return replaced(replaced(setup, "problem.load", wrong), "v_norm.load", wrong)
 
     return change
 
@@ -823,7 +823,7 @@ def _changed(solution: Any, method: str, time: float | None, change: Function) -
 
 def interpolant_late(sample: Function) -> Function:
     """Π^h u of an earlier time."""
-    return lambda gauge, time: replace(sample(gauge, time), interpolant=sample(gauge, 0.9 * time).interpolant)
+    return lambda v_norm, time: replace(sample(v_norm, time), interpolant=sample(v_norm, 0.9 * time).interpolant)
 
 
 def times_width(right: Function) -> Function:

@@ -13,7 +13,7 @@ from manufactured.law import Linear
 from manufactured.tensors import Array, identity
 from study.controls.control import Replacement, replaced
 from study.controls.replacements import forces_times, solving
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.independent import work_on
 from study.fem.material import means
 from study.statements.shared.experiment import Experiment
@@ -50,9 +50,9 @@ def body_force(setup: Experiment) -> Callable[[float], Array]:
 
 def contact_load(setup: Experiment) -> Callable[[float], Array]:
     """t ↦ ∫_{Γ3} σ_ν v_ν, which Green's formula takes from (σ, ε(v))_Q."""
-    gauge = Gauge(setup.solution, setup.space)
-    amplitudes = gauge._amplitudes
-    return cache(lambda time: gauge._contact_work(*(amplitudes(time, rate) for rate in (False, True))))
+    v_norm = ErrorNorm(setup.solution, setup.space)
+    amplitudes = v_norm._amplitudes
+    return cache(lambda time: v_norm._contact_work(*(amplitudes(time, rate) for rate in (False, True))))
 
 
 def slow_clock(setup: Experiment, amount: float) -> Experiment:

@@ -113,7 +113,7 @@ NODAL_START = on(NodalStart(), "full-contact", "one-diagonal", 8, 16, 32)
 
 # Places that are replaced more than once.
 
-SOLVER, LOAD, START, DISTANCE = "problem.solver", "problem.load", "problem.u0", "gauge.distance"
+SOLVER, LOAD, START, DISTANCE = "problem.solver", "problem.load", "problem.u0", "v_norm.distance"
 MEASURE, OWN_ERRORS = "statements.prop_5_4:Measurement", "statements.thm_4_2_own_space"
 PLAIN, KNOWN_ERROR = "statements.recomputed_solver:PlainProblem", "statements.enclosure:known_error"
 DISCRETE, SAME_DISPLACEMENT, SAME_FORCES = (
@@ -199,7 +199,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("stress without f_2", "σν = 0 in place of f_2 on Γ2", OWN, "data.surface_load", wrong.instead(wrong.no_surface_load), "order-stress"),
     Control("first step off", "u_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", u=1.0001), "displacement"),
     Control("first stress off", "σ_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", stress=1.0001), "stress"),
-    Control("stopped early", "gaps of 1e-8 in place of 1e-15", BOTH, "solve.stress_programme:AIM", wrong.instead(Accuracy(gap=1e-8, feasibility=1e-11)), "allowed"),
+    Control("stopped early", "gaps of 1e-8 in place of 1e-15", BOTH, "solve.stress_problem:AIM", wrong.instead(Accuracy(gap=1e-8, feasibility=1e-11)), "allowed"),
     Control("3.2: load late", "the load of the step before in 3.2", BOTH, "", wrong.stress_load_late, "admissibility"),
     Control("3.2: work late", "u of the step before in the work", BOTH, "", wrong.displacement_late, "energy"),
     Control("3.2: contact with gaps", "v_ν ≤ 0 at every other vertex in 3.2", BOTH, "", wrong.stress_gaps, "membership"),
@@ -252,8 +252,8 @@ CONTROLS: tuple[Control, ...] = (
     Control("bounds by springs", "a stiff foundation for v_ν ≤ 0", BOUNDS, "error_bounds:Experiment", within(SOLVER, wrong.springs), "steady-5.42"),
     Control("blind: (5.21)", "an error of nothing", BOUNDS, "", wrong.zeroed("(5.21), c"), "constant-5.21"),
     Control("blind: (5.42)", "an error of nothing", BOUNDS, "", wrong.zeroed("(5.42), c"), "constant-5.42"),
-    Control("root forgotten", "‖·‖_V² for ‖·‖_V", IN_V, "fem.gauge:Gauge.distance", wrong.squared, "u-0.61"),
-    Control("interpolant late", "Π^h u(0.9 t) for Π^h u(t)", IN_V, "fem.gauge:Gauge.sample", wrong.interpolant_late, "u-0.23"),
+    Control("root forgotten", "‖·‖_V² for ‖·‖_V", IN_V, "fem.error_norm:ErrorNorm.distance", wrong.squared, "u-0.61"),
+    Control("interpolant late", "Π^h u(0.9 t) for Π^h u(t)", IN_V, "fem.error_norm:ErrorNorm.sample", wrong.interpolant_late, "u-0.23"),
     Control("root of a smooth field", "‖·‖_V² for ‖·‖_V", IN_V, "interpolation:distance_in_V", wrong.squared, "smooth"),
     Control("area for length", "h² for h", ON_CONTACT, "interpolation:induced_size", wrong.squared, "smooth-face-1"),
     Control("(5.24) as printed", "an error of order h", ON_CONTACT, "interpolation:on_face", wrong.times_h(-1), "u-0.23-face-1"),
@@ -303,7 +303,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("one image", "J w after one step", MONOTONE, "resolvent:fixed_point", wrong.instead(lambda image, v, *how: (image(v), 1)), "onto"),
     Control("J expands", "3/2 J for J", MONOTONE, "resolvent:Inverse.__call__", wrong.times(1.5), "resolvent-monotone"),
     Control("squares add up", "‖f(t_i) − f(t_{i−1})‖² for its root", LOADS, "norms_in_time:dual_norm", wrong.squared, "variation"),
-    Control("load with a jump", "the work of contact with the wrong sign in f", LOADS, "norms_in_time:Gauge", wrong.other_contact_work(-1.0), "increments"),
+    Control("load with a jump", "the work of contact with the wrong sign in f", LOADS, "norms_in_time:ErrorNorm", wrong.other_contact_work(-1.0), "increments"),
     Control("vector for functional", "|F| for ‖M⁻¹F‖_V", LOADS, "norms_in_time:Cholesky", wrong.instead(lambda M: lambda F: F), "uniform"),
     Control("no lengths: bounded", "sums over points for integrals on Γ", TRACTION, "norms_in_time:facet_rule", wrong.unweighted, "bounded"),
     Control("no lengths: unbounded", "sums over points for integrals on Γ", LOGARITHM, "norms_in_time:facet_rule", wrong.unweighted, "unbounded"),
@@ -333,7 +333,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("nodal start: off the vertices", "v near the vertices for v at the vertices", NODAL_START, "nodal_start:spikes", wrong.near_vertices, ("size", "proved", "growth", "worse")),
     # Rows that compare two things: axes, rows computed again, and bounds of errors with the errors.
     Control("axes", "the axis nearest to ν in place of ν", ROTATED, "problem.N", wrong.nearest_axis, "discrete-error"),
-    Control("width for length", "w ‖·‖_V with the width w along the first axis", ROTATED, "fem.gauge:Gauge.distance", wrong.times_width, "errors"),
+    Control("width for length", "w ‖·‖_V with the width w along the first axis", ROTATED, "fem.error_norm:ErrorNorm.distance", wrong.times_width, "errors"),
     Control("error off by 1 %", "1.01 ‖u − u^h‖_V is reported", AGAIN, f"{MEASURE}.row", wrong.column_times("error", 1.01), "error"),
     Control("interpolation off by 1 %", "0.99 ‖u − Π^h u‖_V is reported", AGAIN, f"{MEASURE}.row", wrong.column_times("interpolation_error", 0.99), "interpolation-error"),
     Control("discrete error off by 2 %", "1.02 ‖Π^h u − u^h‖_V is reported", AGAIN, f"{MEASURE}.row", wrong.column_times("discrete_error", 1.02), "discrete-error"),
@@ -367,7 +367,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("quadrature: load", "1.05 f for f, the error's own rule is right", MOVING, "", wrong.load_off(lambda t: 0.05), "quadrature"),
     Control("quadrature: early load", "1.004 f for f until T/10 alone", MOVING, "", wrong.load_off(lambda t: 0.004 * (t < 0.1)), "quadrature"),
     Control("quadrature: error", "the error's rule has one point, the load's is right", MOVING, "", wrong.one_point_quadrature, "quadrature"),
-    Control("quadrature: degree", "rules of degree 1 for 4", MERGING, "fem.gauge:DEGREE", wrong.instead(1), "quadrature"),
+    Control("quadrature: degree", "rules of degree 1 for 4", MERGING, "fem.error_norm:DEGREE", wrong.instead(1), "quadrature"),
     Control("ten defects at once", "evidence too small in ten ways, forces that pull, a late load", MOVING, "solve.evolution:ContactStep._residual", wrong.balance_alone,
             ("order", "order-extrapolated", "size", DISCRETE, "discrete-share"),
             # No sign, complementarity or gap; the last step, every second time, the time share and the law at the last time alone; nothing on Γ1 and of quadrature.

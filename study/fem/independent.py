@@ -1,4 +1,4 @@
-"""The load and the interpolation error computed in other ways, to check ``study.fem.gauge``.
+"""The load and the interpolation error computed in other ways, to check ``study.fem.error_norm.ErrorNorm``.
 
 Nothing here passes through the quadrature of strains or the norm of the measured errors.
 """
@@ -13,7 +13,7 @@ from skfem import Mesh
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, full, mandel, mapped
-from study.fem.gauge import FACET_POINTS, rules
+from study.fem.error_norm import FACET_POINTS, rules
 from study.fem.mesh import barycentric_gradients
 from study.fem.quadrature import CellRule, facet_rule
 from study.fem.space import Space
@@ -24,7 +24,10 @@ the case of a travelling patch, is 1 % over half a step if it is that of a parab
 
 
 def load_from_forces(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
-    """(f(t), v)_V = (f_0, v)_H + (f_2, v)_{L²(Γ2)}, (3.7), (n_dofs,): ``Gauge.load`` but for quadrature, by (2.14)."""
+    """The load (f(t), v)_V = (f_0, v)_H + (f_2, v)_{L²(Γ2)}, (3.7), (n_dofs,).
+
+    By (2.14) it differs from ``ErrorNorm.load`` by quadrature alone.
+    """
     return work_of_body_force(solution, space, time, degree) + work_on(Kind.LOADED, solution, space, time)
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-SOMETHING = 1e-20
+MIN_POSITIVE = 1e-20
 """The least positive diagnostic. Two computations of one quantity differ by rounding, about 1e-16 of its size; a
 diagnostic of exactly 0 means that a quantity was compared with itself."""
 SMALL = 1e-3
@@ -67,9 +67,9 @@ def at_most(high: float, why: str = "", low: float = 0.0) -> Window:
     return Window(low, high, why)
 
 
-def above_nothing(high: float, why: str = "") -> Window:
+def positive_at_most(high: float, why: str = "") -> Window:
     """Return the window of positive values up to ``high``: 0 means that a quantity was compared with itself."""
-    return Window(SOMETHING, high, why)
+    return Window(MIN_POSITIVE, high, why)
 
 
 def at_least(low: float, why: str = "") -> Window:

@@ -16,7 +16,7 @@ import pandas as pd
 
 from study.ledger.datafiles import DataError
 from study.ledger.verdict import REPORTED
-from study.ledger.window import SOMETHING, Window
+from study.ledger.window import MIN_POSITIVE, Window
 
 COMMIT = "27a936c"
 """The last commit of the first round."""
@@ -107,7 +107,7 @@ def _same(one: Window, other: Window) -> bool:
 
 
 def _why(row: dict[str, object], then: Window, now: Window | None) -> str:
-    if now and row["verdict"] != REPORTED and then.low == 0 and now.low == SOMETHING and now.high == then.high:
+    if now and row["verdict"] != REPORTED and then.low == 0 and now.low == MIN_POSITIVE and now.high == then.high:
         return NOT_NOTHING
     try:
         return WHY[str(row["label"]), str(row["key"])]

@@ -32,7 +32,7 @@ COMPUTING = (
     "study/ledger/pictures.py",
 )
 """The modules that decide on results; the last one rounds the numbers of pictures."""
-WINDOWS = ("Window", "above_nothing", "around", "at_least", "at_most", "between")
+WINDOWS = ("Window", "positive_at_most", "around", "at_least", "at_most", "between")
 """Functions that make tolerance windows in statements."""
 LIBRARIES = ("numpy", "scipy", "scikit-fem", "pyamg", "clarabel", "sympy")
 

@@ -39,7 +39,7 @@ def frozen(task: Task, instants: Sequence[float], scale: float = 1.0) -> Data:
     loads = [
         {
             "time": float(t),
-            "load": scale * task.space.nodal(task.gauge.load(t)).T,
+            "load": scale * task.space.nodal(task.v_norm.load(t)).T,
             "initial_stress": scale * task.initial_stress(t).T,
             "initial_traction": [scale * values for values in task.initial_tractions(t)],
             "traction": [scale * values for values in task.loads_on(t)],
@@ -77,7 +77,7 @@ def march(task: Task, steps: int, scale: float = 1.0) -> Data:
 
 def _judged(task: Task, time: float, balanced: float, reference: Array) -> Data:
     """Return the data that an answer at one time is judged by; contact forces are those at the time ``balanced``."""
-    sample = task.gauge.sample(time)
+    sample = task.v_norm.sample(time)
     return {
         "time": float(time),
         "strain": sample.means.T,

@@ -17,7 +17,7 @@ import numpy as np
 from manufactured.exact import ExactSolution
 from manufactured.law import Elasticity, PointLaw
 from manufactured.tensors import Array, Tensors, identity
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.space import Space
@@ -73,8 +73,8 @@ class Motion:
             MeshError: the mesh does not fit the body at this level.
         """
         space = Space(family(solution.body, level), solution.body)
-        gauge = Gauge(solution, space)
-        problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+        v_norm = ErrorNorm(solution, space)
+        problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
         cells = on_cells(space, solution.law)
         found = []
         for state, velocity in velocities(problem, BDF2, steps):

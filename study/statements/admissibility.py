@@ -17,7 +17,7 @@ from manufactured.tensors import Array, Tensors
 from study.fem.material import on_cells
 from study.fem.space import Space
 from study.ledger.criterion import largest
-from study.ledger.window import above_nothing, at_most
+from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.solve.tableau import BACKWARD_EULER
@@ -30,7 +30,7 @@ SAMPLES = 8
 """Number of random v ∈ K^h and of random τ ∈ Σ^h(t) at every step."""
 
 _BY_WHAT = f"round-off at every step, and for law (3.3) a fixed point stopped at {FIXED_POINT:g}"
-ROUND_OFF, ROUNDED = at_most(1e-10, _BY_WHAT), above_nothing(1e-10, _BY_WHAT)
+ROUND_OFF, ROUNDED = at_most(1e-10, _BY_WHAT), positive_at_most(1e-10, _BY_WHAT)
 """For inequalities, which may hold with room, and for equations between sums, which leave rounding."""
 
 

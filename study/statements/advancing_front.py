@@ -16,7 +16,7 @@ in the proposition on moving fronts: none has w ~ r^{3/2} and a pressure in H^{1
   keep the same error, it adds up like the smooth trail of a roller, to h^{3/2}; otherwise to h. The order is between
   both, where the proof has 1/2.
 
-The load is (f_0, v) + (f_2, v)_{Γ2}: f_0 is bounded, while the stress that ``Gauge.load`` would need is not.
+The load is (f_0, v) + (f_2, v)_{Γ2}: f_0 is bounded, while the stress that ``ErrorNorm.load`` would need is not.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from manufactured.exact import ExactSolution
 from manufactured.natural_motion import NAME
 from manufactured.singular import SingularFace, TravellingField
 from manufactured.tensors import Array
-from study.fem.gauge import FACET_POINTS, Gauge
+from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.independent import load_from_forces
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import ENOUGH, between_levels, largest, order
-from study.ledger.window import STEEPER, above_nothing, around, between
+from study.ledger.window import STEEPER, around, between, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.solve.paths import furthest, path
@@ -56,7 +56,7 @@ INSTANTS, FEW = 32, 4
 INTERPOLATION = around(1, STEEPER, "that of interpolation, where 1/2 is proved")
 SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "the two finest levels; smooth parts of order 1 raise it")
 TRAIL = between(1, 1.5, STEEPER, STEEPER, "1 if cells keep parts of their own, 3/2 if all keep the same")
-NEGLIGIBLE = above_nothing(0.02, "of the error")
+NEGLIGIBLE = positive_at_most(0.02, "of the error")
 
 
 class AdvancingFront(ListedNumbers):
@@ -86,13 +86,13 @@ class AdvancingFront(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution, steps = space_of(setting), resolve(setting.case).solution, PER_CELL * setting.level
-        gauge = Gauge(solution, space)
+        v_norm = ErrorNorm(solution, space)
         load = lru_cache(maxsize=None)(lambda time: load_from_forces(solution, space, time, DEGREE))
-        problem = SemiDiscrete.of(space, solution.law, load, gauge.sample(0.0).interpolant)
+        problem = SemiDiscrete.of(space, solution.law, load, v_norm.sample(0.0).interpolant)
         # Without the contact condition, and with σ_ν as a traction.
         linear = replace(problem, N=problem.N[:0], load=lambda time: load(time) + pressure_load(solution, space, time))
         coarse, fine = (path(problem, MIDPOINT, times * steps) for times in (1, 2))
-        error = largest_error(gauge, problem.T, fine)
+        error = largest_error(v_norm, problem.T, fine)
         rates = Velocity(solution, space).interpolation_error(midpoints(problem.T, INSTANTS))
         found = {
             "error": error,
@@ -104,11 +104,11 @@ class AdvancingFront(ListedNumbers):
         return with_h(space.h, found)
 
 
-def largest_error(gauge: Gauge, T: float, states: Array) -> float:
+def largest_error(v_norm: ErrorNorm, T: float, states: Array) -> float:
     """Return max ‖u − u^h‖_V over about as many nodes as there are instants."""
     steps = len(states) - 1
     nodes = range(0, steps + 1, max(1, steps // INSTANTS))
-    return max(gauge.distance(gauge.sample(n * T / steps), states[n]) for n in nodes)
+    return max(v_norm.distance(v_norm.sample(n * T / steps), states[n]) for n in nodes)
 
 
 def effect_of_quadrature(solution: ExactSolution, space: Space, problem: SemiDiscrete) -> float:

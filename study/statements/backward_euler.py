@@ -26,7 +26,7 @@ import pandas as pd
 
 from study.ledger.criterion import ROUNDING, Criterion, Measured, among, change, every, largest, or_none
 from study.ledger.orders import fit
-from study.ledger.window import Window, above_nothing, around
+from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
 from study.solve.paths import furthest, interpolated, last, oscillation, path
@@ -38,7 +38,7 @@ COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Numbers of steps: six halvings of k, from k ≫ h to k ≪ h."""
 FINEST = 1024
 """Steps of the midpoint rule whose solution is used for u^h."""
-PROVED = above_nothing(1.0, "proved in the article for every h and k")
+PROVED = positive_at_most(1.0, "proved in the article for every h and k")
 UNIFORM = around(1, 0.1, "no mesh enters the constant")
 BETWEEN = Window(0.2, 1 + ROUNDING, "proved for every function; 1/2 … 2/3 for steady changes, 1 for a jump amid a step")
 IN_K = around(1, 0.1, "least squares over six halvings, every mesh")
@@ -75,7 +75,7 @@ class BackwardEuler(ListedNumbers):
         largest("midpoint", ALL_TIMES, PROVED, *columns("midpoint")),
         Criterion("order", "order of ‖u^h − û^{hk}‖ in k", IN_K, or_none(orders_in_k), tuple(columns("error"))),
         change("uniform", f"‖u^h − û^{{hk}}‖ with {LAST} steps, finest mesh over coarsest", UNIFORM, f"{LAST} error"),
-        largest("reference", CHANGE, above_nothing(0.1, "hardly matters beside it"), "reference"),
+        largest("reference", CHANGE, positive_at_most(0.1, "hardly matters beside it"), "reference"),
     )
     quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))

@@ -43,7 +43,7 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.multiscale import FadingFace
 from manufactured.tensors import Array, Points
-from study.fem.gauge import FACET_POINTS, Gauge
+from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.mesh import Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
@@ -70,13 +70,13 @@ class Resolved:
     """V^h on a mesh, with integrals on another mesh that is refined where the exact solution has details.
 
     Attributes:
-        gauge: on the refined mesh.
+        v_norm: on the refined mesh.
         inclusion: free values on the mesh → free values on the refined one.
     """
 
     solution: ExactSolution
     space: Space
-    gauge: Gauge
+    v_norm: ErrorNorm
     inclusion: sps.csr_array
 
     @classmethod
@@ -84,15 +84,15 @@ class Resolved:
         """Refine the mesh of a space for a solution."""
         mesh, nodal = refined(space.mesh, lambda corners: least_depth(solution, corners) / PARTS)
         fine = Space(mesh, space.body)
-        return cls(solution, space, Gauge(solution, fine, along=()), inclusion_of(space, fine, nodal))
+        return cls(solution, space, ErrorNorm(solution, fine, along=()), inclusion_of(space, fine, nodal))
 
     def load(self, time: float) -> Array:
         """Return (f, ·)_V, (dofs,)."""
-        return np.asarray(self.inclusion.T @ self.gauge.load(time))
+        return np.asarray(self.inclusion.T @ self.v_norm.load(time))
 
     def distance(self, time: float, v: Array) -> float:
         """Return ‖u(t) − v‖_V."""
-        return self.gauge.distance(self.gauge.sample(time), self.inclusion @ v)
+        return self.v_norm.distance(self.v_norm.sample(time), self.inclusion @ v)
 
 
 def least_depth(solution: ExactSolution, corners: Points) -> Array:
@@ -109,7 +109,7 @@ def least_depth(solution: ExactSolution, corners: Points) -> Array:
 
 def pressing_on(at: Resolved) -> Callable[[float], Array]:
     """Return the function t ↦ ∫_{Γ3} p v_ν for v ∈ V^h, (dofs,)."""
-    space, rules = at.gauge.space, []
+    space, rules = at.v_norm.space, []
     mesh = space.mesh
     for face in at.solution.faces:
         rule = facet_rule(mesh, space.facets(face.part), face.part, (), FACET_POINTS)

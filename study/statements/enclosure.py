@@ -33,7 +33,7 @@ from study.ledger.criterion import Observation, Rule, every, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.orders import orders
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
-from study.ledger.window import Window, above_nothing, at_most
+from study.ledger.window import Window, at_most, positive_at_most
 from study.solve.evolution import Scheme
 from study.solve.steps import PACE, rate_steps
 from study.solve.tableau import SCHEMES
@@ -262,7 +262,7 @@ class Bounds(Statement):
 
 
 # Criteria. An error must be positive; a lower bound on a coarse mesh may be zero.
-ABOVE = largest("above", "largest error / upper bound", above_nothing(1.0, "at every sampled time"), "above")
+ABOVE = largest("above", "largest error / upper bound", positive_at_most(1.0, "at every sampled time"), "above")
 BELOW = largest("below", "largest lower bound / error", at_most(1.0, "at every sampled time"), "below")
 REACH = Observation(
     largest("upper", "upper bound / error over [T/2, T], largest", Window(), "upper"),

@@ -76,17 +76,19 @@ def columns(scheme: Scheme, which: str) -> list[str]:
 
 def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
     """Yield e and d of every scheme and number of steps, with the names of ``columns``."""
-    gauge, M = setup.gauge, setup.problem.M
+    v_norm, M = setup.v_norm, setup.problem.M
     # Schemes and grids share most of their times.
     load = lru_cache(maxsize=None)(setup.problem.load)
     problem = replace(setup.problem, load=lambda t: load(round(t, 12)))
     common = min(COUNTS)
     reference = [state.u for n, state in enumerate(MIDPOINT.march(problem, FINEST)) if n % (FINEST // common) == 0]
-    samples = [gauge.sample(n * problem.T / common) for n in range(common + 1)]
+    samples = [v_norm.sample(n * problem.T / common) for n in range(common + 1)]
     for scheme in SCHEMES:
         for count in COUNTS:
             at_common = islice(scheme.march(problem, count), 0, None, count // common)
-            pairs = [(reference[n] - state.u, gauge.distance(samples[n], state.u)) for n, state in enumerate(at_common)]
+            pairs = [
+                (reference[n] - state.u, v_norm.distance(samples[n], state.u)) for n, state in enumerate(at_common)
+            ]
             yield f"{scheme.name} {count} e", max(error for _, error in pairs)
             yield f"{scheme.name} {count} d", max(math.sqrt(v @ (M @ v)) for v, _ in pairs)
 

@@ -4,7 +4,7 @@ With (2.2), (2.4), σ_τ = 0 on Γ3 and v = 0 on Γ1, Green's formula says that 
 
     (σ, ε(v))_Q − ∫_{Γ3} σ_ν v_ν = (f_0, v)_H + (f_2, v)_{L²(Γ2)}.
 
-The left side is ``Gauge.load``, which needs no derivative of σ. The right side is computed from the forces, term by
+The left side is ``ErrorNorm.load``, which needs no derivative of σ. The right side is computed from the forces, term by
 term. The defect is the distance of both sides in the dual norm of V^h, ‖F‖² = FᵀM⁻¹F, over the **smallest** of the
 four terms that is not zero. So a term left out, or of the wrong sign, gives 1 or 2, however large the others are.
 
@@ -38,14 +38,14 @@ from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.factor import UNIFORM
 from manufactured.law import Linear
-from study.fem.gauge import DEGREE, SOLID_DEGREE, Gauge
+from study.fem.error_norm import DEGREE, SOLID_DEGREE, ErrorNorm
 from study.fem.independent import work_of_body_force, work_on
 from study.fem.mesh import with_midpoints
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.criterion import finest, judge, largest
 from study.ledger.verdict import Verdict
-from study.ledger.window import above_nothing
+from study.ledger.window import positive_at_most
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
@@ -60,9 +60,9 @@ FINE, COARSE = {2: 16, 3: 8}, 4
 """Degrees of the rules on the cells themselves, by dimension, and on halved cells."""
 HALVINGS = {2: 3, 3: 2}
 """How often cells are halved, by dimension."""
-SMOOTH = above_nothing(1e-10, "with the fine rule: f_0 is smooth off straight lines")
-KINKED = above_nothing(0.1, "f_0 jumps along curves, a term left out gives 1")
-SHRINKING = above_nothing(2.0, "times 2^{−k} for k halvings: 1 if all errors have one sign, 2 for their scatter")
+SMOOTH = positive_at_most(1e-10, "with the fine rule: f_0 is smooth off straight lines")
+KINKED = positive_at_most(0.1, "f_0 jumps along curves, a term left out gives 1")
+SHRINKING = positive_at_most(2.0, "times 2^{−k} for k halvings: 1 if all errors have one sign, 2 for their scatter")
 ROUND_OFF = 1e-12
 """Smaller defects and terms are rounding."""
 
@@ -118,12 +118,12 @@ def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0
     riesz = Cholesky(unloaded(space, solution.law).M)
     fine, prolong = refined(space, halvings)
     raised = degree - (DEGREE if space.dim == 2 else SOLID_DEGREE)
-    worst, gauge = 0.0, None
+    worst, v_norm = 0.0, None
     for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
-        if gauge is None or cut is not solution:
-            gauge = Gauge(cut, fine, raised)
-        load, body = gauge.load(time), work_of_body_force(cut, fine, time, degree)
+        if v_norm is None or cut is not solution:
+            v_norm = ErrorNorm(cut, fine, raised)
+        load, body = v_norm.load(time), work_of_body_force(cut, fine, time, degree)
         contact, loaded = (work_on(kind, cut, fine, time) for kind in (Kind.CONTACT, Kind.LOADED))
         functionals = load - body - loaded, load + contact, contact, body, loaded
         on_space = [space.interpolate((prolong.T @ fine.nodal(F).T).T) for F in functionals]

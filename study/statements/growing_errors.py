@@ -35,7 +35,7 @@ from manufactured.law import KelvinVoigt
 from manufactured.symbols import s, t
 from study.fem.naming import family_named, resolve
 from study.ledger.criterion import every, largest
-from study.ledger.window import above_nothing, around, at_least
+from study.ledger.window import around, at_least, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.solve.gradient_flow import GradientFlow
@@ -54,7 +54,7 @@ COUNTS, FINEST = (8, 32), 256
 LONGEST = tuple((omega, T) for omega, T in SWEEP if omega * T == max(a * b for a, b in SWEEP))
 """The (ω, T) with the largest e^{ωT}."""
 KNOWN = around(1, 5e-3, "the midpoint rule adds 3.3e-3 at most")
-PROVED = above_nothing(1.0, "proved")
+PROVED = positive_at_most(1.0, "proved")
 NEEDED = at_least(1.0, "e^{ωT} = 2e4")
 
 
@@ -121,19 +121,21 @@ def share(setup: Experiment) -> float:
 def error_at_end(setup: Experiment) -> float:
     """Return ‖u(T) − u^h(T)‖_V for u^h in V^h in place of K^h."""
     end = path(replace(setup.problem, N=setup.problem.N[:0]), setup.scheme, setup.steps)[-1]
-    return setup.gauge.distance(setup.gauge.sample(setup.problem.T), end)
+    return setup.v_norm.distance(setup.v_norm.sample(setup.problem.T), end)
 
 
 def known(setup: Experiment, omega: float) -> float:
     """Return (‖u − P_h u‖_V² + e^{2ωT} ‖P_h u_0 − Π^h u_0‖_V²)^{1/2} at T."""
-    gauge, problem, T = setup.gauge, setup.problem, setup.problem.T
+    v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
     start = projection(setup, 0.0) - problem.u0
-    return math.hypot(gauge.distance(gauge.sample(T), projection(setup, T)), math.exp(omega * T) * norm(problem, start))
+    return math.hypot(
+        v_norm.distance(v_norm.sample(T), projection(setup, T)), math.exp(omega * T) * norm(problem, start)
+    )
 
 
 def projection(setup: Experiment, time: float) -> np.ndarray:
     """Return P_h u(t), for a homogeneous A, (n_dofs,)."""
-    stress = setup.solution.law.A.matrix @ setup.gauge.means(time)
+    stress = setup.solution.law.A.matrix @ setup.v_norm.means(time)
     found: np.ndarray = Cholesky(setup.problem.M)(setup.space.functional(stress))
     return found
 

@@ -35,7 +35,7 @@ from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.symbols import t
 from manufactured.tensors import Array, Tensors
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
 from study.ledger.criterion import Observation, every
@@ -83,7 +83,7 @@ class Hypercircle(ListedNumbers):
         displacements = Space(mesh, solution.body)
         G = solution.law.G
         assert isinstance(G, Linear)
-        u, _ = Signorini(displacements.form(G.matrix), displacements.N)(Gauge(solution, displacements).load(0.0))
+        u, _ = Signorini(displacements.form(G.matrix), displacements.N)(ErrorNorm(solution, displacements).load(0.0))
         low, high = (Pair(solution, StressSpace(mesh, solution.body, p), displacements, u) for p in (LOW, HIGH))
         found = {f"plain_{LOW}": low.distance / low.error, f"plain_{HIGH}": high.distance / high.error}
         found |= {"guaranteed": high.bound / high.error, "oscillation": high.oscillation / high.error}

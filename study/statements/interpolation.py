@@ -19,7 +19,7 @@ import pandas as pd
 
 from manufactured.body import Body, Kind, Part
 from manufactured.exact import ExactSolution, Face
-from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
+from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import Graded, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
@@ -122,9 +122,9 @@ class InterpolationInV(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
-        gauge = Gauge(solution, space, RAISED)
-        samples = {at(fraction): gauge.sample(fraction * solution.body.T) for fraction in TIMES}
-        found = {name: gauge.distance(sample, sample.interpolant) for name, sample in samples.items()}
+        v_norm = ErrorNorm(solution, space, RAISED)
+        samples = {at(fraction): v_norm.sample(fraction * solution.body.T) for fraction in TIMES}
+        found = {name: v_norm.distance(sample, sample.interpolant) for name, sample in samples.items()}
         return with_h(space.h, {**found, SMOOTH: distance_in_V(solution, space, smooth(space.body))})
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:

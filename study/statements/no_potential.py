@@ -49,7 +49,7 @@ from manufactured.no_potential import NAME
 from manufactured.tensors import Array
 from study.ledger.criterion import Criterion, Measured, among, change, every, largest, or_none, order
 from study.ledger.orders import fit
-from study.ledger.window import Window, above_nothing, around
+from study.ledger.window import Window, around, positive_at_most
 from study.solve.euler_bounds import EulerBounds, backward_euler
 from study.solve.evolution import SemiDiscrete
 from study.solve.gradient_flow import GradientFlow
@@ -69,7 +69,7 @@ UNEQUAL = 3
 """Ratio of neighbouring steps where steps are not equal."""
 ROTATION, TURNS = 10.0, 1000
 """κ and the number of steps of the rotation in the plane."""
-PROVED = above_nothing(1.0, "proved for every h and k")
+PROVED = positive_at_most(1.0, "proved for every h and k")
 IN_K = around(1, 0.1, "least squares over four halvings, every mesh")
 UNIFORM = around(1, 0.1, "no mesh enters the constant")
 IN_H = around(1, 0.15, "least squares over all levels, k = T/(4n)")
@@ -125,7 +125,7 @@ class NoPotential(ListedNumbers):
         largest(
             "reference",
             f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error",
-            above_nothing(0.1, "hardly matters for the error"),
+            positive_at_most(0.1, "hardly matters for the error"),
             "reference",
         ),
     )
@@ -148,8 +148,8 @@ def fully_discrete(setup: Experiment, steps: int) -> float:
     """max ‖u(t_n) − U_n‖_V for so many equal steps, against the exact solution."""
     times = setup.problem.T * np.arange(steps + 1) / steps
     states = backward_euler(setup.problem, times.tolist())
-    samples = (setup.gauge.sample(t) for t in times.tolist())
-    return max(setup.gauge.distance(sample, u) for sample, u in zip(samples, states, strict=True))
+    samples = (setup.v_norm.sample(t) for t in times.tolist())
+    return max(setup.v_norm.distance(sample, u) for sample, u in zip(samples, states, strict=True))
 
 
 def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dict[str, float]:

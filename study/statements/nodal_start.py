@@ -32,7 +32,7 @@ from manufactured.tensors import Array, Points, dyad
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.criterion import consecutive, every, finest, largest
-from study.ledger.window import Window, above_nothing, around, at_least
+from study.ledger.window import Window, around, at_least, positive_at_most
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import space_of
@@ -42,7 +42,7 @@ FIRST = 3
 DIRECTION = np.array([0.0, 1.0])
 """e_2."""
 PREDICTED = around(1, 0.05, "spikes seen as hat functions")
-PROVED = above_nothing(1.0, "proved")
+PROVED = positive_at_most(1.0, "proved")
 GROWS = Window(-1.5, -0.5, "grows at least like h^{−1/2}, every consecutive order")
 WORSE = at_least(3.0, "worse than u_0^h = 0, on the finest grid")
 

@@ -33,7 +33,7 @@ import pandas as pd
 
 from manufactured.catalogue import catalogue
 from manufactured.tensors import Array
-from study.fem.gauge import FACET_POINTS, Gauge
+from study.fem.error_norm import FACET_POINTS, ErrorNorm
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
@@ -80,9 +80,9 @@ class LoadInTime(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
-        gauge, riesz = Gauge(solution, space), Cholesky(unloaded(space, solution.law).M)
+        v_norm, riesz = ErrorNorm(solution, space), Cholesky(unloaded(space, solution.law).M)
         times = np.linspace(0, solution.body.T, INTERVALS + 1)
-        loads = np.array([gauge.load(float(t)) for t in times])
+        loads = np.array([v_norm.load(float(t)) for t in times])
         fine, half, coarse = (increments(loads[::step], riesz) for step in (1, 2, COARSER))
         size = np.mean([dual_norm(F, riesz) for F in loads]) * solution.body.T
         found = {"variation": fine.sum() / half.sum(), "increments": fine.max() / coarse.max()}

@@ -38,7 +38,7 @@ import pandas as pd
 from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.tensors import Array
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm
 from study.fem.mesh import MeshFamily
 from study.fem.naming import choose, family_named, resolve
@@ -61,7 +61,7 @@ from study.ledger.criterion import (
 )
 from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Named, Verdict, row
-from study.ledger.window import Window, above_nothing, around, at_least, at_most, between
+from study.ledger.window import Window, around, at_least, at_most, between, positive_at_most
 from study.solve import solver_choice
 from study.solve.evolution import State
 from study.solve.solver_choice import contact_solver
@@ -142,14 +142,14 @@ def measure_case(case: Case, family: MeshFamily, level: int, scheme: Tableau, st
 
 def measure(experiment: Experiment) -> Measurement:
     """Advance the trajectories with steps k and k/2 together and measure the errors of the finer one at all nodes."""
-    gauge, problem, M = experiment.gauge, experiment.problem, experiment.problem.M
+    v_norm, problem, M = experiment.v_norm, experiment.problem, experiment.problem.M
     coarse = experiment.scheme.march(problem, experiment.steps)
     history: list[tuple[float, ...]] = []
     drift, residual, largest = 0.0, 0.0, 0.0
     for n, state in enumerate(experiment.scheme.march(problem, 2 * experiment.steps)):
-        sample = gauge.sample(state.time)
+        sample = v_norm.sample(state.time)
         interpolant, discrete = sample.interpolant, sample.interpolant - state.u
-        measured = [gauge.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
+        measured = [v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
         history.append((state.time, *measured[:2], math.sqrt(discrete @ (M @ discrete)), measured[2]))
         residual = max(residual, state.residual())
         if n == 0 or measured[0] > largest:
@@ -219,8 +219,8 @@ class Measurement:
     def parallelogram(self) -> float:
         """Return max_n |2e² + 2i² − (2m)² − d²| over max_n d², which is zero by the parallelogram law.
 
-        e, i, d, m are the rows of ``history`` after t. d is measured by the matrix M, the others by the gauge, which
-        averages the factor of A by another quadrature rule. If u − Π^h u were measured instead of all others,
+        e, i, d, m are the rows of ``history`` after t. d is measured by the matrix M, the others by ``ErrorNorm``,
+        which averages the factor of A by another quadrature rule. If u − Π^h u were measured instead of all others,
         e = m = i would miss all of d². If i were measured instead of e alone, 2 |i² − e²| would be missing, which is
         twice d² if u^h is the best approximation.
         """
@@ -237,11 +237,11 @@ class Measurement:
         those of u^h, while the change is not NEGLIGIBLE.
         """
         experiment, problem, time = self.experiment, self.experiment.problem, self.worst.time
-        finer = Gauge(experiment.solution, experiment.space, raised=2, along=())
-        error, raised = (gauge.distance(gauge.sample(time), self.worst.u) for gauge in (experiment.gauge, finer))
+        finer = ErrorNorm(experiment.solution, experiment.space, raised=2, along=())
+        error, raised = (v_norm.distance(v_norm.sample(time), self.worst.u) for v_norm in (experiment.v_norm, finer))
         change = replace(
             problem,
-            load=lambda t: finer.load(t) - experiment.gauge.load(t),
+            load=lambda t: finer.load(t) - experiment.v_norm.load(t),
             u0=np.zeros_like(problem.u0),
             N=problem.N[:0],
             remainder=None,
@@ -283,16 +283,18 @@ def residuals(group: pd.DataFrame) -> Measured:
     return greatest(group["residual"].to_numpy() / np.array(allowed))
 
 
-PARALLELOGRAM = above_nothing(1e-3, "exact but for rounding and two quadratures of A's factor")
-RESIDUAL = above_nothing(1.0, f"{solver_choice.ROUNDING:g} of a factorisation, {solver_choice.SHARE:g} h² of multigrid")
+PARALLELOGRAM = positive_at_most(1e-3, "exact but for rounding and two quadratures of A's factor")
+RESIDUAL = positive_at_most(
+    1.0, f"{solver_choice.ROUNDING:g} of a factorisation, {solver_choice.SHARE:g} h² of multigrid"
+)
 SIZE = around(1, 0.1, "Pythagoras")
 SIZES = Criterion("size", "size of the error", SIZE, size_of_error, ("error", "discrete_error", "interpolation_error"))
 EVIDENCE = (
     largest("parallelogram", "parallelogram law of u − u^h and u − Π^h u", PARALLELOGRAM, "parallelogram"),
-    largest("time-share", "time share", above_nothing(0.02, "of the error"), "time_share"),
+    largest("time-share", "time share", positive_at_most(0.02, "of the error"), "time_share"),
     Criterion("residual", "residual of the contact solves / allowed", RESIDUAL, residuals, ("dim", "dofs", "residual")),
     largest("clamped", "u^h = 0 on Γ1", at_most(1e-10), "clamped"),
-    largest("quadrature", "change under finer quadrature", above_nothing(0.02, "of the error"), "quadrature_change"),
+    largest("quadrature", "change under finer quadrature", positive_at_most(0.02, "of the error"), "quadrature_change"),
 )
 
 # Criteria of Proposition 5.4.
@@ -319,8 +321,8 @@ DISCRETE_ORDERS = {
 """Orders of the discrete error on one-diagonal meshes (True) and on others. On one-diagonal meshes neighbouring
 triangles form parallelograms, and Π^h u − u^h is superclose, of order 3/2 (traction boundary) to 2. On other meshes it
 is at least of the order of the error. It is at most of order 2."""
-SHARE = above_nothing(0.6, "of the interpolation error: by Pythagoras both errors differ by ≤ 20 %")
-TIME = above_nothing(0.3, "of the discrete error")
+SHARE = positive_at_most(0.6, "of the interpolation error: by Pythagoras both errors differ by ≤ 20 %")
+TIME = positive_at_most(0.3, "of the discrete error")
 DISCRETE_SIZES = (
     over("discrete-share", "‖Π^h u − u^h‖_V / ‖u − Π^h u‖_V", SHARE, "discrete_error", "interpolation_error"),
     largest("discrete-time-share", "time share of ‖Π^h u − u^h‖_V", TIME, "discrete_time_share"),

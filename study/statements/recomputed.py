@@ -6,9 +6,9 @@ assembly and solvers. Its errors are compared with the errors in ``rates.csv``, 
 the study. A defect of the load, of a modulus, of the start or of the time steps changes a trajectory to first order,
 an error only to second order.
 
-**Predicted.** The gauge integrates by rules of degree 4 with points moved along the face, the second solver by rules of
-degree 10. Rows of ``rates.csv`` bound the effect of quadrature by 2 %, by the triangle inequality; both rules cut the
-same cells, and their difference is much smaller. Predicted: errors agree within 0.5 %, and the discrete errors, a few
+**Predicted.** ``ErrorNorm`` integrates by rules of degree 4 with points moved along the face, the second solver by
+rules of degree 10. Rows of ``rates.csv`` bound the effect of quadrature by 2 %, by the triangle inequality; both
+rules cut the same cells, and their difference is much smaller. Predicted: errors agree within 0.5 %, and the discrete errors, a few
 times smaller, within 1 %. Trajectories differ by the load alone, whose relative quadrature error is a power of h
 smaller than the error of the solution, 2e-3; nodal forces are differences of large terms, 1 %. Π^h u_0 has no
 quadrature.
@@ -31,7 +31,7 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.ledger.criterion import Criterion, Measured, among, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
-from study.ledger.window import Window, above_nothing, around, at_most
+from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, RateSetting
 from study.statements.recomputed_solver import PlainProblem, Trajectory
@@ -107,7 +107,7 @@ SAME = around(1, 0.005, "quadrature")
 FORCES = "|λ − λ̃| / |λ̃| over all steps"
 DISPLACEMENTS = "max_n ‖u^h_n − ũ^h_n‖_V / max_n ‖ũ^h_n‖_V"
 ALIKE = "both with the load of u^h"
-STOPPED = above_nothing(1e-9, "of ‖u^h‖_V, where both solvers stop")
+STOPPED = positive_at_most(1e-9, "of ‖u^h‖_V, where both solvers stop")
 STOPPED_FORCES = at_most(1e-9, "of λ, where both solvers stop")
 TRAJECTORIES = (
     largest("start", "‖u^h_0 − ũ^h_0‖_V / ‖ũ^h_0‖_V", at_most(1e-10, "of ‖Π^h u_0‖_V, only rounding"), "start"),

@@ -26,11 +26,11 @@ from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.tensors import Array, Tensors, dyad, mandel
-from study.fem.gauge import rules
+from study.fem.error_norm import rules
 from study.fem.quadrature import facet_rule
 
 DEGREE, SOLID_DEGREE = 10, 6
-"""Degrees of the cell rule in 2D and in 3D, where the gauge has 4 and 2."""
+"""Degrees of the cell rule in 2D and in 3D, where ``ErrorNorm`` has 4 and 2."""
 POINTS, SOLID_POINTS = 20, 6
 """Gauss points on a facet of Γ3 in 2D, and in each direction of a facet in 3D."""
 SETTLED, ITERATIONS = 1e-12, 100

@@ -34,7 +34,7 @@ from manufactured.body import Kind, Part
 from manufactured.catalogue import catalogue
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Tensors, Vectors
-from study.fem.gauge import rules
+from study.fem.error_norm import rules
 from study.fem.independent import shapes
 from study.fem.mesh import barycentric_gradients
 from study.fem.naming import resolve
@@ -42,7 +42,7 @@ from study.fem.quadrature import CellRule, FacetRule, facet_rule
 from study.fem.space import Space
 from study.ledger.criterion import Criterion, Measured, finest, greatest, judge
 from study.ledger.verdict import Verdict
-from study.ledger.window import Window, above_nothing
+from study.ledger.window import Window, positive_at_most
 from study.statements.boundary import Field, planes, strain, vanishing, waves
 from study.statements.green import (
     FINE,
@@ -67,8 +67,8 @@ POINTS = 20
 """Gauss points on a facet, exact to degree 39: p ~ (c − s)_+² on a facet graded to c has degree 31."""
 INSTANTS = 64
 """Times at which contact is looked for."""
-CANCELLING = above_nothing(1e-8, "with the fine rule: 1/h times the 1e-10 for a smooth f_0")
-BOUND = above_nothing(1 + 1e-9, "by the inequality of Cauchy and Schwarz")
+CANCELLING = positive_at_most(1e-8, "with the fine rule: 1/h times the 1e-10 for a smooth f_0")
+BOUND = positive_at_most(1 + 1e-9, "by the inequality of Cauchy and Schwarz")
 
 
 class Residual(ListedNumbers):

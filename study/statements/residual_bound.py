@@ -20,12 +20,12 @@ import numpy as np
 
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Tensors
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.material import on_cells
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.criterion import ROUNDING, every, largest
-from study.ledger.window import Window, above_nothing, at_most
+from study.ledger.window import Window, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
@@ -36,8 +36,8 @@ from study.statements.thm_4_2 import beyond
 
 INSTANTS = 32
 """Times at which the norms are taken."""
-TERM_BY_TERM = above_nothing(1.0, "proved")
-AT_REST = above_nothing(1e-10, "0 but for rounding: u^h ≡ 0 solves, while the printed bound is 0")
+TERM_BY_TERM = positive_at_most(1.0, "proved")
+AT_REST = positive_at_most(1e-10, "0 but for rounding: u^h ≡ 0 solves, while the printed bound is 0")
 ATTAINED = Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)")
 NEVER = at_most(1 + ROUNDING, "proved")
 
@@ -59,15 +59,15 @@ class ResidualBound(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
         problem = unloaded(space, solution.law)
-        share = share_of_bound(Energies(solution, space), Gauge(solution, space), problem, solution.law)
+        share = share_of_bound(Energies(solution, space), ErrorNorm(solution, space), problem, solution.law)
         return with_h(space.h, {"bound": share, **at_rest(space, problem, solution.law)})
 
 
-def share_of_bound(energies: Energies, gauge: Gauge, problem: SemiDiscrete, law: KelvinVoigt) -> float:
+def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete, law: KelvinVoigt) -> float:
     """Return max_s ‖R(s)‖ on V^h over the bound, for the exact solution."""
     riesz, exact, rows = Cholesky(problem.M), energies.exact, []
-    for time in midpoints(gauge.space.body.T, INSTANTS):
-        strain, rate, load = exact.strain(time), exact.strain_rate(time), gauge.load(time)
+    for time in midpoints(v_norm.space.body.T, INSTANTS):
+        strain, rate, load = exact.strain(time), exact.strain_rate(time), v_norm.load(time)
         residual = energies.functional(exact.law.stress(rate, strain)) - load
         norms = [energies.product(field, field) ** 0.5 for field in (rate, strain)]
         rows.append((dual_norm(residual, riesz), *norms, dual_norm(load, riesz)))

@@ -34,7 +34,7 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.criterion import ROUNDING, every, largest
-from study.ledger.window import Window, above_nothing, at_most
+from study.ledger.window import Window, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.solve.fixed_point import fixed_point
@@ -56,7 +56,7 @@ INSIDE = 1e3
 """Distance from the boundary of K^h, over the size of a step, at which large quotients of J are searched."""
 NEVER = at_most(1e-12, "never positive but for rounding", low=-np.inf)
 USED = Window(0.02, 1 + ROUNDING, "G or −G; where nothing was used (L_G/m_A) I would not be needed")
-ONTO = above_nothing(1e-10, f"an iteration stopped at {SETTLED:g}")
+ONTO = positive_at_most(1e-10, f"an iteration stopped at {SETTLED:g}")
 GROWING = Window(0.5, 1 + ROUNDING, "a half is used without B")
 SHRINKING = Window(0.6, 1 + ROUNDING, "B ≤ L leaves 2/3 at least")
 

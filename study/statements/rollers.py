@@ -71,7 +71,7 @@ from manufactured.jet import Jet
 from manufactured.multiscale import ROLLERS, FadingFace
 from manufactured.multiscale.roller import START
 from manufactured.tensors import Array
-from study.fem.gauge import FACET_POINTS
+from study.fem.error_norm import FACET_POINTS
 from study.fem.material import form
 from study.fem.naming import resolve
 from study.fem.quadrature import facet_rule
@@ -162,8 +162,8 @@ class OnContact:
 
     def strained(self, time: float) -> Array:
         """Return (u(t), ·)_V on V^h, (dofs,)."""
-        gauge, law = self.at.gauge, self.at.solution.law
-        return np.asarray(self.at.inclusion.T @ gauge.space.functional(law.A.matrix @ gauge.means(time)))
+        v_norm, law = self.at.v_norm, self.at.solution.law
+        return np.asarray(self.at.inclusion.T @ v_norm.space.functional(law.A.matrix @ v_norm.means(time)))
 
     def projected(self, time: float) -> Array:
         """Return P_hu(t), (dofs,)."""
@@ -241,15 +241,15 @@ def sides(found: Trajectories) -> dict[str, float]:
     """Return both sides of the theorem and the terms of the right one, with θ = dist(·, Γ1) ν and so Λ = 1."""
     on, at, T = found.on, found.on.at, found.on.at.space.body.T
     times = {n: n * found.k for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS))}
-    samples = {n: at.gauge.sample(time) for n, time in times.items()}
+    samples = {n: at.v_norm.sample(time) for n, time in times.items()}
 
     def largest_distance(v: Callable[[int], Array]) -> float:
-        return max(at.gauge.distance(sample, at.inclusion @ v(n)) for n, sample in samples.items())
+        return max(at.v_norm.distance(sample, at.inclusion @ v(n)) for n, sample in samples.items())
 
     best, error = largest_distance(lambda n: on.projected(times[n])), largest_distance(found.displacement)
     nodal = max(float(abs(g + gap(at, n * found.k)).max()) for n, g in enumerate(found.projected))
     between = max(interpolation_error(at.solution, at.space, time) for time in times.values())
-    force, start = found.k * float(found.forces.sum()), at.gauge.distance(samples[0], at.inclusion @ on.start)
+    force, start = found.k * float(found.forces.sum()), at.v_norm.distance(samples[0], at.inclusion @ on.start)
     growth, work = math.exp(at.solution.law.kappa * T), math.sqrt(2 * (2 * nodal + between) * force)
     right = growth * (best + start + 2 * norm_of_field(on) * nodal + work)
     return {"error": error, "right side": right, "E_h": best, "M_h": nodal, "J_h": between, "force": force}

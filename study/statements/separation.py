@@ -28,12 +28,12 @@ import numpy as np
 
 from manufactured.law import AtPoints
 from manufactured.tensors import Array, Tensors
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.material import on_cells
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.criterion import every, largest
-from study.ledger.window import above_nothing, around
+from study.ledger.window import around, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
@@ -49,7 +49,7 @@ COUNT = 12
 """Number of random u whose constraints are all random, and of random u that violate one constraint."""
 INSTANT = 0.61
 """Fraction of T at which f and Σ^h are taken."""
-CONE = above_nothing(1e-10, "0 but for rounding")
+CONE = positive_at_most(1e-10, "0 but for rounding")
 HALFWAY = around(1, 1e-9, "an equation but for rounding")
 
 
@@ -74,7 +74,7 @@ class Separation(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, solution = space_of(setting), resolve(setting.case).solution
         problem, A = unloaded(space, solution.law), on_cells(space, solution.law).A
-        load = Gauge(solution, space).load(INSTANT * solution.body.T)
+        load = ErrorNorm(solution, space).load(INSTANT * solution.body.T)
         return with_h(space.h, refutation(space, problem, A, load))
 
 

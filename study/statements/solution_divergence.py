@@ -37,7 +37,7 @@ from study.fem.material import form
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.criterion import every, largest
-from study.ledger.window import Window, above_nothing, around
+from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.paths import path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
@@ -56,7 +56,7 @@ KINDS = 5
 SMALL = 0.01
 """Largest strain of an eigenvector at T, far inside K, where the law is linear."""
 SEEN = around(1, 1e-3, "the midpoint rule adds 3.3e-4 at most")
-NEVER = above_nothing(1 + 1e-7, "proved; room for fixed points")
+NEVER = positive_at_most(1 + 1e-7, "proved; room for fixed points")
 ATTAINED = Window(1 - 1e-7, 1 + 1e-7, "B = −ωI: equality but for rounding")
 
 

@@ -49,7 +49,7 @@ import numpy as np
 from manufactured.tensors import Array
 from study.fem.quadrature.rules import gauss
 from study.ledger.criterion import largest
-from study.ledger.window import Window, above_nothing, at_most
+from study.ledger.window import Window, at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, State
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.constraint import with_trace
@@ -69,8 +69,8 @@ POINTS = 2
 """Gauss points in each step."""
 
 _BY_WHAT = f"round-off, and for law (3.3) a fixed point stopped at {FIXED_POINT:g} of u beside products with e"
-NEVER, EQUAL = at_most(1e-8, _BY_WHAT, low=-np.inf), above_nothing(1e-8, _BY_WHAT)
-BY_PARTS = above_nothing(0.003, "two points of Gauss leave k² ~ 1e-4 of the terms where velocities jump")
+NEVER, EQUAL = at_most(1e-8, _BY_WHAT, low=-np.inf), positive_at_most(1e-8, _BY_WHAT)
+BY_PARTS = positive_at_most(0.003, "two points of Gauss leave k² ~ 1e-4 of the terms where velocities jump")
 INTEGRATED = Window(0.2, 1.0, "proved; at T/32 errors that stay leave 1/(1 + L T/8)")
 YOUNG = Window(0.01, 1.0, "proved; 0.03 … 0.15 for e like η")
 IN_TIME = Window(0.1, 1.0, "proved; 1/2 where η grows from zero")

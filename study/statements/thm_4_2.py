@@ -47,7 +47,7 @@ from manufactured.case import Case
 from manufactured.exact import ExactSolution
 from manufactured.law import KelvinVoigt
 from manufactured.tensors import Array
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.material import on_cells
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
@@ -55,11 +55,10 @@ from study.fem.space import Space
 from study.ledger.criterion import Criterion, Measured, every, greatest, largest, largest_quotient
 from study.ledger.datafiles import CsvFile
 from study.ledger.text import power_of_ten
-from study.ledger.window import above_nothing, around, at_most
+from study.ledger.window import around, at_most, positive_at_most
 from study.solve.evolution import SemiDiscrete
 from study.solve.steps import step_size
-from study.solve.stress_problem import StressProblem
-from study.solve.stress_programme import AIM, StressState
+from study.solve.stress_problem import AIM, StressProblem, StressState
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared import estimates
 from study.statements.shared.base import ListedNumbers, Setting, Statement, grid, with_h
@@ -100,9 +99,9 @@ EQUIVALENCE = CsvFile("equivalence.csv", ("case", "family", "level"), COLUMNS)
 def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[SemiDiscrete, StressProblem]:
     """Return Problems 3.1 and 3.2 of an exact solution on one mesh."""
     space = Space(family(solution.body, level), solution.body)
-    gauge = Gauge(solution, space)
-    u0 = gauge.sample(0.0).interpolant
-    return SemiDiscrete.of(space, solution.law, gauge.load, u0), StressProblem.of(space, solution.law, gauge.load, u0)
+    v_norm = ErrorNorm(solution, space)
+    u0 = v_norm.sample(0.0).interpolant
+    return SemiDiscrete.of(space, solution.law, v_norm.load, u0), StressProblem.of(space, solution.law, v_norm.load, u0)
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
@@ -187,9 +186,9 @@ def largest_bound(group: pd.DataFrame) -> Measured:
 
 
 OVER_BOUND = "of Problem 3.2 − 3.1 / what the gap allows"
-PROVED = above_nothing(1.0, "proved")
-AGREEMENT = above_nothing(1e-7, "at every step")
-SHARP = above_nothing(1e-5, "32 steps, each the root of a gap of 1e-15, and norms 10 apart")
+PROVED = positive_at_most(1.0, "proved")
+AGREEMENT = positive_at_most(1e-7, "at every step")
+SHARP = positive_at_most(1e-5, "32 steps, each the root of a gap of 1e-15, and norms 10 apart")
 
 
 class SameMesh(Statement):

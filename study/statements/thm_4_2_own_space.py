@@ -43,7 +43,7 @@ from manufactured.exact import ExactSolution
 from manufactured.law import Linear
 from manufactured.regularity import Regularity
 from manufactured.tensors import Array, Tensors, Vectors
-from study.fem.gauge import DEGREE, FACET_POINTS, Gauge, rules
+from study.fem.error_norm import DEGREE, FACET_POINTS, ErrorNorm, rules
 from study.fem.mesh import Graded, MeshFamily, size
 from study.fem.naming import family_named, resolve
 from study.fem.quadrature import facet_rule
@@ -51,7 +51,7 @@ from study.fem.space import Space
 from study.ledger.criterion import Criterion, Observation, Rule, among, growth, largest, order, weighted
 from study.ledger.datafiles import CsvFile
 from study.ledger.verdict import Verdict
-from study.ledger.window import Window, above_nothing, at_least, at_most, between
+from study.ledger.window import Window, at_least, at_most, between, positive_at_most
 from study.solve.evolution import SemiDiscrete, velocities
 from study.solve.signorini import Signorini
 from study.solve.steps import stress_steps
@@ -164,7 +164,7 @@ class StressExperiment:
 class Exact:
     """The exact solution at the quadrature points of a stress space, and norms of errors.
 
-    Cells are cut where the solution is rough, as in ``study.fem.gauge``.
+    Cells are cut where the solution is rough, as in ``study.fem.error_norm``.
     """
 
     def __init__(self, solution: ExactSolution, space: StressSpace) -> None:
@@ -243,8 +243,8 @@ class Primal:
         law, self.displacements = solution.law, Space(space.mesh, solution.body)
         assert isinstance(law.G, Linear)
         self.viscous, self.elastic = tensor_at(law.A, space.points), tensor_at(law.G, space.points)
-        gauge = Gauge(solution, self.displacements)
-        problem = SemiDiscrete.of(self.displacements, law, gauge.load, gauge.sample(0.0).interpolant)
+        v_norm = ErrorNorm(solution, self.displacements)
+        problem = SemiDiscrete.of(self.displacements, law, v_norm.load, v_norm.sample(0.0).interpolant)
         self.states = islice(velocities(problem, BDF2, steps), 1, None)
 
     def __next__(self) -> tuple[Vectors, Tensors]:
@@ -336,7 +336,7 @@ CHANCE = 0.3
 """Further tolerance for an order on random meshes that comes from cells along a line: three standard deviations. One
 standard deviation was 0.03 … 0.19 in a pilot on shaken meshes, n = 8, 16, 32, that judged nothing. Orders of sums over
 all cells scattered by 0.03 and need none. The windows without it are used on one-diagonal meshes."""
-TIME = above_nothing(0.5, "by the order 3/2 in k what steps contribute is then ≤ 0.27 of the error")
+TIME = positive_at_most(0.5, "by the order 3/2 in k what steps contribute is then ≤ 0.27 of the error")
 ADMISSIBLE = "σ^hν continuous, P f_2 on Γ2, σ_τ = 0 and σ_ν ≤ 0 on Γ3, strongly"
 RATIO = "‖σ − σ^h‖_Q / that of the best polynomials"
 QUANTITIES = {
@@ -400,7 +400,7 @@ def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
     yield Observation(ratios, "the best polynomials are those of a larger space")
     bounded = at_most(1.35, "bounded; two deviations more for chance") if random else at_most(1.25, "bounded")
     yield growth("growth", f"growth of {RATIO}, coarsest to finest, fitted", bounded, "ratio", CELLS, PAIR)
-    yield largest("admissible", ADMISSIBLE, above_nothing(1e-9), "admissibility")
+    yield largest("admissible", ADMISSIBLE, positive_at_most(1e-9), "admissibility")
     yield largest("time-share", "share of steps and quadrature in ‖σ − σ^h‖_Q", TIME, "time_share")
     in_the_maximum = order("order-sup", "order of max_n ‖σ − σ^h‖_Q", Window(), "stress_sup", JUDGED, PAIR)
     yield Observation(in_the_maximum, "the maximum is where a front lies worst in its cell, by chance on every level")

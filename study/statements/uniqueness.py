@@ -17,7 +17,7 @@ from scipy.optimize import nnls
 from manufactured.tensors import Array, Points, Tensors
 from study.fem.mesh import size as mesh_size
 from study.ledger.criterion import largest
-from study.ledger.window import above_nothing, at_most
+from study.ledger.window import at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete
 from study.solve.interior_point import Accuracy, settings
 from study.solve.signorini import Signorini
@@ -29,9 +29,9 @@ from study.statements.thm_4_2_own_space import StressExperiment
 
 STEPS = 12
 _BY_WHAT = f"exact solvers, or a fixed point stopped at {FIXED_POINT:g} in every step"
-EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), above_nothing(1e-9, _BY_WHAT)
+EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
 """From any start a solver ends with the same active set and the same digits; other arithmetic leaves rounding."""
-INTERIOR = above_nothing(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
+INTERIOR = positive_at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
 
 
 class OneTrajectory(ListedNumbers):

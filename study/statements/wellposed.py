@@ -13,7 +13,7 @@ from manufactured.tensors import Array
 from study.fem.naming import resolve
 from study.fem.space import Space
 from study.ledger.criterion import every, finest, largest
-from study.ledger.window import Window, above_nothing, around
+from study.ledger.window import Window, around, positive_at_most
 from study.solve.evolution import FIXED_POINT, SemiDiscrete, State
 from study.solve.factorisation import Cholesky
 from study.solve.signorini import Signorini
@@ -66,7 +66,7 @@ def fastest(problem: SemiDiscrete, steps: int) -> float:
 
 SIZES = (0.1, 1.0, 10.0)
 """Sizes of the perturbations, relative to the data."""
-NEVER = above_nothing(1 + 1e-7, f"room for fixed points stopped at {FIXED_POINT:g}")
+NEVER = positive_at_most(1 + 1e-7, f"room for fixed points stopped at {FIXED_POINT:g}")
 SHARP = Window(0.5, 1 + 1e-7, "without contact it is at least e^{−ωk}/(1 + ωk), ωk ≤ 1/4")
 UNDAMPED = "‖u − v‖_V / (‖u_0 − v_0‖_V + ∫‖f − g‖_V), ω = 0, allowed by monotone G"
 AFTER_ONE_STEP = "the same after one step, ω = L_G/m_A, f − g constant and off the contact"

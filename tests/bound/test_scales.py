@@ -19,7 +19,7 @@ from study.bound.enclosing import Enclosure
 from study.bound.problem import BoundError
 from study.bound.trajectory import Refined
 from study.cli.refusals import REFUSALS
-from study.fem.gauge import Gauge, NormError
+from study.fem.error_norm import ErrorNorm, NormError
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
 from study.solve.tableau import MIDPOINT
@@ -140,8 +140,8 @@ def test_no_enclosure_is_made_of_what_is_no_number(name: str, value: float) -> N
 def test_an_error_that_is_no_number_is_not_measured() -> None:
     solution = named("full-contact").solution
     space = Space(OneDiagonal()(solution.body, 2), solution.body)
-    gauge = Gauge(solution, space)
+    v_norm = ErrorNorm(solution, space)
     for value in (math.nan, math.inf, 1e200):
         with pytest.raises(NormError, match="moderate size"), np.errstate(all="ignore"):
-            gauge.distance(gauge.sample(0.5), np.full(space.dofs, value))
+            v_norm.distance(v_norm.sample(0.5), np.full(space.dofs, value))
     assert issubclass(NormError, REFUSALS)

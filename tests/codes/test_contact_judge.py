@@ -58,10 +58,10 @@ def test_tasks_read_back_give_our_own_errors(tasks: list[Any]) -> None:
     for task, n in zip(tasks, LEVELS, strict=True):
         mine = exported(level=n)
         found = judge.measure(task, np.array([one["reference"] for one in task.data["judge"]]))
-        errors = [mine.gauge.distance(mine.gauge.sample(t), mine.static(t)) for t in (0.15, 0.55)]
+        errors = [mine.v_norm.distance(mine.v_norm.sample(t), mine.static(t)) for t in (0.15, 0.55)]
         assert found.error == pytest.approx(max(errors), rel=1e-12)
         apart = [
-            np.linalg.norm(mine.gauge.sample(t).interpolant - mine.space.interpolate(np.array(one["displacement"]).T))
+            np.linalg.norm(mine.v_norm.sample(t).interpolant - mine.space.interpolate(np.array(one["displacement"]).T))
             for t, one in zip((0.15, 0.55), task.data["judge"], strict=True)
         ]
         assert max(apart) < 1e-11
@@ -96,7 +96,7 @@ def test_a_march_is_the_midpoint_rule() -> None:
     solution = resolve("advance-recede").solution
     setup = Experiment.of(solution, OneDiagonal(), 8, MIDPOINT, 6)
     states = list(MIDPOINT.march(setup.problem, 6))[1:]
-    errors = [setup.gauge.distance(setup.gauge.sample(state.time), state.u) for state in states]
+    errors = [setup.v_norm.distance(setup.v_norm.sample(state.time), state.u) for state in states]
     assert found.errors[0].error == pytest.approx(max(errors), rel=1e-11)
     assert found.errors[0].pressure < 0.2
 

@@ -268,13 +268,13 @@ def modules_after(code: str) -> set[str]:
 
 SPACE = """
 from manufactured import catalogue
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
 solution = {case.name: case for case in catalogue()}["advance-recede"].solution
 space = Space(OneDiagonal()(solution.body, 4), solution.body)
-gauge = Gauge(solution, space)
-data = space, solution.law, gauge.load, gauge.sample(0.0).interpolant
+v_norm = ErrorNorm(solution, space)
+data = space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant
 """
 STRESSES = "from study.solve.stress_problem import StressProblem; *_, last = StressProblem.of(*data).march(8)"
 DISPLACEMENTS = """
@@ -300,7 +300,7 @@ from study.solve.tableau import BACKWARD_EULER
                 "factorisation",
             },
         ),
-        (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem", "stress_programme"}),
+        (DISPLACEMENTS, "study.solve.signorini", {"interior_point", "stress_problem"}),
     ],
     ids=["stresses", "displacements"],
 )

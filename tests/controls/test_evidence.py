@@ -351,8 +351,8 @@ ELSEWHERE = (
     Weakened(
         "error of the last node",
         "study.statements.error_bounds:sides",
-        "max(gauge.distance(gauge.sample(state.time), state.u) for state in setup.scheme.march(problem, setup.steps))",
-        "[gauge.distance(gauge.sample(s.time), s.u) for s in setup.scheme.march(problem, setup.steps)][-1]",
+        "max(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)",
+        "[v_norm.distance(v_norm.sample(state.time), state.u) for state in states][-1]",
         middle("bounds"),
     ),
     Weakened(

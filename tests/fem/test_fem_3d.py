@@ -12,7 +12,7 @@ from skfem.helpers import ddot, sym_grad, trace
 
 from manufactured import Body, BodyError, Kind, Part, box, catalogue, isotropic, polygon, unit_square
 from manufactured.tensors import mandel
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
 from study.fem.mesh import (
     FAMILIES,
@@ -305,12 +305,12 @@ def test_the_two_loads_and_the_two_interpolation_errors_of_a_solid_meet_under_re
     solution = {case.name: case for case in catalogue()}["cube-disc"].solution
     loads, shares = [], []
     for n in (4, 12):
-        gauge = Gauge(solution, Space(Shaken()(solution.body, n), solution.body), raised=2)
-        expected = gauge.load(0.7)
-        difference = expected - load_from_forces(solution, gauge.space, 0.7, gauge.degree)
+        v_norm = ErrorNorm(solution, Space(Shaken()(solution.body, n), solution.body), raised=2)
+        expected = v_norm.load(0.7)
+        difference = expected - load_from_forces(solution, v_norm.space, 0.7, v_norm.degree)
         loads.append(np.linalg.norm(difference) / np.linalg.norm(expected))
-        sample = gauge.sample(0.7)
-        shares.append(LeadingTerm(solution, gauge.space)(0.7) / gauge.distance(sample, sample.interpolant))
+        sample = v_norm.sample(0.7)
+        shares.append(LeadingTerm(solution, v_norm.space)(0.7) / v_norm.distance(sample, sample.interpolant))
     assert loads[1] < min(loads[0] / 2, 0.02)
     assert abs(shares[1] - 1) < 0.05
     assert abs(shares[1] - 1) < abs(shares[0] - 1) / 3

@@ -53,7 +53,7 @@ def test_a_change_of_computing_code_changes_the_key_and_a_change_of_words_does_n
         measured, everything = keys_after(module, "\nimport ", "\nCHANGED = 1\nimport ")
         assert (measured != before[0]) == (module in COMPUTE)
         assert everything != before[1]
-    measured, everything = keys_after("study/statements/prop_5_4.py", "above_nothing(0.02", "above_nothing(0.03")
+    measured, everything = keys_after("study/statements/prop_5_4.py", "positive_at_most(0.02", "positive_at_most(0.03")
     assert measured == before[0], "a changed window measures nothing anew"
     assert everything != before[1]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from manufactured import catalogue
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
@@ -19,12 +19,12 @@ CASE = next(case for case in catalogue() if case.name == "advance-recede")
 )
 def test_errors_agree_with_an_independent_prototype_to_four_digits(n: int, error: float, interpolation: float) -> None:
     space = Space(OneDiagonal()(CASE.solution.body, n), CASE.solution.body)
-    gauge = Gauge(CASE.solution, space, raised=2)
-    problem = SemiDiscrete.of(space, CASE.solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    v_norm = ErrorNorm(CASE.solution, space, raised=2)
+    problem = SemiDiscrete.of(space, CASE.solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
     found, interpolated = [], []
     for state in BACKWARD_EULER.march(problem, 2 * n):
-        sample = gauge.sample(state.time)
-        found.append(gauge.distance(sample, state.u))
-        interpolated.append(gauge.distance(sample, sample.interpolant))
+        sample = v_norm.sample(state.time)
+        found.append(v_norm.distance(sample, state.u))
+        interpolated.append(v_norm.distance(sample, sample.interpolant))
     assert float(f"{max(found):.4g}") == error
     assert float(f"{max(interpolated):.4g}") == interpolation

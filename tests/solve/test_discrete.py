@@ -15,7 +15,7 @@ from skfem import Basis, BilinearForm, ElementTriP1, ElementVector
 from skfem.helpers import ddot, sym_grad, trace
 
 from manufactured import Kind, catalogue, polygon, unit_square
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.independent import LeadingTerm, load_from_forces
 from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshError, OneDiagonal, Shaken, Unstructured
 from study.fem.quadrature import Line, cell_rules
@@ -120,9 +120,9 @@ def test_the_normal_displacement_at_contact_vertices_is_v_dot_nu_on_every_piece(
 def test_the_interpolant_of_an_admissible_displacement_is_admissible(case: str) -> None:
     solution = CASES[case].solution
     space = Space(Shaken()(solution.body, 12), solution.body)
-    gauge = Gauge(solution, space)
+    v_norm = ErrorNorm(solution, space)
     for time in np.linspace(0, 1, 7):
-        assert (space.N @ gauge.sample(time).interpolant).max() <= 1e-14
+        assert (space.N @ v_norm.sample(time).interpolant).max() <= 1e-14
 
 
 def test_the_load_from_stresses_is_the_load_from_forces() -> None:
@@ -130,8 +130,11 @@ def test_the_load_from_stresses_is_the_load_from_forces() -> None:
     for name in ("full-contact", "no-contact"):
         solution = CASES[name].solution
         for family in (OneDiagonal(), Shaken(), Unstructured()):
-            gauge = Gauge(solution, Space(family(solution.body, 8), solution.body), raised=4)
-            by_stress, by_force = gauge.load(0.7), load_from_forces(solution, gauge.space, 0.7, gauge.degree)
+            v_norm = ErrorNorm(solution, Space(family(solution.body, 8), solution.body), raised=4)
+            by_stress, by_force = (
+                v_norm.load(0.7),
+                load_from_forces(solution, v_norm.space, 0.7, v_norm.degree),
+            )
             assert abs(by_stress - by_force).max() < 1e-9 * abs(by_stress).max()
 
 
@@ -139,9 +142,9 @@ def test_the_two_loads_meet_under_refinement_where_the_force_is_only_bounded() -
     solution = CASES["advance-recede"].solution
     gaps = []
     for n in (8, 32):
-        gauge = Gauge(solution, Space(Shaken()(solution.body, n), solution.body), raised=4)
-        difference = gauge.load(0.3) - load_from_forces(solution, gauge.space, 0.3, gauge.degree)
-        gaps.append(abs(difference).max() / abs(gauge.load(0.3)).max())
+        v_norm = ErrorNorm(solution, Space(Shaken()(solution.body, n), solution.body), raised=4)
+        difference = v_norm.load(0.3) - load_from_forces(solution, v_norm.space, 0.3, v_norm.degree)
+        gaps.append(abs(difference).max() / abs(v_norm.load(0.3)).max())
     assert gaps[1] < gaps[0] / 4
 
 
@@ -266,10 +269,10 @@ def test_the_predicted_interpolation_error_is_the_measured_one_for_quadratics() 
     """The leading term is the whole error as h → 0: ratio 1 + O(h²) on a smooth case."""
     solution = CASES["full-contact"].solution
     for family in FOR_SQUARES:
-        gauge = Gauge(solution, Space(family(solution.body, 24), solution.body))
-        sample = gauge.sample(1.0)
-        assert gauge.distance(sample, sample.interpolant) == pytest.approx(
-            LeadingTerm(solution, gauge.space)(1.0), rel=3e-3
+        v_norm = ErrorNorm(solution, Space(family(solution.body, 24), solution.body))
+        sample = v_norm.sample(1.0)
+        assert v_norm.distance(sample, sample.interpolant) == pytest.approx(
+            LeadingTerm(solution, v_norm.space)(1.0), rel=3e-3
         )
 
 
@@ -341,8 +344,8 @@ def trajectory(case, scheme, steps: int, n: int = 8):
     """The problem and its trajectory, found once for all schemes that are compared with it; tests only read it."""
     solution = case.solution
     space = Space(Shaken()(solution.body, n), solution.body)
-    gauge = Gauge(solution, space)
-    problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    v_norm = ErrorNorm(solution, space)
+    problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
     return problem, np.array([state.u for state in scheme.march(problem, steps)])
 
 
@@ -388,8 +391,8 @@ def test_a_fixed_point_that_does_not_settle_says_so() -> None:
     case = CASES["yield-and-release"]
     solution = case.solution
     space = Space(OneDiagonal()(solution.body, 4), solution.body)
-    gauge = Gauge(solution, space)
-    problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+    v_norm = ErrorNorm(solution, space)
+    problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
     from dataclasses import replace
 
     stiff = replace(problem, remainder=lambda v: 50 * problem.M @ v)

@@ -9,7 +9,7 @@ import pytest
 
 from manufactured.law import DeviatoricBall, FrobeniusBall, Yield, isotropic
 from manufactured.tensors import identity, mandel, size
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.naming import resolve
 from study.solve.energy_balance import density
@@ -49,7 +49,7 @@ def test_the_defect_of_the_balance_of_energy_falls_with_the_square_of_the_step(c
 def test_the_stress_of_a_frame_is_in_equilibrium_with_load_and_contact(case: str) -> None:
     motion = moved(case)
     space, solution = motion.space, motion.solution
-    load = Gauge(solution, space).load
+    load = ErrorNorm(solution, space).load
     for frame in motion.frames[1:]:
         force = load(frame.time)
         defect = space.functional(frame.stress) + space.N.T @ frame.multipliers - force

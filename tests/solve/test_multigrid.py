@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.sparse.linalg import LinearOperator, cg
 
 from manufactured import Kind, catalogue, polygon
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.material import form
 from study.fem.mesh import Graded, MeshFamily, OneDiagonal, Shaken, Unstructured
 from study.fem.space import Space
@@ -114,14 +114,14 @@ def test_what_multigrid_leaves_is_a_fixed_share_of_the_discretisation_error(
     solution, shares = CASES[name].solution, []
     for n in levels:
         space = Space(family(solution.body, n), solution.body)
-        gauge = Gauge(solution, space)
-        problem = SemiDiscrete.of(space, solution.law, gauge.load, gauge.sample(0.0).interpolant)
+        v_norm = ErrorNorm(solution, space)
+        problem = SemiDiscrete.of(space, solution.law, v_norm.load, v_norm.sample(0.0).interpolant)
         exact = replace(problem, solver=Signorini)
         left, errors = [], []
         for one, other in zip(MIDPOINT.march(problem, 8), MIDPOINT.march(exact, 8), strict=True):
             difference = one.u - other.u
             left.append(np.sqrt(difference @ (exact.M @ difference)))
-            errors.append(gauge.distance(gauge.sample(one.time), other.u))
+            errors.append(v_norm.distance(v_norm.sample(one.time), other.u))
             assert one.residual() <= residual(space.dim, space.dofs)
         shares.append(max(left) / max(errors))
     assert 1e-9 < max(shares) <= SHARE

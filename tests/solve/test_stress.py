@@ -9,12 +9,11 @@ import pytest
 
 from manufactured import catalogue
 from study.fem.mesh import OneDiagonal, Shaken
-from study.solve import stress_programme
+from study.solve import stress_problem
 from study.solve.evolution import SemiDiscrete
 from study.solve.interior_point import Accuracy
 from study.solve.steps import StepsError
-from study.solve.stress_potential import StressError
-from study.solve.stress_problem import StressProblem
+from study.solve.stress_problem import StressError, StressProblem
 from study.statements.shared.base import Setting
 from study.statements.thm_4_2 import StandsAlone, beyond, gaps, problems
 
@@ -38,7 +37,7 @@ def test_both_problems_have_one_solution_at_every_step(name: str, family) -> Non
 @pytest.mark.parametrize("name", ["advance-recede", "yield-and-release"])
 def test_what_the_duality_gap_allows_holds_for_a_solver_that_stops_early(name: str, monkeypatch) -> None:
     """With gaps of 1e-4 the solutions differ by 1e-6 and more of their size, and by no more than the gap allows."""
-    monkeypatch.setattr(stress_programme, "AIM", Accuracy(1e-4, stress_programme.AIM.feasibility))
+    monkeypatch.setattr(stress_problem, "AIM", Accuracy(1e-4, stress_problem.AIM.feasibility))
     found = gaps(*case_on(name, Shaken(), 6), steps=12)
     assert 1e-6 <= found.displacement_gap <= found.displacement_bound
     assert 1e-6 <= found.stress_gap <= found.stress_bound
@@ -48,7 +47,7 @@ def test_an_interior_point_that_rounding_breaks_off_is_asked_for_less(monkeypatc
     """With a mistake in Problem 3.1 alone, on a mesh on which the programme at t = T breaks off before its aim."""
     setting = Setting("yield-on-a-part", "shaken-7", 4)
     assert StandsAlone().measure(setting)["stress_shown"] == pytest.approx(1, abs=1e-6)
-    monkeypatch.setattr(stress_programme, "ENOUGH", stress_programme.AIM)
+    monkeypatch.setattr(stress_problem, "ENOUGH", stress_problem.AIM)
     with pytest.raises(StressError, match="was not solved"):
         StandsAlone().measure(setting)
 

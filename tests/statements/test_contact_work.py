@@ -159,7 +159,7 @@ def coarse() -> Resolved:
 
 
 def test_functions_of_the_space_are_the_same_on_the_refined_mesh(coarse: Resolved) -> None:
-    space, fine = coarse.space, coarse.gauge.space
+    space, fine = coarse.space, coarse.v_norm.space
     matrix, slope = np.array([[1.0, 2.0], [3.0, 4.0]]), space.mesh.p[1].max() - space.mesh.p[1]
     # Linear and zero on Γ1 = {y = 1}.
     v = space.interpolate(matrix[:, :1] * slope)
@@ -174,7 +174,7 @@ def energy(space: Space, v: Array) -> float:
 
 
 def test_cells_are_small_where_details_are_and_large_elsewhere(coarse: Resolved) -> None:
-    mesh = coarse.gauge.space.mesh
+    mesh = coarse.v_norm.space.mesh
     sides = np.linalg.norm(mesh.p[:, mesh.t] - np.roll(mesh.p[:, mesh.t], 1, axis=1), axis=0).max(axis=0)
     assert sides.min() < 2.0**-9 / 4 / 3 * 1.5
     assert sides[mesh.p[1, mesh.t].min(axis=0) > 0.5].min() > 0.05

@@ -112,8 +112,8 @@ def test_both_sides_of_the_bound_are_ordered(coarse: Trajectories) -> None:
 
 def test_the_error_is_orthogonal_to_the_distance_from_the_projection(coarse: Trajectories) -> None:
     on, at, n = coarse.on, coarse.on.at, coarse.steps // 2
-    sample, best, found = at.gauge.sample(n * coarse.k), on.projected(n * coarse.k), coarse.displacement(n)
-    error, least = (at.gauge.distance(sample, at.inclusion @ v) for v in (found, best))
+    sample, best, found = at.v_norm.sample(n * coarse.k), on.projected(n * coarse.k), coarse.displacement(n)
+    error, least = (at.v_norm.distance(sample, at.inclusion @ v) for v in (found, best))
     away = found - best
     assert error**2 == pytest.approx(least**2 + away @ (on.M @ away))
 

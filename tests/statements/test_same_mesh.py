@@ -12,8 +12,7 @@ import pytest
 from study.fem.mesh import OneDiagonal
 from study.fem.naming import resolve
 from study.solve.steps import StepsError
-from study.solve.stress_problem import StressProblem
-from study.solve.stress_programme import StressState
+from study.solve.stress_problem import StressProblem, StressState
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.thm_4_2 import Gaps, gaps, magnitudes, problems
 

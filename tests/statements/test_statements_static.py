@@ -12,7 +12,7 @@ from scipy.linalg import eigh
 from manufactured import Kind, unit_square
 from manufactured.law import KelvinVoigt, isotropic
 from study.controls.replacements import other_contact_work
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import OneDiagonal, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import cell_rules
@@ -86,7 +86,7 @@ def test_green_s_formula_notices_a_wrong_term(monkeypatch, defect: str) -> None:
     if defect == "law":
         monkeypatch.setattr(green, "work_of_body_force", of_another_material)
     else:
-        monkeypatch.setattr(green, "Gauge", other_contact_work(-1.0)(green.Gauge))
+        monkeypatch.setattr(green, "ErrorNorm", other_contact_work(-1.0)(green.ErrorNorm))
     rows = measured(Green(), grid(("full-contact", "yield-and-release"), ("one-diagonal",), (4,)))
     assert [verdict.verdict for verdict in Green().judge(rows)] == [FAILS, FAILS, FAILS]
 
@@ -253,8 +253,8 @@ def test_a_trace_that_is_zero_has_no_order_to_be_judged() -> None:
 def test_the_distance_of_a_smooth_field_is_that_of_the_gauge() -> None:
     solution = resolve("no-contact").solution
     space = Space(Shaken()(solution.body, 6), solution.body)
-    # The points of the gauge share coordinates, which leaves its rules exact to a lower degree.
-    gauge = Gauge(solution, space, 4)
-    sample = gauge.sample(0.5)
+    # The points of ErrorNorm share coordinates, which leaves its rules exact to a lower degree.
+    v_norm = ErrorNorm(solution, space, 4)
+    sample = v_norm.sample(0.5)
     found = interpolation.distance_in_V(solution, space, lambda x: solution.at(x).displacement(0.5))
-    assert found == pytest.approx(gauge.distance(sample, sample.interpolant), rel=1e-7)
+    assert found == pytest.approx(v_norm.distance(sample, sample.interpolant), rel=1e-7)

@@ -377,7 +377,12 @@ def test_problem_3_2_in_time_knows_no_displacement() -> None:
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.split()
     )
     assert "study.stresses.hybrid" in loaded
-    assert not loaded & {"study.fem.space", "study.fem.gauge", "study.solve.evolution", "study.solve.stress_problem"}
+    assert not loaded & {
+        "study.fem.space",
+        "study.fem.error_norm",
+        "study.solve.evolution",
+        "study.solve.stress_problem",
+    }
 
 
 def test_what_cannot_be_posed_is_refused() -> None:

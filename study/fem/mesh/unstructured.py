@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -14,9 +13,6 @@ from manufactured.body import Body, Part
 from manufactured.tensors import Array
 from study.fem.mesh.geometry import determinants, distance, simplicial_mesh
 from study.fem.mesh.meshed_body import MeshError, require_plane
-
-RECENT = 16
-"""Meshes at hand: many statements and cases ask for that of the unit square at the same few levels."""
 
 
 @dataclass(frozen=True)
@@ -36,7 +32,13 @@ class Unstructured:
         return body.dim == 2
 
     def __call__(self, body: Body, n: int) -> Mesh:
-        return _triangulated(self, _Outline.of(body), n)
+        boundary, inside, free = self.points(body, n)
+        fixed = np.hstack([boundary, inside])
+        points = np.hstack([fixed, free])
+        for _ in range(self.sweeps):
+            cells = _delaunay(body, points)
+            points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
+        return simplicial_mesh(points, _delaunay(body, points))
 
     def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
         """Those on the boundary, on interfaces inside, and others, which are not in their last places yet, (2, …)."""
@@ -47,31 +49,6 @@ class Unstructured:
         inside = [_divide(interface, spacing, _stops(interface, body))[:, 1:] for interface in body.interfaces]
         free = _lattice(body, spacing, np.random.default_rng([self.seed, n]))
         return np.hstack(boundary), np.hstack([np.empty((2, 0)), *inside]), free
-
-
-@dataclass(frozen=True)
-class _Outline:
-    """A body for its meshes: the same as others with the same corners."""
-
-    corners: tuple[bytes, ...]
-    parts: int
-    body: Body = field(compare=False)
-
-    @classmethod
-    def of(cls, body: Body) -> _Outline:
-        return cls(tuple(part.corners.tobytes() for part in (*body.parts, *body.interfaces)), len(body.parts), body)
-
-
-@lru_cache(RECENT)
-def _triangulated(family: Unstructured, outline: _Outline, n: int) -> Mesh:
-    body = outline.body
-    boundary, inside, free = family.points(body, n)
-    fixed = np.hstack([boundary, inside])
-    points = np.hstack([fixed, free])
-    for _ in range(family.sweeps):
-        cells = _delaunay(body, points)
-        points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
-    return simplicial_mesh(points, _delaunay(body, points))
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from manufactured.exact import ExactSolution
-from study.fem.gauge import Gauge
+from study.fem.error_norm import ErrorNorm
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
@@ -21,14 +21,14 @@ class Experiment:
     Attributes:
         solution: the exact solution, which gives the data and the reference.
         space: V^h.
-        gauge: computes the load and the errors.
+        v_norm: computes the load and the errors.
         problem: the semi-discrete problem that is solved.
         scheme, steps: time scheme and number of time steps.
     """
 
     solution: ExactSolution
     space: Space
-    gauge: Gauge
+    v_norm: ErrorNorm
     problem: SemiDiscrete
     scheme: Scheme
     steps: int
@@ -37,9 +37,9 @@ class Experiment:
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> Experiment:
         """Return the experiment of the paper: u_0^h = Π^h u_0, K^h = V^h ∩ K and the load of (3.7)."""
         space = Space(family(solution.body, level), solution.body)
-        gauge = Gauge(solution, space)
-        u0 = gauge.sample(0.0).interpolant
-        return cls(solution, space, gauge, SemiDiscrete.of(space, solution.law, gauge.load, u0), scheme, steps)
+        v_norm = ErrorNorm(solution, space)
+        u0 = v_norm.sample(0.0).interpolant
+        return cls(solution, space, v_norm, SemiDiscrete.of(space, solution.law, v_norm.load, u0), scheme, steps)
 
     @classmethod
     def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:

@@ -1,4 +1,4 @@
-"""Norms in V, products of strains and stresses, and the work of contact, by the quadrature rules of ``Gauge``."""
+"""Norms in V, products of strains and stresses, and the work of contact, by the quadrature rules of ``ErrorNorm``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import numpy as np
 
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Tensors
-from study.fem.gauge import DEGREE, FACET_POINTS, rules, shared_lines
+from study.fem.error_norm import DEGREE, FACET_POINTS, rules, shared_lines
 from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 from study.solve.evolution import SemiDiscrete
@@ -36,7 +36,7 @@ def dual_norm(functional: Array, riesz: Callable[[Array], Array]) -> float:
 
 
 class Velocity:
-    """‖u̇(t)‖_V and ‖u̇(t) − Π^h u̇(t)‖_V for the exact velocity, by the cell rules of ``Gauge``."""
+    """‖u̇(t)‖_V and ‖u̇(t) − Π^h u̇(t)‖_V for the exact velocity, by the cell rules of ``ErrorNorm``."""
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
         self.space = space
@@ -65,7 +65,7 @@ class Velocity:
 
 
 class Energies:
-    """Products in V and works of stresses on strains, at the points with which ``Gauge`` integrates the load.
+    """Products in V and works of stresses on strains, at the points with which ``ErrorNorm`` integrates the load.
 
     The same points make sure that works and load contain the same stress.
 
@@ -109,7 +109,7 @@ class Energies:
 
 
 class ContactWork:
-    """R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), for v ∈ V^h from the exact pressure, by the facet rules of ``Gauge``."""
+    """R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), for v ∈ V^h from the exact pressure, by the facet rules of ``ErrorNorm``."""
 
     def __init__(self, solution: ExactSolution, space: Space) -> None:
         self.space, self._faces = space, []

@@ -23,7 +23,7 @@ from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
-from study.fem.gauge import FACET_POINTS, SOLID_FACET_POINTS, Gauge, rules, shared_lines
+from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
 from study.fem.material import form
 from study.fem.mesh import MeshFamily
 from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, amplitudes_of
@@ -74,13 +74,13 @@ class Task:
         return Space(self.family(self.solution.body, self.level), self.solution.body)
 
     @cached_property
-    def gauge(self) -> Gauge:
-        return Gauge(self.solution, self.space)
+    def v_norm(self) -> ErrorNorm:
+        return ErrorNorm(self.solution, self.space)
 
     @cached_property
     def _rates(self) -> tuple[Callable[[float, bool], Amplitudes], StrainSums]:
         solution, mesh = self.solution, self.space.mesh
-        points = QuadraturePoints.on_cells(rules(solution, mesh, self.gauge.degree, shared_lines(solution)))
+        points = QuadraturePoints.on_cells(rules(solution, mesh, self.v_norm.degree, shared_lines(solution)))
         modes = solution.at(points.x).modes()
         return amplitudes_of(modes), StrainSums(modes, points, points.weights * solution.law.A.factor(points.x))
 
@@ -96,24 +96,24 @@ class Task:
 
     def static(self, time: float) -> Array:
         """Return the solution in K^h of the frozen problem at t, (dofs,)."""
-        return self._solve(self.gauge.load(time) - self.space.functional(self.initial_stress(time)))[0]
+        return self._solve(self.v_norm.load(time) - self.space.functional(self.initial_stress(time)))[0]
 
     def error(self, times: Sequence[float]) -> float:
         """Return the largest ‖u(t) − u^h‖_V of the frozen problems at some times in units of T."""
         frozen = [part * self.solution.body.T for part in times]
-        return max(self.gauge.distance(self.gauge.sample(t), self.static(t)) for t in frozen)
+        return max(self.v_norm.distance(self.v_norm.sample(t), self.static(t)) for t in frozen)
 
     def march(self, steps: int) -> tuple[SemiDiscrete, Iterator[State]]:
         """Return Problem 5.1 from the interpolant of u_0, and its states by the midpoint rule, the start first."""
-        start = self.gauge.sample(0.0).interpolant
-        problem = SemiDiscrete.of(self.space, self.solution.law, self.gauge.load, start)
+        start = self.v_norm.sample(0.0).interpolant
+        problem = SemiDiscrete.of(self.space, self.solution.law, self.v_norm.load, start)
         return problem, MIDPOINT.march(problem, steps)
 
     def error_of_march(self, steps: int) -> float:
         """Return the largest ‖u(t_n) − u_n‖_V for n ≥ 1."""
         _, states = self.march(steps)
         next(states)
-        return max(self.gauge.distance(self.gauge.sample(state.time), state.u) for state in states)
+        return max(self.v_norm.distance(self.v_norm.sample(state.time), state.u) for state in states)
 
     def resultants(self, time: float) -> Array:
         """Return Σ_i ∫ p φ_i over the vertices off Γ1 of each piece of Γ3, (pieces,)."""

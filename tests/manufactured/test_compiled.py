@@ -1,4 +1,4 @@
-"""Formulas at many points and times."""
+"""Formulas evaluated by NumPy."""
 
 from __future__ import annotations
 
@@ -6,28 +6,14 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from manufactured.jet import BLOCK, Jet
+from manufactured.jet import Jet
 from manufactured.symbols import pos, s, t
 
 FRONT = sp.Rational(1, 2) + t * (1 - t) / 3 - s**2
 
 
-@pytest.mark.parametrize("shape", [(3 * BLOCK + 7,), (BLOCK, 3), (5, BLOCK)], ids=["points", "few times", "many times"])
-@pytest.mark.parametrize("times", ["one", "each", "own"])
-def test_values_that_are_found_in_blocks_are_those_found_together(shape: tuple[int, ...], times: str) -> None:
-    """Points at one time, at times that all have in common, and at times of their own."""
-    rng = np.random.default_rng(4)
-    places = rng.random((1, shape[0], *(1,) * (len(shape) - 1)))
-    when = {"one": 0.3, "each": rng.random(shape[1:] or shape), "own": rng.random(shape)}[times]
-    jet = Jet(pos(s - t**2 / 3, 3) * sp.exp(-t) + sp.sin(2 * s) + t)
-    whole = jet._at(places, when, np.broadcast_shapes(places.shape[1:], np.shape(when)), 2)
-    for index, values in jet(places, when, 2).items():
-        assert values.shape == np.broadcast_shapes(places.shape[1:], np.shape(when))
-        assert np.array_equal(values, whole[index])
-
-
 @pytest.mark.parametrize("exponent", [2, 3, 7, 12, -1, -5, "1/2", "3/2", "9/8", "-1/2", "-25/8"])
-def test_powers_that_are_made_of_products_and_roots_are_those_of_numpy(exponent: object) -> None:
+def test_powers_and_their_derivatives_are_those_of_numpy(exponent: object) -> None:
     """Of a base and of its positive part, with their derivatives, which are powers of the same base."""
     a, places = sp.Rational(exponent), np.linspace(-1, 1, 101)[None]
     base = 2 + places[0] / 3 + 0.5

@@ -13,7 +13,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
@@ -22,7 +21,7 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution, Face
 from manufactured.tensors import Array, Tensors, dyad, mapped
-from study.fem.moments import Amplitudes, QuadraturePoints, StressSums, amplitudes_of, energy
+from study.fem.moments import Amplitudes, QuadraturePoints, StrainEnergy, StressSums, amplitudes_of
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
@@ -32,8 +31,6 @@ needs, as kinks may cross cells and points that share coordinates lower the degr
 dominates the cost. Every row of a rate table records what a plain rule raised by two would change."""
 FACET_POINTS, SOLID_FACET_POINTS = 8, 4
 """Gauss points on a contact facet in 2D, or on each side of a rough point of it, and in each direction of one in 3D."""
-RECENT = 4
-"""Times of which samples and loads stay in memory."""
 PARALLEL = 0.1
 """Sine of the angle below which two directions are too close for points to share coordinates along both."""
 
@@ -43,7 +40,7 @@ class NormError(ArithmeticError):
 
 
 @dataclass(frozen=True, eq=False)
-class Sample:
+class ExactAtTime:
     """What distances from functions of V^h need of the exact solution at one time.
 
     Attributes:
@@ -59,7 +56,7 @@ class Sample:
     interpolant: Array
 
 
-class Gauge:
+class ErrorNorm:
     """Measures functions of V^h against an exact solution.
 
     Where A varies within a cell, ε̄ is the mean of the exact strain weighted by A's factor.
@@ -82,16 +79,14 @@ class Gauge:
         # Points in cells and on facets together, so that formulas are evaluated once for both.
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
-        self._amplitudes = lru_cache(RECENT)(amplitudes_of(modes))
-        # Two trajectories that advance together, and the errors of both, ask for the same times.
-        self._samples, self._loads = lru_cache(RECENT)(self._sample), lru_cache(RECENT)(self._load)
+        self._amplitudes = amplitudes_of(modes)
         ends = np.cumsum([0, *(len(found.weights) for found in points)])
         split = [[part.among(first, stop) for part in modes] for first, stop in pairwise(ends)]
         self._cells, *on_faces = (StressSums(solution.law, *both) for both in zip(split, points, strict=True))
         on = [(face.part, vertices) for face, (_, vertices) in zip(solution.faces, faces, strict=True)]
         self._faces = [(part.normal, sums) for (part, _), sums in zip(on, on_faces, strict=True)]
         self._normal = space.normal_components(on)
-        self._energy = energy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
+        self._energy = StrainEnergy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
 
     def _on(self, face: Face, points: int) -> tuple[QuadraturePoints, Array]:
@@ -103,22 +98,19 @@ class Gauge:
         """Return the cell means of ε(u(t)), (D, cells)."""
         return self._cells.strains(self._amplitudes(time, False)) / self._cells.viscous
 
-    def sample(self, time: float) -> Sample:
+    def sample(self, time: float) -> ExactAtTime:
         """Return means, oscillation and interpolant of u(t)."""
-        return self._samples(time)
-
-    def _sample(self, time: float) -> Sample:
         means = self.means(time)
         # The oscillation of a strain that is constant on every cell is rounding, which may be negative.
         oscillation = max(self._energy(self._amplitudes(time, False)) - self._constant_energy(means), 0.0)
         interpolant = self.space.interpolate(self._nodes.displacement(time))
-        return Sample(time, means, oscillation, interpolant)
+        return ExactAtTime(time, means, oscillation, interpolant)
 
     def _constant_energy(self, strain: Tensors) -> float:
         """Return ∫ A ε·ε of a strain that is constant on every cell, (D, cells)."""
         return float(self._cells.viscous @ np.einsum("Ic,Ic->c", mapped(self.A.matrix, strain), strain))
 
-    def distance(self, sample: Sample, v: Array) -> float:
+    def distance(self, sample: ExactAtTime, v: Array) -> float:
         """Return ‖u(t) − v‖_V for v ∈ V^h.
 
         Raises:
@@ -138,13 +130,8 @@ class Gauge:
         Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0: no derivative of σ is needed, so this serves solutions
         whose f_0 is not in L² as well.
         """
-        return self._loads(time)
-
-    def _load(self, time: float) -> Array:
-        strains, rates = (self._amplitudes(time, rate) for rate in (False, True))
-        load = self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)
-        load.flags.writeable = False
-        return load
+        strains, rates = self._amplitudes(time, False), self._amplitudes(time, True)
+        return self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)
 
     def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
         """Return ∫_{Γ3} p v_ν with p = −σ_ν for v ∈ V^h, (n_dofs,)."""
