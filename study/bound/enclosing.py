@@ -139,8 +139,8 @@ def enclose(
         progress(piece.b)
     times, distances, bounds, errors, all_between = np.array(rows).T.copy()
     # Where the data are seen poorly counts if what samples may miss is most of y.
-    worst = max(intervals, key=lambda one: one.unseen / (one.b - one.a))
-    poor = sum(one.unseen for one in intervals) > POOR * intervals[-1].at_b
+    worst = max(intervals, key=lambda one: one.missed / (one.b - one.a))
+    poor = sum(one.missed for one in intervals) > POOR * intervals[-1].at_b
     evidence = Evidence(fine.sampling.reasons, fine.sampling.worst(worst.a, worst.b) if poor else "")
     found = Enclosure(
         computed.space.h, times, distances, bounds, errors, tuple(intervals), at_0, initial, all_between, evidence

@@ -168,7 +168,7 @@ class Interval:
     contact: float
     oscillation: float
     bending: float
-    unseen: float
+    missed: float
     shares: Shares
 
 
@@ -331,7 +331,7 @@ class Majorant:
             contact=k * mean.contact,
             oscillation=k * float(np.linalg.norm(np.sqrt(mean.oscillation))),
             bending=k * terms.bending,
-            unseen=k * terms.missed.everywhere,
+            missed=k * terms.missed.everywhere,
             shares=self._shares(terms, step, y).scaled_to(at_b - moduli.decay(k) * y),
         )
 

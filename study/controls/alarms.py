@@ -21,7 +21,7 @@ from manufactured.tensors import Array
 from study.controls.record import Line, Record, RowKey, two_sided, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, tail
-from study.ledger.datafiles import ALL_ROWS, raised, write_csv
+from study.ledger.datafiles import ALL_ROWS, alarm_summary, write_csv
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
@@ -131,7 +131,7 @@ def newer(table: pd.DataFrame) -> pd.DataFrame:
 
 def verdict(table: pd.DataFrame) -> str:
     """Whether the promise is kept for all claimed rows."""
-    return raised(table).verdict
+    return alarm_summary(table).verdict
 
 
 def text(table: pd.DataFrame) -> str:

@@ -28,7 +28,7 @@ import pandas as pd
 from manufactured.tensors import Array
 from study.ledger.datafiles import DataError, read_table, table_text, write_csv
 from study.ledger.files import write_packed
-from study.ledger.verdict import HOLDS, Verdict, worst
+from study.ledger.verdict import HOLDS, Verdict, worst_value
 from study.ledger.window import SMALL
 
 DIGITS = ascii_letters + digits + "+-"
@@ -50,7 +50,7 @@ PLACES = ["label", "key", "case", "rule", "window_low", "window_high", "places"]
 
 def place(verdict: Verdict) -> float:
     """Where a row lies in its window: beyond ±1 if and only if it does not hold; 0 for one without numbers."""
-    judged = float(worst(pd.Series(asdict(verdict))))
+    judged = float(worst_value(pd.Series(asdict(verdict))))
     low, high, value = verdict.window_low, verdict.window_high, judged
     if not low < high or (low <= 0 and np.isinf(high)):
         found = 0.0

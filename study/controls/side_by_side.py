@@ -11,10 +11,10 @@ import pandas as pd
 
 from study.fem.naming import family_named, resolve
 from study.ledger.verdict import REPORTED, Verdict
-from study.run.judgement import beside
+from study.run.judgement import joined
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
-from study.statements.enclosure import Bounds, BoundSetting, posed
+from study.statements.enclosure import Bounds, BoundSetting, resolve_problem
 from study.statements.enclosure import measure as bounded
 from study.statements.from_rates import Turned
 from study.statements.prop_5_4 import RATES, measure
@@ -69,7 +69,7 @@ class TwoWays:
         line = row_of(setup, self.case, self.level)
         again = {name: line[name] for name in (*RATES.key, "h")} | recompute(setup)
         return Recomputed().judge(
-            beside(Recomputed(), {RATES: pd.DataFrame([line]), Recomputed.file: pd.DataFrame([again])})
+            joined(Recomputed(), {RATES: pd.DataFrame([line]), Recomputed.file: pd.DataFrame([again])})
         )
 
 
@@ -87,7 +87,7 @@ class Bounding:
     def verdicts(self, defect: Callable[[Any], Any]) -> list[Verdict]:
         rows = []
         for setting in self.settings:
-            problem, steps = posed(setting.case), self.statement.steps(setting)
+            problem, steps = resolve_problem(setting.case), self.statement.steps(setting)
             row, _ = bounded(problem, family_named(setting.family), setting.level, MIDPOINT, steps, setting.by)
             rows.append({**row, "known": problem.case is not None})
         return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]

@@ -109,7 +109,7 @@ def pareto(places: Array) -> tuple[float, float]:
     return above * float(model.sf(1 - threshold)), float(scipy.stats.kstest(excess, model.cdf).pvalue)
 
 
-def kept(least: float, by_tail: float) -> str:
+def promise_verdict(least: float, by_tail: float) -> str:
     """Return the verdict on the promised rate, from the lower end of the rate by count and the rate by the tails.
 
     It fails if the count contradicts the promise. It is undecided if the tails give a larger rate, or if a row has no

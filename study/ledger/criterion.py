@@ -66,12 +66,12 @@ class Criterion:
     quantity: str
     window: Window
     measure: Measure
-    needs: tuple[str, ...]
+    columns: tuple[str, ...]
     levels: int = 1
 
     def verdict(self, of: Named, case: str, groups: Groups, family: str = "") -> Verdict:
         """Return the row for a case: undecided if the levels of one family do not decide."""
-        complete = [group for group in groups.values() if all(name in group for name in self.needs)]
+        complete = [group for group in groups.values() if all(name in group for name in self.columns)]
         enough = [group for group in complete if len(group) >= self.levels]
         found = [value for group in enough if (value := self.measure(group)) is not None]
         decided = bool(found) and len(found) == len(groups)

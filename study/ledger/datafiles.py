@@ -17,7 +17,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from study.ledger.chance import kept
+from study.ledger.chance import promise_verdict
 from study.ledger.files import write_text
 from study.ledger.orders import RatesError, orders
 from study.ledger.verdict import VERDICTS, Verdict
@@ -240,13 +240,13 @@ def with_order(series: pd.DataFrame, column: str) -> pd.DataFrame:
     return ordered.assign(order=since_before(ordered["h"].to_numpy(), ordered[column].to_numpy()))
 
 
-def caught(controls: pd.DataFrame) -> tuple[int, int]:
+def count_caught(controls: pd.DataFrame) -> tuple[int, int]:
     """Return how many defects in ``controls.csv`` were caught, and how many were injected."""
     injected = controls[controls["caught"] != ""]
     return int((injected["caught"] == "yes").sum()), len(injected)
 
 
-class Alarms(NamedTuple):
+class AlarmSummary(NamedTuple):
     """Verdicts of all claimed rows on other random meshes.
 
     Attributes:
@@ -269,7 +269,7 @@ class Alarms(NamedTuple):
     verdict: str
 
 
-def raised(seeds: pd.DataFrame) -> Alarms:
+def alarm_summary(seeds: pd.DataFrame) -> AlarmSummary:
     """Return the summary of all claimed rows in ``seeds.csv``; DataError if it has no such lines."""
     together = seeds[seeds["label"] == ALL_ROWS].set_index("key")
     if not {"every", "light"} <= set(together.index):
@@ -279,7 +279,7 @@ def raised(seeds: pd.DataFrame) -> Alarms:
     rows = int((seeds["claimed"] == "yes").sum()) - len(together)
     counts = (int(line[name]) for line in (every, light) for name in ("seeds", "alarms"))
     whole, red, on_each, light_red = counts
-    return Alarms(rows, whole, red, low, high, by_tail, on_each, light_red, kept(low, by_tail))
+    return AlarmSummary(rows, whole, red, low, high, by_tail, on_each, light_red, promise_verdict(low, by_tail))
 
 
 def read_claims(directory: Path) -> pd.DataFrame:

@@ -104,7 +104,7 @@ def all_pass(verdicts: Sequence[Verdict]) -> bool:
     return bool(verdicts) and all(verdict.verdict in (HOLDS, REPORTED) for verdict in verdicts)
 
 
-def used(row: pd.Series) -> float:
+def window_share(row: pd.Series) -> float:
     """Return the share of its window that a row of ``claims.csv`` uses; NaN for a row without a window of numbers.
 
     The share is 1 at an end of the window. It is 0 in the middle of a window with two ends, and at the value 0 if the
@@ -113,7 +113,7 @@ def used(row: pd.Series) -> float:
     return max((_share(value, row) for value in _judged(row)), default=math.nan)
 
 
-def worst(row: pd.Series) -> float:
+def worst_value(row: pd.Series) -> float:
     """Return the value of a row that uses most of its window; the observed value without a window."""
     return max(_judged(row), key=lambda value: _share(value, row), default=float(row["observed"]))
 

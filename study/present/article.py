@@ -13,9 +13,9 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.chance import PROMISE
-from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, raised
+from study.ledger.datafiles import DataError, by_claim, count_caught, count_verdicts, alarm_summary
 from study.ledger.text import above, below, down, up
-from study.ledger.verdict import HOLDS, REPORTED, agreement, used, worst
+from study.ledger.verdict import HOLDS, REPORTED, agreement, window_share, worst_value
 from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, longtable, prose, tabular
 
@@ -58,10 +58,10 @@ def _ledger(data: FullRun) -> Named:
     counts = count_verdicts(data.claims)
     for verdict in ("holds", "fails", "undecided", "reported"):
         yield f"ledger{verdict.capitalize()}", counts[verdict]
-    found, injected = caught(data.controls)
+    found, injected = count_caught(data.controls)
     yield "controls", injected
     yield "controlsCaught", found
-    alarms = raised(data.seeds)
+    alarms = alarm_summary(data.seeds)
     yield "seedRows", alarms.rows
     yield "seeds", alarms.seeds
     yield "seedRed", alarms.red
@@ -269,12 +269,12 @@ def ledger(data: FullRun) -> str:
     for label, claim, rows in by_claim(data.claims):
         count, judged = count_verdicts(rows), rows[rows["verdict"] != REPORTED]
         counts = count[HOLDS], len(judged) - count[HOLDS], count[REPORTED]
-        shares = judged.apply(used, axis=1).dropna() if len(judged) else pd.Series(dtype=float)
+        shares = judged.apply(window_share, axis=1).dropna() if len(judged) else pd.Series(dtype=float)
         nearest = ["--", "", ""]
         if len(shares):
             row = judged.loc[shares.idxmax()]
             where = f"{encode_letters(str(row['quantity']))} ({prose(str(row['case']))})"
-            nearest = [where, _number(worst(row)), window_ends(row)]
+            nearest = [where, _number(worst_value(row)), window_ends(row)]
         body.append([encode_letters(label), encode_letters(claim), *map(str, counts), *nearest])
     label, statement, quantity = (folding(width) for width in (0.11, 0.215, 0.265))
     headings = ["no.", "what it says", "hold", "not", "rep.", "row nearest to the end of its window", "seen", "window"]

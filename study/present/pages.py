@@ -20,7 +20,7 @@ import pandas as pd
 
 from study.ledger.chance import PROMISE
 from study.ledger.codes import MADE, Codes
-from study.ledger.datafiles import DataError, by_claim, caught, count_verdicts, raised
+from study.ledger.datafiles import DataError, by_claim, count_caught, count_verdicts, alarm_summary
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.text import above, below, up
@@ -219,14 +219,14 @@ def _time(data: FullRun) -> list[str]:
 
 
 def _defects(data: FullRun) -> list[str]:
-    found, injected = caught(data.controls)
+    found, injected = count_caught(data.controls)
     verdict = HOLDS if found == injected else FAILS
     claim = "deliberate defects, injected one at a time"
     return [claim, "each is caught by a row", f"{found} of {injected}", verdict]
 
 
 def _seeds(data: FullRun) -> list[str]:
-    found = raised(data.seeds)
+    found = alarm_summary(data.seeds)
     tails = f"by the tails of all rows at most {found.by_tail:.2%}"
     return [
         f"false alarms by chance: all {found.rows} rows that are claimed on random meshes, on those of {found.seeds} "
@@ -419,7 +419,7 @@ class Badge:
 def badges(data: FullRun, project: Path) -> dict[str, Badge]:
     """Returns file name ↦ badge: verdicts of the ledger, caught defects, and what ``pyproject.toml`` states."""
     stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
-    count, (found, injected) = count_verdicts(data.claims), caught(data.controls)
+    count, (found, injected) = count_verdicts(data.claims), count_caught(data.controls)
     ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN
     rows = f"{count[HOLDS]} rows hold, {count[UNDECIDED]} undecided, {count[FAILS]} fail"
     defects = GREEN if found == injected else VERMILLION

@@ -17,7 +17,7 @@ from study.fem.naming import resolve
 from study.ledger.files import UsageError
 from study.run.executor import Pool
 from study.run.fingerprint import code_hash, problem, versions
-from study.statements.enclosure import posed
+from study.statements.enclosure import resolve_problem
 
 PATIENCE = 10
 """Seconds within which a scheduler has to answer and to have a worker."""
@@ -87,7 +87,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
 
 def identity(references: Sequence[str]) -> dict[str, str]:
     """Return what results depend on: versions, the code, and the problems of the cases as this process knows them."""
-    for cached in (resolve, posed, problem):
+    for cached in (resolve, resolve_problem, problem):
         cached.cache_clear()
     problems = {reference: _problem(reference) for reference in references}
     return {**versions(), "study": version("signorini-study"), "code": code_hash(), **problems}

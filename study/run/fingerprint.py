@@ -21,7 +21,7 @@ import sympy as sp
 
 from manufactured.case import Case
 from manufactured.data import Data
-from study.statements.enclosure import posed
+from study.statements.enclosure import resolve_problem
 from study.statements.shared.base import Setting, Statement
 
 ROOT = Path(__file__).parents[2]
@@ -59,7 +59,7 @@ def problem(reference: str) -> str:
     file, colon, _ = reference.rpartition(":")
     if not colon:
         return reference
-    given = posed(reference)
+    given = resolve_problem(reference)
     text = without_docstrings(Path(file).read_text(encoding="utf-8"))
     return _hash([given.pace, given.order, _value_of(given.data, given.case), text])
 

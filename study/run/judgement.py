@@ -60,7 +60,7 @@ def verdicts(directory: Path) -> list[Verdict]:
     rows = [Complete().judge(planned, measured)]
     for statement in STATEMENTS:
         if isinstance(statement.file, CsvFile):
-            rows += judge_statement(statement, beside(statement, judged))
+            rows += judge_statement(statement, joined(statement, judged))
     return with_reasons(rows, judged[RATES])
 
 
@@ -70,19 +70,19 @@ def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
     return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
 
 
-def beside(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.DataFrame:
+def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.DataFrame:
     """Return the rows that a statement is judged by, joined with those of its reference file if it has one."""
     assert isinstance(statement.file, CsvFile)
     mine, key = tables[statement.file], list(statement.file.key)
-    if statement.beside is None:
+    if statement.joined_file is None:
         return mine
-    other = tables[statement.beside].set_index(key).add_suffix(REPORTED).reset_index()
+    other = tables[statement.joined_file].set_index(key).add_suffix(REPORTED).reset_index()
     return mine.merge(other, on=key, how="left")
 
 
 def external_files() -> set[CsvFile]:
     """Return the files that statements are compared with and that no run writes."""
-    return {statement.beside for statement in STATEMENTS if statement.beside} - set(data_files())
+    return {statement.joined_file for statement in STATEMENTS if statement.joined_file} - set(data_files())
 
 
 def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:

@@ -20,7 +20,7 @@ from study.fem.naming import family_named
 from study.ledger.codes import FOLDER, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.datafiles import CsvFile, in_series, line, since_before
 from study.run.provenance import Expectation
-from study.statements.enclosure import BOUNDS, ENCLOSURES, KEY, TIMES, posed
+from study.statements.enclosure import BOUNDS, ENCLOSURES, KEY, TIMES, resolve_problem
 from study.statements.from_rates import GRADED
 from study.statements.prop_5_4 import RATES
 
@@ -164,7 +164,7 @@ def _size(
     """Return h, computed once for all cases on one body; NaN if the case cannot be looked up."""
     if case in expectation.gone:
         return float("nan")
-    body = expectation.cases[case].solution.body if case in expectation.cases else posed(case).data.body
+    body = expectation.cases[case].solution.body if case in expectation.cases else resolve_problem(case).data.body
     shape = tuple((part.kind, *part.corners.ravel()) for part in (*body.parts, *body.interfaces))
     key = (shape, family, n)
     if key not in known:
@@ -186,7 +186,7 @@ def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 def predicted_bounds(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
     """The order in ``bounds.csv`` is that of the problem; errors are empty exactly if the solution is unknown."""
     bounds = tables[BOUNDS]
-    problems = [posed(case) for case in bounds["case"]]
+    problems = [resolve_problem(case) for case in bounds["case"]]
     orders = pd.Series([problem.order for problem in problems], dtype=float)
     yield from equal(BOUNDS.name, bounds, "expected_order", orders)
     unknown = pd.Series([problem.case is None for problem in problems], dtype=bool)

@@ -152,7 +152,7 @@ def families_in_turn(case: Case) -> list[str]:
 
 # Measurement.
 @dataclass(frozen=True)
-class Posed:
+class ResolvedProblem:
     """The problem that a computed displacement approximates: of a case, or one whose solution is unknown.
 
     ``order`` is the predicted order, NaN where none is predicted; ``pace`` says how fast things happen in time.
@@ -166,13 +166,15 @@ class Posed:
 
 
 @lru_cache
-def posed(reference: str) -> Posed:
+def resolve_problem(reference: str) -> ResolvedProblem:
     """Return the problem of the study with this name, or the problem of the case behind a reference."""
     problem = problems_without_solution().get(reference)
     if problem is not None:
-        return Posed(problem.name, problem.data, math.nan if problem.order is None else problem.order, PACE, None)
+        return ResolvedProblem(
+            problem.name, problem.data, math.nan if problem.order is None else problem.order, PACE, None
+        )
     case = resolve(reference)
-    return Posed(case.name, Data.of(case.solution), case.order, case.pace, case)
+    return ResolvedProblem(case.name, Data.of(case.solution), case.order, case.pace, case)
 
 
 @lru_cache
@@ -182,7 +184,7 @@ def problems_without_solution() -> dict[str, OpenProblem]:
 
 
 def measure(
-    problem: Posed, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
+    problem: ResolvedProblem, family: MeshFamily, level: int, scheme: Scheme, steps: int, trajectory: Trajectory
 ) -> tuple[dict[str, Any], Enclosure]:
     """Return the row of ``bounds.csv`` and the bounds over time; comparisons with an unknown error are NaN.
 
@@ -238,7 +240,9 @@ class Bounds(Statement):
     def measure(self, setting: BoundSetting) -> dict[str, Any]:
         """Return a row of ``bounds.csv``, and columns of ``enclosures.csv``."""
         family, scheme = family_named(setting.family), choose("scheme", setting.scheme, SCHEMES)
-        row, found = measure(posed(setting.case), family, setting.level, scheme, self.steps(setting), setting.by)
+        row, found = measure(
+            resolve_problem(setting.case), family, setting.level, scheme, self.steps(setting), setting.by
+        )
         return {"row": row, "times": over_time(found)}
 
     def records(self, setting: BoundSetting, found: Mapping[str, Any]) -> Iterator[tuple[DataFile, Row]]:
@@ -257,7 +261,7 @@ class Bounds(Statement):
         return estimates.bound(setting.level, setting.refinements, setting.family)
 
     def steps(self, setting: BoundSetting) -> int:
-        problem = posed(setting.case)
+        problem = resolve_problem(setting.case)
         return rate_steps(problem.data.body.T, setting.level, problem.pace)
 
 

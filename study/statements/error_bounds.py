@@ -137,7 +137,7 @@ def rules_for(groups: Groups) -> Iterator[Rule]:
         number, gamma = bound.strip("()"), known[exponent(bound)]
         quantity = f"right side of {bound} / error: change under refinement"
         # Undecided without a prediction.
-        steady = replace(change(f"steady-{number}", quantity, STEADY, bound), needs=(bound, exponent(bound)))
+        steady = replace(change(f"steady-{number}", quantity, STEADY, bound), columns=(bound, exponent(bound)))
         if gamma > 0:
             yield growing(f"growth-{number}", bound, gamma, RATE if gamma == known[exponent("(5.21)")] else TRACE)
         elif bound == "(5.42)" and known[LOGARITHM] > 0:

@@ -84,7 +84,7 @@ class Turned(Statement):
 
 def relative_changes(rows: pd.DataFrame, twin: pd.DataFrame) -> pd.DataFrame:
     """Return |e/e' − 1| for the errors e of a case and e' of its twin; without columns if they share no meshes."""
-    names = [name for rule in CHANGES for name in rule.needs]
+    names = [name for rule in CHANGES for name in rule.columns]
     same = rows[~rows["family"].isin(WITH_AXES)]
     pairs = same.merge(twin[[*SAME_MESH, *names]], on=SAME_MESH, suffixes=("", "_twin"))
     return pd.DataFrame({name: abs(pairs[name] / pairs[f"{name}_twin"] - 1) for name in (names if len(pairs) else ())})

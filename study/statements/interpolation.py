@@ -210,7 +210,7 @@ def in_induced_size(criterion: Criterion, face: int) -> Criterion:
     def measure(table: pd.DataFrame) -> Measured | None:
         return criterion.measure(table.assign(h=table[size_of(face)]))
 
-    return replace(criterion, measure=measure, needs=(*criterion.needs, size_of(face)))
+    return replace(criterion, measure=measure, columns=(*criterion.columns, size_of(face)))
 
 
 def induced_size(space: Space, part: Part) -> float:

@@ -82,7 +82,7 @@ class OtherCodes(ListedNumbers):
 
     label = LABEL
     claim = "the errors of this study, frozen and through time, by codes of other people"
-    beside = OtherErrors("codes/errors.csv", LISTED.key, COLUMNS, label=LABEL)
+    joined_file = OtherErrors("codes/errors.csv", LISTED.key, COLUMNS, label=LABEL)
     quick = grid(("advance-recede",), ("one-diagonal",), (8,))
     full = (
         *grid(PLANE, ("one-diagonal", "shaken"), (8, 16, 32, 64)),

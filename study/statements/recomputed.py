@@ -126,7 +126,7 @@ class Recomputed(Statement):
     label = "computed again"
     claim = "the errors of rates.csv and Problem 5.1 behind them, from other quadrature, assembly and solvers"
     file = RECOMPUTED
-    beside = RATES
+    joined_file = RATES
     rules = (
         ratio("error", "‖u − u^h‖_V", SAME),
         ratio("interpolation_error", "‖u − Π^h u‖_V", SAME),

@@ -60,7 +60,7 @@ from study.fem.mesh import FAMILIES, CrissCross, Graded, MeshFamily, OneDiagonal
 from study.fem.quadrature import Line, cell_rules
 from study.solve.evolution import Scheme
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT, SCHEMES
-from study.statements.enclosure import eligible, measure, posed
+from study.statements.enclosure import eligible, measure, resolve_problem
 
 CASES = {case.name: case for case in catalogue()}
 BOUNDED = [case for case in catalogue() if eligible(case)]
@@ -446,7 +446,7 @@ def test_pieces_that_are_computed_together_have_the_bounds_that_they_have_one_by
 
 def test_a_row_says_how_close_the_ends_came() -> None:
     case = CASES["advance-recede"]
-    row, found = measure(posed(case.name), Shaken(), 4, MIDPOINT, 6, Refined(0, 2))
+    row, found = measure(resolve_problem(case.name), Shaken(), 4, MIDPOINT, 6, Refined(0, 2))
     assert row["error"] == found.error.max()
     assert row["above"] == pytest.approx((found.error / found.upper).max())
     assert row["below"] == pytest.approx((found.lower / found.error).max())
@@ -463,7 +463,7 @@ def test_a_row_says_how_close_the_ends_came() -> None:
 
 def test_what_cannot_be_bounded_is_refused() -> None:
     with pytest.raises(BoundError, match=r"rough-1.75: .* f_0 ∉ L²"):
-        measure(posed("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
+        measure(resolve_problem("rough-1.75"), OneDiagonal(), 4, MIDPOINT, 4, SmoothedInTime())
     with pytest.raises(BoundError, match="runs through cells of the mesh; list it as an interface"):
         Discretisation(Data.of(CASES["layered-unmet"].solution), OneDiagonal()(unit_square(), 4))
     discretisation = Discretisation(Data.of(CASES["no-contact"].solution), OneDiagonal()(unit_square(), 2))

@@ -110,7 +110,7 @@ def test_a_load_that_vanishes_at_all_nodes_in_time_is_enclosed() -> None:
 
 def test_remainders_of_smooth_data_fall_faster_than_the_error() -> None:
     data = Data.formulas(unit_square(), LAW, f0=(0, -10 * t * sin(2 * pi * x1) * x2))
-    unseen = [sum(one.unseen for one in enclosed(data, n, n).intervals) for n in (2, 4, 8)]
+    unseen = [sum(one.missed for one in enclosed(data, n, n).intervals) for n in (2, 4, 8)]
     assert unseen[0] / unseen[1] > 8
     assert unseen[1] / unseen[2] > 8
     assert enclosed(data, 12, 3).evidence.poorly_seen == ""
@@ -148,7 +148,7 @@ def test_what_is_sampled_is_called_estimated_with_the_reason(data: Data, reason:
 def test_a_kink_without_lines_is_guaranteed_by_a_lower_order() -> None:
     enclosure = enclosed(Data.formulas(SQUARE, LAW, f0=(0, -5 * pos(x1 - x2 - t / 3, 1))), 4, 4)
     assert enclosure.evidence.kind == GUARANTEED != ESTIMATED
-    assert sum(one.unseen for one in enclosure.intervals) > 0
+    assert sum(one.missed for one in enclosure.intervals) > 0
     (wedge,) = (problem.data for problem in problems() if problem.name == "ramp")
     assert Discretisation(wedge, Unstructured()(wedge.body, 2)).sampling.reasons == ()
 

@@ -358,7 +358,7 @@ def test_what_samples_miss_is_added_in_every_piece() -> None:
     coarse = Discretisation(Data.formulas(unit_square(), LAW, f0=(0, spike)), OneDiagonal()(unit_square(), 3))
     m = coarse.moduli.values.min()
     for one in enclose(coarse, compute(coarse, MIDPOINT, 3), SmoothedInTime()).intervals:
-        assert one.unseen > 0.1 * one.at_b
+        assert one.missed > 0.1 * one.at_b
         damped = np.exp(-m * (one.b - one.a))
-        assert one.at_b >= damped * (one.at_a + one.unseen + one.bending)
-        assert one.inside >= one.at_a + damped * (one.unseen + one.bending)
+        assert one.at_b >= damped * (one.at_a + one.missed + one.bending)
+        assert one.inside >= one.at_a + damped * (one.missed + one.bending)

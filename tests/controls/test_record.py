@@ -14,7 +14,7 @@ import pytest
 from study.controls.alarms import newer, tally, text
 from study.controls.record import Record, packed, place, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
-from study.ledger.datafiles import DataError, raised
+from study.ledger.datafiles import DataError, alarm_summary
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Verdict, row
 from study.ledger.window import Window, around, at_least, at_most
 from study.statements.prop_5_4 import FirstOrder
@@ -87,7 +87,7 @@ def test_seeds_judged_by_another_rule_count_for_nothing() -> None:
     table = tally(after([1.0] * 3, rule="b", record=old))
     line = table[table["key"] == "order"].iloc[0]
     assert (line["rule"], line["seeds"], line["alarms"], line["since"]) == ("b", 3, 0, 11)
-    assert raised(table).seeds == 3
+    assert alarm_summary(table).seeds == 3
     assert len(after([1.0], rule="b", record=old).lines) == 2
 
 
@@ -105,7 +105,7 @@ def test_rows_that_cost_little_are_counted_on_every_seed() -> None:
     record = after([1.0, 1.2, 1.0], part=LIGHT)
     both = [judged(1.0), judged(1.3, key="size")]
     record = record.drawn(9, WHOLE).judged(9, both, {ROW: "a", costly: "c"}, claimed)
-    found = raised(tally(record))
+    found = alarm_summary(tally(record))
     assert (found.rows, found.seeds, found.red, found.light_seeds, found.light_red) == (2, 1, 1, 4, 1)
     assert found.verdict == "fails"
 
@@ -114,7 +114,7 @@ def test_a_seed_that_is_begun_is_in_the_record_and_counts_for_nothing(tmp_path: 
     record = after([1.0]).drawn(7, LIGHT)
     record.write(tmp_path)
     assert Record.read(tmp_path).pending() == record.draws[-1]
-    assert raised(tally(record)).seeds == 1
+    assert alarm_summary(tally(record)).seeds == 1
 
 
 def test_a_row_whose_tail_leaves_the_window_is_named() -> None:
@@ -124,7 +124,7 @@ def test_a_row_whose_tail_leaves_the_window_is_named() -> None:
     table = tally(record)
     assert table["alarms"].sum() == 0
     assert re.search(r"^Prop. 5.4, order +advance-recede +0 of 60", text(table), re.MULTILINE)
-    assert raised(table).by_tail > 1e-3
+    assert alarm_summary(table).by_tail > 1e-3
 
 
 def with_line(change: Callable[[str], str]) -> Callable[[bytes], bytes]:

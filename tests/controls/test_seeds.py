@@ -201,7 +201,7 @@ def test_another_window_statistic_or_level_is_another_rule_of_these_rows_alone(
     assert isinstance(first, Criterion)
     changes = (
         replace(first, window=at_most(2 * first.window.high)),
-        replace(first, measure=lambda table: exactly(2 * table[first.needs[0]].iloc[-1])),
+        replace(first, measure=lambda table: exactly(2 * table[first.columns[0]].iloc[-1])),
     )
     for change in changes:
         monkeypatch.setattr(OneTrajectory, "rules", (change, *others))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from study.ledger.chance import FEWEST, PROMISE, Tail, interval, kept, tail
+from study.ledger.chance import FEWEST, PROMISE, Tail, interval, promise_verdict, tail
 from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
 
 
@@ -94,4 +94,4 @@ def test_too_few_seeds_have_no_tail() -> None:
     ],
 )
 def test_the_promise_is_kept_if_neither_count_nor_tails_contradict_it(least: float, by_tail: float, state: str) -> None:
-    assert kept(least, by_tail) == state
+    assert promise_verdict(least, by_tail) == state

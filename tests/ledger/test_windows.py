@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study.ledger.criterion import Criterion, Observation
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, agreement, used
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, agreement, window_share
 from study.ledger.window import Window, around, at_least, at_most, between, shown
 
 
@@ -99,4 +99,4 @@ def test_an_observation_says_whether_its_prediction_agrees_and_claims_nothing() 
 def test_the_share_of_a_window_that_a_row_which_holds_uses(window: Window, values: tuple, share: float) -> None:
     ends = {"window_low": window.low, "window_high": window.high, "verdict": HOLDS}
     row = pd.Series(dict(zip(("observed", "low", "high"), values, strict=True)) | ends)
-    assert used(row) == pytest.approx(share, nan_ok=True)
+    assert window_share(row) == pytest.approx(share, nan_ok=True)

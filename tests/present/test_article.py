@@ -15,7 +15,7 @@ import pytest
 
 from study.ledger.datafiles import DataError, read_claims
 from study.ledger.files import write_text
-from study.ledger.verdict import FAILS, HOLDS, used, worst
+from study.ledger.verdict import FAILS, HOLDS, window_share, worst_value
 from study.ledger.window import Window, around, at_least, at_most, between
 from study.present.article import article, window_ends
 from study.present.full_run import FullRun
@@ -231,13 +231,13 @@ def test_the_article_shows_the_ends_of_a_window(window: Window, shown: str) -> N
 
 @pytest.mark.parametrize("window", [Window(), Window(1.0, 1.0), Window(np.nan, np.nan), at_most(0)])
 def test_a_row_has_no_share_of_a_window_without_room(window: Window) -> None:
-    assert np.isnan(used(judged(window, 0.0, 0.0)))
+    assert np.isnan(window_share(judged(window, 0.0, 0.0)))
 
 
 def test_a_row_holds_if_and_only_if_it_stays_within_its_window() -> None:
     claims = read_claims(RESULTS)
     judged = claims[claims["verdict"].isin(["holds", "fails"])]
-    shares = judged.apply(used, axis=1)
+    shares = judged.apply(window_share, axis=1)
     told = shares.notna()
     # The file has twelve digits: equality counts as inside.
     assert ((shares[told] <= 1 + 1e-9) == (judged.loc[told, "verdict"] == "holds")).all()
@@ -245,11 +245,11 @@ def test_a_row_holds_if_and_only_if_it_stays_within_its_window() -> None:
 
 
 def test_the_share_grows_towards_either_end() -> None:
-    assert used(judged(around(1, 0.1), 1.0, 1.0)) == pytest.approx(0.0, abs=1e-12)
-    assert used(judged(around(1, 0.1), 0.95, 1.02)) == pytest.approx(0.5)
-    assert worst(judged(around(1, 0.1), 0.95, 1.02, observed=1.02)) == 0.95
-    assert used(judged(at_most(0.2), 0.0, 0.3, FAILS)) == pytest.approx(1.5)
-    assert used(judged(at_least(0.4), 0.8, 3.0)) == pytest.approx(0.5)
+    assert window_share(judged(around(1, 0.1), 1.0, 1.0)) == pytest.approx(0.0, abs=1e-12)
+    assert window_share(judged(around(1, 0.1), 0.95, 1.02)) == pytest.approx(0.5)
+    assert worst_value(judged(around(1, 0.1), 0.95, 1.02, observed=1.02)) == 0.95
+    assert window_share(judged(at_most(0.2), 0.0, 0.3, FAILS)) == pytest.approx(1.5)
+    assert window_share(judged(at_least(0.4), 0.8, 3.0)) == pytest.approx(0.5)
 
 
 def test_only_a_full_run_with_its_controls_makes_the_article(copy: Path) -> None:

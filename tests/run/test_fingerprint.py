@@ -12,7 +12,7 @@ from study.fem.naming import resolve
 from study.run import fingerprint as keys
 from study.run.fingerprint import COMPUTING, ROOT, code_hash, fingerprint, of_everything, problem, without_docstrings
 from study.run.plan import Plan, quick
-from study.statements.enclosure import posed
+from study.statements.enclosure import resolve_problem
 from study.statements.prop_5_4 import FirstOrder, RateSetting
 
 SETTING = RateSetting("full-contact", "shaken", 4, "midpoint", 8)
@@ -101,7 +101,7 @@ def test_a_users_case_is_known_by_its_value_and_its_file_wherever_it_lies(tmp_pa
         (tmp_path / folder).mkdir(exist_ok=True)
         file = tmp_path / folder / "mine.py"
         file.write_text(text, encoding="utf-8")
-        for cached in (resolve, posed, problem):
+        for cached in (resolve, resolve_problem, problem):
             cached.cache_clear()
         return fingerprint(FirstOrder(), RateSetting(f"{file}:mine", "shaken", 4, "midpoint", 8))
 

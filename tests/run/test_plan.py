@@ -19,7 +19,7 @@ from study.ledger.files import UsageError
 from study.run.plan import Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.contact_work import WorkOfContact
-from study.statements.enclosure import posed
+from study.statements.enclosure import resolve_problem
 from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.interpolation import TRACES
@@ -168,7 +168,7 @@ def test_every_statement_is_measured_on_cases_and_problems_that_exist(name: str)
     missing = {job.statement for job in PLANS["full"].jobs} - {job.statement for job in jobs}
     assert missing == (FULL_ONLY if name == "quick" else set())
     for job in jobs:
-        assert posed(job.setting.case).name == job.setting.case
+        assert resolve_problem(job.setting.case).name == job.setting.case
 
 
 @pytest.mark.parametrize("name", PLANS)

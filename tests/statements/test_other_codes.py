@@ -14,7 +14,7 @@ from study.fem.mesh import Unstructured
 from study.fem.naming import resolve
 from study.ledger.codes import FROZEN, MARCH, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
-from study.run.judgement import beside
+from study.run.judgement import joined
 from study.statements.other_codes import MARCHED, OURS, PEERS, OtherCodes, Peer
 from study.statements.shared.base import LISTED, Setting, grid
 from study.statements.shared.tasks import Task
@@ -34,7 +34,7 @@ def ours() -> pd.DataFrame:
 
 def judged(change: Change) -> dict[str, Verdict]:
     tables = {LISTED: ours(), OTHERS: change(OTHERS.read(RESULTS))}
-    return {verdict.key: verdict for verdict in OtherCodes().judge(beside(OtherCodes(), tables))}
+    return {verdict.key: verdict for verdict in OtherCodes().judge(joined(OtherCodes(), tables))}
 
 
 def verdicts(change: Change) -> dict[str, str]:
@@ -114,7 +114,7 @@ def test_a_mesh_or_a_code_that_is_left_out_without_a_reason_leaves_its_row_undec
 
 def test_codes_that_nobody_ran_are_said_to_be_missing(tmp_path: Path) -> None:
     tables = {LISTED: ours(), OTHERS: OTHERS.read(tmp_path)}
-    for rows in (beside(OtherCodes(), tables), ours()):
+    for rows in (joined(OtherCodes(), tables), ours()):
         (only,) = OtherCodes().judge(rows)
         assert (only.key, only.verdict) == ("none", REPORTED)
         assert "make codes" in only.expected

@@ -10,7 +10,7 @@ import pytest
 from study.fem.naming import family_named, resolve
 from study.ledger.datafiles import CsvFile
 from study.ledger.verdict import FAILS, HOLDS
-from study.run.judgement import beside
+from study.run.judgement import joined
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.prop_5_4 import RATES, measure
@@ -38,7 +38,7 @@ def small_run(case: str) -> dict[CsvFile, pd.DataFrame]:
 
 
 def verdicts(tables: dict[CsvFile, pd.DataFrame]) -> dict[str, str]:
-    rows = beside(Recomputed(), tables)
+    rows = joined(Recomputed(), tables)
     return {verdict.key: verdict.verdict for verdict in Recomputed().judge(rows)}
 
 

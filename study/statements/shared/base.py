@@ -53,7 +53,7 @@ class Statement:
     label: str
     claim: str
     file: DataFile
-    beside: CsvFile | None = None
+    joined_file: CsvFile | None = None
     rules: Sequence[Rule] = ()
     quick: Sequence[Any] = ()
     full: Sequence[Any] = ()
