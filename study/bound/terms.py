@@ -153,7 +153,7 @@ class Interval:
         contact: ∫ c.
         oscillation: ∫ of the bound of f − P f.
         bending: ∫ of the norm of P f minus its parabola in time.
-        unseen: ∫ of the bound of what samples of the data miss in the dual of V.
+        missed: ∫ of the bound of what samples of the data miss in the dual of V.
         shares: of what the piece adds, ``at_b`` minus what is left of ``at_a``.
 
     The integrals are reported only: the bound combines residual and oscillation cell by cell.

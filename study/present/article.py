@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.chance import PROMISE
-from study.ledger.datafiles import DataError, by_claim, count_caught, count_verdicts, alarm_summary
+from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_verdicts
 from study.ledger.text import above, below, down, up
 from study.ledger.verdict import HOLDS, REPORTED, agreement, window_share, worst_value
 from study.present.full_run import FullRun

@@ -20,7 +20,7 @@ import pandas as pd
 
 from study.ledger.chance import PROMISE
 from study.ledger.codes import MADE, Codes
-from study.ledger.datafiles import DataError, by_claim, count_caught, count_verdicts, alarm_summary
+from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_verdicts
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.text import above, below, up

@@ -326,7 +326,7 @@ PROBLEMS = {"oscillation": oscillating, "bending": between_samples, "residual": 
 def test_a_term_bounds_an_error_that_no_other_term_sees(name: str) -> None:
     intervals, at_end, largest = PROBLEMS[name]()
     assert at_end > 0.01
-    others = {"residual", "contact", "oscillation", "bending", "unseen"} - {name}
+    others = {"residual", "contact", "oscillation", "bending", "missed"} - {name}
     assert sum(getattr(one, other) for one in intervals for other in others) <= 1e-9 * at_end
     assert intervals[-1].at_b >= at_end
     assert max(one.inside for one in intervals) >= largest
