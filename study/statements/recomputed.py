@@ -9,9 +9,9 @@ an error only to second order.
 **Predicted.** ``ErrorNorm`` integrates by rules of degree 4 with points moved along the face, the second solver by
 rules of degree 10. Rows of ``rates.csv`` bound the effect of quadrature by 2 %, by the triangle inequality; both
 rules cut the same cells, and their difference is much smaller. Predicted: errors agree within 0.5 %, and the
-discrete errors, a few times smaller, within 1 %. Trajectories differ by the load alone, whose relative quadrature error is a power of h
-smaller than the error of the solution, 2e-3; nodal forces are differences of large terms, 1 %. Π^h u_0 has no
-quadrature.
+discrete errors, a few times smaller, within 1 %. Trajectories differ by the load alone, whose relative
+quadrature error is a power of h smaller than the error of the solution, 2e-3; nodal forces are differences of large
+terms, 1 %. Π^h u_0 has no quadrature.
 
 With the same load, forms of polynomials on cells and the same discrete problem are left. Both solvers stop at 1e-12 of
 the solution, there are some tens of steps, and the forces of a step are differences that lose a digit or two, so

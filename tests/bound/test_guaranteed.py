@@ -111,8 +111,8 @@ def test_a_load_that_vanishes_at_all_nodes_in_time_is_enclosed() -> None:
 def test_remainders_of_smooth_data_fall_faster_than_the_error() -> None:
     data = Data.formulas(unit_square(), LAW, f0=(0, -10 * t * sin(2 * pi * x1) * x2))
     missed = [sum(one.missed for one in enclosed(data, n, n).intervals) for n in (2, 4, 8)]
-    assert missed[0] / unseen[1] > 8
-    assert missed[1] / unseen[2] > 8
+    assert missed[0] / missed[1] > 8
+    assert missed[1] / missed[2] > 8
     assert enclosed(data, 12, 3).evidence.poorly_seen == ""
 
 

@@ -20,8 +20,8 @@ class Claim:
     label, claim = "(0.0)", "a claim"
 
 
-def judged(window: Window, value: float, low: float, high: float, spread: Window | None = None):
-    criterion = Criterion("key", "a quantity", window, lambda _: (value, (low, high)), (), spread=spread)
+def judged(window: Window, value: float, low: float, high: float):
+    criterion = Criterion("key", "a quantity", window, lambda _: (value, (low, high)), ())
     return criterion.verdict(Claim(), "a", {"shaken": pd.DataFrame({"h": [1.0]})})
 
 
@@ -37,11 +37,6 @@ def judged(window: Window, value: float, low: float, high: float, spread: Window
 )
 def test_a_window_distinguishes_wrong_from_unclear(value: float, low: float, high: float, verdict: str) -> None:
     assert judged(around(1, 0.1), value, low, high).verdict == verdict
-
-
-def test_a_range_may_have_a_window_of_its_own() -> None:
-    assert judged(around(1, 0.1), 1.0, 0.5, 1.5, Window(0, 2)).verdict == HOLDS
-    assert judged(around(1, 0.1), 1.0, -0.5, 1.5, Window(0, 2)).verdict == UNDECIDED
 
 
 @pytest.mark.parametrize(
