@@ -15,10 +15,10 @@ PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs
 	bench-parallel lint docs paper cluster lock clean
 
 study: $(RUNTIME)  ## quick study into results/quick, a minute
-	$(BIN)/study run --quick --out results/quick
+	$(BIN)/study run --quick --undecided results/undecided-quick.csv --out results/quick
 
 full: $(DEVELOPMENT)  ## all levels into results/, and the slow tests
-	$(BIN)/study run --full --out results
+	$(BIN)/study run --full --undecided results/undecided-full.csv --out results
 	$(BIN)/study controls --out results
 	$(BIN)/study sensitivity --out results
 	$(BIN)/study tables --out results
@@ -27,7 +27,7 @@ full: $(DEVELOPMENT)  ## all levels into results/, and the slow tests
 	$(BIN)/pytest -m slow --numprocesses auto
 
 again: $(RUNTIME)  ## 100 rows of the committed results, drawn at random, measured again, a minute; ROWS=N, SEED=S
-	$(BIN)/study check --out results --again $(or $(ROWS),100) $(if $(SEED),--seed $(SEED))
+	$(BIN)/study check --undecided results/undecided-full.csv --out results --again $(or $(ROWS),100) $(if $(SEED),--seed $(SEED))
 
 controls: $(RUNTIME)  ## deliberate defects that the verdicts must catch, and how small ones they see, a minute
 	$(BIN)/study controls --out results/quick

@@ -7,7 +7,7 @@ import secrets
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
-from study.cli.common import check_jobs, progress_bar
+from study.cli.common import check_jobs, code_of, known_undecided, progress_bar
 from study.cli.compare import tolerance_from
 from study.cli.options import FAILED, OK
 from study.controls.record_check import compare_record
@@ -16,7 +16,7 @@ from study.ledger.compare import ROUNDED, as_text, difference
 from study.ledger.datafiles import CsvFile, DataError, read_claims, table_text
 from study.ledger.files import UsageError
 from study.ledger.text import folded
-from study.ledger.verdict import Verdict, all_pass
+from study.ledger.verdict import Verdict
 from study.present.expected import expected_texts
 from study.present.outcome import ledger_text, write_junit
 from study.run.again import compare_again, draw_jobs, expected_seconds, planned_jobs
@@ -40,7 +40,7 @@ run whose provenance has no checksums are among them."""
 
 
 def do_check(options: argparse.Namespace) -> int:
-    """Check a result directory: 0 everything agrees, 1 a verdict is no pass, 2 a file differs from what it must be."""
+    """Check a result directory: 0 everything agrees, 1 a row fails, 2 a file differs, 3 undecided."""
     _require_sample(options)
     with Store(options.out).steady():
         verified = verify(options.out)
@@ -48,7 +48,8 @@ def do_check(options: argparse.Namespace) -> int:
         if options.junit:
             write_junit(options.junit, found)
         print(ledger_text(claims(found)))
-        if not all_pass(found) or (options.again is not None and _again(options) == FAILED):
+        code = code_of(found, options.undecided)
+        if code == FAILED or (options.again is not None and _again(options) == FAILED):
             return FAILED
         # Data first: nobody should write tables again from damaged data.
         compared = compare_sums(options.out) | compare_record(options.out) | as_written(options.out, found)
@@ -59,12 +60,13 @@ def do_check(options: argparse.Namespace) -> int:
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:
             print(folded(f"{what}, {len(paths)} files: {by_folder(paths)}"))
-    return OK
+    return code
 
 
 def _require_sample(options: argparse.Namespace) -> None:
     """Refuse bad options of ``--again`` before time is spent."""
     check_jobs(options.jobs)
+    known_undecided(options.undecided)
     tolerance_from(options)
     if options.again is None:
         if options.seed is not None:

@@ -1,4 +1,4 @@
-"""Shared by the commands: progress, drawing, lists of files."""
+"""Shared by the commands: exit codes, progress, drawing, lists of files."""
 
 from __future__ import annotations
 
@@ -6,17 +6,58 @@ import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
+import pandas as pd
 from tqdm import tqdm
 
+from study.cli.options import FAILED, OK, UNCLEAR
 from study.ledger.files import UsageError
+from study.ledger.verdict import UNDECIDED, Verdict, exit_code
 from study.present.figures import Drawing, draw_figures
 from study.run.executor import Processes
+
+ROW = ["label", "key", "case", "family"]
+"""Columns that tell the rows of the ledger apart."""
 
 
 def check_jobs(jobs: int) -> None:
     """Raise UsageError for fewer than one process."""
     if jobs < 1:
         raise UsageError(f"--jobs must be 1 or more, got {jobs}")
+
+
+def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
+    """Return (label, key, case, family) of the rows that a table lists as undecided; none without a table.
+
+    Raises:
+        UsageError: a row has no reason, or the file is not such a table.
+    """
+    if file is None:
+        return set()
+    try:
+        table = pd.read_csv(file, keep_default_na=False, dtype=str)
+    except (OSError, ValueError) as error:
+        raise UsageError(f"--undecided {file} cannot be read as CSV: {error}") from error
+    if list(table.columns) != [*ROW, "reason"]:
+        raise UsageError(f"{file} has the columns {', '.join(table.columns)}, expected {', '.join(ROW)}, reason")
+    if unexplained := [line + 2 for line, reason in enumerate(table["reason"]) if not reason.strip()]:
+        raise UsageError(f"{file}, line {unexplained[0]}: the reason why the row is undecided is missing")
+    return set(table[ROW].itertuples(index=False, name=None))
+
+
+def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
+    """Return the exit code of a judged run: 1 if a row fails, else 3 if rows are undecided, else 0.
+
+    With a table of rows that are known to be undecided the code is 0 if exactly these are, and 3 otherwise; what
+    differs is printed.
+    """
+    code, known = exit_code(verdicts), known_undecided(file)
+    if file is None or code == FAILED:
+        return code
+    found = {verdict.identity for verdict in verdicts if verdict.verdict == UNDECIDED}
+    for text, rows in (("undecided, and not listed", found - known), ("listed, and not undecided", known - found)):
+        for row in sorted(rows):
+            print(f"{text} in {file}: {', '.join(filter(None, row))}", file=sys.stderr)
+    return OK if verdicts and found == known else UNCLEAR
 
 
 def progress_bar(total: int) -> tqdm:

@@ -12,7 +12,7 @@ from study.cli.options import CLOSED, INTERRUPTED, USAGE, parser
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command; returns its exit code: 0 all claims hold, 1 one does not, 2 bad usage or input."""
+    """Run a command; returns its exit code: 0 no claim fails, 1 one fails, 2 bad usage or input, 3 undecided."""
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # A terminal in ASCII or cp1252 has no ‖: it is shown as \u2016, also within JSON.

@@ -8,8 +8,8 @@ import os
 from importlib.metadata import version
 from pathlib import Path
 
-OK, FAILED, USAGE, INTERRUPTED, CLOSED = 0, 1, 2, 130, 141
-"""Exit codes: success; a claim does not hold, or an error; bad usage or input; Ctrl-C; broken pipe."""
+OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
+"""Exit codes: success; a claim fails, or an error; bad usage or input; undecided; Ctrl-C; broken pipe."""
 SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 MODES = ("frozen", "march")
@@ -104,12 +104,14 @@ def _run(sweep: argparse.ArgumentParser) -> None:
         "scheduler, on the workers and through their results here: use it only in a network that you trust, or with TLS"
     )
     sweep.add_argument("--cluster", metavar="ADDRESS", help=cluster)
+    _undecided(sweep)
     where = "directory (default results/quick, or results with --full)"
     sweep.add_argument("--out", type=Path, metavar="DIR", help=where)
 
 
 def _check(check: argparse.ArgumentParser) -> None:
     check.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
+    _undecided(check)
     again = "also measure N rows again, drawn at random, cheap rows more often, and compare; exit 1 if a number differs"
     check.add_argument("--again", type=int, metavar="N", help=again)
     seed = "draw the rows of --again with this seed, which an earlier check has printed (default: a fresh one)"
@@ -171,6 +173,11 @@ def _export(export: argparse.ArgumentParser) -> None:
     slab = "also mesh the foundation, so many segments long"
     export.add_argument("--foundation", type=int, metavar="SEGMENTS", help=slab)
     _out(export, "tasks", "--to")
+
+
+def _undecided(command: argparse.ArgumentParser) -> None:
+    known = "exit 0 if the undecided rows are exactly those of this table: label, key, case, family, reason"
+    command.add_argument("--undecided", type=Path, metavar="FILE", help=known)
 
 
 def _spread(command: argparse.ArgumentParser) -> None:

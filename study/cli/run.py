@@ -10,12 +10,10 @@ from contextlib import AbstractContextManager, nullcontext
 from dataclasses import replace
 from pathlib import Path
 
-from study.cli.common import check_jobs, draw, listed, progress_bar
-from study.cli.options import FAILED, OK
+from study.cli.common import check_jobs, code_of, draw, known_undecided, listed, progress_bar
 from study.fem.naming import absolute, choose
 from study.ledger.datafiles import read_claims
 from study.ledger.text import folded
-from study.ledger.verdict import all_pass
 from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
@@ -35,9 +33,10 @@ PLACES = {"quick": Path("results/quick"), "full": Path("results")}
 
 
 def do_run(options: argparse.Namespace) -> int:
-    """Refuse bad input, measure, write data, judge, write tables, draw figures; 0 if every claim holds."""
+    """Refuse bad input, measure, write data, judge, write tables, draw figures; return the exit code."""
     choose("scheme", options.scheme, SCHEMES)
     check_jobs(options.jobs)
+    known_undecided(options.undecided)
     scope = scope_from_options(options)
     scope.check()
     warn_of_few_levels(scope)
@@ -65,7 +64,7 @@ def do_run(options: argparse.Namespace) -> int:
     print(ledger_text(read_claims(store.directory)))
     if any(TRY in verdict.expected for verdict in verdicts):
         print(f"on finer meshes: {on_finer_meshes(options, scope, store.directory)}")
-    return OK if all_pass(verdicts) else FAILED
+    return code_of(verdicts, options.undecided)
 
 
 def measure(plan: Plan, store: Store, pool: Pool) -> None:

@@ -13,14 +13,14 @@ from pathlib import Path
 from tqdm import tqdm
 
 from study.cli.common import check_jobs, progress_bar
-from study.cli.options import FAILED, OK
+from study.cli.options import FAILED, OK, UNCLEAR
 from study.controls.alarms import tally, text, verdict, write_seeds
 from study.controls.record import Draw, Record
 from study.controls.rules import row_of, rules
 from study.controls.seeded import EVERY, LIGHT, WHOLE, claimed, seeded
 from study.fem.naming import family_named
 from study.ledger.files import UsageError
-from study.ledger.verdict import HOLDS, REPORTED, Verdict
+from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute
 from study.run.judgement import judge
 from study.run.plan import Plan
@@ -73,11 +73,11 @@ def do_seeds(options: argparse.Namespace) -> int:
     record = Record.read(options.out)
     if not any(draw.judged >= 0 for draw in record.draws):
         print("no seed was finished; the same command goes on with the one that was begun")
-        return FAILED
+        return UNCLEAR
     table = tally(record)
     written = write_seeds(options.out, table)
     print(f"\n{text(table)}\ndata: {written}, {written.parent}/seeds/")
-    return OK if verdict(table) == HOLDS else FAILED
+    return {HOLDS: OK, UNDECIDED: UNCLEAR, FAILS: FAILED}[verdict(table)]
 
 
 def _fill(directory: Path, pool: Pool, end: float, most: float) -> None:
@@ -117,7 +117,7 @@ def judged(plan: Plan, store: Store, pool: Pool, name: str, end: float) -> list[
         bar.set_description(name)
         execute(plan.jobs, store, pool, Watch(bar, end))
         collect(plan, store)
-    return [verdict for verdict in judge(store.directory) if verdict.verdict != REPORTED]
+    return [verdict for verdict in judge(store.directory) if verdict.verdict not in UNCLAIMED]
 
 
 def _again(seed: int, directory: Path, pool: Pool) -> int:

@@ -14,7 +14,7 @@ from manufactured.body import Kind, polygon
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from study.fem.naming import family_named, resolve
-from study.ledger.verdict import REPORTED, Verdict
+from study.ledger.verdict import UNCLAIMED, Verdict
 from study.solve.steps import rate_steps, stress_steps
 from study.solve.tableau import MIDPOINT
 from study.statements import thm_4_2_own_space as own
@@ -78,7 +78,7 @@ class Sweep:
             rows.append(measure(setup).row(case.name, family.name, level))
         table = pd.DataFrame(rows).assign(claim=case.proposition, expected_order=case.order)
         found = [verdict for statement in OF_RATES for verdict in statement.judge(table)]
-        return [verdict for verdict in found if verdict.verdict != REPORTED]
+        return [verdict for verdict in found if verdict.verdict not in UNCLAIMED]
 
 
 @dataclass(frozen=True)
@@ -164,7 +164,7 @@ class StressSweep:
             steps = stress_steps(case.solution.body.T, level, case.pace)
             setup = defect(own.StressExperiment.of(case.solution, family, level, steps))
             rows.append({"case": case.name, "family": family.name, "level": level, **own.measure(setup)})
-        return [verdict for verdict in OwnSpace().judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
+        return [verdict for verdict in OwnSpace().judge(pd.DataFrame(rows)) if verdict.verdict not in UNCLAIMED]
 
 
 Measure = Callable[[Setting], Mapping[str, Any]]
@@ -193,7 +193,7 @@ class Listing:
         measure, rows = defect(self.statement.measure), []
         for setting in (Setting(self.case, self.family, level) for level in self.levels):
             rows += [row for _, row in self.statement.records(setting, measure(setting))]
-        return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
+        return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict not in UNCLAIMED]
 
 
 def turned(solution: ExactSolution, angle: float) -> ExactSolution:

@@ -17,7 +17,7 @@ import pandas as pd
 
 from study.controls.record import RowKey, fingerprint
 from study.ledger.datafiles import CsvFile, read_csv
-from study.ledger.verdict import REPORTED, Verdict
+from study.ledger.verdict import UNCLAIMED, Verdict
 from study.run.judgement import PREDICTED, judge_statement, predicted
 from study.run.plan import Plan
 from study.run.results import data_files
@@ -46,7 +46,7 @@ def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
             measured, wanted = (_levels(some, statement) for some in (plan, whole))
             for verdict in judge_statement(statement, tables[statement.file]):
                 of, all_of = (_of(verdict.case, levels) for levels in (measured, wanted))
-                if of == all_of and verdict.verdict != REPORTED:
+                if of == all_of and verdict.verdict not in UNCLAIMED:
                     found[row_of(verdict)] = fingerprint([_said(verdict), of])
     return found
 

@@ -10,7 +10,7 @@ from typing import Any
 import pandas as pd
 
 from study.fem.naming import family_named, resolve
-from study.ledger.verdict import REPORTED, Verdict
+from study.ledger.verdict import UNCLAIMED, Verdict
 from study.run.judgement import joined
 from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
@@ -90,4 +90,4 @@ class Bounding:
             problem, steps = resolve_problem(setting.case), self.statement.steps(setting)
             row, _ = bounded(problem, family_named(setting.family), setting.level, MIDPOINT, steps, setting.by)
             rows.append({**row, "known": problem.case is not None})
-        return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict != REPORTED]
+        return [verdict for verdict in self.statement.judge(pd.DataFrame(rows)) if verdict.verdict not in UNCLAIMED]

@@ -15,7 +15,20 @@ import numpy as np
 import pandas as pd
 
 from study.ledger.orders import Array, RatesError, extrapolated_order, fit, orders, weighted_order
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, NOWHERE, REPORTED, UNDECIDED, Found, Named, Span, Verdict, row
+from study.ledger.verdict import (
+    BECAUSE,
+    FAILS,
+    HOLDS,
+    MISSED,
+    NOWHERE,
+    REPORTED,
+    UNDECIDED,
+    Found,
+    Named,
+    Span,
+    Verdict,
+    row,
+)
 from study.ledger.window import Window, at_most
 
 Groups = dict[str, pd.DataFrame]
@@ -90,7 +103,7 @@ class Criterion:
 
 @dataclass(frozen=True)
 class Observation:
-    """A quantity that is reported without a claim, for a reason.
+    """A quantity without a claim, for a reason: reported, or missed if our prediction was wrong.
 
     The window of its criterion is the prediction, an unbounded one if there is none.
     """
@@ -102,10 +115,12 @@ class Observation:
         """Return the row for a case, which says whether the prediction agrees."""
         found = self.criterion.verdict(of, case, groups, family)
         agreement = {HOLDS: "agrees", FAILS: "differs", UNDECIDED: "undecided"}[found.verdict]
-        expected = f"predicted {self.criterion.window.text}; no claim, as {self.reason}: {agreement}"
+        if math.isnan(found.observed):
+            agreement = "undecided"
         if self.criterion.window == Window():
-            expected = f"no claim: {self.reason}"
-        return replace(found, expected=expected, verdict=REPORTED)
+            return replace(found, expected=f"no claim: {self.reason}", verdict=REPORTED)
+        expected = f"predicted {self.criterion.window.text}; no claim, as {self.reason}: {agreement}"
+        return replace(found, expected=expected, verdict=MISSED if agreement == "differs" else REPORTED)
 
 
 def judge(of: Named, rows: pd.DataFrame, rules: Sequence[Rule]) -> list[Verdict]:

@@ -1,8 +1,9 @@
 """Rows of the ledger, and how much of its tolerance window a row uses.
 
 holds      the whole range lies in the window
-fails      the observed value lies outside the window
+fails      a claim of the paper, or of ours, is contradicted: the observed value lies outside the window
 undecided  too few levels, or a range that reaches beyond the window; not a pass
+missed     a prediction of ours was wrong: its value lies outside the predicted window, which no statement claims
 reported   no claim is made about the numbers
 """
 
@@ -17,9 +18,16 @@ import pandas as pd
 
 from study.ledger.window import SMALL, Window
 
-HOLDS, FAILS, UNDECIDED, REPORTED = "holds", "fails", "undecided", "reported"
-VERDICTS = (HOLDS, REPORTED, UNDECIDED, FAILS)
+HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
+VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)
 """From best to worst."""
+UNCLAIMED = (REPORTED, MISSED)
+"""Verdicts of rows about which no statement makes a claim."""
+ORDER, SIZE, ONE_SIDED, IDENTITY = "two-sided orders", "two-sided sizes", "one-sided bounds", "identities"
+KINDS = (ORDER, SIZE, ONE_SIDED, IDENTITY)
+"""Kinds of evidence, from what bears most on a claim to what fails only if the code is broken."""
+EXACT = 1e-6
+"""An upper end, or a width, of a window up to which a row is an identity: rounding and solver tolerance, no theory."""
 NOWHERE = (-math.inf, math.inf)
 """The range of a quantity that could not be measured."""
 BECAUSE = "; undecided, because "
@@ -50,7 +58,7 @@ class Verdict:
         expected: the window, in words.
         observed: the value farthest from the middle of the window over the mesh families.
         low, high: range of the quantity over families and levels.
-        verdict: holds, fails, undecided or reported.
+        verdict: holds, fails, undecided, missed or reported.
         key: short name of the quantity, which never changes.
         family: the mesh family, empty for a row about all of them.
         window_low, window_high: the window. A row that holds with a range that reaches beyond is judged by its
@@ -99,9 +107,25 @@ def row(
     )
 
 
-def all_pass(verdicts: Sequence[Verdict]) -> bool:
-    """Return whether there are verdicts and all are ``holds`` or ``reported``."""
-    return bool(verdicts) and all(verdict.verdict in (HOLDS, REPORTED) for verdict in verdicts)
+def exit_code(verdicts: Sequence[Verdict]) -> int:
+    """Return 1 if a row fails, otherwise 3 if a row is undecided or there is none, otherwise 0."""
+    found = {verdict.verdict for verdict in verdicts}
+    return 1 if FAILS in found else 3 if UNDECIDED in found or not found else 0
+
+
+def kind(row: pd.Series) -> str:
+    """Return the kind of evidence of a row of ``claims.csv``, by its window: one of ``KINDS``.
+
+    A window whose upper end, or whose width, is at most ``EXACT`` allows rounding only. A window is two-sided if both
+    ends are finite and the lower one is at least a thousandth of the upper one. The key or the quantity of an order
+    names it.
+    """
+    low, high = float(row["window_low"]), float(row["window_high"])
+    if high - max(low, 0.0) <= EXACT:
+        return IDENTITY
+    if math.isinf(high) or low < 1e-3 * high:
+        return ONE_SIDED
+    return ORDER if "order" in f"{row['key']} {row['quantity']}" or "-in-" in str(row["key"]) else SIZE
 
 
 def window_share(row: pd.Series) -> float:

@@ -15,7 +15,7 @@ import pandas as pd
 from study.ledger.chance import PROMISE
 from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_verdicts
 from study.ledger.text import above, below, down, up
-from study.ledger.verdict import HOLDS, REPORTED, agreement, window_share, worst_value
+from study.ledger.verdict import HOLDS, MISSED, REPORTED, UNCLAIMED, agreement, window_share, worst_value
 from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, longtable, prose, tabular
 
@@ -267,8 +267,8 @@ def ledger(data: FullRun) -> str:
     """Returns one row per statement: the number of verdicts of each kind, and the row that uses most of its window."""
     body = []
     for label, claim, rows in by_claim(data.claims):
-        count, judged = count_verdicts(rows), rows[rows["verdict"] != REPORTED]
-        counts = count[HOLDS], len(judged) - count[HOLDS], count[REPORTED]
+        count, judged = count_verdicts(rows), rows[~rows["verdict"].isin(UNCLAIMED)]
+        counts = count[HOLDS], len(judged) - count[HOLDS], count[MISSED], count[REPORTED]
         shares = judged.apply(window_share, axis=1).dropna() if len(judged) else pd.Series(dtype=float)
         nearest = ["--", "", ""]
         if len(shares):
@@ -277,8 +277,9 @@ def ledger(data: FullRun) -> str:
             nearest = [where, _number(worst_value(row)), window_ends(row)]
         body.append([encode_letters(label), encode_letters(claim), *map(str, counts), *nearest])
     label, statement, quantity = (folding(width) for width in (0.11, 0.215, 0.265))
-    headings = ["no.", "what it says", "hold", "not", "rep.", "row nearest to the end of its window", "seen", "window"]
-    return longtable(headings, [label, statement, "r", "r", "r", quantity, "r", "l"], [("", body)])
+    counted = "hold", "not", "missed", "rep."
+    headings = ["no.", "what it says", *counted, "row nearest to the end of its window", "seen", "window"]
+    return longtable(headings, [label, statement, "r", "r", "r", "r", quantity, "r", "l"], [("", body)])
 
 
 def catalogue(data: FullRun) -> str:

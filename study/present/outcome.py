@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -14,7 +14,19 @@ from tabulate import tabulate
 from study.ledger.datafiles import SERIES, by_claim, count_verdicts, read_rates
 from study.ledger.files import write_text
 from study.ledger.text import cell, is_narrow, significant, width
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, VERDICTS, Verdict
+from study.ledger.verdict import (
+    BECAUSE,
+    FAILS,
+    HOLDS,
+    IDENTITY,
+    KINDS,
+    MISSED,
+    REPORTED,
+    UNDECIDED,
+    VERDICTS,
+    Verdict,
+    kind,
+)
 from study.present.notation import counted
 
 
@@ -37,28 +49,49 @@ def rates_text(directory: Path) -> str:
 
 
 def ledger_text(claims: pd.DataFrame) -> str:
-    """Returns a row per statement of the ledger, as wide as ``rates_text``, then every row that does not hold.
+    """Return a row per statement of the ledger, as wide as ``rates_text``, every row that does not hold, and a summary.
 
-    A statement has the number of its cases, and the numbers of its rows by verdict.
+    A statement has the number of its cases, and the numbers of its rows by verdict. The summary counts the rows that
+    hold by the kind of their evidence, and ends with a conclusion.
     """
     rows = [
         [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]
         for label, claim, judged in by_claim(claims)
     ]
-    words = (12, 24) if is_narrow() else (22, 44)
-    lines = [_aligned(("statement", "", "cases", *VERDICTS), rows, (*words, 5, 5, 8, 9, 5), numbers=slice(2, 7)), ""]
-    for _, row in claims[~claims["verdict"].isin([HOLDS, REPORTED])].iterrows():
-        lines += _finding(row)
+    words = (11, 17) if is_narrow() else (22, 36)
+    lines = [_aligned(("statement", "", "cases", *VERDICTS), rows, (*words, 5, 5, 8, 6, 9, 5), numbers=slice(2, 8)), ""]
+    for verdict in (MISSED, UNDECIDED, FAILS):
+        for _, row in claims[claims["verdict"] == verdict].iterrows():
+            lines += _finding(row)
     count = count_verdicts(claims)
-    lines.append(
+    counts = (
         f"{counted(len(claims), 'row')}: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
-        f"{count[REPORTED]} reported without a claim"
+        f"{count[MISSED]} missed (our own prediction was wrong), {count[REPORTED]} reported without a claim"
     )
+    for text in (counts, *([kinds_text(claims)] if count[HOLDS] else []), conclusion(count)):
+        lines += textwrap.wrap(text, width(), break_on_hyphens=False)
     return "\n".join(lines) + "\n"
 
 
+def kinds_text(claims: pd.DataFrame) -> str:
+    """Return a sentence that counts the rows that hold by the kind of their evidence."""
+    kinds = claims[claims["verdict"] == HOLDS].apply(kind, axis=1)
+    counts = ", ".join(f"{int((kinds == name).sum())} {name}" for name in KINDS)
+    return f"evidence of the rows that hold: {counts} ({IDENTITY} fail only if the code is broken)"
+
+
+def conclusion(count: Mapping[str, int]) -> str:
+    """Return what the verdicts say about the statements, in one sentence."""
+    if count[FAILS]:
+        return f"Conclusion: {counted(count[FAILS], 'row')} contradicted what a statement claims."
+    if not count[HOLDS]:
+        return "Conclusion: nothing was decided."
+    rest = f"; {counted(count[UNDECIDED], 'row')} could not be decided" if count[UNDECIDED] else ""
+    return f"Conclusion: no statement was contradicted, {counted(count[HOLDS], 'row')} confirmed their claims{rest}."
+
+
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:
-    """Writes one test case per verdict; fails is a failure, undecided and reported are skipped."""
+    """Writes one test case per verdict; fails is a failure; undecided, missed and reported are skipped."""
     count = Counter(verdict.verdict for verdict in verdicts)
     skipped = len(verdicts) - count[HOLDS] - count[FAILS]
     totals = {"tests": str(len(verdicts)), "failures": str(count[FAILS]), "skipped": str(skipped)}

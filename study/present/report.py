@@ -19,7 +19,7 @@ from study.ledger.datafiles import DataError, by_claim, count_verdicts, made_by,
 from study.ledger.files import write_text
 from study.ledger.pictures import short
 from study.ledger.text import significant
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
 from study.present import palette
 from study.present.body import ARROW, THICKNESS, BodyScale, shade
 from study.present.chart import Array, Axis, Chart, Subplot
@@ -49,6 +49,7 @@ MEANINGS = {
     HOLDS: "the value lies in a window that was fixed beforehand",
     FAILS: "it lies outside of its window",
     UNDECIDED: "too little was measured to say; not a pass",
+    MISSED: "our own prediction was wrong; no statement of the paper is contradicted",
     REPORTED: "a number for which nothing is claimed: neither a pass nor a failure",
 }
 """The meaning of each verdict."""

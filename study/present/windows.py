@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 
 from study.ledger.datafiles import DataError
-from study.ledger.verdict import REPORTED
+from study.ledger.verdict import UNCLAIMED
 from study.ledger.window import MIN_POSITIVE, Window
 
 COMMIT = "27a936c"
@@ -82,7 +82,7 @@ def changes(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
 def added(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
     """Returns labels and keys that are claimed today and were not known then."""
     known = set(then[["label", "key"]].itertuples(index=False, name=None))
-    claimed = claims[claims["verdict"] != REPORTED]
+    claimed = claims[~claims["verdict"].isin(UNCLAIMED)]
     found = []
     for (label, key), rows in claimed.groupby(["label", "key"], sort=False):
         if (label, key) not in known:
@@ -96,9 +96,9 @@ def _differences(rows: pd.DataFrame) -> Iterator[tuple[str, str, str, str, str]]
         then = Window(row["then_low"], row["then_high"])
         now = Window(row["window_low"], row["window_high"])
         gone = pd.isna(row["verdict"])
-        if not gone and row["verdict"] != REPORTED and _same(then, now):
+        if not gone and row["verdict"] not in UNCLAIMED and _same(then, now):
             continue
-        today = "no longer there" if gone else "reported" if row["verdict"] == REPORTED else now.text
+        today = "no longer there" if gone else "no claim" if row["verdict"] in UNCLAIMED else now.text
         yield row["label"], row["key"], then.text, today, _why(row, then, None if gone else now)
 
 
@@ -107,7 +107,7 @@ def _same(one: Window, other: Window) -> bool:
 
 
 def _why(row: dict[str, object], then: Window, now: Window | None) -> str:
-    if now and row["verdict"] != REPORTED and then.low == 0 and now.low == MIN_POSITIVE and now.high == then.high:
+    if now and row["verdict"] not in UNCLAIMED and then.low == 0 and now.low == MIN_POSITIVE and now.high == then.high:
         return NOT_NOTHING
     try:
         return WHY[str(row["label"]), str(row["key"])]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pandas as pd
 import pytest
@@ -10,7 +11,21 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from study.ledger.criterion import Criterion, Observation
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, agreement, window_share
+from study.ledger.verdict import (
+    FAILS,
+    HOLDS,
+    IDENTITY,
+    MISSED,
+    ONE_SIDED,
+    ORDER,
+    REPORTED,
+    SIZE,
+    UNDECIDED,
+    agreement,
+    exit_code,
+    kind,
+    window_share,
+)
 from study.ledger.window import Window, around, at_least, at_most, between, shown
 
 
@@ -70,13 +85,53 @@ def test_a_row_is_known_by_label_key_case_and_family_and_carries_its_window() ->
     assert (row.window_low, row.window_high, row.expected) == (0.9, 1.1, "1 ± 0.1")
 
 
-def test_an_observation_says_whether_its_prediction_agrees_and_claims_nothing() -> None:
-    for value, outcome in ((1.0, "agrees"), (1.2, "differs")):
+def test_a_prediction_without_a_claim_is_reported_and_missed_if_it_was_wrong() -> None:
+    for value, outcome, verdict in (
+        (1.0, "agrees", REPORTED),
+        (1.2, "differs", MISSED),
+        (math.nan, "undecided", REPORTED),
+    ):
         criterion = Criterion("key", "a quantity", around(1, 0.1), lambda _, v=value: (v, (v, v)), ())
         row = Observation(criterion, "nobody knows").verdict(Claim(), "a", {"shaken": pd.DataFrame({"h": [1.0]})})
-        assert row.verdict == REPORTED
+        assert row.verdict == verdict
         assert row.expected == f"predicted 1 ± 0.1; no claim, as nobody knows: {outcome}"
         assert agreement(pd.Series(vars(row))) == outcome
+
+
+def test_a_number_without_a_prediction_cannot_miss_it() -> None:
+    criterion = Criterion("key", "a quantity", Window(), lambda _: (math.nan, (math.nan, math.nan)), ())
+    row = Observation(criterion, "nobody knows").verdict(Claim(), "a", {"shaken": pd.DataFrame({"h": [1.0]})})
+    assert row.verdict == REPORTED
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "code"),
+    [
+        ((HOLDS, REPORTED, MISSED), 0),
+        ((HOLDS, UNDECIDED), 3),
+        ((FAILS, UNDECIDED, HOLDS), 1),
+        ((), 3),
+    ],
+)
+def test_a_failure_goes_before_an_undecided_row_and_a_missed_prediction_is_no_failure(verdicts, code: int) -> None:
+    row = judged(around(1, 0.1), 1.0, 0.95, 1.05)
+    assert exit_code([replace(row, verdict=verdict) for verdict in verdicts]) == code
+
+
+@pytest.mark.parametrize(
+    ("window", "key", "expected"),
+    [
+        (around(1, 0.1), "order", ORDER),
+        (around(1, 0.1), "size", SIZE),
+        (at_most(0.02), "quadrature", ONE_SIDED),
+        (at_least(0.97), "waves", ONE_SIDED),
+        (at_most(1e-10), "residual", IDENTITY),
+        (at_most(1 + 1e-9, low=1 - 1e-9), "equality", IDENTITY),
+    ],
+)
+def test_evidence_has_a_kind_by_its_window(window: Window, key: str, expected: str) -> None:
+    row = replace(judged(window, 1.0, 1.0, 1.0), key=key, quantity="a quantity")
+    assert kind(pd.Series(vars(row))) == expected
 
 
 @pytest.mark.parametrize(

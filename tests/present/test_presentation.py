@@ -194,14 +194,15 @@ def test_the_rate_text_has_one_line_per_case_and_family(tables: Path) -> None:
 
 def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_hold(tables: Path) -> None:
     text = ledger_text(tables)
-    assert re.search(r"^statement +cases +holds +reported +undecided +fails$", text, re.MULTILINE)
+    assert re.search(r"^statement +cases +holds +reported +missed +undecided +fails$", text, re.MULTILINE)
     assert re.search(r"^Prop. 5.4 +‖u − u\^h‖.* [12] +[12] +1$", text, re.MULTILINE)
     listed = (
         "fails: Prop. 5.4, advance-recede: order, criss-cross: expected 1 ± 0.1, observed 0.7100 in [0.6500, 0.7800]"
     )
     assert listed in text.splitlines()
     assert "\nundecided: (3.1), (3.2): Γ3,i" in text
-    assert text.endswith("5 rows: 3 hold, 1 fail, 1 undecided, 0 reported without a claim\n")
+    assert "5 rows: 3 hold, 1 fail, 1 undecided, 0 missed (our own prediction was wrong), 0 reported" in text
+    assert text.endswith("Conclusion: 1 row contradicted what a statement claims.\n")
 
 
 def test_the_ledger_text_has_a_line_for_every_claim_of_a_label(data: Path) -> None:
