@@ -1,10 +1,11 @@
-"""How often the ledger is red by chance, from the record of seeds: row by row and for all that is claimed.
+"""The false-alarm rate: how often chance alone turns a row of the ledger red, from the record of seeds.
 
-A row is judged by the seeds that were drawn since the last change to its rule, levels or window; seeds before it stay
-in the record and do not count. ``data/seeds.csv`` has a line for each row, and two in front for all claimed rows
-together: ``every`` counts seeds that were measured whole, ``light`` all seeds with the rows that are measured on each
-of them. Both begin anew with the last change to any of their rows, and ``every`` when a row leaves the ledger, too: a
-row that was given up for its alarms would take them away from seeds that had shown them.
+A row is judged by the seeds that were drawn since the last change to its rule, levels or window. Earlier seeds stay in
+the record and do not count. ``data/seeds.csv`` has a line for each row, after two lines for all claimed rows together:
+``every`` counts the seeds on which all rows were measured, ``light`` counts all seeds, with the cheap rows that are
+measured on each of them. Both counts start again after the last change to one of their rows. ``every`` also starts
+again when a row leaves the ledger: otherwise a row that was removed for its alarms would remove these alarms from the
+record.
 """
 
 from __future__ import annotations
@@ -25,24 +26,24 @@ from study.ledger.datafiles import ALL_ROWS, alarm_summary, write_csv
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
-"""``seeds.csv``: what the row is; the number of the first seed that counts and how many do; what was found: alarms with
-the interval of their rate at 95 %, the extreme places in the window, and the model of the tail with the p-value of its
-test and the rate that follows."""
+"""Columns of ``seeds.csv``: the row; the number of the first seed that counts, and how many seeds count; alarms with
+the 95 % interval of their rate, the extreme places in the window, and the model of the tail with the p-value of its
+test and the rate that follows from it."""
 NAMED = PROMISE / 10
-"""A row whose tail alone takes so much of what is promised for all rows is named."""
+"""A row is listed if its tail alone gives a rate above a tenth of the rate that is promised for all rows."""
 FOLDED = [25, 14]
-"""Columns for row and case, so that a line has 80."""
+"""Widths of the columns row and case that make a line 80 characters wide."""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """A row with the places that count.
+    """A row with its places in its window on the seeds that count.
 
     Attributes:
         key: (label, key, case).
         rule: the fingerprint of the rule.
-        places: on every seed that was drawn, not a number where it was not judged by this rule, (seeds,).
-        both: whether both ends of its window are ends.
+        places: one for every seed that was drawn, (seeds,); NaN for seeds that this rule did not judge.
+        both: whether its window is two-sided.
     """
 
     key: RowKey
@@ -52,10 +53,9 @@ class Seen:
 
     @classmethod
     def of(cls, record: Record) -> list[Seen]:
-        """The rows of a record, each by the rule that judged it last.
+        """Return the rows of a record, each with the rule that judged it last.
 
-        A row that the last whole seed, which has all of them, and those after it do not have is one that is no longer
-        in the ledger.
+        A row is no longer in the ledger if neither the last seed with all rows nor a later seed has it.
         """
         latest: dict[RowKey, tuple[str, Line]] = {}
         for (*row, rule), line in record.lines.items():
@@ -86,12 +86,12 @@ class Seen:
 
 
 def newest(record: Record) -> int:
-    """The place among the seeds of the last one that was judged whole, 0 if none was."""
+    """Return the position of the last seed on which all rows were judged; 0 without one."""
     return max((n for n, draw in enumerate(record.draws) if draw.part == WHOLE and draw.judged >= 0), default=0)
 
 
 def tally(record: Record) -> pd.DataFrame:
-    """The lines of ``seeds.csv``: those of all rows together, then one for each row."""
+    """Return the lines of ``seeds.csv``: two for all rows together, then one for each row."""
     rows = Seen.of(record)
     whole = np.array([draw.part == WHOLE for draw in record.draws])
     in_force = np.array([draw.rules == record.draws[newest(record)].rules for draw in record.draws])
@@ -107,7 +107,7 @@ def tally(record: Record) -> pd.DataFrame:
 
 
 def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
-    """On how many of the seeds that judged all of some rows one or more raised an alarm; tails are summed.
+    """Return the line that counts the seeds on which one or more of some rows raised an alarm; tails are summed.
 
     ``places`` has shape (rows, seeds).
     """
@@ -117,25 +117,25 @@ def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
     red = int((abs(places) > 1).any(axis=0).sum())
     low, high = interval(red, judged)
     ends = (float(np.nanmin(places)), float(np.nanmax(places))) if judged else (math.nan, math.nan)
-    # A row without a model, or rows that were on no seed yet, may do anything.
+    # Without a model of a tail, or without a seed, nothing is known about the rate.
     rate = float(rows["rate_tail"].sum(skipna=False)) if judged else math.nan
     known = ALL_ROWS, key, f"{len(rows)} rows", "", "", "yes", since, judged
     return dict(zip(COLUMNS, (*known, red, low, high, *ends, "sum", math.nan, rate), strict=True))
 
 
 def newer(table: pd.DataFrame) -> pd.DataFrame:
-    """The claimed rows whose rule is newer than the first seed that rows of their part were judged on."""
+    """Return the claimed rows whose rule is newer than the first seed of their part of the plan."""
     first = table.groupby("part")["since"].transform("min")
     return table[(table["claimed"] == "yes") & (table["label"] != ALL_ROWS) & (table["since"] > first)]
 
 
 def verdict(table: pd.DataFrame) -> str:
-    """Whether the promise is kept for all claimed rows."""
+    """Return whether the promised false-alarm rate is met: holds, undecided or fails."""
     return alarm_summary(table).verdict
 
 
 def text(table: pd.DataFrame) -> str:
-    """The rates of all rows together, every alarm, and the rows whose tails take much of what is promised."""
+    """Return a text with the rates of all rows together, every alarm, and the rows with large tails."""
     ledger, rows = table[table["label"] == ALL_ROWS], table[table["label"] != ALL_ROWS]
     lines = [
         (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}", _tails(one.rate_tail))

@@ -130,9 +130,9 @@ class Equivalence:
 
     def verdicts(self, defect: Callable[[Sides], Sides]) -> list[Verdict]:
         sides = defect(Sides.of(resolve(self.case).solution, family_named(self.family), self.level))
-        beside = sides.stresses(sides.displacements)
-        agreement = gaps(sides.displacements, beside, self.steps)
-        place = {"case": self.case, "family": self.family, "level": self.level, "h": beside.space.h}
+        compared = sides.stresses(sides.displacements)
+        agreement = gaps(sides.displacements, compared, self.steps)
+        place = {"case": self.case, "family": self.family, "level": self.level, "h": compared.space.h}
         shown = pd.DataFrame(independence(sides, self.steps)._asdict().items(), columns=["quantity", "value"])
         return [
             *SameMesh().judge(pd.DataFrame([{**place, **agreement._asdict()}])),
@@ -142,7 +142,7 @@ class Equivalence:
 
 @dataclass(frozen=True)
 class StressSweep:
-    """Theorem 4.2 on a stress space of its own for a case of the catalogue on a few levels of one mesh family.
+    """Theorem 4.2 on its own stress space for a case of the catalogue on a few levels of one mesh family.
 
     Attributes:
         case: its name.

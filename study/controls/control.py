@@ -1,4 +1,4 @@
-"""A deliberate defect: what is wrong, where the wrong piece goes, and which rows of the ledger must fail."""
+"""A negative control: a deliberate defect, the piece of the study that it replaces, and the rows that must fail."""
 
 from __future__ import annotations
 
@@ -24,13 +24,13 @@ class Control:
 
     Attributes:
         name: of the defect.
-        what: is wrong, in a line.
-        setting: where it is measured.
-        place: which piece is replaced. "fem.error_norm:ErrorNorm.distance" is looked up in a module of ``study`` while
-            the setting is measured, "green:work_on" in one of ``study.statements``. "problem.solver" is an attribute of
-            what is measured, "" all of it.
-        replacement: gives the wrong piece from the correct one.
-        rows: the key of the row that must fail, or of several rows that all must fail.
+        what: a description of the defect, in a line.
+        setting: the case, meshes and statement with which the defect is measured.
+        place: the piece that is replaced: "fem.error_norm:ErrorNorm.distance" is a name in a module of ``study``,
+            "green:work_on" a name in a module of ``study.statements``, "problem.solver" an attribute of the measured
+            object, and "" the whole object.
+        replacement: returns the wrong piece, given the correct one.
+        rows: the key of the row that must fail, or the keys of several rows that all must fail.
         others: further defects at the same time, as (place, replacement).
     """
 
@@ -53,13 +53,13 @@ class Control:
         return ((self.place, self.replacement), *self.others)
 
     def __call__(self, measured: Any) -> Any:
-        """Replace the attributes of what is measured."""
+        """Return the measured object with its attributes replaced."""
         inside = [change for change in self.changes if ":" not in change[0]]
         return reduce(lambda found, change: replaced(found, *change), inside, measured)
 
     @contextmanager
     def patched(self) -> Iterator[None]:
-        """Replace what is looked up in modules for the time of the context."""
+        """Replace names in modules while the context lasts."""
         with ExitStack() as stack:
             for place, replacement in self.changes:
                 if ":" in place:
@@ -72,7 +72,7 @@ class Control:
 
 
 def replaced(whole: Any, place: str, replacement: Replacement) -> Any:
-    """A copy of an object with one attribute replaced, "problem.load" for that of an attribute."""
+    """Return a copy of an object with one attribute replaced; "problem.load" is the attribute of an attribute."""
     if not place:
         return replacement(whole)
     name, _, rest = place.partition(".")
@@ -83,7 +83,7 @@ def replaced(whole: Any, place: str, replacement: Replacement) -> Any:
 
 
 def overridden(whole: Any, **attributes: Any) -> Any:
-    """The object itself with attributes or methods that stand before those of its class."""
+    """Set attributes or methods of an object, which hide the attributes of its class; returns the object."""
     vars(whole).update(attributes)
     return whole
 

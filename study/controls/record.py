@@ -1,17 +1,17 @@
-"""The record of seeds that were drawn, and where every row of the ledger lay in its window: what is added to stays.
+"""The record of random seeds: for each seed, where every row of the ledger lies in its window. Lines are only added.
 
-``data/seeds/drawn.csv`` has one line for each seed in the order in which they were drawn: the seed, the part of the
-plan that was measured, the rules in force (a hash), rows judged and alarms; the last two are −1 while it is being
-measured. A seed is entered when it is drawn, before anything is measured, so that none can be left out afterwards.
+``data/seeds/drawn.csv`` has one line for each seed in the order in which the seeds were drawn: the seed, the part of
+the plan that was measured, a hash of the rules, the number of rows judged and the number of alarms. The last two are −1
+while the seed is being measured. A seed is entered before anything is measured, which makes it impossible to leave out
+a seed with a bad result.
 
-``data/seeds/places.csv.gz`` has one line for each row of the ledger and rule that it was judged by: two characters for
-each seed, in the same order. They write the place in the window, −2 … 2, in 1/1024ths, two digits of base 64; ``..``
-says that this seed was not judged by this rule. An alarm is a place beyond −1 … 1, of a row that holds one within. As a
-rule of another row, window or level is another line, seeds that were judged before a change count for nothing after it.
+``data/seeds/places.csv.gz`` has one line for each row of the ledger and each rule that judged it: two characters for
+each seed, in the same order. They encode the place in the window, −2 … 2, in 1/1024ths, as two digits of base 64.
+``..`` means that this rule did not judge this seed. A place inside −1 … 1 belongs to a row that holds, a place outside
+is an alarm. A change of the rule, window or levels starts a new line, so seeds before the change do not count.
 
-All values are kept, and not their moments, as a tail is not known by moments. Two digits resolve a thousandth of half a
-window. Packed, as most of the text is names and seeds that a row was not judged on, a thousand rows and 150 seeds take
-200 kB.
+The record has all places instead of their moments, because moments do not determine a tail. Two digits resolve a
+thousandth of half a window. A thousand rows and 150 seeds take 200 kB, compressed.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ from study.ledger.window import SMALL
 
 DIGITS = ascii_letters + digits + "+-"
 NONE = ".."
-"""For a seed that was not judged."""
+"""The two characters of a seed that was not judged."""
 START = ":"
-"""Before the places of a line, so that no program takes them for a number."""
+"""The first character of the places of a line: with it no program reads them as a number."""
 NO_RULES = "-"
 STEP = 1 / 1024
 FURTHEST = 2.0
@@ -49,7 +49,7 @@ PLACES = ["label", "key", "case", "rule", "window_low", "window_high", "places"]
 
 
 def place(verdict: Verdict) -> float:
-    """Where a row lies in its window: beyond ±1 if and only if it does not hold; 0 for one without numbers."""
+    """Return the place of a row in its window: outside −1 … 1 if and only if it does not hold; 0 without a window."""
     judged = float(worst_value(pd.Series(asdict(verdict))))
     low, high, value = verdict.window_low, verdict.window_high, judged
     if not low < high or (low <= 0 and np.isinf(high)):
@@ -60,24 +60,24 @@ def place(verdict: Verdict) -> float:
         found = (2 * value - low - high) / (high - low) if two_sided(low, high) else value / high
     if verdict.verdict == HOLDS:
         return float(np.clip(found, -1, 1))
-    # What is not a number, or undecided within its window, is an alarm as well.
+    # NaN, and an undecided row with its value inside the window, are alarms as well.
     beyond = np.nan_to_num(found, nan=FURTHEST)
     return float(np.copysign(np.clip(abs(beyond), 1 + 2 * STEP, FURTHEST), beyond))
 
 
 def two_sided(low: float, high: float) -> bool:
-    """Whether both ends of a window are ends for what lies in it."""
+    """Return whether a value inside a window can be near either of its ends."""
     return bool(np.isfinite([low, high]).all() and not 0 <= low <= SMALL * high)
 
 
 def packed(value: float) -> str:
-    """Two digits for a place."""
+    """Return the two digits of a place."""
     number = min(round((value + FURTHEST) / STEP), len(DIGITS) ** 2 - 1)
     return DIGITS[number // len(DIGITS)] + DIGITS[number % len(DIGITS)]
 
 
 def unpacked(text: str) -> Array:
-    """The places in a line, not a number where there is none, (seeds,)."""
+    """Return the places in a line, (seeds,); NaN for seeds that were not judged."""
     pairs = [text[i : i + 2] for i in range(0, len(text), 2)]
     values = [np.nan if pair == NONE else DIGITS.index(pair[0]) * len(DIGITS) + DIGITS.index(pair[1]) for pair in pairs]
     return np.array(values) * STEP - FURTHEST
@@ -96,28 +96,28 @@ class Draw:
 
 @dataclass(frozen=True)
 class Line:
-    """A line of ``places.csv.gz``, without what it is known by: the window, and two characters for each seed."""
+    """A line of ``places.csv.gz`` without its key: the window, and two characters for each seed."""
 
     window_low: float
     window_high: float
     places: str = ""
 
     def at(self, position: int, value: float) -> Line:
-        """With the place on the seed at a position; places that lack before it are none."""
+        """Return the line with the place on the seed at a position; missing places before it become ``..``."""
         before = self.places[: 2 * position].ljust(2 * position, NONE[0])
         return replace(self, places=before + packed(value) + self.places[2 * position + 2 :])
 
 
 @dataclass(frozen=True)
 class Record:
-    """All seeds that were drawn, in order, and what was found: (label, key, case, rule) ↦ line."""
+    """All seeds in the order in which they were drawn, and the lines by (label, key, case, rule)."""
 
     draws: tuple[Draw, ...] = ()
     lines: Mapping[Known, Line] = field(default_factory=dict)
 
     @classmethod
     def read(cls, directory: Path) -> Record:
-        """The record of a result directory, an empty one where there is none.
+        """Return the record of a result directory; an empty record if the directory has none.
 
         Raises:
             DataError: a file is damaged, or its lines do not fit the seeds.
@@ -140,8 +140,8 @@ class Record:
         return cls(draws, found)
 
     def write(self, directory: Path) -> None:
-        """Both files; what is found of a seed stands in the first before the second says that it was judged."""
-        # As many as there are seeds, so that a seed that is missing from the other file is noticed, judged or not.
+        """Write both files: first the places, then ``drawn.csv``, which says which seeds were judged."""
+        # Each line has characters for every seed: then a seed that is missing from ``drawn.csv`` is noticed.
         wide = 2 * len(self.draws)
         known = [
             [*row, line.window_low, line.window_high, START + line.places.ljust(wide, NONE[0])]
@@ -152,21 +152,21 @@ class Record:
         write_csv(folder / "drawn.csv", pd.DataFrame([asdict(draw) for draw in self.draws], columns=DRAWN))
 
     def drawn(self, seed: int, part: str) -> Record:
-        """With a seed that is to be measured."""
+        """Return the record with a seed that is to be measured."""
         if any(draw.seed == seed for draw in self.draws):
             raise DataError(f"seed {seed} is in the record already, and nothing in it is replaced: draw another one")
         return replace(self, draws=(*self.draws, Draw(seed, part)))
 
     def pending(self) -> Draw | None:
-        """The seed that was drawn and not judged, if there is one."""
+        """Return the seed that was drawn and not judged, or None."""
         return next((draw for draw in self.draws if draw.judged < 0), None)
 
     def judged(
         self, seed: int, verdicts: Sequence[Verdict], rules: Mapping[RowKey, str], claimed: Callable[[str], bool]
     ) -> Record:
-        """With what was found on a seed that was drawn; the lines of other rules stay as they are.
+        """Return the record with the verdicts on a seed that was drawn; lines of other rules do not change.
 
-        ``claimed`` says of a label whether an alarm of its rows counts.
+        ``claimed`` returns, for a label, whether alarms of its rows count.
         """
         position = [draw.seed for draw in self.draws].index(seed)
         if self.draws[position].judged >= 0:
@@ -183,7 +183,7 @@ class Record:
         return Record((*self.draws[:position], draw, *self.draws[position + 1 :]), lines)
 
     def agreement(self, seed: int, verdicts: Sequence[Verdict], rules: Mapping[RowKey, str]) -> tuple[int, int]:
-        """How many places of a seed are those of verdicts by the same rule, up to a step, and how many are not."""
+        """Return how many recorded places of a seed agree with verdicts by the same rule, and how many do not."""
         position, same, other = [draw.seed for draw in self.draws].index(seed), 0, 0
         for verdict in verdicts:
             row = verdict.label, verdict.key, verdict.case
@@ -196,11 +196,11 @@ class Record:
 
 
 def fingerprint(content: object) -> str:
-    """A letter, so that it is no number, and nine hexadecimal digits of the SHA-256 of a text representation."""
+    """Return the letter r and nine hexadecimal digits of the SHA-256 of the text of an object."""
     return "r" + hashlib.sha256(repr(content).encode()).hexdigest()[:9]
 
 
 def _sound(places: str, seeds: int) -> bool:
-    """Whether a line has two digits for each of at most so many seeds."""
+    """Return whether a line has two digits for each of at most ``seeds`` seeds."""
     pairs = [places[i : i + 2] for i in range(0, len(places), 2)]
     return len(pairs) <= seeds and all(pair == NONE or (len(pair) == 2 and set(pair) <= set(DIGITS)) for pair in pairs)

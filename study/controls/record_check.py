@@ -47,7 +47,7 @@ def compare_record(directory: Path) -> set[Path]:
 
 
 def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
-    """Compares what ``drawn.csv`` says of every seed with the places of this seed."""
+    """Compare the counts of every seed in ``drawn.csv`` with its places."""
     known = list(record.lines)
     wide = 2 * len(record.draws)
     values = np.array([unpacked(record.lines[row].places.ljust(wide, ".")) for row in known])

@@ -128,7 +128,7 @@ def solution(change: Callable[[Signorini, Any], Any]) -> Replacement:
 
 
 def shifted_gap(by: float) -> Replacement:
-    """v_ν ≤ by in place of v_ν ≤ 0."""
+    """v_ν ≤ by instead of v_ν ≤ 0."""
     return contact(lambda solver, gap: Signorini.complementarity(solver, gap - by))
 
 
@@ -143,7 +143,7 @@ def forces_times(factor: float) -> Replacement:
 
 
 def unconstrained(solver: Signorini, b: Any) -> Any:
-    """V^h in place of K^h."""
+    """V^h instead of K^h."""
     return solver.factor(b), np.zeros(solver.N.shape[0])
 
 
@@ -169,7 +169,7 @@ def in_places(right: Any) -> Any:
 
 
 def springs(right: Any) -> Any:
-    """Springs in place of v_ν ≤ 0, in pressure and tension, whose stiffness does not grow with n."""
+    """Springs instead of v_ν ≤ 0, in pressure and tension, whose stiffness does not grow with n."""
     return lambda S, N: freed(right)(sps.csc_array(S + 100.0 / N.shape[0] * (N.T @ N)), N)
 
 
@@ -199,7 +199,7 @@ def in_one_step(wrong: Replacement, which: str, part: float) -> Replacement:
     return change
 
 
-# Time schemes: what they report of a trajectory.
+# Time schemes: wrong reports of a trajectory.
 
 
 def node(which: str, last: int) -> int:
@@ -245,7 +245,7 @@ def _times_parts(state: Any, factors: dict[str, float]) -> Any:
 
 
 def rival_off(which: str) -> Replacement:
-    """A displacement that is off by a thousandth at one node, in all problems but that of the experiment."""
+    """Return a rival with a displacement wrong by a thousandth at one node, in all problems except the experiment's."""
 
     def change(setup: Any) -> Any:
         def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
@@ -343,17 +343,17 @@ def an_eighth(steps: int) -> int:
 
 
 def no_contact(problem: Any) -> Any:
-    """V^h in place of K^h, without constraints."""
+    """V^h instead of K^h, without constraints."""
     return replace(problem, N=problem.N[:0], solver=freed(problem.solver))
 
 
 def constraint_relaxed(setup: Any) -> Any:
-    """v_ν ≤ √h in place of v_ν ≤ 0."""
+    """v_ν ≤ √h instead of v_ν ≤ 0."""
     return replaced(setup, "problem.solver", shifted_gap(math.sqrt(setup.space.h)))
 
 
 def nearest_axis(N: Any) -> Any:
-    """The nearest axis in place of ν, in the plane."""
+    """The nearest axis instead of ν, in the plane."""
     N = N.copy()
     normals = N.data.reshape(-1, 2)
     nearest = np.arange(2) == abs(normals).argmax(axis=1)[:, None]
@@ -362,7 +362,7 @@ def nearest_axis(N: Any) -> Any:
 
 
 def load_late(setup: Any) -> Any:
-    """F(t − k) in place of F(t)."""
+    """F(t − k) instead of F(t)."""
     k = setup.problem.T / setup.steps
     return replaced(setup, "problem.load", lambda load: lambda t: load(max(t - k, 0.0)))
 
@@ -422,7 +422,7 @@ def _nearest(space: Space, x: Any) -> int:
 
 
 def k_like_h(setup: Any) -> Any:
-    """A fully discrete solution, first order in k ~ h, in place of u^h."""
+    """A fully discrete solution, first order in k ~ h, instead of u^h."""
     return replace(setup, scheme=BACKWARD_EULER, steps=round(1 / setup.space.h))
 
 
@@ -435,7 +435,7 @@ def _v_norm(setup: Any, **methods: Any) -> Any:
 
 
 def norm_of_l2(setup: Any) -> Any:
-    """‖v‖_{L²} in place of (A ε(v), ε(v))^½."""
+    """‖v‖_{L²} instead of (A ε(v), ε(v))^½."""
     return _v_norm(setup, distance=_l2_distance(setup))
 
 
@@ -451,7 +451,7 @@ def _l2_distance(setup: Any) -> Function:
 
 
 def norm_of_h1(setup: Any) -> Any:
-    """(‖v‖² + ‖ε(v)‖²)^½ in place of (A ε(v), ε(v))^½."""
+    """(‖v‖² + ‖ε(v)‖²)^½ instead of (A ε(v), ε(v))^½."""
     found, of_values = _v_norm(setup, A=isotropic(0.5, 0, setup.space.dim)), _l2_distance(setup)
     of_strain = found.v_norm.distance
     overridden(found.v_norm, distance=lambda sample, v: math.hypot(of_strain(sample, v), of_values(sample, v)))
@@ -459,19 +459,19 @@ def norm_of_h1(setup: Any) -> Any:
 
 
 def norm_with_elasticity(setup: Any) -> Any:
-    """(G ε(v), ε(v))^½ in place of (A ε(v), ε(v))^½."""
+    """(G ε(v), ε(v))^½ instead of (A ε(v), ε(v))^½."""
     return _v_norm(setup, A=setup.solution.law.G)
 
 
 def one_point_quadrature(setup: Any) -> Any:
-    """ε(u) at the centres of cells, where the interpolant's strain is nearly exact, in place of all of ε(u)."""
+    """ε(u) at the centres of cells, where the interpolant's strain is nearly exact, instead of all of ε(u)."""
     centres = setup.solution.at(setup.space.mesh.p[:, setup.space.mesh.t].mean(axis=1))
     sample = setup.v_norm.sample
     return _v_norm(setup, sample=lambda t: replace(sample(t), means=centres.strain(t), oscillation=0.0))
 
 
 def sum_of_roots(setup: Any) -> Any:
-    """Σ_T ‖·‖_T in place of (Σ_T ‖·‖_T²)^½, the oscillation spread evenly over the cells."""
+    """Σ_T ‖·‖_T instead of (Σ_T ‖·‖_T²)^½, the oscillation spread evenly over the cells."""
 
     def distance(sample: Any, v: Any) -> float:
         difference = sample.means - setup.space.strain(v)
@@ -482,7 +482,7 @@ def sum_of_roots(setup: Any) -> Any:
 
 
 def interpolant_off(which: str) -> Replacement:
-    """5 Π^h u in place of Π^h u at one node."""
+    """5 Π^h u instead of Π^h u at one node."""
 
     def change(setup: Any) -> Any:
         def sample(right: Function) -> Function:
@@ -559,14 +559,14 @@ def at_the_last_time(parallelogram: Function) -> Function:
 
 
 def stress_from_displacement(sides: Any) -> Any:
-    """The stress of Problem 3.1 in place of Problem 3.2: agreement is perfect, and says nothing."""
+    """Replace the stress of Problem 3.2 by the stress of Problem 3.1: the agreement is perfect and proves nothing."""
     honest = sides.stresses(sides.displacements)
-    return replace(sides, stresses=lambda problem: Derived.beside(honest, problem))
+    return replace(sides, stresses=lambda problem: Derived.compared(honest, problem))
 
 
 def compared_with_itself(sides: Any) -> Any:
     """The stress that the law gives for the correct Problem 3.1, as if both had been solved."""
-    derived = Derived.beside(sides.stresses(sides.displacements), sides.displacements)
+    derived = Derived.compared(sides.stresses(sides.displacements), sides.displacements)
     return replace(sides, stresses=lambda problem: derived)
 
 
@@ -606,7 +606,7 @@ stress_load_late = stresses(
 )
 
 
-# Theorem 4.2: a stress space of its own.
+# Theorem 4.2 on its own stress space.
 
 
 def law_swapped(setup: Any) -> Any:
@@ -621,7 +621,7 @@ def no_surface_load(part: Any, x: Any) -> Function:
 
 
 def surface_load_late(setup: Any) -> Any:
-    """f_2(t − k) in place of f_2(t)."""
+    """f_2(t − k) instead of f_2(t)."""
     k = setup.data.body.T / setup.steps
 
     def late(right: Function) -> Function:
@@ -631,7 +631,7 @@ def surface_load_late(setup: Any) -> Any:
 
 
 def without_viscosity(make: Function) -> Function:
-    """Gε(u^h) in place of Aε(δu^h) + Gε(u^h)."""
+    """Gε(u^h) instead of Aε(δu^h) + Gε(u^h)."""
 
     def made(primal: Any, *given: Any) -> None:
         make(primal, *given)
@@ -689,7 +689,7 @@ def inward(right: Space) -> dict[str, Any]:
 
 
 def off_contact(right: Space) -> dict[str, Any]:
-    """The constraint of a vertex inside the body in place of the last one of Γ3."""
+    """The constraint of a vertex inside the body instead of the last one of Γ3."""
     inside = np.flatnonzero((abs(right.mesh.p - right.mesh.p.mean(axis=1)[:, None]) < 0.2).all(axis=0))[0]
     row = sps.csr_array(([1.0], ([0], [2 * inside + 1])), shape=(1, 2 * right.mesh.p.shape[1]))[:, right.free]
     return {"N": sps.csr_array(sps.vstack([right.N[:-1], row]))}
@@ -701,7 +701,7 @@ def ungraded(graded: Function) -> Function:
 
 
 def over_vertices(h1_product: Function) -> Function:
-    """Σ v·w over the vertices in place of (v, w)_H, with no measure of what belongs to a vertex."""
+    """Σ v·w over the vertices instead of (v, w)_H, with no measure of what belongs to a vertex."""
     return lambda space: sps.csc_array(h1_product(space) - mass(space) + sps.eye_array(space.dofs))
 
 
@@ -776,7 +776,7 @@ def no_work_on_loaded(work_on: Function) -> Function:
 
 
 def no_rate(on_cells: Function) -> Function:
-    """G ε(u^h) in place of A ε(u̇^h) + G ε(u^h)."""
+    """G ε(u^h) instead of A ε(u̇^h) + G ε(u^h)."""
 
     def found(*given: Any) -> Any:
         right = on_cells(*given)
@@ -827,7 +827,7 @@ def interpolant_late(sample: Function) -> Function:
 
 
 def times_width(right: Function) -> Function:
-    """A method of what has a space, wrong by the extent of its mesh along the first axis."""
+    """Multiply the value of a method by the extent of the mesh along the first axis."""
     return lambda self, *given: float(np.ptp(self.space.mesh.p[0])) * right(self, *given)
 
 
@@ -854,7 +854,7 @@ def random_only(quotients: Function) -> Function:
 
 
 def cut_off(projected: Function) -> Function:
-    """v_ν set to 0 at the vertices of Γ3 where it is positive, the nearest in nodal values and not in ‖·‖_V."""
+    """Project on K^h in the Euclidean norm of nodal values instead of ‖·‖_V: positive v_ν become 0."""
 
     def found(problem: Any, u: Any) -> Any:
         N = problem.N
@@ -919,7 +919,7 @@ def load_of_before(euler: Function) -> Function:
 
 
 def norm_of_nodal_values(furthest: Function) -> Function:
-    """The largest Euclidean norm of differences of nodal values, in place of the norm of V."""
+    """The largest Euclidean norm of differences of nodal values, instead of the norm of V."""
     return lambda problem, one, other: float(np.linalg.norm(one - other, axis=1).max())
 
 

@@ -1,10 +1,10 @@
-"""What a row of the ledger is judged by, as a fingerprint: its window, its levels, and what its rule makes of numbers.
+"""Fingerprints of the rules by which rows of the ledger are judged: window, levels and statistic.
 
-Seeds count for a row only if they were drawn after the last change to it. So that this can be checked, the rule of a
-row is known by what it does: all that was measured is replaced by numbers that depend on nothing but the names of the
-file, the row and the column, near h times a factor of chance, and judged. Words, windows and values of the verdict and
-the levels of its measurements are hashed. Another window, level or statistic gives another fingerprint of this row and
-of no other; other code that says the same gives the same.
+Seeds count for a row only if they were drawn after the last change to its rule. A change is detected by the effect of
+the rule: all measured numbers are replaced by pseudo-random numbers near h, which depend on the names of the file, the
+row and the column only, and are judged. The fingerprint is a hash of the words, windows and values of the verdict and
+of the levels of its measurements. Another window, level or statistic changes the fingerprint of this row and of no
+other row; a rewritten rule with the same effect does not.
 """
 
 from __future__ import annotations
@@ -25,17 +25,17 @@ from study.statements import STATEMENTS
 from study.statements.shared.base import LISTED, Statement
 
 KEPT = {"h", "k"}
-"""Columns of numbers that are not measured, beside those of the key of a file."""
+"""Columns of numbers that are not measured, in addition to the key of a file."""
 SCATTER = 0.2
-"""Of the logarithms of the numbers, so that ratios and orders differ from one row to the next."""
+"""Scatter of the logarithms of the numbers; it makes ratios and orders differ from row to row."""
 ALL = "all cases"
-"""What stands for the case in rows about all."""
+"""The case of rows about all cases."""
 
 
 def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
-    """The fingerprints of the rows that are judged of the data of a plan in a directory.
+    """Return row ↦ fingerprint of its rule, for the data of a plan in a directory.
 
-    Rows about more than was measured, as those about all cases where the plan is a part of the whole, have none.
+    A row that needs more than the plan measured has none, such as a row about all cases if the plan has some of them.
     """
     cases = read_csv(directory, "cases.csv", PREDICTED)
     files = [file for file in data_files() if isinstance(file, CsvFile)]
@@ -52,12 +52,12 @@ def rules(directory: Path, plan: Plan, whole: Plan) -> dict[RowKey, str]:
 
 
 def row_of(verdict: Verdict) -> RowKey:
-    """What a row is known by on the meshes of any seed."""
+    """Return the key of a row, the same for the meshes of every seed."""
     return verdict.label, verdict.key, verdict.case
 
 
 def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
-    """The table with numbers made up in place of what was measured."""
+    """Return a table with pseudo-random numbers instead of the measured ones."""
     found = table.copy()
     key = table[[name for name in file.key if name != "family"]].astype(str).agg(" ".join, axis=1)
     if file == LISTED:
@@ -71,19 +71,19 @@ def probe(file: CsvFile, table: pd.DataFrame) -> pd.DataFrame:
 
 
 def _chance(name: str) -> float:
-    """A number between −1 and 1 that depends on a name alone."""
+    """Return a number between −1 and 1 that depends on a name only."""
     return int(hashlib.sha256(name.encode()).hexdigest()[:8], 16) / 2**31 - 1
 
 
 def _said(verdict: Verdict) -> list[str]:
-    """What a verdict says, without the name of the meshes; numbers with digits that no machine changes."""
+    """Return the texts of a verdict without the name of the meshes; numbers with six digits, equal on all machines."""
     words = [*row_of(verdict), verdict.quantity.removesuffix(f", {verdict.family} meshes"), verdict.expected]
     numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high
     return [*words, verdict.verdict, *(f"{number:.6g}" for number in numbers)]
 
 
 def _levels(plan: Plan, statement: Statement) -> list[tuple[str, str]]:
-    """(case, setting without case and meshes) of all measurements that a statement is judged by."""
+    """Return (case, setting without case and meshes) of all measurements by which a statement is judged."""
     own = [job for job in plan.jobs if job.statement.file == statement.file]
     if statement.file == LISTED:
         own = [job for job in own if job.statement.label == statement.label]
@@ -94,5 +94,5 @@ def _levels(plan: Plan, statement: Statement) -> list[tuple[str, str]]:
 
 
 def _of(case: str, levels: list[tuple[str, str]]) -> list[str]:
-    """The settings of a case, or of all."""
+    """Return the settings of a case, or of all cases."""
     return sorted(text for mine, text in levels if case in (mine, ALL))

@@ -1,4 +1,4 @@
-"""Measure every control and its baseline, and say whether the ledger noticed."""
+"""Measure every control and its baseline, and report whether the ledger noticed the defect."""
 
 from __future__ import annotations
 
@@ -33,16 +33,16 @@ of which some are about rounding, absolute differences of this size do not count
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the ledger says to one control, or to a setting without a defect.
+    """The verdict of the ledger on one control, or on a setting without a defect (a baseline).
 
     Attributes:
         defect: name of the control, or ``NO_DEFECT``.
-        what: is wrong, in a line.
-        setting: where.
-        row: the row that the control names; of several rows, the first that does not fail, or the first. Of a
-            baseline, the first row, or the first that does not hold.
+        what: a description of the defect, in a line.
+        setting: name of the setting.
+        row: for a control, the first of its rows that does not fail, or else its first row; for a baseline, the first
+            row that does not hold, or else its first row.
         caught: whether every row that the control names fails; None for a baseline.
-        besides: what else is wrong: a row that no defect is there for, a defect that is another one once more.
+        other_faults: other faults: a row that no control names, or a defect that equals another one.
     """
 
     defect: str
@@ -50,16 +50,16 @@ class Outcome:
     setting: str
     row: Verdict
     caught: bool | None
-    besides: str = ""
+    other_faults: str = ""
 
     @property
     def passes(self) -> bool:
-        """A defect is caught, or without one every row holds, and nothing else is wrong."""
-        return not self.besides and (self.row.verdict == HOLDS if self.caught is None else self.caught)
+        """Whether the defect was caught, or all rows of the baseline hold, and no other fault was noticed."""
+        return not self.other_faults and (self.row.verdict == HOLDS if self.caught is None else self.caught)
 
     @classmethod
-    def of_control(cls, control: Control, verdicts: list[Verdict], besides: str = "") -> Outcome:
-        """Whether a defect is caught by the rows that are there for it: another one may fail for another reason.
+    def of_control(cls, control: Control, verdicts: list[Verdict], other_faults: str = "") -> Outcome:
+        """Return the outcome of a control, which only the rows that it names can catch.
 
         Raises:
             KeyError: the setting has no row with the key that the control gives.
@@ -67,34 +67,33 @@ class Outcome:
         by_key = {verdict.key: verdict for verdict in verdicts}
         named = [by_key[key] for key in control.keys]
         shown = next((verdict for verdict in named if verdict.verdict != FAILS), named[0])
-        return cls(control.name, control.what, str(control.setting), shown, shown.verdict == FAILS, besides)
+        return cls(control.name, control.what, str(control.setting), shown, shown.verdict == FAILS, other_faults)
 
     @classmethod
     def of_baseline(cls, setting: Baseline[Any], verdicts: list[Verdict], named: set[str]) -> Outcome:
-        """Whether every row holds without a defect, and is one that a control names, and no other row's namesake.
+        """Return the outcome of a baseline: all rows hold, each is named by a control, and no key occurs twice.
 
-        A row that no defect is there for could be weakened or left out, and all controls would still do their duty.
+        A row that no control names could be weakened or removed without a control noticing.
         """
         row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
         keys = [verdict.key for verdict in verdicts]
         twice = [f"two rows are called {key}" for key in dict.fromkeys(keys) if keys.count(key) > 1]
-        unnamed = [f"no defect is there for the row {key}" for key in dict.fromkeys(keys) if key not in named]
-        besides = "; ".join(twice + unnamed)
-        return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None, besides)
+        unnamed = [f"no control names the row {key}" for key in dict.fromkeys(keys) if key not in named]
+        other_faults = "; ".join(twice + unnamed)
+        return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None, other_faults)
 
 
 def settings(controls: Sequence[Control]) -> list[Baseline[Any]]:
-    """Where the controls are measured: the baselines, each once."""
+    """Return the baselines of the controls, each once."""
     return list(dict.fromkeys(control.setting for control in controls))
 
 
 def run_controls(
     controls: Sequence[Control], executor: Executor, store: Store, notify: Callable[[], object]
 ) -> list[Outcome]:
-    """Findings of the baselines, one per setting, and of the controls, in this order.
+    """Return the outcomes of the baselines, one per setting, and of the controls, in this order.
 
-    What the store holds of the same code is not measured again. ``notify`` is called after every measurement, of a
-    baseline or of a control.
+    Measurements that the store has of the same code are not repeated. ``notify`` is called after every measurement.
     """
     places = settings(controls)
     measured = [(place, "") for place in places] + [(control.setting, control.name) for control in controls]
@@ -125,20 +124,20 @@ def run_controls(
 def outcomes(
     sound: Mapping[Baseline[Any], list[Verdict]], defective: Sequence[tuple[Control, list[Verdict]]]
 ) -> list[Outcome]:
-    """What is found, from the rows of every setting and those of every control."""
+    """Return the outcomes, from the rows of every setting and of every control."""
     named = {key for control, _ in defective for key in control.keys}
-    besides: dict[str, str] = {}
+    other_faults: dict[str, str] = {}
     for (one, first), (other, second) in combinations(defective, 2):
         if one.setting == other.setting and alike(first, second):
-            besides[other.name] = f"the same mistake as {one.name}"
+            other_faults[other.name] = f"the same mistake as {one.name}"
     return [
         *(Outcome.of_baseline(place, verdicts, named) for place, verdicts in sound.items()),
-        *(Outcome.of_control(one, verdicts, besides.get(one.name, "")) for one, verdicts in defective),
+        *(Outcome.of_control(one, verdicts, other_faults.get(one.name, "")) for one, verdicts in defective),
     ]
 
 
 def alike(first: list[Verdict], second: list[Verdict]) -> bool:
-    """Whether two defects show the same in every row, but for rounding."""
+    """Return whether two defects give the same numbers in every row, up to rounding."""
     if [verdict.verdict for verdict in first] != [verdict.verdict for verdict in second]:
         return False
     one, other = (np.array([verdict.observed for verdict in rows]) for rows in (first, second))
@@ -147,15 +146,16 @@ def alike(first: list[Verdict], second: list[Verdict]) -> bool:
 
 
 def _key(setting: Baseline[Any], name: str) -> str:
-    """The name of a file among finished work; settings that are called alike are told apart by value."""
+    """Return the file name of a finished measurement; a hash distinguishes settings with the same name."""
     words = re.sub(r"[^\w.]+", "-", name or str(setting)).strip("-")
     return f"control__{words}__{sha256(repr((name, setting)).encode()).hexdigest()[:8]}"
 
 
 def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
-    """The rows of a setting with the defect of this name in the table, "" for none: functions in the table stay there.
+    """Return the rows of a setting with the defect of this name in the table, or without a defect for "".
 
-    One thread, as the processes share the cores already.
+    The name is passed, because functions in the table cannot be sent to another process. One thread: the processes
+    already use all cores.
     """
     named = [one for one in table.CONTROLS if one.name == name and one.setting == setting]
     with threadpool_limits(1):
@@ -163,7 +163,7 @@ def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
 
 
 def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict]:
-    """The rows of a setting with a defect, or without one."""
+    """Return the rows of a setting, with a defect if one is given."""
     if control is None:
         return setting.verdicts(lambda measured: measured)
     with control.patched():
@@ -171,7 +171,7 @@ def work(setting: Baseline[Any], control: Control | None = None) -> list[Verdict
 
 
 def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
-    """``controls.csv``: one line per finding."""
+    """Write ``controls.csv`` with one line for each outcome; returns its path."""
     table = pd.DataFrame(
         {
             "defect": finding.defect,
@@ -191,7 +191,7 @@ def write_controls(directory: Path, findings: Sequence[Outcome]) -> Path:
 
 
 def controls_text(findings: Sequence[Outcome]) -> str:
-    """The settings without a defect, the defects with the row that caught each, and how many did their duty."""
+    """Return a text: the settings without a defect, the defects with the row that caught each, and the counts."""
     baselines = [finding for finding in findings if finding.caught is None]
     controls = [finding for finding in findings if finding.caught is not None]
     return "\n".join(
@@ -202,7 +202,7 @@ def controls_text(findings: Sequence[Outcome]) -> str:
             "",
             f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every row holds",
             f"{len(controls)} defects: {sum(f.passes for f in controls)} caught",
-            *(f"NOT IN ORDER: {f.setting}, {f.defect}: {f.besides}" for f in findings if f.besides),
+            *(f"NOT IN ORDER: {f.setting}, {f.defect}: {f.other_faults}" for f in findings if f.other_faults),
         ]
     )
 

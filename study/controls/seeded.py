@@ -1,8 +1,8 @@
-"""What is measured of a seed: all that the study judges on shaken meshes, on those of this seed.
+"""The plan of a seed: everything that the study judges on shaken meshes, measured on the shaken meshes of this seed.
 
-Some of it costs most of the time: stresses on their own space, rough solutions, which need the levels of the full study
-on random meshes, errors that are computed once more, and solids. It is measured on one of ``EVERY`` seeds, all else on
-each: then an hour says as much as it can of every row. How many seeds a row was judged on stands with the row.
+Some measurements take most of the time: stresses on their own space, rough solutions (which need the levels of the full
+study), errors computed by the second solver, and cases in space. They are measured on one of ``EVERY`` seeds, the rest
+on every seed. Each row has the number of seeds by which it was judged.
 """
 
 from __future__ import annotations
@@ -27,46 +27,46 @@ from study.statements.shared.scope import Scope
 from study.statements.thm_4_2_own_space import OwnSpace
 
 WHOLE, LIGHT = "whole", "light"
-"""The parts of the plan: all of it, and what costs little."""
+"""The parts of the plan: all measurements, and the cheap ones."""
 EVERY = 5
-"""One of so many seeds is measured whole: then both parts take about the same time."""
+"""All rows are measured on one seed in so many: then both parts take about the same time."""
 NOT_CLAIMED = {"(5.24)": "orders of a trace hang on few edges of random length"}
-"""The labels of what the ledger does not claim on shaken meshes, and why."""
+"""Labels of statements that the ledger does not claim on shaken meshes, with the reason."""
 TRACES = ("no-contact", "advance-recede")
 """Cases whose traces are interpolated."""
 
 
 def claimed(label: str) -> bool:
-    """Whether the ledger claims the rows of a statement on shaken meshes."""
+    """Return whether the ledger claims the rows of a statement on shaken meshes."""
     return label not in NOT_CLAIMED
 
 
 @dataclass(frozen=True)
 class SeededScope(Scope):
-    """The quick study on shaken meshes alone.
+    """The quick study, on shaken meshes only.
 
     Attributes:
-        seed: of the meshes, which are called shaken-SEED.
+        seed: the seed of the meshes, whose family is called shaken-SEED.
     """
 
     seed: int = 0
 
     @property
     def family(self) -> str:
-        """The name of the meshes."""
+        """The name of the mesh family."""
         return f"{Shaken().name}-{self.seed}"
 
     def families_of(self, case: Case) -> list[MeshFamily]:
-        """The shaken meshes, where they serve."""
+        """Return the shaken meshes if the body can have them."""
         family = family_named(self.family)
         return [family] if family.serves(case.solution.body) else []
 
 
 def seeded(seed: int, part: str = WHOLE) -> Plan:
-    """The quick study with a seed, but for rough cases, which need the levels of the full one on random meshes.
+    """Return the plan of the quick study with a seed; rough cases have the levels of the full study.
 
-    No pictures, no bounds, which are proved for every mesh and tested with random ones, and no errors of other codes,
-    which ran on the meshes of one seed.
+    Left out are pictures, bounds (proved for every mesh, and tested with random ones), and errors of other codes, which
+    ran on the meshes of one seed.
     """
     base = replace(quick(), rough=full().rough, command="study seeds")
     scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
@@ -80,15 +80,15 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
 
 
 def costly(job: Job) -> bool:
-    """Whether a job is left out where little time is spent."""
+    """Return whether a job belongs only to the seeds on which all rows are measured."""
     solid = isinstance(job.statement, FirstOrder) and job.setting.dim == 3
     return solid or isinstance(job.statement, OwnSpace | Convergence | InterpolationOnContact | Recomputed)
 
 
 def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
-    """The settings of the quick study on shaken meshes; where it has none those of the full one, up to its levels.
+    """Return the settings of the quick study on shaken meshes, or of the full study on the levels of the quick one.
 
-    Where nothing is claimed on shaken meshes it is measured nevertheless: the traces of (5.24).
+    The traces of (5.24) are measured although nothing is claimed about them on shaken meshes.
     """
     if isinstance(statement, InterpolationOnContact):
         return grid(TRACES, (scope.family,), (16, 32, 64))

@@ -1,9 +1,9 @@
-"""How small a defect may be that the gate still sees: ``study sensitivity``.
+"""Sensitivity: the smallest defect that turns a row of the ledger red (``study sensitivity``).
 
-One piece of Problem 5.1 is made wrong by a relative amount δ, and δ is halved, on a logarithmic scale, between amounts
-at which a row fails and at which all hold. Errors change by δ² at first, which orders and sizes hardly see; the rows of
-``study.statements.recomputed`` compare trajectories and see δ itself. These alone decide here, so that the amounts are
-upper bounds for the whole gate, and a mesh where cells are coarse is enough.
+One piece of Problem 5.1 is changed by a relative amount δ. Bisection on a logarithmic scale finds the smallest δ at
+which a row fails. Errors change by δ² for small δ, which orders and sizes hardly notice. The rows of
+``study.statements.recomputed`` compare trajectories, which change by δ. Only these rows decide here: the amounts are
+upper bounds for the whole ledger, and a coarse mesh suffices.
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ from study.statements.shared.base import Setting, grid
 from study.statements.shared.experiment import Experiment
 
 LEAST, MOST = 1e-12, 1.0
-"""Amounts between which the smallest is looked for."""
+"""The range of amounts in which the smallest is searched."""
 CLOSE = 1.05
-"""The amounts at which a row fails and at which none does differ by this factor in the end."""
+"""Bisection ends when the amounts at which a row fails and at which none does differ by this factor."""
 CASES = "full-contact", "advance-recede"
 FAMILIES = "one-diagonal", "criss-cross", "shaken", "unstructured"
 LEVEL = 8
-"""The coarsest of both studies, where trajectories are compared."""
+"""The coarsest level on which both studies compare trajectories."""
 PLACES = grid(CASES, FAMILIES, (LEVEL,))
 SENSITIVITY = CsvFile(
     "sensitivity.csv", ("defect", "case", "family"), ("defect", "case", "family", "level", "amount", "seen_by")
@@ -46,7 +46,7 @@ SENSITIVITY = CsvFile(
 
 @dataclass(frozen=True, eq=False)
 class Place:
-    """One mesh, with the plain way's courses for comparison: with its own load and with the study's."""
+    """One mesh, with the trajectories of the second solver for comparison: with its load and with the study's load."""
 
     setting: Setting
     setup: Experiment
@@ -56,7 +56,7 @@ class Place:
 
     @classmethod
     def of(cls, setting: Setting) -> Place:
-        """The study's own experiment there; loads are kept, as every defect asks for the same."""
+        """Return the experiment of the study on a mesh; loads are cached, because every defect needs the same ones."""
         case = resolve(setting.case)
         steps = rate_steps(case.solution.body.T, setting.level, case.pace)
         setup = Experiment.of(case.solution, family_named(setting.family), setting.level, MIDPOINT, steps)
@@ -65,7 +65,7 @@ class Place:
         return cls(setting, setup, plain, *plain.trajectories(2 * steps, plain.load, setup.problem.load))
 
     def failing(self, setup: Experiment) -> list[str]:
-        """The keys of rows that fail."""
+        """Return the keys of the rows that fail."""
         right = setup.problem.load is self.setup.problem.load
         alike = self.alike if right else self.plain.trajectories(2 * setup.steps, setup.problem.load)[0]
         row = {**vars(self.setting), "h": setup.space.h, **gaps(setup, self.plain, self.course, alike)}
@@ -74,7 +74,7 @@ class Place:
         return [verdict.key for verdict in verdicts if verdict.verdict == FAILS]
 
     def smallest(self, defect: SmallDefect) -> tuple[float, str]:
-        """The smallest amount at which a row fails, within ``CLOSE``, and that row; ∞ if none does at ``MOST``."""
+        """Return the smallest amount at which a row fails, up to the factor ``CLOSE``, and the row; ∞ without one."""
         holds, fails = LEAST, MOST
         if not (seen := self.failing(defect.apply(self.setup, fails))):
             return float("inf"), ""

@@ -1,4 +1,4 @@
-"""Where controls are measured whose rows compare two things: a body and its twin, two ways, an error and its bounds."""
+"""Settings of controls whose rows compare two results: a body and its twin, two solvers, an error and its bounds."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ Defect = Callable[[Experiment], Experiment]
 
 
 def experiment(case: str, level: int) -> Experiment:
-    """That of the study on a one-diagonal mesh."""
+    """Return the experiment of the study on a one-diagonal mesh."""
     known = resolve(case)
     steps = rate_steps(known.solution.body.T, level, known.pace)
     return Experiment.of(known.solution, family_named("one-diagonal"), level, MIDPOINT, steps)
 
 
 def row_of(setup: Experiment, case: str, level: int) -> dict[str, Any]:
-    """Its line of ``rates.csv``."""
+    """Return the line of an experiment in ``rates.csv``."""
     return measure(setup).row(case, "one-diagonal", level)
 
 
 @dataclass(frozen=True)
 class Twins:
-    """A case whose body is turned, beside its twin, on some meshes; on a single one their digits may agree."""
+    """A case with a rotated body and its twin, on several meshes: on a single mesh their digits may agree by chance."""
 
     case: str
     levels: tuple[int, ...]
@@ -56,7 +56,7 @@ class Twins:
 
 @dataclass(frozen=True)
 class TwoWays:
-    """A case on one mesh as it is reported, and computed again in another way."""
+    """A case on one mesh, as in ``rates.csv`` and computed again by the second solver."""
 
     case: str
     level: int
@@ -75,7 +75,7 @@ class TwoWays:
 
 @dataclass(frozen=True)
 class Bounding:
-    """Bounds of errors on some meshes, as one of the statements on them judges them."""
+    """Bounds of errors on some meshes, judged by one of the statements about bounds."""
 
     statement: Bounds
     settings: tuple[BoundSetting, ...]

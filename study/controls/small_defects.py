@@ -1,4 +1,4 @@
-"""Pieces of Problem 5.1 that are wrong by a relative amount, for ``study.controls.sensitivity``."""
+"""Defects of a given relative size in pieces of Problem 5.1, for ``study.controls.sensitivity``."""
 
 from __future__ import annotations
 
@@ -21,14 +21,14 @@ from study.statements.shared.experiment import Experiment
 
 @dataclass(frozen=True)
 class SmallDefect:
-    """A piece that is wrong by a relative amount."""
+    """A defect with a name, and a function that puts it into an experiment with a relative size."""
 
     name: str
     apply: Callable[[Experiment, float], Experiment]
 
 
 def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callable[[Experiment, float], Experiment]:
-    """F + δ times a part of F."""
+    """Return the defect that adds δ times a part of the load F to it."""
 
     def apply(setup: Experiment, amount: float) -> Experiment:
         part = more(setup)
@@ -38,35 +38,35 @@ def loaded_by(more: Callable[[Experiment], Callable[[float], Array]]) -> Callabl
 
 
 def surface_load(setup: Experiment) -> Callable[[float], Array]:
-    """t ↦ (f_2, v)_{L²(Γ2)}."""
+    """Return the load of the tractions, t ↦ (f_2, v)_{L²(Γ2)}."""
     return cache(lambda time: work_on(Kind.LOADED, setup.solution, setup.space, time))
 
 
 def body_force(setup: Experiment) -> Callable[[float], Array]:
-    """t ↦ (f_0, v)_H, what is left of the load (3.7)."""
+    """Return the load of the body force, t ↦ (f_0, v)_H: the load (3.7) without the tractions."""
     load, surface = setup.problem.load, surface_load(setup)
     return lambda time: load(time) - surface(time)
 
 
 def contact_load(setup: Experiment) -> Callable[[float], Array]:
-    """t ↦ ∫_{Γ3} σ_ν v_ν, which Green's formula takes from (σ, ε(v))_Q."""
+    """Return t ↦ ∫_{Γ3} σ_ν v_ν, which Green's formula subtracts from (σ, ε(v))_Q."""
     v_norm = ErrorNorm(setup.solution, setup.space)
     amplitudes = v_norm._amplitudes
     return cache(lambda time: v_norm._contact_work(*(amplitudes(time, rate) for rate in (False, True))))
 
 
 def slow_clock(setup: Experiment, amount: float) -> Experiment:
-    """F((1 − δ) t) in place of F(t)."""
+    """Replace the load F(t) by F((1 − δ) t)."""
     return _replaced(setup, "problem.load", lambda load: lambda time: load((1 - amount) * time))
 
 
 def wrong_start(setup: Experiment, amount: float) -> Experiment:
-    """(1 + δ) Π^h u_0."""
+    """Replace the initial displacement by (1 + δ) Π^h u_0."""
     return _replaced(setup, "problem.u0", lambda u0: (1 + amount) * u0)
 
 
 def wrong_forces(setup: Experiment, amount: float) -> Experiment:
-    """(1 + δ) λ beside the right u^h."""
+    """Replace the contact forces λ by (1 + δ) λ; u^h stays right."""
     return _replaced(setup, "problem.solver", forces_times(1 + amount))
 
 
@@ -76,18 +76,18 @@ def _replaced(setup: Experiment, place: str, replacement: Replacement) -> Experi
 
 
 def shear(tensor: Linear) -> Array:
-    """2μ I of an isotropic tensor."""
+    """Return the shear part 2μ I of an isotropic tensor."""
     return (tensor.matrix[0, 0] - tensor.matrix[0, 1]) * np.eye(len(tensor.matrix))
 
 
 def bulk(tensor: Linear) -> Array:
-    """λ 1 ⊗ 1 of an isotropic tensor."""
+    """Return the volumetric part λ 1 ⊗ 1 of an isotropic tensor."""
     unit = identity(tensor.dim)
     return tensor.matrix[0, 1] * np.multiply.outer(unit, unit)
 
 
 def modulus(matrix: str, tensor: str, part: Callable[[Linear], Array]) -> Callable[[Experiment, float], Experiment]:
-    """A modulus of A or G times 1 + δ in the matrix that is solved with."""
+    """Return the defect that multiplies a modulus of A or G by 1 + δ in the matrix of the solver."""
 
     def apply(setup: Experiment, amount: float) -> Experiment:
         law: Linear = getattr(setup.solution.law, tensor)
@@ -115,6 +115,6 @@ DEFECTS = (
 
 
 def by_amount(name: str, amount: float) -> Replacement:
-    """One of ``DEFECTS`` by its name, of a fixed amount."""
+    """Return one of ``DEFECTS`` by its name, with a fixed size."""
     (defect,) = (each for each in DEFECTS if each.name == name)
     return lambda setup: defect.apply(setup, amount)

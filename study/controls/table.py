@@ -1,8 +1,8 @@
 # ruff: noqa: E501, one line for each defect
 """The deliberate defects, one table from top to bottom.
 
-A line says: name, what is wrong, where it is measured, which piece is replaced (``Control.place``), the function of
-``study.controls.replacements`` that gives the wrong piece, and the row of the ledger that must fail.
+Each line has the name and the description of a defect, the setting, the piece that is replaced (``Control.place``), the
+function of ``study.controls.replacements`` that returns the wrong piece, and the row of the ledger that must fail.
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ def negative(right: Any) -> Any:
 
 # fmt: off
 CONTROLS: tuple[Control, ...] = (
-    # Propositions 5.3 and 5.4 and (5.23): what is wrong in a solution, or in how its error is measured.
+    # Propositions 5.3 and 5.4 and (5.23): defects of a solution, or of the measurement of its error.
     Control("contact dropped", "V^h in place of K^h", FULL, "problem", wrong.no_contact, "order"),
     Control("contact two-sided", "v_ν = 0 in place of v_ν ≤ 0", NONE, SOLVER, wrong.held, "order"),
     Control("contact relaxed", "v_ν ≤ √h in place of v_ν ≤ 0", FULL, "", wrong.constraint_relaxed, "order"),
@@ -187,11 +187,11 @@ CONTROLS: tuple[Control, ...] = (
     Control("contact in places", "v_ν ≤ 0 at every other vertex", PRESSED, SOLVER, wrong.in_places, "penetration"),
     Control("force: elasticity dropped", "A u̇ = F without G(u)", PRESSED, "scheme", wrong.no_elasticity, "order-pressure"),
     Control("force: law swapped", "G u̇ + A u = F", PRESSED, "scheme", wrong.swapped, "order-resultant"),
-    Control("multipliers", "1.2 λ beside the right u^h", PATCH, SOLVER, wrong.forces_times(1.2), "order-dual-superclose"),
-    Control("multipliers on other meshes", "1.2 λ beside the right u^h", CROSSED_PATCH, SOLVER, wrong.forces_times(1.2), "order-dual-other"),
+    Control("multipliers", "1.2 λ with the right u^h", PATCH, SOLVER, wrong.forces_times(1.2), "order-dual-superclose"),
+    Control("multipliers on other meshes", "1.2 λ with the right u^h", CROSSED_PATCH, SOLVER, wrong.forces_times(1.2), "order-dual-other"),
     Control("force: few steps", "an eighth of the time steps", CROSSED_PATCH, "steps", wrong.an_eighth, "time-share"),
     Control("contact pulls", "v_ν = 0 in place of v_ν ≤ 0", PATCH, SOLVER, wrong.held, "pulling"),
-    # Theorem 4.2, on one mesh and on a stress space of its own.
+    # Theorem 4.2, on one mesh and on its own stress space.
     Control("stress from displacement", "Problem 3.2 is fed by Problem 3.1", BOTH, "", wrong.stress_from_displacement, "alone-stress"),
     Control("stress without contact", "σ_ν = 0 in place of σ_ν ≤ 0", OWN, "solver", wrong.no_multipliers, "order-stress"),
     Control("stress law swapped", "A and G swapped in Problem 3.2", OWN, "", wrong.law_swapped, "order-strain"),
@@ -204,7 +204,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("3.2: work late", "u of the step before in the work", BOTH, "", wrong.displacement_late, "energy"),
     Control("3.2: contact with gaps", "v_ν ≤ 0 at every other vertex in 3.2", BOTH, "", wrong.stress_gaps, "membership"),
     Control("blind: comparison", "no distance of 3.2 and 3.1", BOTH, "statements.thm_4_2:gaps", wrong.returns(Gaps(*[0.0] * len(Gaps._fields))), "alone-displacement"),
-    Control("blind: two problems", "3.1 beside itself", BOTH, "", wrong.compared_with_itself, "displacement"),
+    Control("blind: two problems", "3.1 compared with itself", BOTH, "", wrong.compared_with_itself, "displacement"),
     Control("blind: companion of 3.2", "the run itself in place of that with 2k", OWN, f"{OWN_ERRORS}:StressExperiment.companion", wrong.every_other_state, "time-share"),
     Control("blind: admissibility", "nothing contradicts (2.4), (2.5)", OWN, f"{OWN_ERRORS}:inadmissible", wrong.returns(0.0), "admissible"),
     Control("sign of the pressure", "σ_ν + σ^h_ν in place of σ_ν − σ^h_ν", OWN, f"{OWN_ERRORS}:Exact.pressure", lambda right: lambda exact, time, tractions: right(exact, time, -tractions), "order-pressure"),
@@ -215,7 +215,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("f_2 late", "f_2(t − k) in place of f_2(t)", OWN, "", wrong.surface_load_late, "growth"),
     # Other statements: a mistake in how each is measured, or a check that looks at nothing.
     Control("f_2 left out", "(f_2, v) left out of (2.14)", GREEN, "green:work_on", wrong.no_work_on_loaded, "fine-rule"),
-    Control("blind: Green", "one side of (2.14) beside itself", GREEN, "", wrong.zeroed("fine rule"), "fine-rule"),
+    Control("blind: Green", "one side of (2.14) compared with itself", GREEN, "", wrong.zeroed("fine rule"), "fine-rule"),
     Control("f_0 off by a third", "⅔ f_0 in (2.14)", KINKED, "green:work_of_body_force", wrong.times(2 / 3), "halved"),
     Control("f_0 off by 2 %", "0.98 f_0 in (2.14)", KINKED, "green:work_of_body_force", wrong.times(0.98), "shrunk"),
     Control("clamped at points", "Γ1 two points", KORN, "korn:space_of", wrong.space(wrong.pinned), "limit"),
@@ -236,7 +236,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("u_n without contact", "V^h for K^h", ADMISSIBLE, "admissibility:Experiment", within(SOLVER, wrong.freed), "membership"),
     Control("u_n held", "v_ν = 0 for v_ν ≤ 0", ADMISSIBLE, "admissibility:Experiment", within(SOLVER, wrong.held), "displacements"),
     Control("u_n relaxed", "v_ν ≤ √h for v_ν ≤ 0", ADMISSIBLE, "admissibility:Experiment", within("", wrong.constraint_relaxed), "stresses"),
-    Control("blind: work", "(σ, ε(u)) beside itself", ADMISSIBLE, "", wrong.zeroed("work"), "work"),
+    Control("blind: work", "(σ, ε(u)) compared with itself", ADMISSIBLE, "", wrong.zeroed("work"), "work"),
     Control("blind: cone", "no distance from the cone", ADMISSIBLE, "", wrong.zeroed("distance"), "cone"),
     Control("σ without A u̇", "Gε(u^h) for Aε(u̇^h) + Gε(u^h)", NATURAL, "boundary:on_cells", wrong.no_rate, "contact"),
     Control("end of the step", "σ half a step late", NATURAL, "boundary:discrete_stresses", wrong.half_a_step_late, "loaded-weakly"),
@@ -273,21 +273,21 @@ CONTROLS: tuple[Control, ...] = (
     Control("blind: search", "random pairs alone", NONLINEAR, "lipschitz:quotients", wrong.random_only, "waves"),
     Control("R without f_2", "(f_2, v) left out of R", RESIDUAL, "residual:terms", wrong.without("loaded"), "smooth"),
     Control("R without f_0", "(f_0, v) left out of R", RESIDUAL, "residual:terms", wrong.without("body"), "bound"),
-    Control("blind: remainder", "R beside itself", RESIDUAL, "", wrong.zeroed("Π^hu − u"), "remainder"),
+    Control("blind: remainder", "R compared with itself", RESIDUAL, "", wrong.zeroed("Π^hu − u"), "remainder"),
     Control("one search", "a search that stops at once", TRAJECTORY, "uniqueness:RandomStarts", wrong.instead(wrong.RandomSearch), "random-starts"),
-    Control("blind: least squares", "the solver beside itself", TRAJECTORY, "uniqueness:rivals", wrong.same_problem("least squares"), "least-squares"),
-    Control("blind: interior point", "the solver beside itself", TRAJECTORY, "uniqueness:rivals", wrong.same_problem("interior point"), "interior-point"),
+    Control("blind: least squares", "the solver compared with itself", TRAJECTORY, "uniqueness:rivals", wrong.same_problem("least squares"), "least-squares"),
+    Control("blind: interior point", "the solver compared with itself", TRAJECTORY, "uniqueness:rivals", wrong.same_problem("interior point"), "interior-point"),
     Control("blind: fixed point", "the same splitting", TRAJECTORY, "", wrong.zeroed("fixed point"), "fixed-point"),
     Control("one search for σ", "a search that stops at once", ONE_STRESS, "uniqueness:RIVALS", wrong.rival("random starts", wrong.RandomSearch), "random-starts"),
-    Control("blind: σ by least squares", "the solver beside itself", ONE_STRESS, "uniqueness:RIVALS", wrong.rival("least squares", Signorini), "least-squares"),
-    Control("blind: σ by interior point", "the solver beside itself", ONE_STRESS, "uniqueness:RIVALS", wrong.rival("interior point", Signorini), "interior-point"),
+    Control("blind: σ by least squares", "the solver compared with itself", ONE_STRESS, "uniqueness:RIVALS", wrong.rival("least squares", Signorini), "least-squares"),
+    Control("blind: σ by interior point", "the solver compared with itself", ONE_STRESS, "uniqueness:RIVALS", wrong.rival("interior point", Signorini), "interior-point"),
     Control("start outside K", "u_0^h ∉ K^h", VELOCITY, "wellposed:Experiment", within("problem", wrong.start_outside), "bounded"),
     Control("velocity of two steps", "(u_n − u_{n−1})/2k for δu_n", VELOCITY, "wellposed:fastest", wrong.times(0.8), "limit"),
     Control("quotients of squares", "half the change of the data", DEPENDENCE, "wellposed:quotients", wrong.times(2.0), "monotone"),
     Control("ω left out", "growth that no law has", DEPENDENCE, "wellposed:quotients", wrong.times(1.5), "bound"),
-    Control("blind: dependence", "a solution beside itself", DEPENDENCE, "", wrong.zeroed("first step"), "first-step"),
+    Control("blind: dependence", "a solution compared with itself", DEPENDENCE, "", wrong.zeroed("first step"), "first-step"),
     Control("contact held: (5.12)", "v_ν = 0 for v_ν ≤ 0", ESTIMATE, "steps_of_the_estimate:Experiment", within(SOLVER, wrong.held), "5.12"),
-    Control("multipliers: (slack-5.12)", "1.2 λ beside the right u^h", ESTIMATE, "steps_of_the_estimate:Experiment", within(SOLVER, wrong.forces_times(1.2)), "slack-5.12"),
+    Control("multipliers: (slack-5.12)", "1.2 λ with the right u^h", ESTIMATE, "steps_of_the_estimate:Experiment", within(SOLVER, wrong.forces_times(1.2)), "slack-5.12"),
     Control("load late: (5.14)", "the load of the step before", FROM_REST, "steps_of_the_estimate:Experiment", within("", wrong.load_late), "5.14"),
     Control("no contact: (5.16)", "V^h for K^h", FROM_REST, "steps_of_the_estimate:Experiment", within("problem", wrong.no_contact), "5.16"),
     Control("no work of contact: (5.19)", "its wrong sign in f", FROM_REST, "steps_of_the_estimate:Experiment", within("", wrong.contact_work_times(-1.0)), "5.19"),
@@ -318,8 +318,8 @@ CONTROLS: tuple[Control, ...] = (
     Control("f off by a tenth at a front", "0.9 f for f", ADVANCING, "advancing_front:load_from_forces", wrong.times(0.9), "order"),
     Control("squares of velocities", "‖u̇ − Π^h u̇‖² for its root", ADVANCING, "advancing_front:Velocity.interpolation_error", wrong.squared, "rate"),
     Control("traction off by a tenth", "0.9 σ_ν for σ_ν in the linear problem", ADVANCING, "advancing_front:pressure_load", wrong.times(0.9), "excess"),
-    Control("blind: steps at a front", "one trajectory beside itself", ADVANCING, "", wrong.zeroed("time share"), "time"),
-    Control("blind: a rule beside itself", "the finer rule for f_0 is no finer", ADVANCING, "advancing_front:RAISED", wrong.instead(2), "quadrature"),
+    Control("blind: steps at a front", "one trajectory compared with itself", ADVANCING, "", wrong.zeroed("time share"), "time"),
+    Control("blind: a rule and itself", "the finer rule for f_0 is no finer", ADVANCING, "advancing_front:RAISED", wrong.instead(2), "quadrature"),
     Control("P_h off by a tenth", "1.1 P_h u for P_h u", GROWING, "growing_errors:projection", wrong.times(1.1), "known"),
     Control("start without an error in V^h", "u_0^h = P_h u_0 for Π^h u_0", GROWING, "growing_errors:Experiment", within("", wrong.start_at_projection), "needed"),
     Control("ten times the error: bound", "10 ‖u − u^h‖ for ‖u − u^h‖", GROWING, "growing_errors:share", wrong.times(10.0), "bound"),
@@ -339,9 +339,9 @@ CONTROLS: tuple[Control, ...] = (
     Control("discrete error off by 2 %", "1.02 ‖Π^h u − u^h‖_V is reported", AGAIN, f"{MEASURE}.row", wrong.column_times("discrete_error", 1.02), "discrete-error"),
     Control("again: start at zero", "u_0^h = 0 in place of Π^h u_0", AGAIN, START, zero, "start"),
     Control("again: load", "1.05 F for F", AGAIN, LOAD, wrong.times(1.05), "displacement"),
-    Control("again: multipliers", "1.2 λ beside the right u^h", AGAIN, SOLVER, wrong.forces_times(1.2), "multipliers"),
+    Control("again: multipliers", "1.2 λ with the right u^h", AGAIN, SOLVER, wrong.forces_times(1.2), "multipliers"),
     Control("again: modulus", "λ of A larger by a millionth", AGAIN, "", by_amount("λ of A", 1e-6), SAME_DISPLACEMENT),
-    Control("again: forces", "λ larger by a millionth beside the right u^h", AGAIN, "", by_amount("contact force λ", 1e-6), SAME_FORCES),
+    Control("again: forces", "λ larger by a millionth with the right u^h", AGAIN, "", by_amount("contact force λ", 1e-6), SAME_FORCES),
     Control("bound without residual", "nothing for what the law misses", BOUND, "bound.terms:Majorant.products", wrong.times(0.0), "above"),
     Control("enclosure: half the norm", "½ ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(0.5), "above"),
     Control("enclosure: twice the norm", "2 ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(2.0), "below"),

@@ -262,7 +262,7 @@ class Derived(StressProblem):
     displacements: SemiDiscrete
 
     @classmethod
-    def beside(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Derived:
+    def compared(cls, stresses: StressProblem, displacements: SemiDiscrete) -> Derived:
         """Return the wrong problem that replaces ``stresses``."""
         return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
 
@@ -295,7 +295,7 @@ def independence(sides: Sides, steps: int) -> Independence:
     wrong = replace(sides.displacements, N=-sides.displacements.N)
     stresses = sides.stresses(wrong)
     opened = gaps(wrong, stresses, steps)
-    mistake = gaps(wrong, Derived.beside(stresses, sides.displacements), steps)
+    mistake = gaps(wrong, Derived.compared(stresses, sides.displacements), steps)
     with np.errstate(invalid="ignore", divide="ignore"):
         return Independence(*(float(ratio) for ratio in np.divide(opened[:2], mistake[:2])))
 

@@ -334,7 +334,7 @@ def test_the_comparison_shows_all_of_a_mistake_in_the_displacement_problem_alone
 def test_a_stress_problem_that_follows_shows_nothing() -> None:
     sides = Sides.of(resolve("advance-recede").solution, OneDiagonal(), 4)
     honest = sides.stresses(sides.displacements)
-    following = Sides(sides.displacements, lambda problem: Derived.beside(honest, problem))
+    following = Sides(sides.displacements, lambda problem: Derived.compared(honest, problem))
     assert independence(following, 8) == (0, 0)
 
 
