@@ -12,12 +12,12 @@ PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs
 
 .PHONY: study full again controls seeds mutants test wheel tutorials pages codes codes-venv codes-check wheel-debian certificates \
 	certificates-check trials bench bench-growth bench-peers \
-	bench-parallel lint docs paper cluster lock clean
+	bench-parallel lint docs paper cluster lock clean help
 
-study: $(RUNTIME)  ## quick study into results/quick, a minute
+study: $(RUNTIME)  ## quick study, results/quick, a minute
 	$(BIN)/study run --quick --undecided results/undecided-quick.csv --out results/quick
 
-full: $(DEVELOPMENT)  ## all levels into results/, and the slow tests
+full: $(DEVELOPMENT)  ## full study, results/, half an hour, and the slow tests
 	$(BIN)/study run --full --undecided results/undecided-full.csv --out results
 	$(BIN)/study controls --out results
 	$(BIN)/study sensitivity --out results
@@ -26,18 +26,18 @@ full: $(DEVELOPMENT)  ## all levels into results/, and the slow tests
 	$(BIN)/python -m study.present.pages results $(PAGES)
 	$(BIN)/pytest -m slow --numprocesses auto
 
-again: $(RUNTIME)  ## 100 rows of the committed results, drawn at random, measured again, a minute; ROWS=N, SEED=S
+again: $(RUNTIME)  ## measure 100 random rows of the committed results again and compare, a minute; ROWS=N, SEED=S
 	$(BIN)/study check --undecided results/undecided-full.csv --out results --again $(or $(ROWS),100) $(if $(SEED),--seed $(SEED))
 
-controls: $(RUNTIME)  ## deliberate defects that the verdicts must catch, and how small ones they see, a minute
+controls: $(RUNTIME)  ## deliberate defects that the verdicts must catch, and the smallest that they notice; results/quick, five minutes
 	$(BIN)/study controls --out results/quick
 	$(BIN)/study sensitivity --out results/quick
 
-seeds: $(RUNTIME)  ## an hour of fresh random meshes: how often chance turns the ledger red, added to the record
+seeds: $(RUNTIME)  ## false-alarm rate: judge fresh random meshes for an hour, added to results/data/seeds
 	$(BIN)/study seeds --out results
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
-mutants: $(DEVELOPMENT)  ## mutation testing of a fixed sample, into results/mutants, some hours; a second call continues
+mutants: $(DEVELOPMENT)  ## mutation testing of a fixed sample, results/mutants, some hours; a second call continues
 	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python .ci/mutants.py
 
 # The tests also start a Dask cluster and read the extensions of the documentation.
@@ -45,7 +45,7 @@ test: $(DEVELOPMENT) $(DOCUMENTATION) $(CLUSTER)  ## the test suite without the 
 	$(BIN)/pytest --numprocesses auto
 
 # As where others install it: from a wheel, without its extras, away from the repository.
-wheel: $(RUNTIME)  ## build the package, install it with NumPy and SymPy alone and try it there; build/wheel
+wheel: $(RUNTIME)  ## build the package, install it with NumPy and SymPy alone and test it there, build/wheel
 	rm -rf build/wheel
 	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation -w build/wheel .
 	$(BIN)/python .ci/base.py requirements/runtime.txt > build/wheel/base.txt
@@ -62,59 +62,59 @@ wheel-debian:  ## the same with NumPy and SymPy of the versions of Debian 12, fr
 	build/wheel/debian/bin/python -m pip install --quiet --no-index build/wheel/*.whl
 	cd build/wheel && debian/bin/python alone.py README.md
 
-tutorials: $(DEVELOPMENT)  ## what the documentation tells to type, the pages that take minutes
+tutorials: $(DEVELOPMENT)  ## run the commands of the documentation pages that take minutes
 	$(BIN)/pytest -m slow tests/project/test_pages.py
 
-pages: $(RUNTIME)  ## the tables of README and documentation from the data of the full study
+pages: $(RUNTIME)  ## write the tables of README and documentation from results/
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
-codes: $(RUNTIME)  ## other people's contact codes, those that are installed, into results/codes, half an hour
+codes: $(RUNTIME)  ## run the installed contact codes of other projects, results/codes, half an hour
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --mode march
 	$(BIN)/python -m study.present.pages results $(PAGES)
 
-codes-venv: build/codes-venv/.ready  ## the codes that come as wheels, in an environment of their own
+codes-venv: build/codes-venv/.ready  ## install the codes that come as wheels, build/codes-venv
 
 build/codes-venv/.ready: examples/codes/requirements.txt
 	$(PYTHON) -m venv build/codes-venv
 	build/codes-venv/bin/python -m pip install --quiet -r examples/codes/requirements.txt
 	touch $@
 
-codes-check: $(RUNTIME) build/codes-venv/.ready  ## two of them on one case, a minute: their classes are the committed ones
+codes-check: $(RUNTIME) build/codes-venv/.ready  ## run two codes on one case and compare with results/codes, a minute
 	OMP_NUM_THREADS=1 $(BIN)/python examples/codes/run_codes.py --only kratos_mortar ngsolve_penalty \
 		--cases advance-recede --families one-diagonal --levels 8 16 32 \
 		--tasks build/codes-check/tasks --out build/codes-check --check
 
-certificates: $(RUNTIME)  ## bounds as theorems: certificates of three problems, LEVELS="4 8", some minutes, 12 MB
+certificates: $(RUNTIME)  ## certificates of error bounds for three problems, build/certificates, some minutes, 12 MB; LEVELS="4 8"
 	for name in "square --family one-diagonal" wedge bracket; do \
 		OMP_NUM_THREADS=1 $(BIN)/study certify examples/certificates/problems.py:$$name \
 		--levels $(or $(LEVELS),4 8) --out build/certificates || exit 1; done
 
-certificates-check:  ## the committed certificates, by the checker alone: a copy of its file, Python without packages
+certificates-check:  ## check the committed certificates with the checker alone and Python without packages
 	mkdir -p build && cp study/certify/checker.py build/checker.py
 	for name in square wedge bracket; do \
 		$(PYTHON) -I -S build/checker.py examples/certificates/$$name-4.json.gz || exit 1; done
 
-trials: $(RUNTIME)  ## bounds tried on 200 random problems and on stiff materials, into results/trials, half an hour
+trials: $(RUNTIME)  ## test the bounds on 200 random problems and on stiff materials, results/trials, half an hour
 	OMP_NUM_THREADS=1 nice -n 10 $(BIN)/python -m benchmarks.trials.run
 
 # Benchmarks are not tests: a slow machine or a missing peer is no failure.
-bench: $(DEVELOPMENT)  ## ratios of timings into results/benchmarks, some minutes; warns where one got worse
+bench: $(DEVELOPMENT)  ## ratios of timings, results/benchmarks, some minutes; warns if one got worse
 	mkdir -p build && rm -f build/timings.json
 	-OMP_NUM_THREADS=1 $(BIN)/pytest -p no:xdist --benchmark-columns=median,iqr,rounds \
 		--benchmark-json=build/timings.json benchmarks/bench_ratios.py
 	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.ratios build/timings.json
 
-bench-growth: $(DEVELOPMENT)  ## time and memory on finer and finer meshes, some minutes and 10 GB of memory
+bench-growth: $(DEVELOPMENT)  ## time and memory on finer and finer meshes, results/benchmarks, some minutes, 10 GB of memory
 	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.growth
 
-bench-peers: $(DEVELOPMENT)  ## the same matrices solved by other programs in turns, half an hour
+bench-peers: $(DEVELOPMENT)  ## solve the same matrices with other programs, results/benchmarks, half an hour
 	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.compare
 
-bench-parallel: $(DEVELOPMENT)  ## the quick study with one process and with two, four minutes; PLAN=--full, an hour
+bench-parallel: $(DEVELOPMENT)  ## the quick study with one and with two processes, results/benchmarks, four minutes; PLAN=--full, an hour
 	-OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.parallel $(PLAN)
 
-lint: $(DEVELOPMENT)  ## style, types, and that imports run down
+lint: $(DEVELOPMENT)  ## check style, types and the order of imports
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -123,17 +123,17 @@ lint: $(DEVELOPMENT)  ## style, types, and that imports run down
 
 # Left out: linear algebra within the solvers, and modules with a class that inherits fields from another one. pdoc
 # cannot resolve the types there; a warning anywhere else is an error.
-docs: $(DOCUMENTATION)  ## the documentation with the gallery and the API, build/docs/index.html
+docs: $(DOCUMENTATION)  ## build the documentation with gallery and API, build/docs/index.html
 	$(BIN)/sphinx-build -q -W --keep-going -b html docs build/docs
 	$(BIN)/python -W error::UserWarning -m pdoc --docformat google --footer-text "Signorini study" -o build/docs/api \
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
 		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.controls\.seeded'
 
-paper: $(RUNTIME)  ## article and supplement from the data of the full study, in paper/build; needs latexmk
+paper: $(RUNTIME)  ## article and supplement from results/, paper/build; needs latexmk
 	$(BIN)/study tables --out results
 	latexmk -cd -pdf -Werror -halt-on-error -interaction=nonstopmode -outdir=build paper/article.tex paper/supplement.tex
 
-cluster: $(CLUSTER)  ## adds Dask to .venv, for study run --cluster
+cluster: $(CLUSTER)  ## add Dask to .venv, for study run --cluster
 
 $(RUNTIME): requirements/runtime.txt pyproject.toml
 	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
@@ -152,7 +152,7 @@ COMPILE := $(VENV)-lock/bin/pip-compile --quiet --upgrade --generate-hashes --st
 
 # In this order: a package of several files gets the version of the first one. runtime.txt has setuptools as well, which
 # installs the packages of this repository.
-lock:  ## renew the pins
+lock:  ## renew the pins, requirements/
 	$(PYTHON) -m venv $(VENV)-lock
 	$(VENV)-lock/bin/python -m pip install --quiet pip-tools
 	$(COMPILE) --extra study --build-deps-for editable -o requirements/runtime.txt pyproject.toml
@@ -163,5 +163,8 @@ lock:  ## renew the pins
 		-o requirements/cluster.txt pyproject.toml
 	rm -rf $(VENV)-lock
 
-clean:
+help:  ## list these targets
+	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "%-20s %s\n", $$1, $$2 }' Makefile
+
+clean:  ## remove the environment and everything that was built
 	rm -rf $(VENV) results/quick paper/build docs/generated build
