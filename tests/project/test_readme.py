@@ -90,7 +90,9 @@ def test_the_orders_at_their_head_are_those_of_the_errors_measured() -> None:
         # The line through the last two orders, at h = 0.
         limits.append(np.polyfit(middle[-2:], found[-2:], 1)[1])
         orders += list(found)
-    (row,) = re.findall(r"observed orders (\S+) to (\S+) extrapolated to h → 0, (\S+) to (\S+) between consecutive meshes", RESULTS)
+    (row,) = re.findall(
+        r"observed orders (\S+) to (\S+) extrapolated to h → 0, (\S+) to (\S+) between consecutive meshes", RESULTS
+    )
     shown = [float(value) for value in row]
     assert shown == pytest.approx([min(limits), max(limits), min(orders), max(orders)], abs=0.01)
     assert shown[0] <= min(limits) <= max(limits) <= shown[1]
