@@ -34,7 +34,7 @@ from study.present.notation import counted, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import with_every_shape
 from study.present.show import write_gif
-from study.present.windows import ALL_POSITIVE, Change, added, changes
+from study.present.windows import NOT_NOTHING, Change, added, changes
 
 FILM, FILM_DPI = "hexagon", 75
 """The case on the first screen of the README, and dots per inch of its film."""
@@ -42,6 +42,8 @@ ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling
 """Keys of the rows that test a proposition itself; the other rows check the discrete solution."""
 MISPRINTS = "slips"
 """The label of the rows that list misprints."""
+CLAIMED, MISSED = (FAILS, UNDECIDED, HOLDS), "missed"
+"""Verdicts on claims, from worst to best, and the verdict on a wrong prediction that no statement claims."""
 PLURAL = {HOLDS: "hold", FAILS: "fail"}
 
 
@@ -119,16 +121,16 @@ def answer(data: FullRun) -> str:
     """
     smooth, rough = data.rows("Prop. 5.4", "order-extrapolated"), data.rows("Prop. 5.3", "order")
     predicted = data.cases.loc[rough["case"], "expected_order"]
-    checks = data.claims[data.claims["verdict"] != REPORTED]
+    checks = int(data.claims["verdict"].isin(CLAIMED).sum())
     said = {
         "Claimed": "A viscoelastic body is pressed onto a rigid foundation; where it touches is unknown and moves. "
         "M. Barboteu, W. Han and M. Sofonea proved in 2002 that this problem has exactly one solution, which can be "
         "computed from displacements or from stresses, and that the error of linear finite elements tends to 0, with "
         "order 1 in the mesh size h if the solution is smooth. They computed nothing. ([Problem][problem])",
         "Tested": "Every statement of their paper that a computation can test, on "
-        f"{counted(len(data.cases), 'exact solution')} with known contact zones: {len(checks)} checks, each with a "
+        f"{counted(len(data.cases), 'exact solution')} with known contact zones: {checks} checks, each with a "
         "tolerance window that was fixed before the measurement. ([All checks][ledger])",
-        "Result": f"{_counts(checks, 'checks').capitalize()}. For smooth solutions "
+        "Result": f"{_counts(data.claims, 'checks').capitalize()}. For smooth solutions "
         f"({counted(smooth['case'].nunique(), 'case')}) the observed order, extrapolated to h → 0, is "
         f"{_range(smooth)}; theory predicts 1. For solutions that are not smooth "
         f"({counted(rough['case'].nunique(), 'case')}) the observed order is {_range(rough)}; theory predicts "
@@ -315,18 +317,22 @@ def _two_groups(data: FullRun, label: str, keys: tuple[str, ...], noun: str) -> 
 
 
 def _judged(rows: pd.DataFrame, noun: str) -> str:
-    """Returns the worst verdict among rows, and how many rows have each verdict."""
-    worst = [verdict for verdict, count in count_verdicts(rows).items() if count and verdict != REPORTED]
-    return f"{worst[-1]}: {_counts(rows, noun)}" if worst else REPORTED
+    """Returns the worst verdict on the claims among rows, and how many rows have each verdict."""
+    count = count_verdicts(rows)
+    worst = [verdict for verdict in CLAIMED if count[verdict]]
+    return f"{worst[0]}: {_counts(rows, noun)}" if worst else REPORTED
 
 
 def _counts(rows: pd.DataFrame, noun: str) -> str:
-    """Returns "all 44 checks hold", or how many of the checks have each verdict; reported rows do not count."""
-    counts = {verdict: count for verdict, count in count_verdicts(rows).items() if count and verdict != REPORTED}
-    if set(counts) <= {HOLDS}:
-        return f"all {sum(counts.values())} {noun} hold"
-    each = ", ".join(f"{count} {PLURAL.get(verdict, verdict)}" for verdict, count in counts.items())
-    return f"of {sum(counts.values())} {noun} {each}"
+    """Returns "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions."""
+    count = count_verdicts(rows)
+    total = sum(count[verdict] for verdict in CLAIMED)
+    text = f"all {total} {noun} hold"
+    if count[HOLDS] < total:
+        each = ", ".join(f"{count[verdict]} {PLURAL.get(verdict, verdict)}" for verdict in CLAIMED if count[verdict])
+        text = f"of {total} {noun} {each}"
+    missed = count.get(MISSED, 0)
+    return f"{text}; {counted(missed, 'prediction')} of this study missed" if missed else text
 
 
 def _range(rows: pd.DataFrame) -> str:
@@ -439,7 +445,7 @@ def windows(data: FullRun) -> str:
     """Returns the windows that changed, in Markdown; DataError if a window changed without a stated reason."""
     alike: dict[tuple[str, str, str], list[str]] = {}
     for change in changes(_earlier(data), data.claims):
-        ends = ("lower end 0", "lower end 1e-20") if change.why == ALL_POSITIVE else (change.before, change.today)
+        ends = ("lower end 0", "lower end 1e-20") if change.why == NOT_NOTHING else (change.before, change.today)
         alike.setdefault((*ends, change.why), []).append(_changed(change))
     lines = [["; ".join(rows), *map(_literal, texts)] for texts, rows in alike.items()]
     return markdown(["rows", "then", "today", "why"], lines)

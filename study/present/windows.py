@@ -21,7 +21,7 @@ from study.ledger.window import MIN_POSITIVE, Window
 COMMIT = "27a936c"
 """The last commit of the first round."""
 PLACE = ["label", "key", "case", "family"]
-ALL_POSITIVE = "a diagnostic must be positive: exactly 0 means that a quantity was compared with itself"
+NOT_NOTHING = "a diagnostic must be positive: exactly 0 means that a quantity was compared with itself"
 OWN_SPACE = "Thm 4.2, own space"
 NOT_RANDOM = "merging-patches and layered are now measured on meshes that are not random"
 BY_CHANCE = (
@@ -93,7 +93,7 @@ def _differences(rows: pd.DataFrame) -> Iterator[tuple[str, str, str, str, str]]
         gone = pd.isna(row["verdict"])
         if not gone and row["verdict"] != REPORTED and _same(then, now):
             continue
-        today = "no longer measured" if gone else "reported" if row["verdict"] == REPORTED else now.text
+        today = "no longer there" if gone else "reported" if row["verdict"] == REPORTED else now.text
         yield row["label"], row["key"], then.text, today, _why(row, then, None if gone else now)
 
 
@@ -103,7 +103,7 @@ def _same(one: Window, other: Window) -> bool:
 
 def _why(row: dict[str, object], then: Window, now: Window | None) -> str:
     if now and row["verdict"] != REPORTED and then.low == 0 and now.low == MIN_POSITIVE and now.high == then.high:
-        return ALL_POSITIVE
+        return NOT_NOTHING
     try:
         return WHY[str(row["label"]), str(row["key"])]
     except KeyError:

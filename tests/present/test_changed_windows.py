@@ -11,7 +11,7 @@ from study.ledger.datafiles import DataError, read_claims
 from study.ledger.verdict import REPORTED
 from study.ledger.window import MIN_POSITIVE
 from study.present import windows
-from study.present.windows import ALL_POSITIVE, added, changes, earlier
+from study.present.windows import NOT_NOTHING, added, changes, earlier
 
 RESULTS = Path(__file__).parents[2] / "results"
 CLAIMS = read_claims(RESULTS)
@@ -67,6 +67,6 @@ def test_a_low_end_above_nothing_is_its_own_reason_and_no_other_change_of_the_sa
     then = pd.DataFrame([{"label": "a", "key": "b", "case": "c", "family": "", "then_low": 0.0, "then_high": 1.0}])
     row = {"label": "a", "key": "b", "case": "c", "family": "", "verdict": "holds", "window_high": 1.0}
     (change,) = changes(then, pd.DataFrame([{**row, "window_low": MIN_POSITIVE}]))
-    assert change.why == ALL_POSITIVE
+    assert change.why == NOT_NOTHING
     with pytest.raises(DataError):
         changes(then, pd.DataFrame([{**row, "window_low": MIN_POSITIVE, "window_high": 2.0}]))
