@@ -31,7 +31,8 @@ invisible if both agree.
 A and G are the viscosity tensor and the elasticity tensor of the law; α and m are the exponents of gap and pressure at
 a contact front; (5.36) is the smoothness that Proposition 5.4 assumes. [A first exact
 solution](/tutorials/first-solution.md) shows how to evaluate a case. [How the exact solutions are
-made](/explanation/exact-solutions.md) explains the exponents, and [Notation](/explanation/notation.md) lists the letters.
+made](/explanation/exact-solutions.md) explains the exponents, and [Notation](/explanation/notation.md) lists the
+letters.
 """
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
