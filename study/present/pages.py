@@ -130,7 +130,7 @@ def answer(data: FullRun) -> str:
         "Tested": "Every statement of their paper that a computation can test, on "
         f"{counted(len(data.cases), 'exact solution')} with known contact zones: {checks} checks, each with a "
         "tolerance window that was fixed before the measurement. ([All checks][ledger])",
-        "Result": f"{_counts(data.claims, 'checks').capitalize()}. For smooth solutions "
+        "Result": f"{verdicts_in_words(data.claims, 'checks').capitalize()}. For smooth solutions "
         f"({counted(smooth['case'].nunique(), 'case')}) the observed order, extrapolated to h → 0, is "
         f"{_range(smooth)}; theory predicts 1. For solutions that are not smooth "
         f"({counted(rough['case'].nunique(), 'case')}) the observed order is {_range(rough)}; theory predicts "
@@ -246,7 +246,7 @@ def _work(data: FullRun) -> Result:
     label = "beyond: work of contact"
     seen = data.rows(label, "order")
     return Result(
-        "Beyond the paper: the contact term of the error estimate, for contact patches of every size down to h",
+        "Beyond the paper: the contact term of the error estimate, if contact patches have all sizes down to h",
         "order 1 on one-diagonal meshes",
         f"{counted(seen['case'].nunique(), 'case')}: observed orders {_range(seen)}",
         _verdict(data, label),
@@ -313,17 +313,17 @@ def _two_groups(data: FullRun, label: str, keys: tuple[str, ...], noun: str) -> 
     """Returns the verdict on the checks that test a proposition itself, then the counts of the further checks."""
     rows = data.claims[data.claims["label"] == label]
     tests = rows["key"].isin(keys)
-    return f"{_judged(rows[tests], noun)}; {_counts(rows[~tests], 'further checks of the same computations')}"
+    return f"{_judged(rows[tests], noun)}; {verdicts_in_words(rows[~tests], 'further checks of the same computations')}"
 
 
 def _judged(rows: pd.DataFrame, noun: str) -> str:
     """Returns the worst verdict on the claims among rows, and how many rows have each verdict."""
     count = count_verdicts(rows)
     worst = [verdict for verdict in CLAIMED if count[verdict]]
-    return f"{worst[0]}: {_counts(rows, noun)}" if worst else REPORTED
+    return f"{worst[0]}: {verdicts_in_words(rows, noun)}" if worst else REPORTED
 
 
-def _counts(rows: pd.DataFrame, noun: str) -> str:
+def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
     """Returns "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions."""
     count = count_verdicts(rows)
     total = sum(count[verdict] for verdict in CLAIMED)

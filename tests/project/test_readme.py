@@ -7,12 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from pages import README, ROOT, SITE, Page
 
 from study.ledger.datafiles import DataError, read_claims, read_csv
 from study.present.full_run import FullRun
-from study.present.pages import badges, main, refresh, write_badges
+from study.present.pages import badges, main, misprints, refresh, verdicts_in_words, write_badges
 from study.present.palette import VERMILLION
 from study.statements.from_rates import Turned
 from study.statements.prop_5_3 import LIMIT
@@ -49,6 +50,24 @@ def test_the_tables_of_a_page_come_from_the_committed_data(path: Page, full: Ful
     copy = tmp_path / "page.md"
     copy.write_text(path.text, encoding="utf-8")
     assert not refresh(copy, full), "run: make pages"
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "words"),
+    [
+        (["holds", "holds", "reported"], "all 2 checks hold"),
+        (["holds", "fails", "undecided", "undecided"], "of 4 checks 1 fail, 2 undecided, 1 hold"),
+    ],
+)
+def test_all_checks_hold_only_if_none_fails_or_is_undecided(verdicts: list[str], words: str) -> None:
+    assert verdicts_in_words(pd.DataFrame({"verdict": verdicts}), "checks") == words
+
+
+def test_the_list_of_misprints_has_every_one_of_the_ledger(full: FullRun) -> None:
+    listed = full.claims.loc[full.claims["label"] == "slips", "case"]
+    table = misprints(full)
+    assert len(listed) > 5
+    assert all(f"| {place} |" in table for place in listed)
 
 
 def test_the_badges_say_what_is_so(full: FullRun, tmp_path: Path) -> None:
