@@ -114,7 +114,7 @@ class Result:
 
 
 def answer(data: FullRun) -> str:
-    """Returns in a few sentences what the paper claims, what was tested and what came out, in Markdown.
+    """Returns the claims of the paper, the tests and their result in a few sentences, in Markdown.
 
     The page that shows the sentences defines where the links [problem], [ledger], [results], [misprints] and
     [bounds] lead.
@@ -294,11 +294,12 @@ def _seeds(data: FullRun) -> Result:
     if math.isnan(alarms.by_tail):
         by_tail = "too few seeds for an estimate from distributions"
     return Result(
-        f"False alarms: how often random meshes alone make one of the {alarms.rows} checks on them fail",
-        f"for at most {100 * PROMISE:.0f} % of all seeds",
+        f"False alarms: random meshes alone make one of the {alarms.rows} checks on them fail for at most "
+        f"{100 * PROMISE:.0f} % of all seeds",
+        f"at most {100 * PROMISE:.0f} %",
         f"{alarms.red} of {alarms.seeds} new seeds; 95 % confidence interval {100 * alarms.low:.1f} % to "
-        f"{100 * alarms.high:.1f} %; {by_tail}; with the cheap checks only, {alarms.light_red} of "
-        f"{alarms.light_seeds} seeds",
+        f"{100 * alarms.high:.1f} %; {by_tail}; for the checks that take little "
+        f"time, {alarms.light_red} of {alarms.light_seeds} seeds",
         alarms.verdict,
     )
 
@@ -377,10 +378,12 @@ def formulas(data: FullRun) -> str:
 
 
 def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
-    """Yields numbers, what they say, and rows or reason, in the order of the source; equal neighbours share a line.
+    """Yields numbers, their content, and their checks or the reason for none, in the order of the paper.
+
+    Neighbours with equal content share a line.
 
     Raises:
-        DataError: a number has neither rows nor a reason.
+        DataError: a number has no checks and no reason.
     """
     found = numbered_entries(claims)
     if lacking := [number for number in NUMBERED if not found[number]]:
@@ -392,7 +395,7 @@ def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
 
 
 def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
-    """Returns number ↦ (what it says, its rows or the reason) of each statement of the ledger that names the number."""
+    """Returns number ↦ (content, checks or reason) of each statement of the ledger that names the number."""
     found: dict[str, list[tuple[str, str]]] = {number: [] for number in NUMBERED}
     without = claims["label"].isin((NO_ROW, NOT_TESTED))
     entries = [
@@ -477,7 +480,7 @@ def _literal(text: str) -> str:
 
 @dataclass(frozen=True)
 class Badge:
-    """A small picture above the README: a name, what is said of it, and the colour behind the text."""
+    """A small picture above the README: a name, a text, and the colour behind the text."""
 
     name: str
     says: str
