@@ -7,7 +7,7 @@ RUNTIME := $(VENV)/.runtime
 DEVELOPMENT := $(VENV)/.development
 DOCUMENTATION := $(VENV)/.documentation
 CLUSTER := $(VENV)/.cluster
-PAGES := README.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
+PAGES := README.md docs/index.md docs/explanation/results.md docs/reference/statements.md docs/explanation/other-codes.md \
 	docs/tutorials/first-solution.md docs/explanation/windows.md
 
 .PHONY: study full again controls seeds mutants test wheel tutorials pages codes codes-venv codes-check wheel-debian certificates \

@@ -1,4 +1,4 @@
-"""Formulas as docstrings write them, in letters of a keyboard and Unicode, as LaTeX for the site."""
+"""Converts formulas of docstrings, in plain Unicode, to LaTeX for the site."""
 
 import re
 import unicodedata
@@ -11,25 +11,25 @@ PLAIN = {"−": "-", "·": r"\cdot ", "≥": r"\ge ", "≤": r"\le "}
 
 
 def with_formulas(text: str) -> str:
-    """The text of a docstring in Markdown: its indented lines are formulas, three spaces apart."""
+    """Returns a docstring in Markdown; its indented lines are formulas, separated by three spaces."""
     paragraphs = text.split("\n\n")
     return "\n\n".join(_shown(each) if each.startswith("    ") else prose(each) for each in paragraphs)
 
 
 def prose(text: str) -> str:
-    """A text whose powers and indices are raised and lowered, but for names of code."""
+    """Returns a text with superscripts and subscripts, except in names of code."""
     pieces = re.split("(``.*?``)", text)
     return "".join(piece if piece.startswith("``") else str(typeset(piece)) for piece in pieces)
 
 
 def _shown(block: str) -> str:
-    """Each line of a block as one of the page, broken between its formulas where it is too long."""
+    """Returns a block of formulas with the same lines; long lines may break between formulas."""
     lines = [re.split(r",? {2,}", re.sub(r":\s+", ": ", line.strip().rstrip(","))) for line in block.splitlines()]
     return "\\\n".join(", ".join(_piece(text) for text in line) for line in lines)
 
 
 def _piece(text: str) -> str:
-    """A formula, perhaps behind a word with a colon or before a condition."""
+    """Returns a formula, with a word and a colon before it or a condition after it if there are any."""
     word, colon, rest = text.rpartition(":")
     formula, condition, bound = (rest if colon else text).strip().partition(" for ")
     said = [f"{word}:"] * bool(colon) + [f"${latex(formula)}$"] * bool(formula)
@@ -37,7 +37,7 @@ def _piece(text: str) -> str:
 
 
 def latex(formula: str) -> str:
-    """LaTeX of a formula: powers, indices, dots and names of functions."""
+    """Returns LaTeX of a formula with its powers, indices, dots and names of functions."""
     # A dot above a letter is a character of its own; precomposed letters are taken apart.
     text = re.sub("(\\w)\N{COMBINING DOT ABOVE}", r"\\dot{\1}", unicodedata.normalize("NFD", formula))
     text = re.sub("[²³]", lambda power: f"^{power[0].translate(RAISED)}", text)

@@ -1,7 +1,7 @@
 """The gallery: every case of the catalogue with its film, formulas, prediction and measured orders.
 
-Films are drawn from ``results/data/pictures``, numbers come from ``results/data``; nothing is solved. A film that is
-there already is not drawn again unless its picture changed.
+Films are drawn from ``results/data/pictures``, numbers come from ``results/data``; nothing is solved. A film is drawn
+again only if its picture has changed.
 """
 
 import hashlib
@@ -21,24 +21,25 @@ from study.present.drawing import in_style
 from study.present.picture import with_every_shape
 from study.present.show import write_gif
 
-HEAD = """Every exact solution of the catalogue in motion, computed on one mesh with n cells along a unit length: the
-body, its displacement times the factor in the legend, with the pressure of the foundation, and beside it the pressure
-along the contact face, exact (line) and computed (dots), over the exact contact zone (blue). A body in space is turned
-so that its contact faces are seen, through the foundation; beside it are maps of them, seen from inside the body:
-exact pressure as a surface, the computed one as dots in the same colours, which cannot be seen where both agree.
+HEAD = """The films show every exact solution of the catalogue, computed on one mesh with n cells along a unit length.
+One part shows the body with the contact pressure; its displacement is multiplied by the factor in the legend. The other
+part shows the pressure along the contact face, exact (line) and computed (dots), over the exact contact zone (blue). A
+body in space is turned so that its contact faces can be seen through the foundation. Its maps show the contact faces
+from inside the body: the exact pressure as a surface, and the computed pressure as dots in the same colours, which are
+invisible if both agree.
 
-A and G are viscosity and elasticity of the law; α and m say how gap and pressure begin at a front, where the zone of
-contact ends; (5.36) is the smoothness that Proposition 5.4 asks for. [A first exact
-solution](/tutorials/first-solution.md) says how to evaluate one; [How the exact solutions are
-made](/explanation/exact-solutions.md), what the exponents mean; [Notation](/explanation/notation.md) has the letters
-of the formulas.
+A and G are the viscosity tensor and the elasticity tensor of the law; α and m are the exponents of gap and pressure at
+a contact front; (5.36) is the smoothness that Proposition 5.4 assumes. [A first exact
+solution](/tutorials/first-solution.md) shows how to evaluate a case. [How the exact solutions are
+made](/explanation/exact-solutions.md) explains the exponents, and [Notation](/explanation/notation.md) lists the
+letters.
 """
 DOCS = Path(__file__).parents[1]
 ROOT = DOCS.parent
 
 
 def draw_film(picture: Path, directory: Path) -> str:
-    """The film of a picture, named after what it shows; drawn if it is not there."""
+    """Draws the film of a picture unless it exists; returns its file name, which contains a hash of the picture."""
     text = picture.read_bytes()
     film = directory / f"{picture.stem}-{hashlib.sha256(text).hexdigest()[:8]}.gif"
     if not film.exists():

@@ -1,7 +1,7 @@
 """Formulas as MathML, which browsers draw without a script and without a connection.
 
-What ``docutils`` makes of them is mended in three places: digits of a fraction without braces stay apart, an index of a
-letter with an accent stands beside it and not below it, and bars are as tall as letters.
+Three errors of ``docutils`` are corrected: the digits of a fraction without braces become numerator and denominator,
+the index of a letter with an accent is a subscript, and bars are as tall as letters.
 """
 
 import html
@@ -18,10 +18,10 @@ BARS = "|‖"
 
 
 def mathml(formula: str, as_block: bool = False) -> str:
-    """The MathML of a formula in LaTeX."""
+    """Returns the MathML of a formula in LaTeX."""
     braced = re.sub(r"(\\[td]?frac)(\d)(\d)", r"\1{\2}{\3}", formula)
     ElementTree.register_namespace("", NAMESPACE)
-    # Names of characters are those of HTML, which XML does not know.
+    # XML does not know the HTML names of characters.
     found = re.sub(r"&(?!lt;|gt;|amp;)\w+;", lambda name: html.unescape(name[0]), tex2mathml(braced, as_block=as_block))
     tree = ElementTree.fromstring(found)
     for node in tree.iter():

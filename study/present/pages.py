@@ -11,7 +11,7 @@ import re
 import sys
 import tomllib
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from itertools import groupby
 from pathlib import Path
 from xml.sax.saxutils import escape
@@ -34,12 +34,17 @@ from study.present.notation import counted, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import with_every_shape
 from study.present.show import write_gif
-from study.present.windows import Change, added, changes
+from study.present.windows import NOT_NOTHING, Change, added, changes
 
 FILM, FILM_DPI = "hexagon", 75
 """The case on the first screen of the README, and dots per inch of its film."""
 ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
 """Keys of the rows that test a proposition itself; the other rows check the discrete solution."""
+MISPRINTS = "slips"
+"""The label of the rows that list misprints."""
+CLAIMED, MISSED = (FAILS, UNDECIDED, HOLDS), "missed"
+"""Verdicts on claims, from worst to best, and the verdict on a wrong prediction that no statement claims."""
+PLURAL = {HOLDS: "hold", FAILS: "fail"}
 
 
 def main() -> None:
@@ -75,7 +80,19 @@ def refreshed(page: Path, data: FullRun) -> str:
         DataError: the page has no marks.
     """
     text = page.read_text(encoding="utf-8")
-    for table in (headline, results, statements, formulas, cases, codes, marches, windows, new_windows):
+    for table in (
+        answer,
+        headline,
+        results,
+        misprints,
+        statements,
+        formulas,
+        cases,
+        codes,
+        marches,
+        windows,
+        new_windows,
+    ):
         if f"<!-- {table.__name__} -->" in text:
             text = put(text, table.__name__, table(data))
     if END not in text:
@@ -83,11 +100,54 @@ def refreshed(page: Path, data: FullRun) -> str:
     return text
 
 
-# Results: claim, prediction, observation, verdict
+# Answer and results: claim, prediction, observation, verdict
+
+
+@dataclass(frozen=True)
+class Result:
+    """One line of the tables of results: a claim, its prediction, the observation, and the verdict."""
+
+    claim: str
+    predicted: str
+    observed: str
+    verdict: str
+
+
+def answer(data: FullRun) -> str:
+    """Returns the claims of the paper, the tests and their result in a few sentences, in Markdown.
+
+    The page that shows the sentences defines where the links [problem], [ledger], [results], [misprints] and
+    [bounds] lead.
+    """
+    smooth, rough = data.rows("Prop. 5.4", "order-extrapolated"), data.rows("Prop. 5.3", "order")
+    predicted = data.cases.loc[rough["case"], "expected_order"]
+    checks = int(data.claims["verdict"].isin(CLAIMED).sum())
+    said = {
+        "Claimed": "A viscoelastic body is pressed onto a rigid foundation; where it touches is unknown and moves. "
+        "M. Barboteu, W. Han and M. Sofonea proved in 2002 that this problem has exactly one solution, which can be "
+        "computed from displacements or from stresses, and that the error of linear finite elements tends to 0, with "
+        "order 1 in the mesh size h if the solution is smooth. They computed nothing. ([Problem][problem])",
+        "Tested": "Every statement of their paper that a computation can test, on "
+        f"{counted(len(data.cases), 'exact solution')} with known contact zones: {checks} checks, each with a "
+        "tolerance window that was fixed before the measurement. ([All checks][ledger])",
+        "Result": f"{verdicts_in_words(data.claims, 'checks').capitalize()}. For smooth solutions "
+        f"({counted(smooth['case'].nunique(), 'case')}) the observed order, extrapolated to h → 0, is "
+        f"{_range(smooth)}; theory predicts 1. For solutions that are not smooth "
+        f"({counted(rough['case'].nunique(), 'case')}) the observed order is {_range(rough)}; theory predicts "
+        f"{predicted.min():.3g} to {predicted.max():.3g}. ([Results][results])",
+        "Wrong in print": f"{counted(len(misprint_rows(data)), 'misprint')}, and one false remark: interpolants of a "
+        "continuous initial displacement need not converge to it in the energy norm. In our reading no theorem depends "
+        "on them. ([Misprints][misprints])",
+        "New": "In the plane, order 1 is proved under a weaker assumption. Backward Euler is proved to have the error "
+        "O(h + k), without a condition between the mesh size h and the time step k. The error can be bounded without "
+        "an exact solution. "
+        "([Problem][problem], [error bounds][bounds])",
+    }
+    return "".join(f"- **{lead}.** {_literal(text)}\n" for lead, text in said.items())
 
 
 def headline(data: FullRun) -> str:
-    """Returns claims, observations and links to the code behind them, in Markdown; DataError if rows are missing."""
+    """Returns the main results with links to the code behind them, in Markdown; DataError if rows are missing."""
     told = {
         "statements/prop_5_4.py": _prop_5_4,
         "statements/prop_5_3.py": _prop_5_3,
@@ -95,177 +155,202 @@ def headline(data: FullRun) -> str:
         "statements/enclosure.py": _bound,
         "controls/alarms.py": _seeds,
     }
-    lines = []
-    for path, row in told.items():
-        claim, _, seen, verdict = row(data)
-        lines.append([claim, seen, f"[{verdict}](study/{path})"])
-    return markdown(["claim", "observed", "how"], lines)
+    lines = [
+        [_literal(line.claim), _literal(line.observed), line.verdict, f"[code](study/{path})"]
+        for path, line in ((path, result(data)) for path, result in told.items())
+    ]
+    return markdown(["claim", "observed", "verdict", "source"], lines)
 
 
 def results(data: FullRun) -> str:
     """Returns claims, predictions, observations rounded outwards, and verdicts, in Markdown; DataError as above."""
     beyond = _regularity, _work, _rollers, _time
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, *beyond, _defects, _seeds)
-    lines = [[_literal(cell) for cell in row(data)] for row in rows]
+    lines = [[_literal(cell) for cell in astuple(row(data))] for row in rows]
     return markdown(["claim", "predicted", "observed", "verdict"], lines)
 
 
-def _prop_5_4(data: FullRun) -> list[str]:
+def _prop_5_4(data: FullRun) -> Result:
     extrapolated = data.rows("Prop. 5.4", "order-extrapolated")
-    return [
-        f"Proposition 5.4: errors consistent with O(h) on these meshes, in "
-        f"{counted(extrapolated['case'].nunique(), 'case')}",
+    return Result(
+        "Proposition 5.4: for smooth solutions the error falls with order 1, O(h)",
         "order 1",
-        f"orders extrapolated to h → 0 {_range(extrapolated)}, level by level "
-        + _range(data.rows("Prop. 5.4", "order")),
-        _weighed(data, "Prop. 5.4", ORDERS),
-    ]
+        f"{counted(extrapolated['case'].nunique(), 'case')}: observed orders {_range(extrapolated)} extrapolated to "
+        f"h → 0, {_range(data.rows('Prop. 5.4', 'order'))} between consecutive meshes",
+        _two_groups(data, "Prop. 5.4", ORDERS, "checks of the order"),
+    )
 
 
-def _prop_5_3(data: FullRun) -> list[str]:
+def _prop_5_3(data: FullRun) -> Result:
     seen = data.rows("Prop. 5.3", "order")
     expected = data.cases.loc[seen["case"], "expected_order"]
     limit, steeper = (above(100 * data.rows("Prop. 5.3", key)["high"].max(), 0) for key in ("limit", "limit-steeper"))
-    return [
-        f"Proposition 5.3: errors consistent with convergence to solutions that are not smooth, in "
-        f"{counted(seen['case'].nunique(), 'case')}",
-        f"error → 0; orders {expected.min():.3g} … {expected.max():.3g} by regularity",
-        f"a positive limit is at most {limit} % of the errors on the two finest meshes if the order is the predicted "
-        f"one, {steeper} % if it is larger by {STEEPER:g}; orders {_range(seen)}",
-        _weighed(data, "Prop. 5.3", CONVERGENCE),
-    ]
+    return Result(
+        "Proposition 5.3: the error also tends to 0 if the solution is not smooth",
+        f"error → 0; by regularity with orders {expected.min():.3g} to {expected.max():.3g}",
+        f"{counted(seen['case'].nunique(), 'case')}: observed orders {_range(seen)}. If the error had a positive "
+        f"limit, it would be at most {limit} % of the errors on the two finest meshes (fitted with the predicted "
+        f"order; {steeper} % with an order larger by {STEEPER:g})",
+        _two_groups(data, "Prop. 5.3", CONVERGENCE, "checks of convergence"),
+    )
 
 
-def _same_mesh(data: FullRun) -> list[str]:
+def _same_mesh(data: FullRun) -> Result:
     allowed, seen = (f"{two_digits_up(data.equivalence[name].max()):.2g}" for name in ("stress_bound", "stress_gap"))
-    return [
-        "Theorem 4.2: displacements and stresses solve the same problem (same mesh, two solvers)",
-        f"equal up to what the solver leaves open, at most {allowed} by its duality gap",
-        f"stresses differ by at most {seen}",
+    return Result(
+        "Theorem 4.2, displacements and stresses on the same mesh: two solvers find the same stress",
+        f"equal up to the tolerance of the stress solver: at most {allowed}, by its duality gap",
+        f"the stresses differ by at most {seen}",
         _verdict(data, "Thm 4.2"),
-    ]
+    )
 
 
-def _own_space(data: FullRun) -> list[str]:
+def _own_space(data: FullRun) -> Result:
     label = "Thm 4.2, own space"
-    found = data.rows(label, "order-stress")
-    regular = found["case"].map(data.cases["proved_order"]) == 1
-    seen, others = found[regular], found[~regular]
-    number = counted(seen["case"].nunique(), "case")
-    rest = f"; {_range(others)} in {others['case'].nunique()} that is less regular" if len(others) else ""
-    return [
-        f"Theorem 4.2, by stresses that know no displacement: they converge to σ, in {number}",
-        "at least 3/2, by regularity, at most 2",
-        f"orders {_range(seen)}{rest}",
+    measured = data.rows(label, "order-stress")
+    regular = measured["case"].map(data.cases["proved_order"]) == 1
+    seen, others = measured[regular], measured[~regular]
+    rest = f"; {counted(others['case'].nunique(), 'less smooth case')}: {_range(others)}" if len(others) else ""
+    return Result(
+        "Theorem 4.2, stresses computed without any displacement: they converge to the exact stress σ",
+        "order 3/2 to 2 for smooth solutions",
+        f"{counted(seen['case'].nunique(), 'smooth case')}: observed orders {_range(seen)}{rest}",
         _verdict(data, label, set(seen["case"])),
-    ]
+    )
 
 
-def _bound(data: FullRun) -> list[str]:
-    return [
-        "beyond the paper: a computable bound of the error, without the exact solution",
+def _bound(data: FullRun) -> Result:
+    shares = data.rows("bound", "above")
+    return Result(
+        "Beyond the paper: an upper bound of the error, computed without the exact solution",
         "error / bound ≤ 1",
-        f"error / bound at most {above(data.rows('bound', 'above')['high'].max(), 3)}",
+        f"{counted(len(shares), 'computation')}: error / bound at most {above(shares['high'].max(), 3)}",
         _verdict(data, "bound"),
-    ]
+    )
 
 
-def _regularity(data: FullRun) -> list[str]:
+def _regularity(data: FullRun) -> Result:
     seen, orders = data.rows("(5.36)", "order"), data.cases
     missing = seen[seen["case"].map(orders["expected_order"]) == 1]
     proved = orders.loc[missing["case"], "proved_order"]
-    return [
-        "beyond the paper: is the smoothness (5.36) that the proof of order 1 assumes needed?",
-        f"that of the trace is not: proved in the plane; without that of u̇ order {proved.min():.3g} is proved",
-        f"orders {_range(missing)} in {counted(len(missing), 'case')} that miss one of them",
-        REPORTED,
-    ]
+    return Result(
+        "Beyond the paper: does order 1 need the smoothness (5.36) that the paper assumes?",
+        "The assumption on the trace of u is not needed (proved in the plane). Without the assumption on u̇ the order "
+        f"{proved.min():.3g} is proved",
+        f"{counted(len(missing), 'case')} that violate one of the two assumptions: observed orders {_range(missing)}",
+        f"{REPORTED}: the question is open",
+    )
 
 
-def _work(data: FullRun) -> list[str]:
+def _work(data: FullRun) -> Result:
     label = "beyond: work of contact"
     seen = data.rows(label, "order")
-    return [
-        "beyond the paper: contact at every scale, with a trace that has no bound: the root of the work of contact",
-        "order 1, on grids, where it can be seen",
-        f"orders {_range(seen)} in {counted(seen['case'].nunique(), 'case')}",
+    return Result(
+        "Beyond the paper: the contact term of the error estimate, if contact patches have all sizes down to h",
+        "order 1 on one-diagonal meshes",
+        f"{counted(seen['case'].nunique(), 'case')}: observed orders {_range(seen)}",
         _verdict(data, label),
-    ]
+    )
 
 
-def _rollers(data: FullRun) -> list[str]:
+def _rollers(data: FullRun) -> Result:
     label = "beyond: rollers"
     equal, alternating, shaken = (
         _range(data.rows(label, f"order-{family}", "roller")) for family in ("equal", "alternating", "shaken")
     )
-    return [
-        "beyond the paper: without a smooth velocity, what contact costs where a narrow patch rolls along the floor",
-        "proved: order ½ or more, less a logarithm; 1 where all vertices have equal neighbourhoods, ½ where not",
-        f"orders {equal} with one or two diagonals, {alternating} with alternating ones, {shaken} of the mean over "
-        "shaken meshes",
+    return Result(
+        "Beyond the paper: the error that contact adds if a narrow contact patch rolls along the floor",
+        "order ½ or more, up to a logarithm (proved); 1 if all vertices on Γ3 have equal neighbourhoods, ½ if not",
+        f"observed orders {equal} on one-diagonal and criss-cross meshes, {alternating} with alternating diagonals, "
+        f"{shaken} for the mean over random meshes",
         _verdict(data, label),
-    ]
+    )
 
 
-def _time(data: FullRun) -> list[str]:
+def _time(data: FullRun) -> Result:
     label = "beyond: O(h + k)"
     share = above(data.rows(label, "data")["high"].max(), 2)
-    return [
-        "beyond the paper: O(h + k) for backward Euler, no condition between h and k",
+    return Result(
+        "Beyond the paper: backward Euler has the error O(h + k), without a condition between h and the time step k",
         "proved: the error in time is at most k (‖u̇^h(0+)‖/√2 + 2 Var f) on every mesh",
-        f"error / bound at most {share}; orders in k {_range(data.rows(label, 'order'))}",
+        f"error / bound at most {share}; observed orders in k {_range(data.rows(label, 'order'))}",
         _verdict(data, label),
-    ]
+    )
 
 
-def _defects(data: FullRun) -> list[str]:
-    found, injected = count_caught(data.controls)
-    verdict = HOLDS if found == injected else FAILS
-    claim = "deliberate defects, injected one at a time"
-    return [claim, "each is caught by a row", f"{found} of {injected}", verdict]
+def _defects(data: FullRun) -> Result:
+    caught, injected = count_caught(data.controls)
+    return Result(
+        "Deliberate defects in the program, one at a time: a named check must fail",
+        "every defect is noticed",
+        f"{caught} of {injected} defects are noticed",
+        HOLDS if caught == injected else FAILS,
+    )
 
 
-def _seeds(data: FullRun) -> list[str]:
-    found = alarm_summary(data.seeds)
-    tails = f"by the tails of all rows at most {found.by_tail:.2%}"
-    return [
-        f"false alarms by chance: all {found.rows} rows that are claimed on random meshes, on those of {found.seeds} "
-        "seeds drawn afresh",
-        f"at most {PROMISE:.0%} of seeds turn the ledger red",
-        f"on {found.red} of them a row failed: {found.low:.1%} … {found.high:.1%} of all seeds, at 95%; "
-        f"{'too few for the tails of all rows' if math.isnan(found.by_tail) else tails}; a row that costs little "
-        f"failed on {found.light_red} of {found.light_seeds}",
-        found.verdict,
-    ]
+def _seeds(data: FullRun) -> Result:
+    alarms = alarm_summary(data.seeds)
+    by_tail = f"estimated from the distributions of all checks: at most {100 * alarms.by_tail:.2f} %"
+    if math.isnan(alarms.by_tail):
+        by_tail = "too few seeds for an estimate from distributions"
+    return Result(
+        f"False alarms: random meshes alone make one of the {alarms.rows} checks on them fail for at most "
+        f"{100 * PROMISE:.0f} % of all seeds",
+        f"at most {100 * PROMISE:.0f} %",
+        f"{alarms.red} of {alarms.seeds} new seeds; 95 % confidence interval {100 * alarms.low:.1f} % to "
+        f"{100 * alarms.high:.1f} %; {by_tail}; for the checks that take little "
+        f"time, {alarms.light_red} of {alarms.light_seeds} seeds",
+        alarms.verdict,
+    )
 
 
 def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:
-    """Returns how many rows of a statement have each verdict, of all cases or of some."""
+    """Returns the verdict on a statement and how many checks have it, in all cases or in some."""
     rows = data.claims[data.claims["label"] == label]
-    return _row_counts(rows if among is None else rows[rows["case"].isin(among)])
+    return _judged(rows if among is None else rows[rows["case"].isin(among)], "checks")
 
 
-def _weighed(data: FullRun, label: str, keys: tuple[str, ...]) -> str:
-    """Returns how many rows that test a claim have each verdict, and how many other rows."""
+def _two_groups(data: FullRun, label: str, keys: tuple[str, ...], noun: str) -> str:
+    """Returns the verdict on the checks that test a proposition itself, then the counts of the further checks."""
     rows = data.claims[data.claims["label"] == label]
     tests = rows["key"].isin(keys)
-    return f"{_row_counts(rows[tests])}; beside them, on what was solved, {_row_counts(rows[~tests])}"
+    return f"{_judged(rows[tests], noun)}; {verdicts_in_words(rows[~tests], 'further checks of the same computations')}"
 
 
-def _row_counts(rows: pd.DataFrame) -> str:
-    counts = count_verdicts(rows)
-    return ", ".join(
-        f"{name} ({counted(count, 'row')})" for name, count in counts.items() if count and name != REPORTED
-    )
+def _judged(rows: pd.DataFrame, noun: str) -> str:
+    """Returns the worst verdict on the claims among rows, and how many rows have each verdict."""
+    count = count_verdicts(rows)
+    worst = [verdict for verdict in CLAIMED if count[verdict]]
+    return f"{worst[0]}: {verdicts_in_words(rows, noun)}" if worst else REPORTED
+
+
+def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
+    """Returns "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions."""
+    count = count_verdicts(rows)
+    total = sum(count[verdict] for verdict in CLAIMED)
+    text = f"all {total} {noun} hold"
+    if count[HOLDS] < total:
+        each = ", ".join(f"{count[verdict]} {PLURAL.get(verdict, verdict)}" for verdict in CLAIMED if count[verdict])
+        text = f"of {total} {noun} {each}"
+    missed = count.get(MISSED, 0)
+    return f"{text}; {counted(missed, 'prediction')} of this study missed" if missed else text
 
 
 def _range(rows: pd.DataFrame) -> str:
     """Returns the least and the largest value, rounded outwards."""
-    return _outwards(rows["low"].min(), rows["high"].max())
+    return f"{below(rows['low'].min(), 2)} to {above(rows['high'].max(), 2)}"
 
 
-def _outwards(low: float, high: float) -> str:
-    return f"{below(low, 2)} … {above(high, 2)}"
+def misprints(data: FullRun) -> str:
+    """Returns the places where the printed text of the paper is wrong, and how to read them, in Markdown."""
+    rows = misprint_rows(data)[["case", "quantity", "expected"]].itertuples(index=False)
+    lines = [[_literal(str(cell).removeprefix("read: ")) for cell in row] for row in rows]
+    return markdown(["place", "printed", "read"], lines)
+
+
+def misprint_rows(data: FullRun) -> pd.DataFrame:
+    """Returns the rows of the ledger that list misprints."""
+    return data.claims[data.claims["label"] == MISPRINTS]
 
 
 # Lists: statements, numbered formulas, other codes, changed windows
@@ -293,10 +378,12 @@ def formulas(data: FullRun) -> str:
 
 
 def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
-    """Yields numbers, what they say, and rows or reason, in the order of the source; equal neighbours share a line.
+    """Yields numbers, their content, and their checks or the reason for none, in the order of the paper.
+
+    Neighbours with equal content share a line.
 
     Raises:
-        DataError: a number has neither rows nor a reason.
+        DataError: a number has no checks and no reason.
     """
     found = numbered_entries(claims)
     if lacking := [number for number in NUMBERED if not found[number]]:
@@ -308,12 +395,12 @@ def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
 
 
 def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
-    """Returns number ↦ (what it says, its rows or the reason) of each statement of the ledger that names the number."""
+    """Returns number ↦ (content, checks or reason) of each statement of the ledger that names the number."""
     found: dict[str, list[tuple[str, str]]] = {number: [] for number in NUMBERED}
     without = claims["label"].isin((NO_ROW, NOT_TESTED))
     entries = [
         (named(label), claim, f"{label}: {_verdicts(rows)}")
-        for label, claim, rows in by_claim(claims[~without & (claims["label"] != "slips")])
+        for label, claim, rows in by_claim(claims[~without & (claims["label"] != MISPRINTS)])
     ]
     for row in claims[without].to_dict("records"):
         entries.append((named(str(row["case"])), str(row["quantity"]), str(row["expected"])))
@@ -346,7 +433,7 @@ def _codes_table(found: Codes | None) -> str:
             f"{row['code']} {row['version']}",
             str(row["variant"]),
             str(row["classes"]),
-            _outwards(row["order_low"], row["order_high"]),
+            f"{below(row['order_low'], 2)} … {above(row['order_high'], 2)}",
             up(row["share"], 2),
             up(row["excess"], 3),
             up(row["invariance"], 2),
@@ -361,8 +448,9 @@ def windows(data: FullRun) -> str:
     """Returns the windows that changed, in Markdown; DataError if a window changed without a stated reason."""
     alike: dict[tuple[str, str, str], list[str]] = {}
     for change in changes(_earlier(data), data.claims):
-        alike.setdefault((change.before, change.today, change.why), []).append(_changed(change))
-    lines = [[", ".join(rows), *map(_literal, texts)] for texts, rows in alike.items()]
+        ends = ("lower end 0", "lower end 1e-20") if change.why == NOT_NOTHING else (change.before, change.today)
+        alike.setdefault((*ends, change.why), []).append(_changed(change))
+    lines = [["; ".join(rows), *map(_literal, texts)] for texts, rows in alike.items()]
     return markdown(["rows", "then", "today", "why"], lines)
 
 
@@ -392,7 +480,7 @@ def _literal(text: str) -> str:
 
 @dataclass(frozen=True)
 class Badge:
-    """A small picture above the README: a name, what is said of it, and the colour behind the text."""
+    """A small picture above the README: a name, a text, and the colour behind the text."""
 
     name: str
     says: str

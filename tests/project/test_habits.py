@@ -239,10 +239,7 @@ def test_the_control_of_the_recipe_is_caught_by_the_row_it_names(monkeypatch) ->
 
 
 ENTRIES = {
-    "manufactured/catalogue.py": [
-        ("        anisotropic,\n", "        anisotropic,\n        breathing_patch,\n"),
-        ("        advance_recede.case(),\n", "        advance_recede.case(),\n        breathing_patch.case(),\n"),
-    ],
+    "manufactured/catalogue.py": [('    "advance-recede",\n', '    "advance-recede",\n    "breathing-patch",\n')],
     "study/statements/__init__.py": [
         (
             "from study.statements.uniqueness",

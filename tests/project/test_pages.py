@@ -153,6 +153,7 @@ def test_the_commands_of_the_table_are_those_of_the_program() -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_links_of_a_page_lead_to_files_that_are_there(page: Page) -> None:
     targets = re.findall(r"\]\(([^)#\s]+)(?:#[^)]*)?\)", page.prose)
+    targets += re.findall(r"^\[[^]]+\]: ([^#\s]+)", page.prose, re.MULTILINE)
     local = [target for target in targets if not re.match(r"[a-z]+:", target)]
     assert [target for target in local if not (page.path.parent / target).exists()] == []
 

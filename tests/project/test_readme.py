@@ -7,12 +7,13 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 from pages import README, ROOT, SITE, Page
 
 from study.ledger.datafiles import DataError, read_claims, read_csv
 from study.present.full_run import FullRun
-from study.present.pages import badges, main, refresh, write_badges
+from study.present.pages import badges, main, misprints, refresh, verdicts_in_words, write_badges
 from study.present.palette import VERMILLION
 from study.statements.from_rates import Turned
 from study.statements.prop_5_3 import LIMIT
@@ -38,7 +39,10 @@ def full() -> FullRun:
     "path",
     [
         README,
-        *map(page, ("explanation/results", "reference/statements", "explanation/other-codes", "explanation/windows")),
+        *map(
+            page,
+            ("index", "explanation/results", "reference/statements", "explanation/other-codes", "explanation/windows"),
+        ),
     ],
     ids=lambda p: p.name,
 )
@@ -46,6 +50,24 @@ def test_the_tables_of_a_page_come_from_the_committed_data(path: Page, full: Ful
     copy = tmp_path / "page.md"
     copy.write_text(path.text, encoding="utf-8")
     assert not refresh(copy, full), "run: make pages"
+
+
+@pytest.mark.parametrize(
+    ("verdicts", "words"),
+    [
+        (["holds", "holds", "reported"], "all 2 checks hold"),
+        (["holds", "fails", "undecided", "undecided"], "of 4 checks 1 fail, 2 undecided, 1 hold"),
+    ],
+)
+def test_all_checks_hold_only_if_none_fails_or_is_undecided(verdicts: list[str], words: str) -> None:
+    assert verdicts_in_words(pd.DataFrame({"verdict": verdicts}), "checks") == words
+
+
+def test_the_list_of_misprints_has_every_one_of_the_ledger(full: FullRun) -> None:
+    listed = full.claims.loc[full.claims["label"] == "slips", "case"]
+    table = misprints(full)
+    assert len(listed) > 5
+    assert all(f"| {place} |" in table for place in listed)
 
 
 def test_the_badges_say_what_is_so(full: FullRun, tmp_path: Path) -> None:
@@ -87,7 +109,9 @@ def test_the_orders_at_their_head_are_those_of_the_errors_measured() -> None:
         # The line through the last two orders, at h = 0.
         limits.append(np.polyfit(middle[-2:], found[-2:], 1)[1])
         orders += list(found)
-    (row,) = re.findall(r"orders extrapolated to h → 0 (\S+) … (\S+), level by level (\S+) … (\S+) \|", RESULTS)
+    (row,) = re.findall(
+        r"observed orders (\S+) to (\S+) extrapolated to h → 0, (\S+) to (\S+) between consecutive meshes", RESULTS
+    )
     shown = [float(value) for value in row]
     assert shown == pytest.approx([min(limits), max(limits), min(orders), max(orders)], abs=0.01)
     assert shown[0] <= min(limits) <= max(limits) <= shown[1]
@@ -101,10 +125,10 @@ def test_what_its_head_says_is_at_most_so_large_is_not_larger_and_hardly_smaller
     limits = claims.loc[(claims["label"] == "Prop. 5.3") & (claims["key"] == "limit"), "high"]
     bound, gap = strains["stress_bound"].max(), strains["stress_gap"].max()
     for text, largest, digit in (
-        (r"at most (\S+) by its duality gap", bound, bound / 10),
-        (r"stresses differ by at most (\S+) \|", gap, gap / 10),
+        (r"at most (\S+), by its duality gap", bound, bound / 10),
+        (r"the stresses differ by at most (\S+) \|", gap, gap / 10),
         (r"error / bound at most (\S+) \|", shares.max(), 1e-3),
-        (r"a positive limit is at most (\S+) % of", 100 * limits.max(), 1),
+        (r"it would be at most (\S+) % of", 100 * limits.max(), 1),
     ):
         (shown,) = map(float, re.findall(text, RESULTS))
         assert largest <= shown < largest + digit, text
@@ -114,16 +138,16 @@ def test_the_cases_it_names_for_an_error_largest_at_the_start_are_those_of_the_d
     rates = read_csv(ROOT / "results", "rates.csv", ["claim", "case", "error", "initial_error"])
     rates = rates[rates["claim"] == "Prop. 5.4"]
     found = set(rates.loc[rates["initial_error"] >= NOT_AT_START * rates["error"], "case"])
-    (named,) = re.findall(r"In two cases, \*(\S+)\* and \*(\S+)\*, the largest error is that at t = 0", VERDICTS)
+    (named,) = re.findall(r"In two cases, \*(\S+)\* and \*(\S+)\*, the error is largest at \$t = 0\$", VERDICTS)
     assert found == set(named)
 
 
 def test_windows_it_names_in_its_text_are_those_of_the_program() -> None:
     told, axes = " ".join(VERDICTS.split()), {rule.key: rule.window for rule in Turned.rules}
     for window, words, value in (
-        (LIMIT, "at most 10 % of the two finest errors", 0.1),
-        (axes["errors"], "must equal those of the former to 10⁻¹⁰ of their size", 1e-10),
-        (axes["discrete-error"], "rounding counts about h⁻² times, to 10⁻⁷", 1e-7),
+        (LIMIT, "at most 10 % of the errors on the two finest levels", 0.1),
+        (axes["errors"], "the errors must agree to a relative difference of 10⁻¹⁰", 1e-10),
+        (axes["discrete-error"], "and the discrete errors to 10⁻⁷", 1e-7),
     ):
         assert words in told
         assert window.high == value
