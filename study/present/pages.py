@@ -24,12 +24,25 @@ from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_cau
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.text import above, below, up
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.ledger.verdict import (
+    FAILS,
+    HOLDS,
+    IDENTITY,
+    KINDS,
+    MISSED,
+    ONE_SIDED,
+    ORDER,
+    REPORTED,
+    SIZE,
+    UNDECIDED,
+    kind,
+)
 from study.ledger.window import STEEPER
 from study.present.article import two_digits_up
 from study.present.drawing import in_style
 from study.present.full_run import FullRun
 from study.present.marks import END, markdown, put
+from study.present.missed import missed_rows
 from study.present.notation import counted, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import with_every_shape
@@ -42,8 +55,8 @@ ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling
 """Keys of the rows that test a proposition itself; the other rows check the discrete solution."""
 MISPRINTS = "slips"
 """The label of the rows that list misprints."""
-CLAIMED, MISSED = (FAILS, UNDECIDED, HOLDS), "missed"
-"""Verdicts on claims, from worst to best, and the verdict on a wrong prediction that no statement claims."""
+CLAIMED = (FAILS, UNDECIDED, HOLDS)
+"""Verdicts on claims, from worst to best."""
 PLURAL = {HOLDS: "hold", FAILS: "fail"}
 
 
@@ -85,6 +98,7 @@ def refreshed(page: Path, data: FullRun) -> str:
         headline,
         results,
         misprints,
+        missed,
         statements,
         formulas,
         cases,
@@ -129,7 +143,8 @@ def answer(data: FullRun) -> str:
         "order 1 in the mesh size h if the solution is smooth. They computed nothing. ([Problem][problem])",
         "Tested": "Every statement of their paper that a computation can test, on "
         f"{counted(len(data.cases), 'exact solution')} with known contact zones: {checks} checks, each with a "
-        "tolerance window that was fixed before the measurement. ([All checks][ledger])",
+        f"tolerance window. {kinds_of_evidence(data.claims)} ([All checks][ledger], "
+        "[windows that were changed after a measurement][windows])",
         "Result": f"{verdicts_in_words(data.claims, 'checks').capitalize()}. For smooth solutions "
         f"({counted(smooth['case'].nunique(), 'case')}) the observed order, extrapolated to h → 0, is "
         f"{_range(smooth)}; theory predicts 1. For solutions that are not smooth "
@@ -144,6 +159,17 @@ def answer(data: FullRun) -> str:
         "([Problem][problem], [error bounds][bounds])",
     }
     return "".join(f"- **{lead}.** {_literal(text)}\n" for lead, text in said.items())
+
+
+def kinds_of_evidence(claims: pd.DataFrame) -> str:
+    """Returns the numbers of checks that hold, by the kind of evidence, in a sentence."""
+    kinds = claims[claims["verdict"] == HOLDS].apply(kind, axis=1)
+    counts = {name: int((kinds == name).sum()) for name in KINDS}
+    return (
+        f"Of those that hold, {counts[ORDER]} are orders and {counts[SIZE]} sizes with two-sided windows, "
+        f"{counts[ONE_SIDED]} are one-sided bounds, and {counts[IDENTITY]} are identities, which fail only if the code "
+        "is broken."
+    )
 
 
 def headline(data: FullRun) -> str:
@@ -351,6 +377,12 @@ def misprints(data: FullRun) -> str:
 def misprint_rows(data: FullRun) -> pd.DataFrame:
     """Returns the rows of the ledger that list misprints."""
     return data.claims[data.claims["label"] == MISPRINTS]
+
+
+def missed(data: FullRun) -> str:
+    """Returns the wrong predictions of this study and what was learned from them, in Markdown."""
+    lines = [[_literal(str(text)) for text in line] for line in missed_rows(data.claims)]
+    return markdown(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
 
 
 # Lists: statements, numbered formulas, other codes, changed windows
