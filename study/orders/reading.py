@@ -249,7 +249,12 @@ def _delimited(lines: list[Line]) -> list[RawTable]:
         if not any(_is_number(cell) for line in lines for cell, *_ in _split(line.text, " ")[:50]):
             raise OrderError(f"no line with numbers; the first line is '{first}'; {EXAMPLE}")
         if all(len(_split(line.text, " ")) == 1 for line in lines):
-            raise OrderError(f"there is one column only ('{first}'); {EXAMPLE}")
+            rows = [line for line in lines if _is_number(line.text.strip())]
+            names = [line.text.strip() for line in lines if line not in rows]
+            if len(names) > 1:
+                raise OrderError(f"there is one column only ('{first}'); {EXAMPLE}")
+            cells, numbers = [[line.text.strip()] for line in rows], [line.number for line in rows]
+            return [RawTable("one column", names or ["error"], cells, numbers)]
     return []
 
 
@@ -560,7 +565,8 @@ def _lists(lines: list[Line]) -> list[RawTable]:
             groups.append({})
         count = sum(other == name or other.startswith(f"{name} (") for other in groups[-1])
         groups[-1][f"{name} ({count + 1})" if count else name] = values
-    return [_from_lists(columns, lines[0].number) for columns in groups if len(columns) > 1]
+    alone = _LIST.fullmatch(text.strip(" ;\n")) is not None
+    return [_from_lists(columns, lines[0].number) for columns in groups if len(columns) > 1 or (alone and columns)]
 
 
 def _from_lists(columns: dict[str, list[str]], line: int) -> RawTable:
