@@ -269,11 +269,12 @@ def _distinct(names: list[str]) -> list[str]:
 
 def _join_names(parts: tuple[str, ...], names: list[str]) -> tuple[str, ...]:
     """The parts of a text that was split at commas, joined where a name of a column has commas."""
-    joined, rest = [], list(parts)
-    while rest:
-        length = next((k for k in range(min(len(rest), 8), 0, -1) if ",".join(rest[:k]) in names), 1)
-        joined.append(",".join(rest[:length]))
-        del rest[:length]
+    joined, start, known = [], 0, set(names)
+    while start < len(parts):
+        lengths = range(min(len(parts) - start, 8), 0, -1)
+        length = next((k for k in lengths if ",".join(parts[start : start + k]) in known), 1)
+        joined.append(",".join(parts[start : start + length]))
+        start += length
     return tuple(joined)
 
 

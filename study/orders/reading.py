@@ -21,6 +21,8 @@ from .numbers import UNIT, to_number, uses_decimal_commas
 MAX_BYTES = 8_000_000
 MAX_ROWS = 100_000
 MAX_CELL = 2_000
+MOST_GROUPED = 1_000
+"""Names in a header of two rows that are assigned to headings; more would take long."""
 UNNAMED = ""
 EXAMPLE = (
     "expected a header such as 'h error' and one line for each mesh, for example 'h,error', '0.5,0.1', '0.25,0.025'"
@@ -250,7 +252,7 @@ def _delimited(lines: list[Line]) -> list[RawTable]:
             raise OrderError(f"no line with numbers; the first line is '{first}'; {EXAMPLE}")
         if all(len(_split(line.text, " ")) == 1 for line in lines):
             rows = [line for line in lines if _is_number(line.text.strip())]
-            names = [line.text.strip() for line in lines if line not in rows]
+            names = [line.text.strip() for line in lines if not _is_number(line.text.strip())]
             if len(names) > 1:
                 raise OrderError(f"there is one column only ('{first}'); {EXAMPLE}")
             cells, numbers = [[line.text.strip()] for line in rows], [line.number for line in rows]
@@ -399,7 +401,11 @@ class _Grid:
         else:
             upper = [(cell, k, k + 1) for k, cell in enumerate(self.texts[group]) if cell]
             lower = [(name, k, k + 1) for k, name in enumerate(names)]
-        if len(set(names)) == len(names) or not 1 < len(upper) <= len(names) or len(lower) != len(names):
+        if (
+            len(set(names)) == len(names)
+            or not 1 < len(upper) <= len(names) <= MOST_GROUPED
+            or len(lower) != len(names)
+        ):
             return None
         labels = _labels_of_repeated(upper, lower) or _labels_from_left(upper, lower)
         if labels is None:
