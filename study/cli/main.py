@@ -37,7 +37,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except ModuleNotFoundError as error:
         if (error.name or "study").partition(".")[0] in ("study", "manufactured"):
             raise
-        print(f"study: {LACKING.format(error.name)}", file=sys.stderr)
+        extra = "orders" if module == "rates" else "study"
+        print(f"study: {LACKING.format(error.name, extra)}", file=sys.stderr)
         return USAGE
     except Exception as error:
         code, message = importlib.import_module("study.cli.refusals").exit_code_and_message(error)
@@ -47,7 +48,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return int(code)
 
 
-LACKING = "this command needs {}, which is not installed: python -m pip install '.[study]' in a clone of the repository"
+LACKING = "this command needs {}, which is not installed: python -m pip install '.[{}]' in a clone of the repository"
 
 
 WITH_PYAMG = ("adapt", "bound", "certify", "check", "controls", "export", "present", "run", "seeds", "show")

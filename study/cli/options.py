@@ -199,11 +199,20 @@ def _json(command: argparse.ArgumentParser) -> None:
 
 
 def _orders(text: str) -> float | dict[str, float]:
-    """Return ``2`` as a number, ``L2=2,H1=1`` as name ↦ order."""
-    if "=" not in text:
-        return _finite(text)
-    pairs = [part.rpartition("=") for part in text.split(",")]
-    return {name.strip(): _finite(value) for name, _, value in pairs}
+    """Return ``2`` as a number, ``L2=2,H1=1`` as name ↦ order; commas that follow no ``=2`` belong to a name."""
+    orders: dict[str, float] = {}
+    name = ""
+    for part in text.split(","):
+        name += part
+        before, _, number = name.rpartition("=")
+        try:
+            orders[before.strip()] = _finite(number)
+            name = ""
+        except ValueError:
+            name += ","
+    if name or ("" in orders and "," in text):
+        raise argparse.ArgumentTypeError(f"got '{text}', expected a number such as 2, or names such as L2=2,H1=1")
+    return orders if "=" in text else orders[""]
 
 
 def _finite(text: str) -> float:

@@ -6,6 +6,7 @@ import argparse
 import json
 import math
 import sys
+import textwrap
 from dataclasses import asdict
 from pathlib import Path
 
@@ -77,7 +78,7 @@ def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
 
 
 def _values(tables: list[Series], as_json: bool) -> str:
-    """Order, extrapolated value and grid convergence index of each quantity."""
+    """Order, extrapolated value and grid convergence index of each quantity, and what was recognised."""
     found = {
         f"{name} ({series.label})" if series.label else name: grid_convergence(series.h, values)
         for series in tables
@@ -94,6 +95,9 @@ def _values(tables: list[Series], as_json: bool) -> str:
             line += f", order {result.order:.2f}, extrapolated {result.extrapolated:.6g}"
             line += f", GCI {result.index:.2%} on the finest mesh" if math.isfinite(result.index) else ""
         lines.append(line)
+    for series in tables:
+        words = series.recognised.replace("errors:", "values:", 1)
+        lines += ["", *textwrap.wrap(words, 80, subsequent_indent="    ")]
     return "\n".join(lines)
 
 

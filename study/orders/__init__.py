@@ -24,8 +24,11 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
         expected, at_least: one number for all columns, or name ↦ number.
 
     Raises:
-        OrderError: as ``observed_orders``, or an order is expected of a column that does not exist.
+        OrderError: as ``observed_orders``, or ``errors`` has no names, or an order is expected of a column that does
+            not exist.
     """
+    if not hasattr(errors, "keys"):
+        raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")
     columns = {str(name): errors[name] for name in errors}
     sizes = columns.pop(h) if isinstance(h, str) else h
     two_sided, one_sided = (

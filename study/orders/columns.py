@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections import Counter
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -11,7 +12,7 @@ import numpy as np
 
 from .errors import OrderError
 from .names import SIZES, role
-from .numbers import to_number
+from .numbers import ALONG_SIDES, to_number
 from .reading import RawTable, read_tables
 from .sequences import SAME_SIZE, consecutive_orders
 
@@ -73,10 +74,12 @@ def read_series(data: bytes | str, options: Options) -> list[Series]:
     Raises:
         OrderError: no table, no size, more than one reading of it, no errors, or a cell that is no positive number.
     """
-    tables = [part for table in read_tables(data) for part in _split_by_case(Columns(table, options))]
-    names = list(dict.fromkeys(name for table in tables for name in table.names))
+    raw = read_tables(data)
+    names = list(dict.fromkeys(name for table in raw for name in _distinct(table.names)))
+    options = replace(options, columns=_join_names(options.columns, names))
     if unknown := [name for name in options.columns if name not in names]:
         raise OrderError(f"there is no column {', '.join(unknown)}; there are {', '.join(filter(None, names))}")
+    tables = [part for table in raw for part in _split_by_case(Columns(table, options))]
     usable = [table for table in tables if table.errors]
     if not usable:
         seen = ", ".join(f"{name} ({kind})" for table in tables[:1] for name, kind in table.roles.items() if name)
@@ -95,8 +98,7 @@ class Columns:
 
     def __init__(self, table: RawTable, options: Options) -> None:
         self.table, self.options = table, options
-        count = table.names.count
-        self.names = [name if count(name) == 1 else f"{name} ({k + 1})" for k, name in enumerate(table.names)]
+        self.names = _distinct(table.names)
         self.cells = {name: [row[k] for row in table.rows] for k, name in enumerate(self.names)}
         self.values = {name: [to_number(cell) for cell in column] for name, column in self.cells.items()}
         self.roles = {name: role(original) for name, original in zip(self.names, table.names, strict=True)}
@@ -108,6 +110,8 @@ class Columns:
     def _role_by_numbers(self, name: str, original: str) -> str:
         """The role of a column: counters are no errors, and a column that repeats the sizes is no second size."""
         kind, numbers = self.roles[name], self.values[name]
+        if kind in ("other", "unknown") and all(ALONG_SIDES.fullmatch(cell.strip()) for cell in self.cells[name]):
+            return "count"
         if re.fullmatch(r".+ N", original, re.IGNORECASE) and numbers == self.values[self.names[0]]:
             return "count" if name == self.names[0] else "other"
         if kind == "count" and numbers in _indices(len(numbers)):
@@ -165,11 +169,13 @@ class Columns:
     def _sizes(self, errors: dict[str, list[float]]) -> tuple[list[float], str]:
         """Mesh sizes, and how they were found."""
         rows, ratio = len(self.table.rows), self.options.ratio
+        levels = [name for name in self.names if self.roles[name] == "level"]
         if ratio is not None:
+            if levels and rows > 1 and (np.diff(np.array(self.values[levels[0]], dtype=float)) < 0).all():
+                return _from_ratio(ratio, rows)[::-1], f"ratio {ratio:g}, finest mesh first as column {levels[0]} says"
             return _from_ratio(ratio, rows), f"ratio {ratio:g}"
         if self.size is not None:
             return self._converted(self.size)
-        levels = [name for name in self.names if self.roles[name] == "level"]
         if levels:
             raise OrderError(
                 f"the only size is the level in column {levels[0]}: give --ratio 2 if each level halves the mesh size"
@@ -187,8 +193,8 @@ class Columns:
         kind, label, dim = self.roles[name], name or "n", self.options.dim
         if not name:
             kind = "size" if str(self.options.size).lower() == "h" else "count"
-        elif kind not in SIZES and all(value and value > 1 and value % 1 == 0 for value in self.values[name]):
-            # Whole numbers without a known name, such as steps, count.
+        elif kind not in SIZES and all(value and value > 1 and (dim or value % 1 == 0) for value in self.values[name]):
+            # Whole numbers without a known name, such as steps, count; --dim says that others count as well.
             kind = "count"
         found = [math.nan if value is None else value for value in self.values[name]]
         if kind not in ("count", "total"):
@@ -234,16 +240,42 @@ class Columns:
                 )
 
     def _checked(self, name: str) -> list[float]:
-        """The numbers of a column of errors; infinite where the text says nan."""
+        """The numbers of a column of errors; NaN where the text says nan."""
+        if re.match(_LOGARITHM, name) and not self.options.signed:
+            raise OrderError(f"column {name} holds logarithms: give the mesh sizes and the errors themselves")
         found = []
         for cell, value, line in zip(self.cells[name], self.values[name], self.table.lines, strict=True):
             if value is None or (math.isnan(value) and "nan" not in cell.lower()):
-                what = f"is '{cell}', not a number" if value is None else "is missing"
-                raise OrderError(f"line {line}: the entry of {name} {what}: mend it, or choose others with --columns")
+                what = f"is '{cell}', not a number" if cell.strip() else "is missing"
+                others = ",".join(other for other in self.errors if other != name)
+                advice = f", or leave the column out: --columns '{others}'" if 0 < len(others) < 80 else ""
+                raise OrderError(
+                    f"line {line}: the entry of {name} {what}: write a number there, or delete the line{advice}"
+                )
             if value < 0 and not self.options.signed:
                 raise OrderError(f"line {line}: {name} = {cell}, but errors must not be negative: give absolute values")
-            found.append(math.inf if math.isnan(value) else value)
+            found.append(value)
         return found
+
+
+_LOGARITHM = re.compile(r"(?i)[\W_]*(?:log|ln)(?:[\W_]*(?:2|10|e))?(?:[\W_]|$)")
+
+
+def _distinct(names: list[str]) -> list[str]:
+    """The names; a name that comes again gets the number of its column."""
+    counts = Counter(names)
+    return [name if counts[name] == 1 else f"{name} ({k + 1})" for k, name in enumerate(names)]
+
+
+def _join_names(parts: tuple[str, ...], names: list[str]) -> tuple[str, ...]:
+    """The parts of a text that was split at commas, joined where a name of a column has commas."""
+    joined, start, known = [], 0, set(names)
+    while start < len(parts):
+        lengths = range(min(len(parts) - start, 8), 0, -1)
+        length = next((k for k in lengths if ",".join(parts[start : start + k]) in known), 1)
+        joined.append(",".join(parts[start : start + length]))
+        start += length
+    return tuple(joined)
 
 
 def _indices(length: int) -> list[list[float | None]]:

@@ -7,10 +7,10 @@ import re
 _COUNTED = r"cells|elements|elems?|dofs?|unknowns|nodes|points|vertices|degrees of freedom|grid ?points"
 _KINDS = {
     "size": r"hs?|h ?max|h ?min|max ?h|lc|d[xyz]|δ ?[xyz]|delta ?[xyz]|(?:mesh|grid|cell|element) "
-    r"?(?:size|width|spacing)|spacing|resolution (?:k?m|deg)|1/n",
+    r"?(?:size|width|spacing)(?: hs?)?|spacing|resolution (?:k?m|deg)|1/n",
     "count": r"ns?|n ?[xyz] ?[1-3]?|1/h|resolution|cells per (?:side|unit length|direction)",
     "total": rf"(?:n |n|number of |no of |total )?(?:(?:active )?(?:{_COUNTED}))(?: total)?",
-    "step": r"dt|δ ?t|delta ?t|tau|τ|time ?step(?: size)?|step ?size",
+    "step": r"dt|δ ?t|delta ?t|tau|τ|(?:time ?step(?: size)?|step ?size)(?: (?:dt|δ ?t|τ|tau))?",
     "level": r"(?:refinement |ref |mesh )?(?:level|lvl|cycle)s?|refinements?|refine",
 }
 SIZES = ("size", "count", "total", "step")

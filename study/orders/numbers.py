@@ -1,4 +1,4 @@
-"""Numbers as people write them: 1.2D-3, 16x16, 1,5e-3, 1.2×10⁻³, 1/8, 5 %, −0.5, 1 024, \\num{1e-3}."""
+"""Numbers as people write them: 1.2D-3, 1.2(-3), 16x16, 1,5e-3, 1.2×10⁻³, 1/8, 5 %, −0.5, 1 024, \\num{1e-3}."""
 
 from __future__ import annotations
 
@@ -21,7 +21,9 @@ _POWER = re.compile(r"(\d+(?:\.\d*)?)\s*(?:\^|\*\*)\s*[{(]?\s*([-+]?\d+)\s*[})]?
 _FORTRAN = re.compile(r"(?<=[\d.])[dDqQ](?=[-+]?\d)")
 _NO_LETTER = re.compile(r"([-+]?\d*\.\d+)([-+]\d{3})")
 _GROUPED = re.compile(r"[-+]?\d{1,3}(?:[ '’]\d{3})+(?:\.\d*)?")
-_ALONG_SIDES = re.compile(r"(\d+)(?:\s*[x×]\s*\1)+")
+_POINTS_GROUPED = re.compile(r"[-+]?[1-9]\d{0,2}(?:\.\d{3})+")
+ALONG_SIDES = re.compile(r"(\d+)(?:\s*[x×]\s*\1)+")
+_POWER_IN_BRACKETS = re.compile(r"^([-+]?\d*\.?\d+)\(([-+]\d{1,3})\)")
 _REMARK = re.compile(r"(.*[\d.%])\s*(?:\([^()]*\)|±.*|\+/-.*|\\pm.*)")
 
 
@@ -33,8 +35,8 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
         decimal_comma: whether ``1,5`` is 1.5 and ``1.024`` is 1024.
     """
     try:
-        # Most cells are plain; 1,5 is none.
-        return float(cell)
+        if not (decimal_comma and _POINTS_GROUPED.fullmatch(cell.strip())):
+            return float(cell)
     except ValueError:
         pass
     if len(cell) > 100:
@@ -48,9 +50,10 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
         text = found[1].strip()
     if decimal_comma:
         text = re.sub(r"(?<=\d)\.(?=\d{3}(?:\D|$))", "", text).replace(",", ".")
+    text = _POWER_IN_BRACKETS.sub(r"\1e\2", text)
     if found := _REMARK.fullmatch(text):
         text = found[1].strip()
-    if found := _ALONG_SIDES.fullmatch(text):
+    if found := ALONG_SIDES.fullmatch(text):
         return float(found[1])
     scale = 1.0
     if text.endswith("%"):

@@ -21,6 +21,8 @@ from .numbers import UNIT, to_number, uses_decimal_commas
 MAX_BYTES = 8_000_000
 MAX_ROWS = 100_000
 MAX_CELL = 2_000
+MOST_GROUPED = 1_000
+"""Names in a header of two rows that are assigned to headings; more would take long."""
 UNNAMED = ""
 EXAMPLE = (
     "expected a header such as 'h error' and one line for each mesh, for example 'h,error', '0.5,0.1', '0.25,0.025'"
@@ -116,8 +118,9 @@ _RULE = re.compile(
 _LATEX_LINE = re.compile(r"\s*\\(?:begin|end|label|centering|small|caption|tabcolsep)")
 _LATEX_END = re.compile(r"\\\\(?:\[.*?\])?\s*(?:\\[a-z]+(?:\{.*?\}|\[.*?\])*\s*)*$|\\tabularnewline.*$")
 _LONG_CELL = re.compile(rf"(?<![^\s,;|&])[^\s,;|&]{{{MAX_CELL},}}")
-_MULTIROW = re.compile(r"\\multirow\{[^{}]*\}\{[^{}]*\}\{([^{}]*)\}")
-_MULTICOLUMN = re.compile(r"\\multicolumn\{(\d{1,2})\}\{[^{}]*\}\{([^{}]*)\}")
+_BRACED = r"\{((?:[^{}]|\{(?:[^{}]|\{[^{}]*\})*\}){0,200})\}"
+_MULTIROW = re.compile(rf"\\multirow(?:\[\w+\])?\{{[^{{}}]*\}}\{{[^{{}}]*\}}{_BRACED}")
+_MULTICOLUMN = re.compile(rf"\\multicolumn\{{(\d{{1,2}})\}}\{{(?:[^{{}}]|\{{[^{{}}]*\}}){{0,80}}\}}{_BRACED}")
 _LATEX_START = re.compile(
     r"^\s*(?:\\(?:hline|[a-z]+rule|rowcolor\{.*?\}|c(?:mid)?(?:rule|line)(?:\(.*?\))?\{.*?\}|addlinespace)\s*)+"
 )
@@ -161,7 +164,7 @@ def _lines(text: str) -> list[Line]:
 
 Split = list[tuple[str, int, int]]
 """Cells with the columns of the text where they begin and end."""
-_JOIN_TIMES = re.compile(r"(?<=[\d.])\s+(×|\\times|\\cdot|·)\s*(?=10)")
+_WITHIN_NUMBER = re.compile(r"(?<=[\d.])\s+(%(?!\S)|(?:±|\+/-|\\pm|x|×|\\times|\\cdot|·)\s*(?=\d))")
 _PAIRS = re.compile(r"(?<!\S)([^\s:]+:) +(?=[-+.\d])")
 _NORM = re.compile(r"\\?\|\\?\|[^|]+\\?\|\\?\||\\\|[^|]+\\\|")
 
@@ -170,7 +173,8 @@ def _split(line: str, separator: str) -> Split:
     """The cells of a line."""
     if separator == " ":
         # ``h = 1/2`` is one cell, and ``h: 0.5 error: 0.1`` two; a bar or comma between blanks only draws.
-        line = re.sub(r"(?<=\S) *(=+) *(?=\S)", r"\1", _JOIN_TIMES.sub(r"\1", line))
+        joined = _WITHIN_NUMBER.sub(lambda found: found[1].strip(), line)
+        line = re.sub(r"(?<=\S) *(=+) *(?=\S)", r"\1", joined)
         if len(_PAIRS.findall(line)) > 1:
             line = _PAIRS.sub(r"\1", line)
         return [(found[0], *found.span()) for found in re.finditer(r"\S+", line) if found[0] not in ("|", ",")]
@@ -247,7 +251,12 @@ def _delimited(lines: list[Line]) -> list[RawTable]:
         if not any(_is_number(cell) for line in lines for cell, *_ in _split(line.text, " ")[:50]):
             raise OrderError(f"no line with numbers; the first line is '{first}'; {EXAMPLE}")
         if all(len(_split(line.text, " ")) == 1 for line in lines):
-            raise OrderError(f"there is one column only ('{first}'); {EXAMPLE}")
+            rows = [line for line in lines if _is_number(line.text.strip())]
+            names = [line.text.strip() for line in lines if not _is_number(line.text.strip())]
+            if len(names) > 1:
+                raise OrderError(f"there is one column only ('{first}'); {EXAMPLE}")
+            cells, numbers = [[line.text.strip()] for line in rows], [line.number for line in rows]
+            return [RawTable("one column", names or ["error"], cells, numbers)]
     return []
 
 
@@ -387,16 +396,22 @@ class _Grid:
     def _grouped(self, group: int, i: int, names: list[str]) -> list[str] | None:
         """Names of two header rows, of which the upper one spans several columns; None if it does not."""
         if self.separator == " ":
-            upper = [(found[0], found.start()) for found in re.finditer(r"\S+(?: \S+)*", self.lines[group].text)]
-            starts = [start for _, start, _ in self.split[i]]
+            upper, wide = _phrases(self.lines[group].text), _phrases(self.lines[i].text)
+            lower = wide if len(wide) == len(names) else self.split[i]
         else:
-            upper = [(cell, k) for k, cell in enumerate(self.texts[group]) if cell]
-            starts = list(range(len(names)))
-        if len(set(names)) == len(names) or not 1 < len(upper) <= len(names) or len(starts) != len(names):
+            upper = [(cell, k, k + 1) for k, cell in enumerate(self.texts[group]) if cell]
+            lower = [(name, k, k + 1) for k, name in enumerate(names)]
+        if (
+            len(set(names)) == len(names)
+            or not 1 < len(upper) <= len(names) <= MOST_GROUPED
+            or len(lower) != len(names)
+        ):
+            return None
+        labels = _labels_of_repeated(upper, lower) or _labels_from_left(upper, lower)
+        if labels is None:
             return None
         combined = []
-        for name, start in zip(names, starts, strict=True):
-            label = next((label for label, begin in reversed(upper) if begin <= start + 1), "")
+        for name, label in zip(names, labels, strict=True):
             # An error of the quantity h is no mesh size.
             is_error = re.fullmatch(r"(?i)err(?:or)?s?|e", name) and role(label) not in SIZES
             combined.append(label if label and is_error else f"{label} {name}".strip())
@@ -460,6 +475,44 @@ class _Grid:
         return None
 
 
+def _phrases(text: str) -> Split:
+    """The phrases of a line, which two blanks or more separate, with the places where they begin and end."""
+    return [(found[0], *found.span()) for found in re.finditer(r"\S+(?: \S+)*", text)]
+
+
+def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
+    """The heading above each name, if names repeat once for each heading and every heading stands above its names.
+
+    It does not matter whether headings are centred. Sizes stand outside the groups.
+    """
+    names = [name for name, *_ in lower]
+    groups: list[list[int]] = []
+    for k, name in enumerate(names):
+        if names.count(name) == 1 and role(name) in (*SIZES, "level"):
+            continue
+        if not groups or name in [names[j] for j in groups[-1]]:
+            groups.append([])
+        groups[-1].append(k)
+    if len(groups) != len(upper):
+        return None
+    labels, before = [""] * len(names), 0
+    for (label, begin, end), group in zip(upper, groups, strict=True):
+        left, right = lower[group[0]][1], lower[group[-1]][2]
+        if begin < before or not left <= (begin + end) / 2 <= right:
+            return None
+        labels[group[0] : group[-1] + 1] = [label] * (group[-1] + 1 - group[0])
+        before = right
+    return labels
+
+
+def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
+    """The last heading that begins at a name or left of it; None unless every heading begins where a name begins."""
+    if any(all(abs(begin - start) > 1 for _, start, _ in lower) for _, begin, _ in upper):
+        return None
+    near = 0 if all(end - start == 1 for _, start, end in lower) else 1
+    return [next((label for label, begin, _ in reversed(upper) if begin <= start + near), "") for _, start, _ in lower]
+
+
 def _orders_between(labelled: list[tuple[str, list[str]]]) -> bool:
     """Whether every second value is the order of its two neighbours, for meshes twice as fine."""
     checked = []
@@ -495,11 +548,18 @@ def _from_columns(form: str, columns: dict[str, list[str]], line: int) -> RawTab
 _OPENING = r"[=:]\s*(?:[\w.]{1,40}\(?)?[\[({]"
 _LIST = re.compile(rf"(?P<name>[^\[\](){{}}=:\n]{{1,80}}?)[ \t]*{_OPENING}(?P<values>[^\[\](){{}}]*)[\])}}]")
 
+_UNNAMED_LIST = re.compile(r"\s*(?:[\w.]{1,40}\()?\[[^\[\]{}:=]*\]\)?[,;]?\s*")
+
 
 def _lists(lines: list[Line]) -> list[RawTable]:
     """``name = [1, 2, 3]``, one for each column; a list may take several lines; sizes that come again start a table."""
     text = "\n".join(line.text for line in lines)
     if not re.search(_OPENING, text):
+        if lines and all(_UNNAMED_LIST.fullmatch(line.text) for line in lines):
+            raise OrderError(
+                f"the list in line {lines[0].number} has no name: write 'h = ' in front of the list of sizes and "
+                "'error = ' in front of every list of errors"
+            )
         return []
     groups: list[dict[str, list[str]]] = [{}]
     for found in _LIST.finditer(text):
@@ -511,7 +571,8 @@ def _lists(lines: list[Line]) -> list[RawTable]:
             groups.append({})
         count = sum(other == name or other.startswith(f"{name} (") for other in groups[-1])
         groups[-1][f"{name} ({count + 1})" if count else name] = values
-    return [_from_lists(columns, lines[0].number) for columns in groups if len(columns) > 1]
+    alone = _LIST.fullmatch(text.strip(" ;\n")) is not None
+    return [_from_lists(columns, lines[0].number) for columns in groups if len(columns) > 1 or (alone and columns)]
 
 
 def _from_lists(columns: dict[str, list[str]], line: int) -> RawTable:

@@ -207,6 +207,8 @@ def observed_orders(h: ArrayLike, errors: ArrayLike, expected: float | None = No
 
 def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Array]:
     """Checked mesh sizes and errors, the coarsest mesh first."""
+    if np.iscomplexobj(errors):
+        raise OrderError(f"{name or 'error'}: the errors are complex numbers; give absolute values")
     sizes, e = (np.asarray(values, dtype=float).ravel() for values in (h, errors))
     if sizes.shape != e.shape or not len(e):
         raise OrderError(f"{len(sizes)} sizes and {len(e)} errors: expected one error for each mesh")
@@ -237,7 +239,10 @@ def _diagnose(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
         return Diagnosis(0, n, "exactly zero", "the error is exactly zero on all meshes: nothing to judge", SKIPPED)
     if (e == 0).any():
         stop = int(np.argmax(e == 0))
-        return _above(h, e, stop, 0.0, "exactly zero", f"exactly zero from h = {h[stop]:.5g} on", expectation)
+        words = f"exactly zero from h = {h[stop]:.5g} on"
+        if e[stop:].any():
+            words = f"exactly zero for h = {h[stop]:.5g}, but not on all finer meshes (is this value right?)"
+        return _above(h, e, stop, 0.0, "exactly zero", words, expectation)
     orders = consecutive_orders(h, e)
     if n < 3:
         kind = "grows" if n == 2 and orders[0] < -STALLED else "fewer than three meshes"
@@ -256,12 +261,15 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
         return None
     floor, start = float(np.median(e[stall:])), f"from h = {h[stall]:.5g} on"
     if floor <= ROUND_OFF * max(1.0, e[0]) and stall > 0:
-        return _above(h, e, stall, floor, "round-off", f"round-off reached at {floor:.2g} {start}", expectation)
+        return _above(h, e, stall, floor, "round-off", f"round-off of about {floor:.2g} {start}", expectation)
     if e[-1] > 2 * e[stall] or (e[-1] >= 1.01 * e[0] and (stall == n - 1 or orders[-1] < -STALLED)):
-        words = f"the error grows: orders {_text(orders)}; it does not converge"
+        words = f"the error grows as h decreases: orders {_text(orders)}; it does not converge"
         return Diagnosis(0, n, "grows", words, FAILS)
     equal = ", errors are equal" if (np.diff(e[stall:]) == 0).any() else ""
-    reason = "are these orders, not errors?" if stall == 0 and 0.3 < floor < 20 else "a floor, another error dominates"
+    reason = "a floor, another error dominates"
+    if stall == 0:
+        values = "values of a quantity (--values), not errors?"
+        reason = f"are these orders or {values}" if 0.3 < floor < 20 else f"{reason}; or are these {values}"
     words = f"stagnates at {floor:.2g} {start}{equal}: {reason}"
     return _above(h, e, stall, floor, "floor", words, expectation)
 
@@ -306,7 +314,9 @@ def _judge(h: Array, e: Array, expectation: Expectation) -> tuple[int, str]:
     outside = np.flatnonzero((orders < low) | (orders > high))
     first = int(outside[-1]) + 1 if outside.size else 0
     extrapolated = extrapolated_order(h, e)
-    if n - 1 - first >= 3 or (n - 1 - first == 2 and low <= extrapolated <= high):
+    # Equal errors on two meshes are a table with a mistake, or chance: extrapolation does not help.
+    two_suffice = low <= extrapolated <= high and (np.diff(e) != 0).all()
+    if n - 1 - first >= 3 or (n - 1 - first == 2 and two_suffice):
         return first, HOLDS
     previous, last = orders[-2:]
     settled = abs(last - previous) <= expectation.tolerance
@@ -341,6 +351,9 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     elif abs(last - previous) > 2 * expectation.tolerance:
         word = "orders rising" if last > previous else "orders not settled"
         kind, sentence = "pre-asymptotic", f"pre-asymptotic, {word}: {_text(orders)}; take finer meshes"
+    equal = np.flatnonzero(np.diff(e) == 0)
+    if equal.size:
+        sentence += f"; the errors for h = {h[equal[-1]]:.5g} and {h[equal[-1] + 1]:.5g} are equal (one mesh twice?)"
     if verdict == HIGHER:
         kind = "higher than expected"
         sentence = f"orders {_text(orders)} are higher than expected: superconvergence, or the wrong error? {sentence}"

@@ -60,6 +60,26 @@ def test_exit_codes_are_ordered_2_1_3_0(columns, options, code, tmp_path, capsys
     assert bool(captured.err) == (code == 2)
 
 
+NAMED = 'h,"L2(0,T;H1)","e, max",p = 1\n.4,.4,.4,.4\n.2,.1,.2,.1\n.1,.025,.1,.025\n'
+
+
+@pytest.mark.parametrize(
+    ("expected", "code"),
+    [("e, max=1,L2(0,T;H1)=2", 0), ("L2(0,T;H1)=2,e, max=1", 0), ("L2(0,T;H1) = 1", 1), ("p = 1=2", 0)],
+)
+def test_names_with_commas_and_equal_signs_can_be_expected(expected: str, code: int, tmp_path) -> None:
+    (tmp_path / "t.csv").write_text(NAMED)
+    assert main(["rates", str(tmp_path / "t.csv"), "--expected", expected]) == code
+
+
+@pytest.mark.parametrize("expected", ["e, max", "2,1", "two", "e, max=1,2", "2,e=1", ""])
+def test_an_expectation_that_is_not_understood_is_answered_with_an_example(expected: str, capsys) -> None:
+    with pytest.raises(SystemExit) as stop:
+        main(["rates", "t.csv", "--expected", expected])
+    assert stop.value.code == 2
+    assert f"got '{expected}', expected a number such as 2, or names such as L2=2,H1=1" in capsys.readouterr().err
+
+
 def matches(value: Any, schema: dict[str, Any]) -> bool:
     """Whether a value has the types, keys and words that a JSON Schema of this form asks for."""
     types = {"string": str, "number": (int, float), "integer": int, "array": list, "object": dict, "null": type(None)}

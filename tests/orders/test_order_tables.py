@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from study.cli.main import main
+from study.orders.columns import Options, read_series
 
 CASES = Path(__file__).parent / "cases"
 VERDICTS = {
@@ -92,10 +93,10 @@ def test_a_table_with_two_readings_is_refused_with_the_edit(file: str, capsys) -
         ("05-dealii-step7-global.txt --dim 2", "H1: pre-asymptotic"),
         ("18-fd-points-not-cells.txt --in n", "the order drops on the finest mesh: 1.99, 2.00, 1.08"),
         ("25-superconvergence.csv --expected H1=1", "higher than expected"),
-        ("28-roundoff-after-good-orders.csv", "round-off reached at 4.1e-14 from h = 0.0078125 on"),
+        ("28-roundoff-after-good-orders.csv", "round-off of about 4.1e-14 from h = 0.0078125 on"),
         ("37-drifts-down.csv", "orders fall from mesh to mesh: 3.99, 3.94, 3.92, 3.89"),
         ("37-floor.csv", "the error tends to 0.0008, not to 0"),
-        ("gadopt.txt --ratio 2", "are these orders, not errors?"),
+        ("gadopt.txt --ratio 2", "are these orders or values of a quantity (--values), not errors?"),
         ("trixiatmo.txt", "h error (linf): orders fall"),
         ("dolfin.txt", "q=1 (Maximum norm error in 3D): pre-asymptotic, orders rising"),
         ("lethe.rst --dim 2", "error_pressure: stagnates"),
@@ -136,6 +137,11 @@ READ = {
     "\\multicolumn{1}{|c|}{h} &\n\\multicolumn{2}{|c|}{error} \\\\ \\hline\n"
     "0.25 & 1.78 & - \\\\ \\hline\n0.125 & 0.697 & 1.36 \\\\ \\hline\n0.0625 & 0.317 & 1.14 \\\\ \\hline\n",
     "orders between errors": "variable  32->64  rate  64->128  rate  128->256\nrho  1.78  1.353  0.697  1.137  0.317\n",
+    "a power of ten in brackets": SMALL.replace("1.78", "178(-2)").replace("0.697", "6.97(-1)").format("h,error"),
+    "a blank before a percent sign": "h       rel. error\n0.25    178 %\n0.125   69.7%\n0.0625  31.7 %\n",
+    "uncertainties": "h       error\n0.25    1.78 ± 0.01\n0.125   0.697 +/- 2e-3\n0.0625  0.317 ± 1e-3\n",
+    "a grid with blanks": "Grid     L1 error\n4 x 4    1.78\n8 x 8    0.697\n16 x 16  0.317\n",
+    "a name with letter and unit": SMALL.format("Mesh size h [m],error"),
     "a line for each quantity": "| h | 0.25 | 0.125 | 0.0625 |\n|---|---|---|---|\n| error | 1.78 | 0.697 | 0.317 |\n",
 }  # fmt: skip
 
@@ -146,6 +152,93 @@ def test_small_tables_in_many_forms_have_the_same_orders(form: str, tmp_path, ca
     assert main(["rates", str(tmp_path / "table"), "--json"]) == 0
     (column,) = json.loads(capsys.readouterr().out)
     assert column["orders"] == pytest.approx([1.3527, 1.1367], abs=1e-3)
+
+
+TWO_ROWS = [
+    # Form, names of the errors, table.
+    (
+        "centred",
+        "velocity L2, velocity H1, velocity Linf, pressure L2, pressure H1, pressure Linf",
+        "          velocity              pressure\n  h     L2      H1     Linf     L2      H1     Linf\n"
+        "1/8  1.00e-2 1.00e-1 2.00e-1 1.00e-1 2.00e-1 3.00e-1\n1/16 2.50e-3 5.00e-2 1.00e-1 5.00e-2 1.00e-1 1.50e-1\n",
+    ),
+    (
+        "from the left",
+        "velocity L2, velocity H1, pressure L2",
+        "      velocity         pressure\nh     L2      H1       L2\n"
+        "1/8   1.00e-2 1.00e-1  1.00e-1\n1/16  2.50e-3 5.00e-2  5.00e-2\n",
+    ),
+    (
+        "from the left, other names in each group",
+        "velocity L2, pressure H1, pressure L2",
+        "     velocity    pressure\nh    L2          H1        L2\n"
+        "1/8  1.00e-2     1.00e-1   1.00e-1\n1/16 2.50e-3     5.00e-2   5.00e-2\n",
+    ),
+    (
+        # Nothing shows where the second group begins: a number is better than a wrong name.
+        "centred, other names in each group",
+        "L2 (2), H1, L2 (4)",
+        "     velocity        pressure\n h     L2          H1        L2\n"
+        "1/8  1.00e-2     1.00e-1   1.00e-1\n1/16 2.50e-3     5.00e-2   5.00e-2\n",
+    ),
+    (
+        "CSV",
+        "velocity L2, pressure L2",
+        ",velocity,,pressure,\nh,L2,EOC,L2,EOC\n1/8,1e-2,,1e-1,\n1/16,2.5e-3,2,5e-2,1\n",
+    ),
+    (
+        "multicolumn",
+        r"$\|u-u_h\|_{L^2}$, $|u-u_h|_{H^{1}}$",
+        r"""
+& \multicolumn{2}{c}{$\|u-u_h\|_{L^2}$} & \multicolumn{2}{@{}c|}{$|u-u_h|_{H^{1}}$} \\ \cmidrule{2-5}
+$h$ & error & EOC & error & EOC \\
+1/8 & 1e-2 & & 1e-1 & \\
+1/16 & 2.5e-3 & 2 & 5e-2 & 1 \\""",
+    ),
+    (
+        "multirow",
+        "$k=1$, $k=2$",
+        r"""
+\multirow{2}{*}{$h$} & \multicolumn{2}{c|}{$k=1$} & \multicolumn{2}{c}{$k=2$} \\
+ & error & rate & error & rate \\ \hline
+1/8 & 1e-2 & & 1e-3 & \\
+1/16 & 2.5e-3 & 2 & 1.25e-4 & 3 \\""",
+    ),
+]
+
+
+@pytest.mark.parametrize(("names", "table"), [case[1:] for case in TWO_ROWS], ids=[form for form, *_ in TWO_ROWS])
+def test_names_in_two_rows_belong_together(names: str, table: str) -> None:
+    (series,) = read_series(table, Options())
+    assert ", ".join(series.errors) == names
+    assert series.h == [1 / 8, 1 / 16]
+
+
+@pytest.mark.parametrize(
+    ("table", "options", "said"),
+    [
+        ("h,err\n.4,.12\n.2,.03\n.1,0\n.05,.002\n", [], "exactly zero for h = 0.1, but not on all finer meshes"),
+        ("h,err\n.4,.1\n.2,.025\n.1,.025\n.05,.00625\n.025,.0015625\n", [], "h = 0.2 and 0.1 are equal"),
+        ("h,err\n.4,.1\n.2,.025\n.1,.025\n.05,.00625\n.025,.0015625\n", ["--expected", "2"], "undecided"),
+        ("h,err\n.4,.1\n.2,nan\n.1,.1\n", [], "0.2 nan nan"),
+        ("h,drag\n.4,3.14\n.2,3.142\n.1,3.1425\n", [], "are these orders or values of a quantity (--values), not"),
+        ("h,lift\n.4,.0102\n.2,.0105\n.1,.0106\n", [], "or are these values of a quantity (--values), not errors?"),
+        ("h,drag\n.4,3.14\n.2,3.142\n.1,3.1425\n", ["--values"], "size: h from column h; values: drag"),
+        ("level error\n4 .01\n3 .04\n2 .16\n1 .64\n", ["--ratio", "2"], "orders 2.00, 2.00, 2.00"),
+        ("error\n.64\n.16\n.04\n", ["--ratio", "2"], "error: converges with order 2.00"),
+        (".64\n.16\n.04\n", ["--ratio", "2"], "error: converges with order 2.00"),
+        ("e = [.64, .16, .04];\n", ["--ratio", "2"], "e: converges with order 2.00"),
+        ("level error\n1 .64\n2 .16\n3 .04\n4 .01\n", ["--ratio", "2"], "orders 2.00, 2.00, 2.00"),
+        ("Netz;Fehler\n1.024;0,16\n4.096;0,04\n16.384;0,01\n", ["--in", "netz", "--dim", "2"], "h = Netz^(-1/2)"),
+        ("Netz;Fehler\n1.024;0,16\n4.096;0,04\n16.384;0,01\n", ["--in", "netz", "--dim", "2"], "0.03125 0.16"),
+        ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "L2(0,T;H1),e, max"], "e, max: c"),
+        ('h,"L2(0,T;H1)","e, max"\n.4,.4,.4\n.2,.1,.2\n.1,.025,.1\n', ["--columns", "e, max"], "ignored: L2(0,T;H1)"),
+    ],
+)  # fmt: skip
+def test_what_is_said_of_small_tables(table: str, options: list[str], said: str, tmp_path, capsys) -> None:
+    (tmp_path / "table").write_text(table)
+    assert main(["rates", str(tmp_path / "table"), *options]) in (0, 3)
+    assert said in " ".join(capsys.readouterr().out.split())
 
 
 ERRORS = {1: {8: "4e-2", 16: "1e-2", 32: "2.5e-3"}, 2: {8: "8e-3", 16: "1e-3", 32: "1.25e-4"}}
@@ -216,7 +309,18 @@ def test_a_column_or_a_heading_splits_a_table_into_cases(form: str, tmp_path, ca
         (b"cells,error\n8,.1\n16,.05\n", "give --dim"),
         (b"level,error\n1,.1\n2,.05\n", "give --ratio 2"),
         (b"h,order\n1,-\n.5,2\n", "no column of errors among h (size), order (order)"),
-        (b"h,L2,H1\n1,.1,.2\n.5,.05,\n", "line 3: the entry of H1 is missing"),
+        (
+            b"h,L2,H1\n1,.1,.2\n.5,.05,\n",
+            "line 3: the entry of H1 is missing: write a number there, or delete the line",
+        ),
+        (b"h,L2,H1\n1,.1,.2\n.5,.05,\n", "or leave the column out: --columns 'L2'"),
+        (b"error\n.64\n.16\n.04\n", "no column is a mesh size; seen: error. Give --ratio 2"),
+        (b"h err\n1 .1\n.5 ****\n", "line 3: the entry of err is '****', not a number"),
+        (b"log10(h) log10(err)\n-1 -2\n-1.3 -2.6\n-1.6 -3.2\n", "column log10(h) holds logarithms"),
+        (b"h,log_err\n1,5.1\n.5,4.5\n", "column log_err holds logarithms"),
+        (b"[0.4, 0.2, 0.1]\n[1.6, 0.4, 0.1]\n", "the list in line 1 has no name: write 'h = '"),
+        (b"array([0.4, 0.2])\narray([1.6, 0.4])\n", "the list in line 1 has no name: write 'h = '"),
+        (b"[0.4 0.2 0.1 0.05]\n[1.6 0.4 0.1 0.025]\n", "the list in line 1 has no name: write 'h = '"),
     ],
 )
 def test_damaged_and_hostile_files_are_refused_in_words(data: bytes, words: str, tmp_path, capsys) -> None:

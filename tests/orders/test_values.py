@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from study.orders import assert_order, check_orders
+from study.orders import OrderError, assert_order, check_orders, observed_orders
 from study.orders.values import grid_convergence
 
 
@@ -38,3 +38,11 @@ def test_a_broken_solver_fails_the_assertion() -> None:
     found = check_orders(h, {"L2": np.square(h), "H1": h}, expected={"L2": 2, "H1": 1})
     assert [column.verdict for column in found.values()] == ["holds", "holds"]
     assert "<table>" in found["L2"]._repr_html_()
+
+
+def test_errors_without_names_and_complex_errors_are_refused_in_words() -> None:
+    for errors in ([4.0, 1.0], np.ones((2, 2))):
+        with pytest.raises(OrderError, match="for one list use observed_orders"):
+            check_orders([2, 1], errors)
+    with pytest.raises(OrderError, match="complex numbers; give absolute values"):
+        observed_orders([2, 1], np.array([4j, 1j]))

@@ -96,15 +96,18 @@ def test_continuous_integration_tries_the_wheel() -> None:
         assert "make wheel" in (ROOT / file).read_text(encoding="utf-8")
 
 
+@pytest.mark.parametrize(("command", "extra"), [(["cases"], "study"), (["rates", "errors.csv"], "orders")])
 def test_a_command_without_its_extra_says_how_to_install_it(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    command: list[str], extra: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def without(name: str) -> None:
         raise ModuleNotFoundError(f"No module named 'scipy', for {name}", name="scipy.sparse")
 
     monkeypatch.setattr("importlib.import_module", without)
-    assert main(["cases"]) == 2
-    assert capsys.readouterr().err == f"study: {LACKING.format('scipy.sparse')}\n"
+    assert main(command) == 2
+    expected = f"study: {LACKING.format('scipy.sparse', extra)}\n"
+    assert capsys.readouterr().err == expected
+    assert f"'.[{extra}]'" in expected
 
 
 def test_everything_that_says_what_this_is_says_the_same() -> None:
