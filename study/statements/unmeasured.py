@@ -36,6 +36,9 @@ class Misprints(Listed):
     label = "slips"
     claim = "slips in the printed text"
     lines = (
+        ("zero-on-clamped-part", "(5.23)", "for all v ∈ H²(Ω)²",
+         "read: for v ∈ H²(Ω)² with v = 0 on Γ1: Π^h v ∈ V^h vanishes there, and ‖·‖_V is a norm on V; rows of (5.23) "
+         "have such v"),
         ("order-of-trace", "(5.24)", "right side reads c h |v|_{H²}",
          "read: c h² |v|_{H²}: the proof of Prop. 5.4 uses h², and h² is measured"),
         ("assumption", "Thm 5.2", "assumes (3.3)",
@@ -52,8 +55,17 @@ class Misprints(Listed):
          "which the printed bound is 0 and R is not"),
         ("root-in-5.28", "(5.28)", "‖u − v^h‖_{L∞(0,T;V)} in the infimum",
          "read: its square root, as in (5.33): (5.21) takes R^{1/2}"),
-        ("norm-in-5.31", "(5.31)", "right side has ‖u̇_ε‖_{L∞(0,T;H²)}",
+        ("left-side-of-5.31", "(5.31), first line", "left side is ‖u_ε − Π^h u_ε‖_{L²(0,T;V)}",
+         "read: in L^∞(0,T;V), as (5.28) has it and (5.33) uses it; (5.30) gives this for the same right side"),
+        ("norm-in-5.31", "(5.31), second line", "right side has ‖u̇_ε‖_{L∞(0,T;H²)}",
          "read: ‖u̇_ε‖_{L²(0,T;H²)}, as in (5.33): u_ε ∈ W^{1,2}(0,T;K ∩ C^∞) gives no more"),
+        ("nodal-start", "after (5.35)", "(5.25) is satisfied if u_0^h = Π^h u_0 when u_0 ∈ C(Ω̄)",
+         "false in the plane: rows of beyond: nodal start have a u_0 ∈ K ∩ C(Ω̄) for which ‖u_0 − Π^h u_0‖_V grows; "
+         "u_0 ∈ H^{1+s}(Ω)², s > 0, is enough"),
+        ("class-of-uniqueness", "Thm 4.1, 4.3", "there is a unique solution",
+         "read: in the class (4.1), for which the proofs show it: without it u need not be the integral of u̇, and a u "
+         "that jumps to another element of K at some time and goes on as the solution from there satisfies "
+         "(3.12)–(3.15) almost everywhere, too"),
         ("norm-in-5.43", "(5.43), last line", "right side has ‖u_ν‖_{L¹(0,T;L²(Γ3,i))}",
          "read: the norm of L¹(0,T;H²(Γ3,i)), of (5.36)"),
         ("norm-of-residual", "(5.20), (5.21)", "R is taken in L¹(0,T;V)", "read: in L¹(0,T): R(t; v) is a number"),
@@ -66,15 +78,17 @@ class Untested(Listed):
     label = NOT_TESTED
     claim = "statements that no finite number of computations can test"
     lines = (
-        ("existence", "Thm 4.1, 4.3, 5.2", "a solution exists for all data with (3.1), (3.2), (3.4), (3.5)",
+        ("existence", "Thm 2.2, 4.1, 4.3, 5.2", "a solution exists for all data with (3.1), (3.2), (3.4), (3.5)",
          "not tested: exact solutions are constructed, and programmes solved, for the data of the cases alone; that "
-         "those solutions are the only ones is tested by different starts and solvers"),
+         "those solutions are the only ones is tested by different starts and solvers. Thm 4.2 asserts no existence: "
+         "its rows compare solutions of both problems"),
         ("stress-in-Q1", "(4.1)", "σ ∈ L^∞(0,T;Q_1)",
          "not tested by itself: Div σ = −f_0 by (4.11), so it is (3.4) once u ∈ W^{1,∞}(0,T;V), which is judged, as is "
          "the balance of σ^h with P f_0"),
         ("density", "(5.29), (5.33)–(5.35)", "W^{1,2}(0,T;K ∩ C^∞(Ω̄)²) is dense in W^{1,2}(0,T;K), and an ε for each h",
-         "not tested: about infinitely many functions, cited in the source; what it is used for, convergence for rough "
-         "u, is judged on rough cases"),
+         "not tested: about infinitely many functions. (5.29) follows from the density of K ∩ C^∞(Ω̄)² in K, cited in "
+         "the source, as u may be replaced by its linear interpolant in time; (5.33)–(5.35) follow from (5.28)–(5.32). "
+         "What they are used for, convergence for rough u, is judged on rough cases"),
         ("one-constant", "(5.21), (5.42)", "one constant c serves all solutions and meshes",
          "not tested: the ratios of both sides are judged on the solutions and meshes of the study"),
     )  # fmt: skip
@@ -119,8 +133,9 @@ class WithoutRow(Listed):
          "the fundamental theorem of calculus; what is made of it, (5.18), is judged"),
         ("segments", "(5.22)", "Γ3 as a union of segments", "notation; cases have up to three of them"),
         ("start-of-scheme", "(5.25)", "‖u_0 − u_0^h‖_V → 0",
-         "u_0^h = Π^h u_0 throughout, for which it is (5.23); that the scheme starts there is among what is computed "
-         "again"),
+         "an assumption: u_0^h = Π^h u_0 throughout, for which it is (5.23), as all u_0 are smooth enough; that the "
+         "scheme starts there is among what is computed again. Rows of beyond: nodal start have a continuous u_0 for "
+         "which this start violates it"),
         ("convergence", "(5.26)", "the error tends to 0", "what Prop. 5.3 says: judged there"),
         ("both", "(5.28)", "(5.21) with (5.27) for R",
          "follows from these two, which are judged; as printed it lacks a root, a slip"),
