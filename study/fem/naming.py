@@ -74,7 +74,9 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     NAME is a ``manufactured.Data``, a Case, or a function making one; names are those of the catalogue and of
     ``manufactured.problems``.
     """
-    found = _from_file(reference) if _is_file(reference) else _case(reference) or _open_problem(reference)
+    found = _from_file(reference) if _is_file(reference) else _case(reference)
+    if found is None:
+        found = next((problem for problem in problems() if problem.name == reference), None)
     if found is None:
         raise unknown("problem", reference, [*_case_names(), *(problem.name for problem in problems())])
     if isinstance(found, Case):
@@ -111,11 +113,6 @@ def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
 def _case_names() -> list[str]:
     """Return the names of all cases, without rollers, of which there is one for every level."""
     return [*NAMES, *(case.name for case in _outside_the_catalogue(""))]
-
-
-def _open_problem(name: str) -> OpenProblem | None:
-    """Return the problem without a known solution with this name; None if there is none."""
-    return next((problem for problem in problems() if problem.name == name), None)
 
 
 def name_of(reference: str) -> str:

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from manufactured.case import Case
-from study.fem.cell_count import size_of
+from study.fem.mesh import size_of
 from study.fem.naming import family_named
 from study.ledger.codes import FOLDER, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.datafiles import CsvFile, in_series, line, since_before
