@@ -21,7 +21,7 @@ from skfem import Mesh
 from manufactured.contact import ContactFace
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Tensors, dyad, mapped
-from study.fem.moments import QuadraturePoints, StrainEnergy, StressSums, amplitudes_of
+from study.fem.moments import Amplitudes, QuadraturePoints, StrainEnergy, StressSums, amplitudes_of
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
 from study.fem.space import Space
 
@@ -129,9 +129,12 @@ class ErrorNorm:
         whose f_0 is not in L² as well.
         """
         strains, rates = self._amplitudes(time, False), self._amplitudes(time, True)
+        return self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)
+
+    def _contact_work(self, strains: Amplitudes, rates: Amplitudes) -> Array:
+        """Return ∫_{Γ3} p v_ν with p = −σ_ν for v ∈ V^h, (n_dofs,)."""
         pressure = [-dyad(normal, normal) @ sums(strains, rates) for normal, sums in self._faces]
-        contact_work = self._normal.T @ np.concatenate(pressure)
-        return np.asarray(self.space.tested(self._cells(strains, rates)) + contact_work)
+        return np.asarray(self._normal.T @ np.concatenate(pressure))
 
 
 def rules(solution: ExactSolution, mesh: Mesh, degree: int, shared: Sequence[Line] = ()) -> list[CellRule]:
