@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from study.orders import assert_order, check_orders
-from study.orders.values import grid_convergence
+from study.orders.sequences import grid_convergence
 
 
 @pytest.mark.parametrize(
