@@ -85,15 +85,10 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     if not isinstance(data, Data):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected manufactured.Data or a manufactured.Case")
     name = found.name if isinstance(found, OpenProblem) else reference.rpartition(":")[2]
-    require_file_name("problem", name)
-    return name, data, None
-
-
-def require_file_name(kind: str, name: str) -> None:
-    """Raise UsageError for a name that cannot be part of the name of a file or directory."""
     if fault := file_name_fault(name):
         shown = name if len(name) <= LONGEST_SHOWN else name[:LONGEST_SHOWN] + "…"
-        raise UsageError(f"the {kind} {shown!r} cannot be part of a file name, as {fault}: give it another name")
+        raise UsageError(f"the problem {shown!r} cannot be part of a file name, as {fault}: give it another name")
+    return name, data, None
 
 
 def _case(name: str) -> Case | None:

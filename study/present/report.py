@@ -13,7 +13,6 @@ import numpy as np
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
-from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, by_claim, count_verdicts, made_by, read_claims, read_csv, read_rates
 from study.ledger.files import write_text
@@ -274,13 +273,14 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
             "version wrote it, make it anew with the same `study run`"
         ) from error
     scale = BodyScale.of(picture)
+    shades = np.round(255 * shade(von_mises.values / scale.stress)).astype(np.uint8)
     return {
         "times": picture.times.tolist(),
         "vertices": picture.vertices.tolist(),
         "cells": picture.cells.T.ravel().tolist(),
         "unit": displacement.unit,
-        "displacement": _base64(displacement.multiples.astype("<i2")),
-        "shades": _base64(np.round(255 * shade(von_mises.values / scale.stress)).astype(np.uint8)),
+        "displacement": b64encode(displacement.multiples.astype("<i2").tobytes()).decode("ascii"),
+        "shades": b64encode(shades.tobytes()).decode("ascii"),
         "brightest": scale.stress,
         "magnification": scale.magnification,
         "size": scale.size,
@@ -292,10 +292,6 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
         "view": scale.view.axes.tolist(),
         "faces": list(map(_face, picture.faces)),
     }
-
-
-def _base64(values: NDArray[Any]) -> str:
-    return b64encode(values.tobytes()).decode("ascii")
 
 
 def _face(face: FaceHistory) -> dict[str, Any]:

@@ -102,43 +102,32 @@ class ProjectedLoads:
         return self._last[1]
 
     def _block(self, rule: CellRule) -> _Block:
-        local, full = (partial(barycentric, c[:, :, rule.cells], rule.points) for c in (self._corners, self._cells))
-        degree = self.space.degree
-        return _Block(self.data, rule, bernstein(degree - 1, local()), lambda: bernstein(degree, full()))
+        mesh, degree = self.space.mesh, self.space.degree
+        local = barycentric(self._corners[:, :, rule.cells], rule.points)
+        # Three thirds of a cell follow each other.
+        cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
+        return _Block(rule, bernstein(degree - 1, local), lambda: bernstein(degree, barycentric(cells, rule.points)))
 
     @cached_property
-    def _cells(self) -> Points:
-        """The vertices of the cell of each third, (2, 3, thirds)."""
-        return np.repeat(self.space.mesh.p[:, self.space.mesh.t], 3, axis=2)
-
-    @cached_property
-    def _blocks(self) -> list[_Block]:
-        """All thirds, not too many in one block."""
+    def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
+        """All thirds, not too many in one block, each with the function t ↦ f_0 at its points, (2, thirds, q)."""
         rules = cell_rules(self._thirds, self._degree, self._lines, self.data.points)
-        return [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
-
-    def _cut_at(self, time: float) -> Iterator[_Block]:
-        """The thirds at the fronts of a time once more, which count."""
-        fronts = [Line(*line) for line in self.data.fronts(time)]
-        return map(self._block, sliced_rules(self._thirds, fronts, self._cut, self._degree))
-
-    @cached_property
-    def _forces(self) -> list[ForceInTime]:
-        """For each block the function t ↦ f_0 at its points, (2, thirds, q)."""
-        return [_force_at(self.data, block.rule.points) for block in self._blocks]
+        blocks = [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
+        return [(block, _force_at(self.data, block.rule.points)) for block in blocks]
 
     def _evaluated(self, time: float) -> Iterator[tuple[_Block, Vectors]]:
         """Yield f_0 on all thirds, then again on those at the fronts of this time, by rules that are cut there."""
-        for block, force in zip(self._blocks, self._forces, strict=True):
+        for block, force in self._blocks:
             yield block, force(time)
-        for block in self._cut_at(time):
-            yield block, block.force(time)
+        fronts = [Line(*line) for line in self.data.fronts(time)]
+        for rule in sliced_rules(self._thirds, fronts, self._cut, self._degree):
+            yield self._block(rule), self.data.body_force(rule.points)(time)
 
     def _loads(self, time: float) -> Loads:
         space = self.space
         force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
         for block, values in self._evaluated(time):
-            force[block.cells] = block.projected(values)
+            force[block.rule.cells] = block.projected(values)
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
         for part in self._parts:
             surface[part.edges] = part.projected(part.load(time))
@@ -150,7 +139,8 @@ class ProjectedLoads:
         lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
         force, squares, moments = np.empty((thirds, lower, 2)), np.empty(thirds), np.empty((thirds, more, 2))
         for block, values in self._evaluated(time):
-            force[block.cells], squares[block.cells], moments[block.cells] = block.split(values)
+            here = block.rule.cells
+            force[here], squares[here], moments[here] = block.split(values)
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
         on_edges = np.zeros(len(surface))
         for loaded in self._parts:
@@ -164,27 +154,17 @@ class ProjectedLoads:
 
 
 class _Block:
-    """Some thirds with one quadrature rule and f_0 at its points.
+    """Some thirds with one quadrature rule.
 
     ``shapes`` are the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q), and ``whole``
     gives those of degree k of their cells, (more, n, q).
     """
 
-    def __init__(self, data: Data, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
-        self.data, self.rule, self._make_whole = data, rule, whole
+    def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
+        self.rule, self._make_whole = rule, whole
         self._shapes = np.ascontiguousarray(np.moveaxis(shapes, 0, 2))
         weighted = self._shapes.swapaxes(1, 2) * rule.weights[:, None]
         self.projection = np.linalg.inv(weighted @ self._shapes) @ weighted
-
-    @property
-    def cells(self) -> Array:
-        """The thirds, (n,)."""
-        return self.rule.cells
-
-    @cached_property
-    def force(self) -> ForceInTime:
-        """t ↦ f_0 at the points, (2, n, q)."""
-        return self.data.body_force(self.rule.points)
 
     @cached_property
     def _whole(self) -> Array:
