@@ -77,7 +77,10 @@ class LeadingTerm:
         return max(map(self, np.linspace(0.0, self.T, INSTANTS + 1).tolist()))
 
     def __call__(self, time: float) -> float:
-        hessian = _hessian(self.fields.strain_gradient(time))
+        strains = self.fields.strain_gradient(time)
+        # ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, (i, j) as a Mandel vector, from ∂_k ε, both (D, d, ...).
+        gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
+        hessian = 2 * mandel(gradient) - strains
         V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))
         for (i, j), square in self.squares.items():
             bend = np.einsum("Ikc,Ic->kc", hessian, square) / 2
@@ -86,9 +89,3 @@ class LeadingTerm:
         edges = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
         density = sum(np.einsum("Ic,Ic->c", mapped(self.A, e), e) for e in edges)
         return float(np.sqrt(self.weights @ density))
-
-
-def _hessian(strains: Array) -> Array:
-    """∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, (i, j) as a Mandel vector, from ∂_k ε, both (D, d, ...)."""
-    gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
-    return 2 * mandel(gradient) - strains

@@ -514,26 +514,21 @@ def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
         )
     length = body.measure ** (1 / body.dim)
     facets = mesh.boundary_facets()
-    _check_vertices(mesh, facets, body, TOLERANCE * length)
+    border = mesh.p[:, np.unique(mesh.facets[:, facets])]
+    for vertex in body.vertices.T:
+        off = np.linalg.norm(border - vertex[:, None], axis=0).min()
+        if off > TOLERANCE * length:
+            mend = "take a level at which it is" + (", or the unstructured family" if body.dim == 2 else "")
+            raise MeshError(
+                f"the boundary condition changes at {vertex.tolist()}, which is not a vertex of the mesh "
+                f"(the nearest is {off:.3g} away); {mend}"
+            )
     found = [_covering(mesh, facets, part, length) for part in body.parts]
     if sum(map(len, found)) != len(facets):
         raise MeshError(f"{len(facets) - sum(map(len, found))} boundary facets lie on no part of the body")
     for interface in body.interfaces:
         _covering(mesh, np.arange(mesh.facets.shape[1]), interface, length)
     return found
-
-
-def _check_vertices(mesh: Mesh, facets: Array, body: Body, tolerance: float) -> None:
-    """MeshError unless every corner of a part is a vertex on the boundary of the mesh."""
-    border = mesh.p[:, np.unique(mesh.facets[:, facets])]
-    mend = "take a level at which it is" + (", or the unstructured family" if body.dim == 2 else "")
-    for vertex in body.vertices.T:
-        distance = np.linalg.norm(border - vertex[:, None], axis=0).min()
-        if distance > tolerance:
-            raise MeshError(
-                f"the boundary condition changes at {vertex.tolist()}, which is not a vertex of the mesh "
-                f"(the nearest is {distance:.3g} away); {mend}"
-            )
 
 
 def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:

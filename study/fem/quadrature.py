@@ -104,33 +104,29 @@ def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], 
     Raises:
         MeshError: rough coordinates are given in 3D.
     """
-    if mesh.dim() == 2:
-        return _segment_rule(mesh, facets, part, rough, points)
-    if rough:
-        raise MeshError(f"facets are cut in 2D only, got the rough coordinates {rough} on a face of a 3D body")
-    barycentric, weights = duffy(points, points)
-    s, _ = part.coordinates(placed(mesh.p, mesh.facets[:, facets], barycentric))
-    shapes = np.repeat(barycentric[:, None], len(facets), axis=1)
-    return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
-
-
-def _segment_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
+    if mesh.dim() == 3:
+        if rough:
+            raise MeshError(f"facets are cut in 2D only, got the rough coordinates {rough} on a face of a 3D body")
+        barycentric, weights = duffy(points, points)
+        s, _ = part.coordinates(placed(mesh.p, mesh.facets[:, facets], barycentric))
+        shapes = np.repeat(barycentric[:, None], len(facets), axis=1)
+        return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
     ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
     low, high = ends.min(axis=0), ends.max(axis=0)
     nodes = np.sort(np.vstack([low, high, *[np.clip(np.full_like(low, c), low, high) for c in rough]]), axis=0)
     xi, w = gauss(points)
-    s, weights = [], []
+    places, of_pieces = [], []
     for left, right in pairwise(nodes):
         graded = [_close(end, rough, high - low)[:, None] for end in (left, right)]
         length = (right - left)[:, None]
         power = np.where(graded[0] | graded[1], GRADING, 1)
         local, jacobian = xi**power, power * xi ** (power - 1.0) * w
         local = np.where(graded[1] & ~graded[0], 1 - local, local)
-        s.append(left[:, None] + length * local)
-        weights.append(length * jacobian)
-    place = np.concatenate(s, axis=1)
+        places.append(left[:, None] + length * local)
+        of_pieces.append(length * jacobian)
+    place = np.concatenate(places, axis=1)
     first = (ends[1][:, None] - place) / (ends[1] - ends[0])[:, None]
-    return FacetRule(facets, place[None], np.stack([first, 1 - first]), np.concatenate(weights, axis=1))
+    return FacetRule(facets, place[None], np.stack([first, 1 - first]), np.concatenate(of_pieces, axis=1))
 
 
 def _close(s: Array, rough: tuple[float, ...], length: Array) -> Array:

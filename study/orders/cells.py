@@ -62,14 +62,9 @@ def to_number(cell: str, decimal_comma: bool = False) -> float | None:
         text = text.replace(",", "")
     if _GROUPED.fullmatch(text):
         text = re.sub(r"[ '’]", "", text)
-    value = _fraction(_TIMES_TEN.sub(r"e\1", text))
-    return None if value is None else scale * value
-
-
-def _fraction(text: str) -> float | None:
-    numerator, slash, denominator = text.partition("/")
+    numerator, slash, denominator = _TIMES_TEN.sub(r"e\1", text).partition("/")
     above, below = _plain(numerator), _plain(denominator) if slash else 1.0
-    return None if above is None or below in (None, 0.0) else above / below  # type: ignore[operator]
+    return scale * above / below if above is not None and below else None
 
 
 def _plain(text: str) -> float | None:

@@ -156,7 +156,13 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
     environment.filters |= {"typeset": typeset, "number": significant}
     claims, rates = read_claims(directory), read_rates(directory)
     smooth = rates[rates["claim"] == "Prop. 5.4"]
-    groups, cases = _ledger_groups(directory, provenance), case_pages(directory, claims, rates)
+    judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
+    # A label that stands for two statements makes two groups.
+    groups = [
+        LedgerGroup(label, says, count_verdicts(rows), judges.get(label, []), rows[LEDGER].to_numpy().tolist())
+        for label, says, rows in by_claim(ledger_table(directory).cells)
+    ]
+    cases = case_pages(directory, claims, rates)
     page = environment.get_template("page.html").render(
         palette=palette,
         letters=LETTERS,
@@ -179,15 +185,6 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         files=_files(directory),
     )
     return write_text(directory / "report.html", page + "\n")
-
-
-def _ledger_groups(directory: Path, provenance: dict[str, Any]) -> list[LedgerGroup]:
-    """Returns the ledger by statement, in its order; a label that stands for two statements makes two groups."""
-    judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
-    return [
-        LedgerGroup(label, says, count_verdicts(rows), judges.get(label, []), rows[LEDGER].to_numpy().tolist())
-        for label, says, rows in by_claim(ledger_table(directory).cells)
-    ]
 
 
 def _files(directory: Path) -> Table:

@@ -185,12 +185,8 @@ def compare_again(
         for file, measured in rows.items():
             table = pd.DataFrame(measured, columns=list(file.columns))
             write_csv(new / "data" / file.name, table)
-            write_csv(old / "data" / file.name, _same_rows(file, directory, table))
+            # The rows on disk with the keys of the measured rows, without derived columns.
+            committed, key = file.read(directory), list(file.key)
+            on_disk, wanted = (pd.MultiIndex.from_frame(rows_of[key].astype(str)) for rows_of in (committed, table))
+            write_csv(old / "data" / file.name, committed.loc[on_disk.isin(wanted), list(file.columns)])
         return compare(old, new, tolerance)
-
-
-def _same_rows(file: CsvFile, directory: Path, measured: pd.DataFrame) -> pd.DataFrame:
-    """Return the rows on disk with the keys of the measured rows, without derived columns."""
-    table = file.read(directory)
-    on_disk, wanted = (pd.MultiIndex.from_frame(rows[list(file.key)].astype(str)) for rows in (table, measured))
-    return table.loc[on_disk.isin(wanted), list(file.columns)]
