@@ -18,6 +18,7 @@ import numpy as np
 import scipy.sparse as sps
 from scipy.spatial import Delaunay
 from skfem import Mesh, MeshTet, MeshTri
+from skfem.mapping import MappingAffine
 
 from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points
@@ -51,6 +52,10 @@ def simplicial_mesh(points: Points, cells: Array) -> Mesh:
     return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))
 
 
+# scikit-fem keeps ``mesh.mapping()`` in the mesh, which refers to it in turn: such meshes would leave memory late. Hence a
+# new mapping for every use.
+
+
 def size(mesh: Mesh) -> float:
     """h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
 
@@ -62,23 +67,23 @@ def size(mesh: Mesh) -> float:
 
 def cell_volumes(mesh: Mesh) -> Array:
     """|T| of every cell, (cells,)."""
-    return np.asarray(abs(mesh.mapping().detA) / factorial(mesh.dim()))
+    return np.asarray(abs(MappingAffine(mesh).detA) / factorial(mesh.dim()))
 
 
 def facet_measures(mesh: Mesh, facets: Array) -> Array:
     """Lengths or areas of the facets with the given indices, (n,)."""
-    return np.asarray(mesh.mapping().detB[facets] / factorial(mesh.dim() - 1))
+    return np.asarray(MappingAffine(mesh).detB[facets] / factorial(mesh.dim() - 1))
 
 
 def barycentric_gradients(mesh: Mesh) -> Array:
     """∇λ_i on every cell, (cells, d+1, d)."""
-    inner = mesh.mapping().invA
+    inner = MappingAffine(mesh).invA
     return np.ascontiguousarray(np.moveaxis(np.concatenate([-inner.sum(axis=0, keepdims=True), inner]), 2, 0))
 
 
 def barycentric(mesh: Mesh, cells: Array, points: Points) -> Array:
     """λ_i of some cells (n,) at points of them (d, n, q), (d+1, n, q): the P1 functions of their vertices."""
-    inner = mesh.mapping().invF(points, tind=cells)
+    inner = MappingAffine(mesh, tind=cells).invF(points)
     return np.concatenate([1 - inner.sum(axis=0, keepdims=True), inner])
 
 
