@@ -52,8 +52,8 @@ def simplicial_mesh(points: Points, cells: Array) -> Mesh:
     return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))
 
 
-# scikit-fem keeps ``mesh.mapping()`` in the mesh, which refers to it in turn: such meshes would leave memory late. Hence a
-# new mapping for every use.
+# scikit-fem keeps ``mesh.mapping()`` in the mesh, and the mapping refers to the mesh: such meshes would leave memory late.
+# Hence a new mapping for every use.
 
 
 def size(mesh: Mesh) -> float:
