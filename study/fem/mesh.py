@@ -52,8 +52,8 @@ def simplicial_mesh(points: Points, cells: Array) -> Mesh:
     return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))
 
 
-# scikit-fem keeps ``mesh.mapping()`` in the mesh, and the mapping refers to the mesh: such meshes would leave memory late.
-# Hence a new mapping for every use.
+# scikit-fem keeps ``mesh.mapping()`` in the mesh, and the mapping refers to the mesh: such meshes leave memory late. So
+# there is a new mapping for every use.
 
 
 def size(mesh: Mesh) -> float:
