@@ -29,7 +29,7 @@ from manufactured.symbols import pos, t
 from manufactured.tensors import Array
 from study.bound.problem import BoundError
 from study.certify import checker
-from study.fem.mesh.geometry import determinants, simplicial_mesh, size
+from study.fem.mesh import determinants, simplicial_mesh, size
 
 SIMPLE = 10**6
 """The largest denominator of a fraction for which a double stands."""

@@ -19,12 +19,10 @@ from study.ledger.text import folded
 from study.ledger.verdict import Verdict
 from study.present.expected import expected_texts
 from study.present.outcome import ledger_text, write_junit
-from study.run.again import compare_again, draw_jobs, expected_seconds, planned_jobs
-from study.run.check import verify
+from study.run.check import compare_again, draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.executor import Pool, Processes
-from study.run.judgement import claims, claims_file, verdicts
+from study.run.judgement import claims, claims_file, data_files, verdicts
 from study.run.provenance import compare_sums
-from study.run.results import data_files
 from study.run.store import Store
 
 SEED_BITS = 62

@@ -16,8 +16,7 @@ from study.orders import OrderError, observed_orders
 from study.orders.columns import Options, Series, read_series
 from study.orders.reading import MAX_BYTES
 from study.orders.report import Judged, as_json, as_junit, as_markdown, as_text, exit_code, plot
-from study.orders.sequences import OrderResult
-from study.orders.values import grid_convergence
+from study.orders.sequences import OrderResult, grid_convergence
 
 
 def do_rates(options: argparse.Namespace) -> int:

@@ -17,12 +17,10 @@ from study.ledger.text import folded
 from study.present.figures import drawings, overview
 from study.present.outcome import ledger_text, rates_text
 from study.present.tables import write_tables
-from study.run.cluster import connected
-from study.run.executor import Pool, Processes, execute, refuse_too_large, unfinished
-from study.run.judgement import judge
+from study.run.executor import Pool, Processes, connected, execute, refuse_too_large, unfinished
+from study.run.judgement import collect, judge
 from study.run.plan import Plan, full, quick
 from study.run.provenance import read_provenance, refuse_to_replace
-from study.run.results import collect
 from study.run.store import Store
 from study.solve.tableau import SCHEMES
 from study.statements.own_cases import TRY, enough, finer, least_levels

@@ -22,9 +22,8 @@ from study.fem.naming import family_named
 from study.ledger.files import UsageError
 from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED, Verdict
 from study.run.executor import Pool, Processes, execute
-from study.run.judgement import judge
+from study.run.judgement import collect, judge
 from study.run.plan import Plan
-from study.run.results import collect
 from study.run.store import Store
 
 BITS = 62

@@ -18,9 +18,8 @@ import pandas as pd
 from study.controls.record import RowKey, fingerprint
 from study.ledger.datafiles import CsvFile, read_csv
 from study.ledger.verdict import UNCLAIMED, Verdict
-from study.run.judgement import PREDICTED, judge_statement, predicted
+from study.run.judgement import PREDICTED, data_files, judge_statement, predicted
 from study.run.plan import Plan
-from study.run.results import data_files
 from study.statements import STATEMENTS
 from study.statements.shared.base import LISTED, Statement
 

@@ -181,7 +181,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("rough, blind: parallelogram", "nothing in place of what the parallelogram law misses", ROUGH, f"{MEASURE}.parallelogram", wrong.returns(0.0), "parallelogram"),
     Control("solid: contact dropped", "V^h in place of K^h", SOLID, "problem", wrong.no_contact, "order-finest"),
     Control("solid: energy for norm", "½‖·‖_V² in place of ‖·‖_V", SOLID, DISTANCE, wrong.energy, "interpolation-order-finest"),
-    Control("not graded", "meshes that are no finer at a corner", CORNERED, "fem.mesh.unstructured:Graded.__call__", wrong.ungraded, "order-graded"),
+    Control("not graded", "meshes that are no finer at a corner", CORNERED, "fem.mesh:Graded.__call__", wrong.ungraded, "order-graded"),
     # The contact force, which an error in V hardly sees.
     Control("contact load", "1.2 ∫ σ_ν v_ν in (3.7)", PRESSED, "", wrong.contact_work_times(1.2), "resultant"),
     Control("contact in places", "v_ν ≤ 0 at every other vertex", PRESSED, SOLVER, wrong.in_places, "penetration"),

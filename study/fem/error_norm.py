@@ -19,7 +19,7 @@ import numpy as np
 from skfem import Mesh
 
 from manufactured.contact import ContactFace
-from manufactured.exact import ExactSolution, Face
+from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Tensors, dyad, mapped
 from study.fem.moments import Amplitudes, QuadraturePoints, StrainEnergy, StressSums, amplitudes_of
 from study.fem.quadrature import CellRule, Line, cell_rules, facet_rule
@@ -63,7 +63,7 @@ class ErrorNorm:
 
     Args:
         raised: added to the degree of the cell rules and to the points of the facet rules.
-        along: lines from which many quadrature points have the same distance (``study.fem.quadrature.cells``), which
+        along: lines from which many quadrature points have the same distance (``study.fem.quadrature``), which
             makes formulas cheap and rules exact to a lower degree; by default ``shared_lines``, () for the plain rules.
     """
 
@@ -75,7 +75,10 @@ class ErrorNorm:
         self.degree = degree + raised
         lines = shared_lines(solution) if along is None else along
         cells = QuadraturePoints.on_cells(rules(solution, space.mesh, self.degree, lines))
-        faces = [self._on(face, count + raised) for face in solution.faces]
+        faces = []
+        for face in solution.faces:
+            rule = facet_rule(space.mesh, space.facets(face.part), face.part, face.rough, count + raised)
+            faces.append(QuadraturePoints.on_facets(rule, face.part, space.mesh))
         # Points in cells and on facets together, so that formulas are evaluated once for both.
         points = [cells, *(found for found, _ in faces)]
         modes = solution.at(np.concatenate([found.x for found in points], axis=1)).modes()
@@ -88,11 +91,6 @@ class ErrorNorm:
         self._normal = space.normal_components(on)
         self._energy = StrainEnergy(split[0], cells.weights * self.A.factor(cells.x), self.A.matrix)
         self._nodes = solution.at(space.mesh.p)
-
-    def _on(self, face: Face, points: int) -> tuple[QuadraturePoints, Array]:
-        """The points on the facets of a contact face, summed for each of their vertices."""
-        rule = facet_rule(self.space.mesh, self.space.facets(face.part), face.part, face.rough, points)
-        return QuadraturePoints.on_facets(rule, face.part, self.space.mesh)
 
     def means(self, time: float) -> Tensors:
         """Return the cell means of ε(u(t)), (D, cells)."""

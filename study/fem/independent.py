@@ -8,14 +8,13 @@ from __future__ import annotations
 from itertools import combinations
 
 import numpy as np
-from skfem import Mesh
 
 from manufactured.body import Kind
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, full, mandel, mapped
 from study.fem.error_norm import FACET_POINTS, rules
-from study.fem.mesh import barycentric_gradients
-from study.fem.quadrature import CellRule, facet_rule
+from study.fem.mesh import barycentric, barycentric_gradients
+from study.fem.quadrature import facet_rule
 from study.fem.space import Space
 
 INSTANTS = 32
@@ -33,11 +32,11 @@ def load_from_forces(solution: ExactSolution, space: Space, time: float, degree:
 
 def work_of_body_force(solution: ExactSolution, space: Space, time: float, degree: int) -> Array:
     """(f_0, v)_H with f_0 = −Div σ, (n_dofs,)."""
-    mesh, gradients = space.mesh, barycentric_gradients(space.mesh)
+    mesh = space.mesh
     nodal = np.zeros_like(mesh.p)
     for rule in rules(solution, mesh, degree):
         force = solution.at(rule.points).body_force(time) * rule.weights
-        values = np.einsum("dnq,inq->din", force, shapes(mesh, gradients, rule))
+        values = np.einsum("dnq,inq->din", force, barycentric(mesh, rule.cells, rule.points))
         nodal += space.scatter(mesh.t[:, rule.cells], values)
     return space.interpolate(nodal)
 
@@ -51,15 +50,6 @@ def work_on(kind: Kind, solution: ExactSolution, space: Space, time: float) -> A
         load = solution.at(part.point(edge.s)).surface_load(part, time) * edge.weights
         nodal += space.scatter(mesh.facets[:, edge.facets], np.einsum("dnq,anq->dan", load, edge.shapes))
     return space.interpolate(nodal)
-
-
-def shapes(mesh: Mesh, gradients: Array, rule: CellRule) -> Array:
-    """Values of the P1 functions of a cell's vertices, from their gradients, at the points of a rule, (d+1, n, q)."""
-    corners = mesh.p[:, mesh.t[:, rule.cells]]
-    offset = rule.points - corners[:, :1].swapaxes(1, 2)
-    values: Array = np.einsum("nid,dnq->inq", gradients[rule.cells], offset)
-    values[0] += 1
-    return values
 
 
 class LeadingTerm:
@@ -87,7 +77,10 @@ class LeadingTerm:
         return max(map(self, np.linspace(0.0, self.T, INSTANTS + 1).tolist()))
 
     def __call__(self, time: float) -> float:
-        hessian = _hessian(self.fields.strain_gradient(time))
+        strains = self.fields.strain_gradient(time)
+        # ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, (i, j) as a Mandel vector, from ∂_k ε, both (D, d, ...).
+        gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
+        hessian = 2 * mandel(gradient) - strains
         V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))
         for (i, j), square in self.squares.items():
             bend = np.einsum("Ikc,Ic->kc", hessian, square) / 2
@@ -96,9 +89,3 @@ class LeadingTerm:
         edges = [mandel(gradient) for gradient in (*V, V.sum(axis=0))]
         density = sum(np.einsum("Ic,Ic->c", mapped(self.A, e), e) for e in edges)
         return float(np.sqrt(self.weights @ density))
-
-
-def _hessian(strains: Array) -> Array:
-    """∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, (i, j) as a Mandel vector, from ∂_k ε, both (D, d, ...)."""
-    gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
-    return 2 * mandel(gradient) - strains

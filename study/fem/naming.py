@@ -74,7 +74,9 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     NAME is a ``manufactured.Data``, a Case, or a function making one; names are those of the catalogue and of
     ``manufactured.problems``.
     """
-    found = _from_file(reference) if _is_file(reference) else _case(reference) or _open_problem(reference)
+    found = _from_file(reference) if _is_file(reference) else _case(reference)
+    if found is None:
+        found = next((problem for problem in problems() if problem.name == reference), None)
     if found is None:
         raise unknown("problem", reference, [*_case_names(), *(problem.name for problem in problems())])
     if isinstance(found, Case):
@@ -83,15 +85,10 @@ def resolve_data(reference: str) -> tuple[str, Data, Case | None]:
     if not isinstance(data, Data):
         raise UsageError(f"{reference} is a {type(found).__name__}, expected manufactured.Data or a manufactured.Case")
     name = found.name if isinstance(found, OpenProblem) else reference.rpartition(":")[2]
-    require_file_name("problem", name)
-    return name, data, None
-
-
-def require_file_name(kind: str, name: str) -> None:
-    """Raise UsageError for a name that cannot be part of the name of a file or directory."""
     if fault := file_name_fault(name):
         shown = name if len(name) <= LONGEST_SHOWN else name[:LONGEST_SHOWN] + "…"
-        raise UsageError(f"the {kind} {shown!r} cannot be part of a file name, as {fault}: give it another name")
+        raise UsageError(f"the problem {shown!r} cannot be part of a file name, as {fault}: give it another name")
+    return name, data, None
 
 
 def _case(name: str) -> Case | None:
@@ -111,11 +108,6 @@ def _outside_the_catalogue(name: str) -> tuple[Case, ...]:
 def _case_names() -> list[str]:
     """Return the names of all cases, without rollers, of which there is one for every level."""
     return [*NAMES, *(case.name for case in _outside_the_catalogue(""))]
-
-
-def _open_problem(name: str) -> OpenProblem | None:
-    """Return the problem without a known solution with this name; None if there is none."""
-    return next((problem for problem in problems() if problem.name == name), None)
 
 
 def name_of(reference: str) -> str:

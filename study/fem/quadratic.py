@@ -15,7 +15,7 @@ import scipy.sparse as sps
 
 from manufactured.body import Part
 from manufactured.tensors import Array, Points, Tensors, basis, mandel
-from study.fem.mesh import barycentric_gradients
+from study.fem.mesh import barycentric, barycentric_gradients
 from study.fem.quadrature import simplex_rule
 from study.fem.space import Displacements
 
@@ -82,13 +82,10 @@ class Quadratic(Displacements):
 
     def strain_at(self, v: Array, cells: Array, points: Points) -> Tensors:
         """ε(v) at points of some cells, (2, n, q) → (3, n, q)."""
-        slopes = barycentric_gradients(self.mesh)[cells]
-        corner = self.mesh.p[:, self.mesh.t[0, cells]]
-        barycentric = np.einsum("nid,dnq->inq", slopes, points - corner[..., None])
-        barycentric[0] += 1
+        slopes, at = barycentric_gradients(self.mesh)[cells], barycentric(self.mesh, cells, points)
         local = self.coefficients(v)[self.numbers[:, cells]]
-        gradient = np.einsum("inj,nik,inq->jknq", 2 * local[:3], slopes, barycentric, optimize=True)
+        gradient = np.einsum("inj,nik,inq->jknq", 2 * local[:3], slopes, at, optimize=True)
         for edge, (a, b) in enumerate(EDGES, start=3):
             for first, second in ((a, b), (b, a)):
-                gradient += np.einsum("nj,nk,nq->jknq", 2 * local[edge], slopes[:, first], barycentric[second])
+                gradient += np.einsum("nj,nk,nq->jknq", 2 * local[edge], slopes[:, first], at[second])
         return mandel(gradient)

@@ -7,7 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from manufactured.tensors import Array
-from study.fem.quadrature.rules import gauss
+from study.fem.quadrature import gauss
 
 PANELS, POINTS = 64, 3
 """Equal panels of (0, 1), and Gauss points in each; one more for the second variable, so that none coincide."""

@@ -7,8 +7,7 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from .errors import OrderError
-from .sequences import TOLERANCE, OrderResult, observed_orders
+from .sequences import TOLERANCE, OrderError, OrderResult, observed_orders
 
 __all__ = ["OrderError", "OrderResult", "assert_order", "check_orders", "observed_orders"]
 Wish = float | Mapping[str, float] | None

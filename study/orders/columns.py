@@ -10,11 +10,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from .errors import OrderError
-from .names import SIZES, role
-from .numbers import ALONG_SIDES, to_number
+from .cells import ALONG_SIDES, SIZES, role, to_number
 from .reading import RawTable, read_tables
-from .sequences import SAME_SIZE, consecutive_orders
+from .sequences import SAME_SIZE, OrderError, consecutive_orders
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,8 @@ import re
 from collections import Counter
 from dataclasses import dataclass, replace
 
-from .errors import OrderError
-from .names import SIZES, role
-from .numbers import UNIT, to_number, uses_decimal_commas
+from .cells import SIZES, UNIT, role, to_number, uses_decimal_commas
+from .sequences import OrderError
 
 MAX_BYTES = 8_000_000
 MAX_ROWS = 100_000

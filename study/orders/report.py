@@ -14,8 +14,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from .columns import Series
-from .errors import OrderError
-from .sequences import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderResult
+from .sequences import FAILS, HIGHER, SKIPPED, UNDECIDED, OrderError, OrderResult
 
 MOST_ROWS, MOST_COLUMNS = 24, 20
 Judged = list[tuple[Series, list[OrderResult]]]

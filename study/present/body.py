@@ -41,11 +41,6 @@ MOST_ARROWS = 16
 GAP: dict[str, Any] = {"facecolor": (BLUE, 0.3), "edgecolor": BLUE, "linewidth": 0.5}
 
 
-def colour_limit(stresses: Array) -> float:
-    """Returns the stress above which all stresses have the last colour."""
-    return float(np.quantile(stresses, BRIGHTEST)) or float(np.max(stresses)) or 1.0
-
-
 def shade(shares: Array) -> Array:
     """Returns the place of stresses in their colours, from their fractions of the limit.
 
@@ -149,6 +144,7 @@ class BodyScale:
         drawn = view.flat(np.hstack(points))
         margin = 0.02 * picture.size * np.array([-1, 1])
         at, faces = picture.instants, picture.faces
+        stresses = np.array([shape.von_mises for shape in picture.shapes])
         return cls(
             view=view,
             size=picture.size,
@@ -156,7 +152,7 @@ class BodyScale:
             limits=np.column_stack([drawn.min(axis=1), drawn.max(axis=1)]) + margin,
             pressure=max((float(face.pressure[at].max()) for face in faces), default=0.0),
             gap=max((float(face.gap[at].max()) for face in faces), default=0.0),
-            stress=colour_limit(np.array([shape.von_mises for shape in picture.shapes])),
+            stress=float(np.quantile(stresses, BRIGHTEST)) or float(np.max(stresses)) or 1.0,
         )
 
     @property

@@ -179,7 +179,7 @@ class Picture:
             vertices=np.array(record["vertices"], dtype=float),
             cells=cells,
             shapes=[Shape(float(times[n]), displacement[n], von_mises[n]) for n in shown],
-            faces=[_segment(face) if plane else _polygon(face, cells) for face in record["faces"]],
+            faces=[_face(face, cells, plane) for face in record["faces"]],
             energy=Energy(**{field.name: read_values(record["energy"][field.name]) for field in fields(Energy)}),
         )
 
@@ -241,27 +241,22 @@ def read_values(entry: Any) -> Array:
     return Packed.read(entry).values if isinstance(entry, Mapping) else np.array(entry, dtype=float)
 
 
-def _common(record: Mapping[str, Any]) -> dict[str, Any]:
-    """Returns the attributes of ``FaceHistory`` from one entry of ``faces``."""
+def _face(record: Mapping[str, Any], cells: NDArray[np.int64], plane: bool) -> FaceHistory:
+    """Returns a face from one entry of ``faces``."""
     names = [field.name for field in fields(FaceHistory) if field.name != "number"]
-    return {"number": int(record["face"])} | {name: read_values(record[name]) for name in names}
-
-
-def _segment(record: Mapping[str, Any]) -> Segment:
+    common: dict[str, Any] = {"number": int(record["face"])} | {name: read_values(record[name]) for name in names}
+    if not plane:
+        nodes, level = np.array(record["nodes"], dtype=np.int64), read_values(record["level_exact"])
+        return Polygon(**common, facets=Facets.between(nodes, cells), nodes=nodes, level=level)
     zone, line = record["zone_exact"], record["line"]
     return Segment(
-        **_common(record),
+        **common,
         zone_times=np.array(zone["times"], dtype=float),
         zone=[[(float(a), float(b)) for a, b in intervals] for intervals in zone["intervals"]],
         line=np.array(line["s"], dtype=float),
         line_gap=Packed.read(line["gap"]).values,
         line_pressure=Packed.read(line["pressure"]).values,
     )
-
-
-def _polygon(record: Mapping[str, Any], cells: NDArray[np.int64]) -> Polygon:
-    nodes, level = np.array(record["nodes"], dtype=np.int64), read_values(record["level_exact"])
-    return Polygon(**_common(record), facets=Facets.between(nodes, cells), nodes=nodes, level=level)
 
 
 def read_pictures(directory: Path) -> list[Picture]:

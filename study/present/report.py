@@ -13,7 +13,6 @@ import numpy as np
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
-from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, by_claim, count_verdicts, made_by, read_claims, read_csv, read_rates
 from study.ledger.files import write_text
@@ -158,7 +157,13 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
     environment.filters |= {"typeset": typeset, "number": significant}
     claims, rates = read_claims(directory), read_rates(directory)
     smooth = rates[rates["claim"] == "Prop. 5.4"]
-    groups, cases = _ledger_groups(directory, provenance), case_pages(directory, claims, rates)
+    judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
+    # A label that stands for two statements makes two groups.
+    groups = [
+        LedgerGroup(label, says, count_verdicts(rows), judges.get(label, []), rows[LEDGER].to_numpy().tolist())
+        for label, says, rows in by_claim(ledger_table(directory).cells)
+    ]
+    cases = case_pages(directory, claims, rates)
     page = environment.get_template("page.html").render(
         palette=palette,
         letters=LETTERS,
@@ -181,15 +186,6 @@ def write_report(directory: Path, provenance: dict[str, Any]) -> Path:
         files=_files(directory),
     )
     return write_text(directory / "report.html", page + "\n")
-
-
-def _ledger_groups(directory: Path, provenance: dict[str, Any]) -> list[LedgerGroup]:
-    """Returns the ledger by statement, in its order; a label that stands for two statements makes two groups."""
-    judges = {label: list(statement["code"]) for label, statement in provenance.get("statements", {}).items()}
-    return [
-        LedgerGroup(label, says, count_verdicts(rows), judges.get(label, []), rows[LEDGER].to_numpy().tolist())
-        for label, says, rows in by_claim(ledger_table(directory).cells)
-    ]
 
 
 def _files(directory: Path) -> Table:
@@ -275,13 +271,14 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
             "version wrote it, make it anew with the same `study run`"
         ) from error
     scale = BodyScale.of(picture)
+    shades = np.round(255 * shade(von_mises.values / scale.stress)).astype(np.uint8)
     return {
         "times": picture.times.tolist(),
         "vertices": picture.vertices.tolist(),
         "cells": picture.cells.T.ravel().tolist(),
         "unit": displacement.unit,
-        "displacement": _base64(displacement.multiples.astype("<i2")),
-        "shades": _base64(np.round(255 * shade(von_mises.values / scale.stress)).astype(np.uint8)),
+        "displacement": b64encode(displacement.multiples.astype("<i2").tobytes()).decode("ascii"),
+        "shades": b64encode(shades.tobytes()).decode("ascii"),
         "brightest": scale.stress,
         "magnification": scale.magnification,
         "size": scale.size,
@@ -293,10 +290,6 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
         "view": scale.view.axes.tolist(),
         "faces": list(map(_face, picture.faces)),
     }
-
-
-def _base64(values: NDArray[Any]) -> str:
-    return b64encode(values.tobytes()).decode("ascii")
 
 
 def _face(face: FaceHistory) -> dict[str, Any]:

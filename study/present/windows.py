@@ -91,14 +91,11 @@ def _differences(rows: pd.DataFrame) -> Iterator[tuple[str, str, str, str, str]]
         then = Window(row["then_low"], row["then_high"])
         now = Window(row["window_low"], row["window_high"])
         gone = pd.isna(row["verdict"])
-        if not gone and row["verdict"] not in UNCLAIMED and _same(then, now):
+        same = np.allclose([then.low, then.high], [now.low, now.high], rtol=1e-9, atol=0, equal_nan=True)
+        if not gone and row["verdict"] not in UNCLAIMED and same:
             continue
         today = "no longer there" if gone else "no claim" if row["verdict"] in UNCLAIMED else now.text
         yield row["label"], row["key"], then.text, today, _why(row, then, None if gone else now)
-
-
-def _same(one: Window, other: Window) -> bool:
-    return bool(np.allclose([one.low, one.high], [other.low, other.high], rtol=1e-9, atol=0, equal_nan=True))
 
 
 def _why(row: dict[str, object], then: Window, now: Window | None) -> str:

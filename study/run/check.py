@@ -1,25 +1,32 @@
-"""Compare the data of a run with what can be derived again: recomputes no solution and trusts no derived column.
+"""``study check``: compare the data of a run with what can be derived or measured again.
 
-Compared are the recorded plan with the plan that its scope gives now, the rows with the plan, ``cases.csv`` with the
-catalogue, and columns with each other (``relations``).
+Without a new measurement: the recorded plan is compared with the plan that its scope gives now, the rows with the plan,
+``cases.csv`` with the catalogue, and columns with each other (``relations``); no derived column is trusted. With
+``--again N`` a random sample of the rows is measured again.
 """
 
 from __future__ import annotations
 
+import tempfile
 from collections import Counter
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from study.ledger.codes import Codes
-from study.ledger.compare import difference
-from study.ledger.datafiles import CsvFile, DataError, line, made_by, read_csv, table_text
-from study.run.judgement import PREDICTED
+from study.ledger.compare import Comparison, Tolerance, compare, difference
+from study.ledger.datafiles import CsvFile, DataError, Row, line, made_by, read_csv, table_text, write_csv
+from study.ledger.files import UsageError
+from study.run.executor import Pool, execute
+from study.run.judgement import PREDICTED, read_tables
+from study.run.plan import Job
 from study.run.provenance import Expectation, read_provenance
 from study.run.relations import CODE_RELATIONS, FOLDERS, RELATIONS
-from study.run.results import read_tables
+from study.run.store import Store
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 
 SHOWN = 3
@@ -60,7 +67,11 @@ def verify(directory: Path) -> Verified:
     tables = read_tables(directory)
     for file, table in tables.items():
         _refuse_unplanned(directory, file, table, planned, again)
-    _compare_cases(directory, expectation, again)
+    # Predictions: of the catalogue, of the file of a case, or of the record of the run if that file is gone.
+    path = directory / "data" / "cases.csv"
+    read_csv(directory, path.name, PREDICTED)
+    if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
+        raise DataError(f"{found}: the catalogue, or the file of the case, predicts the latter; {again}")
     broken = [[*map(str, relation(tables, expectation))] for relation in RELATIONS]
     of_codes = [(codes, folder) for folder in FOLDERS if (codes := Codes.read(directory, folder))]
     broken += [[*map(str, relation(*data))] for data in of_codes for relation in CODE_RELATIONS]
@@ -102,9 +113,80 @@ def _refuse_unplanned(
             )
 
 
-def _compare_cases(directory: Path, expectation: Expectation, again: str) -> None:
-    """Compare the predictions with the catalogue, the file of a case, or the record of the run if that file is gone."""
-    path = directory / "data" / "cases.csv"
-    read_csv(directory, path.name, PREDICTED)
-    if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
-        raise DataError(f"{found}: the catalogue, or the file of the case, predicts the latter; {again}")
+# Measured again.
+
+LEAST_COST = 0.3e6
+"""Cost in µs that a cheaper measurement counts with: no measurement takes less, and without this the cheapest few
+measurements would be drawn again and again."""
+
+
+def planned_jobs(directory: Path) -> tuple[Job, ...]:
+    """Returns every measurement that gives rows to the tables in a directory.
+
+    Pictures are left out: on unstructured meshes of bodies with symmetries the cells are numbered otherwise on another
+    processor.
+
+    Raises:
+        UsageError: there are no data, or the file of a user's own case is gone.
+    """
+    expectation = Expectation.of(read_provenance(directory), directory)
+    if expectation.plan is None:
+        gone = ", ".join(sorted(expectation.gone))
+        raise UsageError(f"--again needs the files of all cases, and those of {gone} are gone; put them back")
+    return tuple(job for job in expectation.plan.jobs if isinstance(job.statement.file, CsvFile))
+
+
+def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
+    """Returns a random sample of measurements without repetition; the same seed gives the same sample.
+
+    A measurement is drawn with probability proportional to 1 / cost. The expected time of one draw is then the harmonic
+    mean of all costs, about 0.4 s for the full study, however long the most expensive measurement takes.
+
+    Args:
+        jobs: all measurements of the plan.
+        count: size of the sample; all measurements if there are fewer.
+        seed: seed of the random generator, 0 or more.
+    """
+    weights = 1 / np.maximum([job.cost for job in jobs], LEAST_COST)
+    size = min(count, len(jobs))
+    drawn = np.random.default_rng(seed).choice(len(jobs), size, replace=False, p=weights / weights.sum())
+    return [jobs[i] for i in drawn]
+
+
+def expected_seconds(jobs: Sequence[Job]) -> float:
+    """Returns the expected computing time of some measurements in seconds."""
+    return float(np.maximum([job.cost for job in jobs], LEAST_COST).sum()) / 1e6
+
+
+def compare_again(
+    directory: Path, jobs: Sequence[Job], pool: Pool, tolerance: Tolerance, notify: Callable[[float], None]
+) -> Comparison:
+    """Measures again and compares the measured columns with the rows on disk; derived columns are not compared.
+
+    Returns:
+        The differences; ``old`` are the rows in ``directory``, ``new`` the rows measured now.
+
+    Raises:
+        UsageError: a measurement needs more memory than there is.
+        JobsError: a measurement failed.
+        DataError: a data file is missing or damaged.
+    """
+    with tempfile.TemporaryDirectory() as temporary:
+        old, new = Path(temporary) / "old", Path(temporary) / "new"
+        store = Store(new)
+        execute(jobs, store, pool, notify)
+        rows: dict[CsvFile, list[Row]] = {}
+        for job in jobs:
+            result = store.load(job.key, job.fingerprint())
+            assert result is not None, job.key
+            for file, row in job.records(result):
+                assert isinstance(file, CsvFile), file.name
+                rows.setdefault(file, []).append(row)
+        for file, measured in rows.items():
+            table = pd.DataFrame(measured, columns=list(file.columns))
+            write_csv(new / "data" / file.name, table)
+            # The rows on disk with the keys of the measured rows, without derived columns.
+            committed, key = file.read(directory), list(file.key)
+            on_disk, wanted = (pd.MultiIndex.from_frame(rows_of[key].astype(str)) for rows_of in (committed, table))
+            write_csv(old / "data" / file.name, committed.loc[on_disk.isin(wanted), list(file.columns)])
+        return compare(old, new, tolerance)

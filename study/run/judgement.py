@@ -1,7 +1,11 @@
-"""The verdicts of a finished run, from its data files alone: the ledger ``claims.csv``."""
+"""The data files of a finished run: written from the results of its jobs, read with a check of every cell, and judged.
+
+The verdicts of the ledger, ``claims.csv``, follow from the other data files alone.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
@@ -9,10 +13,24 @@ from pathlib import Path
 import pandas as pd
 
 from manufactured.catalogue import catalogue
-from study.ledger.datafiles import CsvFile, DataError, made_by, read_csv, write_csv
+from study.ledger.datafiles import (
+    TEXT,
+    CsvFile,
+    DataError,
+    DataFile,
+    Row,
+    made_by,
+    read_csv,
+    refuse_repeated,
+    refuse_words,
+    write_csv,
+)
+from study.ledger.files import write_text
 from study.ledger.verdict import Verdict
-from study.run.provenance import Complete, read_provenance
-from study.run.results import data_files, read_tables
+from study.run.case_line import describe
+from study.run.plan import Plan
+from study.run.provenance import SUMS, Complete, provenance, read_provenance, sums_of
+from study.run.store import Store
 from study.statements import STATEMENTS
 from study.statements.enclosure import BOUNDS, ENCLOSURES
 from study.statements.own_cases import judge_own
@@ -20,10 +38,57 @@ from study.statements.prop_5_4 import RATES
 from study.statements.shared.base import LISTED, REPORTED, Statement
 from study.statements.unmeasured import Listed
 
+WITHIN = {LISTED.name: ["quantity"], ENCLOSURES.name: ["time"]}
+"""The columns that tell the rows of one measurement apart."""
+MAY_BE_EMPTY = {
+    BOUNDS.name: ["expected_order", "error", "above", "below", "upper", "lower"],
+    ENCLOSURES.name: ["error"],
+}
+"""Columns of numbers that are empty where the exact solution is unknown."""
 EVERY_CASE = {statement.file.name for statement in STATEMENTS if statement.of_every_case}
 """The files with measurements of every case of a run."""
 PREDICTED = ["case", "expected_order", "proved_order", "twin"]
 """Columns of ``cases.csv`` that are fixed before anything is measured."""
+
+
+def data_files() -> list[DataFile]:
+    """Return all files that measurements are written to."""
+    return list(dict.fromkeys([*(statement.file for statement in STATEMENTS), ENCLOSURES]))
+
+
+def collect(plan: Plan, store: Store) -> None:
+    """Write the data files of a plan, and its provenance, from the stored results of its jobs."""
+    rows: dict[DataFile, list[Row]] = {file: [] for file in data_files()}
+    written: list[Path] = []
+    for job in plan.jobs:
+        result = store.load(job.key, job.fingerprint())
+        assert result is not None, job.key
+        for file, row in job.records(result):
+            rows[file].append(row)
+    for file, rows_of_file in rows.items():
+        written += file.write(store.data, rows_of_file)
+    write_csv(store.data / "cases.csv", pd.DataFrame([describe(case) for case in plan.scope.resolved()]))
+    content = {**provenance(plan, store.directory), SUMS: sums_of(store.data, written)}
+    write_text(store.data / "provenance.json", json.dumps(content, separators=(",", ":")) + "\n")
+
+
+def read_tables(directory: Path) -> dict[CsvFile, pd.DataFrame]:
+    """Return all tables of measurements of a run.
+
+    Raises:
+        DataError: a table is missing or damaged, has no number where one belongs, or a row twice; names file and line.
+    """
+    tables, remedy = {}, f"make it again with `{made_by(directory)}`"
+    for file in (file for file in data_files() if isinstance(file, CsvFile)):
+        table, path = file.read(directory), directory / "data" / file.name
+        may_be_empty = MAY_BE_EMPTY.get(file.name, [])
+        numbers = [name for name in file.columns if name not in TEXT]
+        refuse_words(path, table, [name for name in numbers if name not in may_be_empty], remedy)
+        derived = [name for name in table if name not in TEXT and name not in numbers]
+        refuse_words(path, table, [*may_be_empty, *derived], remedy, empty=True)
+        refuse_repeated(path, table, [*file.key, *WITHIN.get(file.name, [])], remedy)
+        tables[file] = table
+    return tables
 
 
 def judge(directory: Path) -> list[Verdict]:
@@ -56,7 +121,9 @@ def verdicts(directory: Path) -> list[Verdict]:
     _refuse_gaps(directory, tables, cases)
     measured = set().union(*(file.keys(table) for file, table in tables.items()))
     judged = {file: predicted(table, cases) for file, table in tables.items()}
-    judged |= {file: file.read(directory) for file in external_files()}
+    # Files that statements are compared with and that no run writes.
+    external = {statement.joined_file for statement in STATEMENTS if statement.joined_file} - set(tables)
+    judged |= {file: file.read(directory) for file in external}
     rows = [Complete().judge(planned, measured)]
     for statement in STATEMENTS:
         if isinstance(statement.file, CsvFile):
@@ -78,11 +145,6 @@ def joined(statement: Statement, tables: Mapping[CsvFile, pd.DataFrame]) -> pd.D
         return mine
     other = tables[statement.joined_file].set_index(key).add_suffix(REPORTED).reset_index()
     return mine.merge(other, on=key, how="left")
-
-
-def external_files() -> set[CsvFile]:
-    """Return the files that statements are compared with and that no run writes."""
-    return {statement.joined_file for statement in STATEMENTS if statement.joined_file} - set(data_files())
 
 
 def with_reasons(verdicts: Sequence[Verdict], rates: pd.DataFrame) -> list[Verdict]:

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from manufactured.case import Case
-from study.fem.cell_count import size_of
+from study.fem.mesh import size_of
 from study.fem.naming import family_named
 from study.ledger.codes import FOLDER, MARCHES, MESH, NOT_EXPRESSED, Codes
 from study.ledger.datafiles import CsvFile, in_series, line, since_before
@@ -261,8 +261,11 @@ CODE_ORDERS = {"order_in_v": "error", "order_of_distance": "distance", "order_of
 
 def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
     """Orders are observed on the two finest meshes."""
-    by_series = codes.errors.sort_values("level").groupby("series", sort=False)
-    finest = {number: _finest_orders(rows) for number, rows in by_series}
+    finest: dict[object, dict[str, float]] = {}
+    for number, rows in codes.errors.sort_values("level").groupby("series", sort=False):
+        h, *errors = (rows[name].to_numpy()[-2:] for name in ("h", *CODE_ORDERS.values()))
+        last = [float(since_before(h, error)[-1]) for error in errors]
+        finest[number] = dict(zip(CODE_ORDERS.values(), last, strict=True))
     classes = codes.classes
     for column, of in CODE_ORDERS.items():
         expected = pd.Series(
@@ -270,11 +273,6 @@ def code_orders(codes: Codes, folder: str) -> Iterator[Breach]:
         )
         holds = ~(abs(classes[column] - expected) > CODE_ORDER_ROOM)
         yield from breaches(f"{folder}/classes.csv", classes, column, holds, expected.map("{:.4g}".format))
-
-
-def _finest_orders(rows: pd.DataFrame) -> dict[str, float]:
-    h = rows["h"].to_numpy()[-2:]
-    return {of: float(since_before(h, rows[of].to_numpy()[-2:])[-1]) for of in CODE_ORDERS.values()}
 
 
 def every_series(codes: Codes, folder: str) -> Iterator[Breach]:

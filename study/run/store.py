@@ -108,7 +108,11 @@ class Store:
             raise unwritable(self.lock, error) from error
         with file:
             self._hold(file)
-            self._sweep()
+            # The temporary files of processes that are gone.
+            for part in [part for depth in ("", "*/", "data/*/") for part in self.directory.glob(f"{depth}.*.part")]:
+                owner = part.name.split(".")[-2]
+                if owner.isdigit() and not psutil.pid_exists(int(owner)):
+                    part.unlink(missing_ok=True)
             yield
 
     def _hold(self, file: IO[str]) -> None:
@@ -135,13 +139,6 @@ class Store:
         """
         changes = any(os.access(path, os.W_OK) for path in (self.data, self.lock))
         return self.locked() if changes else nullcontext()
-
-    def _sweep(self) -> None:
-        """Remove the temporary files of processes that are gone."""
-        for part in [part for depth in ("", "*/", "data/*/") for part in self.directory.glob(f"{depth}.*.part")]:
-            owner = part.name.split(".")[-2]
-            if owner.isdigit() and not psutil.pid_exists(int(owner)):
-                part.unlink(missing_ok=True)
 
     def save(self, key: str, fingerprint: str, result: Mapping[str, Any]) -> None:
         """Write the result of a finished job."""

@@ -14,10 +14,8 @@ from typing import Any
 import numpy as np
 
 from manufactured.body import Kind
-from manufactured.law import Linear
 from manufactured.tensors import Array
 from study.fem.material import means
-from study.fem.space import Space
 from study.ledger.files import StoreError, UsageError, write_text, write_whole
 from study.run.store import Store
 from study.statements.shared.tasks import Task
@@ -93,7 +91,11 @@ def _head(task: Task, mode: str, scale: float) -> Data:
     require_scale(scale)
     space, law = task.space, task.solution.law
     mesh, clamped = space.mesh, [space.vertices(part) for part, _ in space.on(Kind.CLAMPED)]
-    numbers = {"A": law.A, "G": law.G}
+    numbers: Data = {}
+    for name, tensor in (("A", law.A), ("G", law.G)):
+        factor = means(space, tensor.factor)
+        one = np.ptp(factor) == 0 and factor[0] == 1
+        numbers[name] = {"matrix": tensor.matrix, "factor": 1.0 if one else factor}
     return {
         "format": FORMAT,
         "version": VERSION,
@@ -113,13 +115,8 @@ def _head(task: Task, mode: str, scale: float) -> Data:
         "loaded": [
             {"normal": part.normal, "facets": mesh.facets[:, facets].T} for part, facets in space.on(Kind.LOADED)
         ],
-        "law": {name: _constants(space, tensor) for name, tensor in numbers.items()},
+        "law": numbers,
     }
-
-
-def _constants(space: Space, tensor: Linear) -> Data:
-    factor = means(space, tensor.factor)
-    return {"matrix": tensor.matrix, "factor": 1.0 if np.ptp(factor) == 0 and factor[0] == 1 else factor}
 
 
 def oriented(points: Array, cells: Array) -> Array:

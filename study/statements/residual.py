@@ -35,8 +35,7 @@ from manufactured.catalogue import catalogue
 from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, Tensors, Vectors
 from study.fem.error_norm import rules
-from study.fem.independent import shapes
-from study.fem.mesh import barycentric_gradients
+from study.fem.mesh import barycentric
 from study.fem.naming import resolve
 from study.fem.quadrature import CellRule, FacetRule, facet_rule
 from study.fem.space import Space
@@ -158,12 +157,12 @@ def analytic(v: Field) -> FunctionOfV:
 
 def interpolation_error(solution: ExactSolution, space: Space, time: float) -> FunctionOfV:
     """Return v = Π^h u(t) − u(t)."""
-    mesh, gradients, nodal = space.mesh, barycentric_gradients(space.mesh), solution.at(space.mesh.p).displacement(time)
+    mesh, nodal = space.mesh, solution.at(space.mesh.p).displacement(time)
     strains = space.strain(space.interpolate(nodal))
 
     def inside(rule: CellRule) -> tuple[Vectors, Tensors]:
         exact, corners = solution.at(rule.points), nodal[:, mesh.t[:, rule.cells]]
-        values = np.einsum("din,inq->dnq", corners, shapes(mesh, gradients, rule))
+        values = np.einsum("din,inq->dnq", corners, barycentric(mesh, rule.cells, rule.points))
         return values - exact.displacement(time), strains[:, rule.cells, None] - exact.strain(time)
 
     def on(part: Part, rule: FacetRule) -> Vectors:

@@ -47,7 +47,7 @@ from itertools import pairwise
 import numpy as np
 
 from manufactured.tensors import Array
-from study.fem.quadrature.rules import gauss
+from study.fem.quadrature import gauss
 from study.ledger.criterion import largest
 from study.ledger.window import Window, at_most, positive_at_most
 from study.solve.evolution import FIXED_POINT, State

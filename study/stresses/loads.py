@@ -12,15 +12,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
-from typing import NamedTuple
 
 import numpy as np
 
 from manufactured.body import Kind, Part
 from manufactured.data import Data, ForceInTime
-from manufactured.exact import ForceModes
 from manufactured.tensors import Array, Points, Vectors
-from study.fem.moments import QuadraturePoints, StrainSums, amplitudes_of
+from study.fem.moments import StrainSums, amplitudes_of
 from study.fem.quadrature import CellRule, FacetRule, Line, cell_rules, facet_rule, rough_cells, sliced_rules
 from study.stresses.bernstein import bernstein, triangle_mass
 from study.stresses.composite import alfeld_split, barycentric
@@ -104,106 +102,69 @@ class ProjectedLoads:
         return self._last[1]
 
     def _block(self, rule: CellRule) -> _Block:
-        local, full = (partial(barycentric, c[:, :, rule.cells], rule.points) for c in (self._corners, self._cells))
-        degree = self.space.degree
-        return _Block(self.data, rule, bernstein(degree - 1, local()), lambda: bernstein(degree, full()))
+        mesh, degree = self.space.mesh, self.space.degree
+        local = barycentric(self._corners[:, :, rule.cells], rule.points)
+        # Three thirds of a cell follow each other.
+        cells = mesh.p[:, mesh.t[:, rule.cells // 3]]
+        return _Block(rule, bernstein(degree - 1, local), lambda: bernstein(degree, barycentric(cells, rule.points)))
 
     @cached_property
-    def _cells(self) -> Points:
-        """The vertices of the cell of each third, (2, 3, thirds)."""
-        return np.repeat(self.space.mesh.p[:, self.space.mesh.t], 3, axis=2)
-
-    @cached_property
-    def _blocks(self) -> list[_Block]:
-        """All thirds, not too many in one block."""
+    def _blocks(self) -> list[tuple[_Block, ForceInTime]]:
+        """All thirds, not too many in one block, each with the function t ↦ f_0 at its points, (2, thirds, q)."""
         rules = cell_rules(self._thirds, self._degree, self._lines, self.data.points)
-        return [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
+        blocks = [self._block(part) for rule in rules for part in rule.parts(TOGETHER)]
+        return [(block, _force_at(self.data, block.rule.points)) for block in blocks]
 
-    def _cut_at(self, time: float) -> Iterator[_Block]:
-        """The thirds at the fronts of a time once more, which count."""
+    def _evaluated(self, time: float) -> Iterator[tuple[_Block, Vectors]]:
+        """Yield f_0 on all thirds, then again on those at the fronts of this time, by rules that are cut there."""
+        for block, force in self._blocks:
+            yield block, force(time)
         fronts = [Line(*line) for line in self.data.fronts(time)]
-        return map(self._block, sliced_rules(self._thirds, fronts, self._cut, self._degree))
-
-    @cached_property
-    def _uncut(self) -> _AtPoints | _Sums:
-        """P f_0 on all thirds by the rules that time does not change."""
-        modes = self.data.force_modes
-        return _AtPoints(self._blocks) if modes is None else _Sums(self._blocks, modes)
-
-    @cached_property
-    def _forces(self) -> list[ForceInTime]:
-        """For each block the function t ↦ f_0 at its points, (2, thirds, q)."""
-        return [_force_at(self.data, block.rule.points) for block in self._blocks]
-
-    def _split(self, time: float) -> _Split:
-        """Return f_0 on all thirds, split into P f_0 and the rest."""
-        lower, more = (degree * (degree + 1) // 2 for degree in (self.space.degree, self.space.degree + 1))
-        thirds = 3 * self.space.cells
-        found = _Split(np.empty((thirds, lower, 2)), np.empty(thirds), np.empty((thirds, more, 2)))
-        every = [(block, force(time)) for block, force in zip(self._blocks, self._forces, strict=True)]
-        # The thirds at the fronts of this time are evaluated again, by rules that are cut there.
-        every += [(block, block.force(time)) for block in self._cut_at(time)]
-        for block, force in every:
-            for whole, part in zip(found, block.split(force), strict=True):
-                whole[block.cells] = part
-        return found
+        for rule in sliced_rules(self._thirds, fronts, self._cut, self._degree):
+            yield self._block(rule), self.data.body_force(rule.points)(time)
 
     def _loads(self, time: float) -> Loads:
         space = self.space
-        force = self._uncut(time)
+        force = np.empty((3 * space.cells, space.degree * (space.degree + 1) // 2, 2))
+        for block, values in self._evaluated(time):
+            force[block.rule.cells] = block.projected(values)
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
-        for block in self._cut_at(time):
-            force[block.cells] = block.projected(block.force(time))
         for part in self._parts:
             surface[part.edges] = part.projected(part.load(time))
         return Loads(force.reshape(space.cells, 3, -1, 2), surface)
 
     def at(self, time: float) -> Snapshot:
         """Return P f_0, P f_2 and the norms of what P leaves out."""
-        space, found = self.space, self._split(time)
-        inverse = np.linalg.inv(triangle_mass(space.degree))
+        space, thirds = self.space, 3 * self.space.cells
+        lower, more = (degree * (degree + 1) // 2 for degree in (space.degree, space.degree + 1))
+        force, squares, moments = np.empty((thirds, lower, 2)), np.empty(thirds), np.empty((thirds, more, 2))
+        for block, values in self._evaluated(time):
+            here = block.rule.cells
+            force[here], squares[here], moments[here] = block.split(values)
         surface = np.zeros((space.mesh.facets.shape[1], space.degree + 1, 2))
         on_edges = np.zeros(len(surface))
         for loaded in self._parts:
             surface[loaded.edges], on_edges[loaded.edges] = loaded.split(time)
-        total = found.squares.reshape(-1, 3).sum(axis=1)
-        of_cells = found.moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
+        of_cells = moments.reshape(space.cells, 3, -1, 2).sum(axis=1)
+        inverse = np.linalg.inv(triangle_mass(space.degree))
         low_order = (of_cells * (inverse @ of_cells)).sum(axis=(1, 2)) / space.volumes
-        low, high = (np.sqrt(np.maximum(square, 0.0)) for square in (low_order, total - low_order))
-        return Snapshot(Loads(found.force.reshape(space.cells, 3, -1, 2), surface), LeftOut(low, high, on_edges))
-
-
-class _Split(NamedTuple):
-    """f_0 on some thirds: P f_0, (n, lower, 2), and for g = f_0 − P f_0 and the Bernstein polynomials B_α of degree k
-    of the cells: ‖g‖² on the thirds, (n,), and ∫ g B_α, (n, more, 2)."""
-
-    force: Array
-    squares: Array
-    moments: Array
+        high_order = squares.reshape(-1, 3).sum(axis=1) - low_order
+        low, high = (np.sqrt(np.maximum(square, 0.0)) for square in (low_order, high_order))
+        return Snapshot(Loads(force.reshape(space.cells, 3, -1, 2), surface), LeftOut(low, high, on_edges))
 
 
 class _Block:
-    """Some thirds with one quadrature rule and f_0 at its points.
+    """Some thirds with one quadrature rule.
 
     ``shapes`` are the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q), and ``whole``
     gives those of degree k of their cells, (more, n, q).
     """
 
-    def __init__(self, data: Data, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
-        self.data, self.rule, self._make_whole = data, rule, whole
+    def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:
+        self.rule, self._make_whole = rule, whole
         self._shapes = np.ascontiguousarray(np.moveaxis(shapes, 0, 2))
         weighted = self._shapes.swapaxes(1, 2) * rule.weights[:, None]
         self.projection = np.linalg.inv(weighted @ self._shapes) @ weighted
-
-    @property
-    def cells(self) -> Array:
-        """The thirds, (n,)."""
-        return self.rule.cells
-
-    @cached_property
-    def force(self) -> ForceInTime:
-        """t ↦ f_0 at the points, (2, n, q)."""
-        return self.data.body_force(self.rule.points)
 
     @cached_property
     def _whole(self) -> Array:
@@ -214,13 +175,17 @@ class _Block:
         """P f_0, (n, lower, 2), from f_0 at the points, (2, n, q)."""
         return self.projection @ force.transpose(1, 2, 0)
 
-    def split(self, force: Vectors) -> _Split:
-        """Split f_0, given at the points, (2, n, q), into P f_0 and the rest."""
+    def split(self, force: Vectors) -> tuple[Array, Array, Array]:
+        """Split f_0, given at the points, (2, n, q), into P f_0 and g = f_0 − P f_0.
+
+        Returns P f_0, (n, lower, 2), ‖g‖² on the thirds, (n,), and ∫ g B_α for the Bernstein polynomials B_α of degree
+        k of the cells, (n, more, 2).
+        """
         values = force.transpose(1, 2, 0)
         coefficients = self.projection @ values
         rest = values - self._shapes @ coefficients
         weighted = rest * self.rule.weights[..., None]
-        return _Split(coefficients, np.einsum("nqx,nqx->n", rest, weighted), self._whole @ weighted)
+        return coefficients, np.einsum("nqx,nqx->n", rest, weighted), self._whole @ weighted
 
 
 def _force_at(data: Data, x: Points) -> ForceInTime:
@@ -233,41 +198,6 @@ def _force_at(data: Data, x: Points) -> ForceInTime:
         for rate, part in ((True, modes.viscous), (False, modes.elastic))
     ]
     return lambda time: np.reshape(sum(sums(amplitudes(time, rate)) for rate, amplitudes, sums in parts), x.shape)
-
-
-class _AtPoints:
-    """t ↦ P f_0 on the thirds of blocks that cover all of them, (thirds, lower, 2)."""
-
-    def __init__(self, blocks: Sequence[_Block]) -> None:
-        self._blocks = blocks
-
-    def __call__(self, time: float) -> Array:
-        found = np.empty((sum(len(block.cells) for block in self._blocks), self._blocks[0].projection.shape[1], 2))
-        for block in self._blocks:
-            found[block.cells] = block.projected(block.force(time))
-        return found
-
-
-class _Sums:
-    """The same for an exact solution: for each of the ``lower`` polynomials one matrix that acts on the amplitudes."""
-
-    def __init__(self, blocks: Sequence[_Block], modes: Callable[[Points], ForceModes]) -> None:
-        points = QuadraturePoints.on_cells([block.rule for block in blocks])
-        found = modes(points.x)
-        weights = np.concatenate(
-            [block.projection.swapaxes(1, 2).reshape(-1, block.projection.shape[1]) for block in blocks]
-        )
-        self._parts = [
-            (rate, amplitudes_of(part), [StrainSums(part, points, each) for each in weights.T])
-            for rate, part in ((True, found.viscous), (False, found.elastic))
-        ]
-
-    def __call__(self, time: float) -> Array:
-        total = np.zeros(())
-        for rate, amplitudes, sums in self._parts:
-            fields = amplitudes(time, rate)
-            total = total + np.array([each(fields) for each in sums])
-        return np.ascontiguousarray(np.transpose(total, (2, 0, 1)))
 
 
 class _Edges:

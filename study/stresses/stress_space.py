@@ -149,12 +149,7 @@ class StressSpace(MeshedBody):
         """∫_T σ·ε, or ∫_T σ·Cε for C (3, 3), for the stresses with Div σ = 0: (3, ..., cells, Q) → (..., cells, p)."""
         back = self.volumes[:, None, None] * self._piola.swapaxes(1, 2)
         pulled = (back if C is None else back @ C) @ np.moveaxis(values, 0, -2)
-        return pulled.reshape(*pulled.shape[:-2], -1) @ self._weighted
-
-    @cached_property
-    def _weighted(self) -> Array:
-        """``_reference`` times the shares of the points."""
-        return np.tile(self.shares, 3)[:, None] * self._reference
+        return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
 
     def combined(self, coefficients: Array) -> Tensors:
         """The values of combinations of the stresses with Div σ = 0, (..., cells, p) → (3, ..., cells, Q)."""

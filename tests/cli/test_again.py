@@ -14,7 +14,7 @@ import pytest
 from study.cli.main import main
 from study.fem.naming import resolve
 from study.ledger.datafiles import write_csv
-from study.run.again import LEAST_COST, draw_jobs, expected_seconds, planned_jobs
+from study.run.check import LEAST_COST, draw_jobs, expected_seconds, planned_jobs
 
 ALL = "1000"
 

@@ -18,8 +18,7 @@ import pytest
 from study.cli import check
 from study.cli.main import main
 from study.controls.record_check import compare_record
-from study.fem.cell_count import cell_count, size_of
-from study.fem.mesh import FAMILIES, MeshFamily, size
+from study.fem.mesh import FAMILIES, MeshFamily, cell_count, size, size_of
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError, write_csv
 from study.ledger.files import write_text

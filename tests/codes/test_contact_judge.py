@@ -20,8 +20,7 @@ import this_study as ours
 
 from manufactured.catalogue import catalogue
 from study.cli.main import main
-from study.fem.mesh import OneDiagonal
-from study.fem.mesh.meshed_body import MeshError
+from study.fem.mesh import MeshError, OneDiagonal
 from study.fem.naming import family_named, resolve
 from study.ledger.files import UsageError
 from study.run.tasks import frozen, march, plain, with_foundation, write_task

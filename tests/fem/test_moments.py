@@ -18,8 +18,7 @@ from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, ru
 from study.fem.mesh import FAMILIES, Unstructured
 from study.fem.moments import PointwiseSums, amplitudes_of
 from study.fem.naming import resolve
-from study.fem.quadrature import Line, facet_rule, simplex_rule
-from study.fem.quadrature.cells import shared
+from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
 from study.fem.space import Space
 
 NAME = attrgetter("name")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from study.orders import OrderError, assert_order, check_orders, observed_orders
-from study.orders.values import grid_convergence
+from study.orders.sequences import grid_convergence
 
 
 @pytest.mark.parametrize(

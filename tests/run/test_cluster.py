@@ -17,8 +17,7 @@ import pytest
 
 from study.cli.main import main
 from study.ledger.files import UsageError
-from study.run.cluster import connected, identity
-from study.run.executor import execute
+from study.run.executor import connected, execute, identity
 from study.run.fingerprint import versions
 from study.run.plan import Job
 from study.run.store import Store
@@ -93,7 +92,7 @@ def test_a_cluster_is_refused_with_the_mend_where_there_is_none(tmp_path, capsys
 
 
 def test_a_cluster_without_workers_is_refused_with_how_to_start_some(scheduler, monkeypatch) -> None:
-    monkeypatch.setattr("study.run.cluster.PATIENCE", 1)
+    monkeypatch.setattr("study.run.executor.PATIENCE", 1)
     with pytest.raises(UsageError, match=f"has no workers.*dask worker {scheduler} "), connected(scheduler, []):
         pass
 
@@ -124,7 +123,7 @@ def test_two_workers_on_loopback_give_the_same_files_as_processes_byte_for_byte(
 
 
 def test_a_worker_that_would_compute_something_else_is_refused(cluster, monkeypatch) -> None:
-    monkeypatch.setattr("study.run.cluster.versions", lambda: {**versions(), "numpy": "another"})
+    monkeypatch.setattr("study.run.executor.versions", lambda: {**versions(), "numpy": "another"})
     with (
         pytest.raises(
             UsageError, match=r"the worker tcp://127.* would not compute the same: numpy [\d.]+, here another"

@@ -23,8 +23,8 @@ from study.bound.trajectory import Refined
 from study.cli.main import main
 from study.ledger.files import StoreError, UsageError
 from study.run.executor import GIB, JobsError, Pool, Processes, available, execute, refuse_too_large, run_job, startable
+from study.run.judgement import collect
 from study.run.plan import Job, Plan, quick
-from study.run.results import collect
 from study.run.store import Store
 from study.statements.enclosure import BoundSetting, EnclosedError
 from study.statements.prop_5_4 import FirstOrder, RateSetting

@@ -14,8 +14,7 @@ from manufactured.exact import ExactSolution
 from manufactured.tensors import Array, traction
 from study.fem.mesh import FAMILIES, MeshFamily, OneDiagonal, Shaken, cell_volumes
 from study.fem.naming import resolve
-from study.fem.quadrature import Line
-from study.fem.quadrature.rough_cells import cut_rule, sliced_rule
+from study.fem.quadrature import Line, cut_rule, sliced_rule
 from study.stresses.composite import alfeld_split
 from study.stresses.loads import ProjectedLoads
 from study.stresses.stress_space import StressSpace

@@ -1,0 +1,584 @@
+"""Triangulations of a body of any dimension: their geometry, mesh families, and the check that a mesh fits the body.
+
+A family turns a body and a level n into a mesh with about n cells along a side. No family knows where a contact zone
+begins or ends. Every point at which the boundary condition changes must be a vertex (source, before (5.23)), and every
+interface a union of facets; a mesh that violates this is refused.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+from itertools import pairwise, permutations
+from math import factorial
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sps
+from scipy.spatial import Delaunay
+from skfem import Mesh, MeshTet, MeshTri
+from skfem.mapping import MappingAffine
+
+from manufactured.body import Body, Kind, Part
+from manufactured.tensors import Array, Points
+
+TOLERANCE = 1e-8
+"""Relative to |Ω|^{1/d}, the distance from which a vertex counts as lying off a part; so for measures."""
+
+
+class MeshError(ValueError):
+    """A mesh does not fit the body."""
+
+
+class MeshFamily(Protocol):
+    """A regular family {T_h} of triangulations: whether it can mesh a body, and the mesh of level n, or MeshError."""
+
+    @property
+    def name(self) -> str: ...
+    def serves(self, body: Body) -> bool: ...
+    def __call__(self, body: Body, n: int) -> Mesh: ...
+
+
+def require_plane(family: MeshFamily, body: Body) -> None:
+    """MeshError unless the body is two-dimensional."""
+    if body.dim != 2:
+        raise MeshError(f"the family {family.name} meshes 2D bodies, got dimension {body.dim}; use one-diagonal")
+
+
+def simplicial_mesh(points: Points, cells: Array) -> Mesh:
+    """The mesh with the vertices (d, n) and the triangles or tetrahedra (d+1, cells)."""
+    kind = MeshTri if len(points) == 2 else MeshTet
+    return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))
+
+
+# scikit-fem keeps ``mesh.mapping()`` in the mesh, and the mapping refers to the mesh: such meshes leave memory late. So
+# there is a new mapping for every use.
+
+
+def size(mesh: Mesh) -> float:
+    """h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
+
+    In a quasi-uniform family it is equivalent to the largest diameter, whose random part on shaken meshes would
+    otherwise bend every observed order.
+    """
+    return float((factorial(mesh.dim()) * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** (1 / mesh.dim()))
+
+
+def cell_volumes(mesh: Mesh) -> Array:
+    """|T| of every cell, (cells,)."""
+    return np.asarray(abs(MappingAffine(mesh).detA) / factorial(mesh.dim()))
+
+
+def facet_measures(mesh: Mesh, facets: Array) -> Array:
+    """Lengths or areas of the facets with the given indices, (n,)."""
+    return np.asarray(MappingAffine(mesh).detB[facets] / factorial(mesh.dim() - 1))
+
+
+def barycentric_gradients(mesh: Mesh) -> Array:
+    """∇λ_i on every cell, (cells, d+1, d)."""
+    inner = MappingAffine(mesh).invA
+    return np.ascontiguousarray(np.moveaxis(np.concatenate([-inner.sum(axis=0, keepdims=True), inner]), 2, 0))
+
+
+def barycentric(mesh: Mesh, cells: Array, points: Points) -> Array:
+    """λ_i of some cells (n,) at points of them (d, n, q), (d+1, n, q): the P1 functions of their vertices."""
+    inner = MappingAffine(mesh, tind=cells).invF(points)
+    return np.concatenate([1 - inner.sum(axis=0, keepdims=True), inner])
+
+
+def determinants(points: Points, cells: Array) -> Array:
+    """d! times the signed volume of cells, (cells,)."""
+    corners = points[:, cells]
+    return np.linalg.det(np.moveaxis(corners[:, 1:] - corners[:, :1], 2, 0))
+
+
+def with_midpoints(mesh: Mesh) -> sps.csr_array:
+    """Vertex values of a P1 function ↦ those at the vertices and midpoints of edges, which ``mesh.refined()`` has."""
+    edges, count = (mesh.facets if mesh.dim() == 2 else mesh.edges), mesh.p.shape[1]
+    rows = np.repeat(np.arange(edges.shape[1]), 2)
+    midpoints = sps.csr_array((np.full(len(rows), 0.5), (rows, edges.T.ravel())), shape=(edges.shape[1], count))
+    return sps.csr_array(sps.vstack([sps.eye_array(count), midpoints]))
+
+
+def nearest(points: Points, segment: Array) -> Array:
+    """Where on a segment (d, 2), from 0 at its start to 1 at its end, the nearest points to others (d, n) lie, (n,)."""
+    along = segment[:, 1] - segment[:, 0]
+    return np.clip(along @ (points - segment[:, :1]) / (along @ along), 0, 1)
+
+
+def distance(points: Points, segment: Array) -> Array:
+    """Distances of points (d, n) to a segment (d, 2), (n,)."""
+    foot = segment[:, :1] + np.multiply.outer(segment[:, 1] - segment[:, 0], nearest(points, segment))
+    return np.linalg.norm(points - foot, axis=0)
+
+
+def on_segment(points: Points, segment: Array) -> Array:
+    """Whether points (d, n) lie on a segment (d, 2) up to rounding, (n,)."""
+    return distance(points, segment) <= 1e-9 * np.linalg.norm(segment[:, 1] - segment[:, 0])
+
+
+# Structured meshes: the grid of n^d cubes on the unit cube, cut into simplices and mapped onto the body. The map onto a
+# convex quadrilateral or a parallelepiped is linear in every coordinate.
+
+
+@dataclass(frozen=True)
+class OneDiagonal:
+    """n^d parallelepipeds, each cut into d! simplices along the same diagonal (``kuhn``)."""
+
+    name: str = "one-diagonal"
+
+    def serves(self, body: Body) -> bool:
+        return has_grids(body)
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        return simplicial_mesh(mapped(body, grid_vertices(n, body.dim)), kuhn(n, body.dim))
+
+
+@dataclass(frozen=True)
+class CrissCross:
+    """n × n quadrilaterals, each cut by both diagonals."""
+
+    name: str = "criss-cross"
+
+    def serves(self, body: Body) -> bool:
+        return body.dim == 2 and has_grids(body)
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        require_plane(self, body)
+        points, a = mapped(body, grid_vertices(n, 2)), lowest_corners(n, 2)
+        b, c, d = a + 1, a + n + 2, a + n + 1
+        centres = (points[:, a] + points[:, b] + points[:, c] + points[:, d]) / 4
+        m = points.shape[1] + np.arange(n * n)
+        return simplicial_mesh(np.hstack([points, centres]), np.hstack([[a, b, m], [b, c, m], [c, d, m], [d, a, m]]))
+
+
+@dataclass(frozen=True)
+class Alternating:
+    """n × n quadrilaterals, each cut by one diagonal, neighbours by different ones: vertices are of two kinds."""
+
+    name: str = "alternating"
+
+    def serves(self, body: Body) -> bool:
+        return body.dim == 2 and has_grids(body)
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        require_plane(self, body)
+        a = lowest_corners(n, 2)
+        b, c, d = a + 1, a + n + 2, a + n + 1
+        odd = np.indices((n, n)).sum(axis=0).ravel() % 2 == 1
+        rising = np.hstack([[a, b, c], [a, c, d]])
+        falling = np.hstack([[a, b, d], [b, c, d]])
+        return simplicial_mesh(mapped(body, grid_vertices(n, 2)), np.where(np.tile(odd, 2), falling, rising))
+
+
+@dataclass(frozen=True)
+class Shaken:
+    """One-diagonal meshes with every vertex moved by up to 2/d ``amplitude`` cells in each direction.
+
+    Vertices slide in the faces, on the edges between parts and on the interfaces they lie on; corners of parts stay.
+    Levels are independent of each other, so the meshes are neither nested nor symmetric. A simplex of the grid on the
+    unit cube keeps 1 − 4 ``amplitude`` of its volume at least, in every dimension.
+    """
+
+    seed: int = 2002
+    amplitude: float = 0.2
+    name: str = "shaken"
+
+    def serves(self, body: Body) -> bool:
+        return has_grids(body)
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        # The grid is shaken before it is mapped, so that vertices of stretched bodies move in proportion to the cells.
+        plain = grid_vertices(n, body.dim)
+        amplitude = self.amplitude * 2 / body.dim
+        shift = np.random.default_rng([self.seed, n]).uniform(-1, 1, plain.shape) * amplitude / n
+        shift[(plain == 0) | (plain == 1)] = 0
+        resting = mapped(body, plain)
+        ends = [*body.vertices.T]
+        for line in _kept_lines(body):
+            ends += [*line.T]
+            on = np.flatnonzero(on_segment(resting, line))
+            if on.size > 1:
+                along = plain[:, on[-1]] - plain[:, on[0]]
+                along /= np.linalg.norm(along)
+                shift[:, on] = np.multiply.outer(along, along @ shift[:, on])
+        points = mapped(body, plain + shift)
+        fixed = [np.linalg.norm(resting - end[:, None], axis=0).argmin() for end in ends]
+        points[:, fixed] = resting[:, fixed]
+        return simplicial_mesh(points, kuhn(n, body.dim))
+
+
+def _kept_lines(body: Body) -> Iterator[Array]:
+    """Segments (d, 2) that meshes have to keep: edges of parts in 3D, interfaces in 2D."""
+    if body.dim == 3:
+        for part in body.parts:
+            yield from (part.corners[:, [i - 1, i]] for i in range(part.corners.shape[1]))
+    yield from (interface.corners for interface in body.interfaces)
+
+
+def grid_vertices(n: int, dim: int) -> Points:
+    """Vertices of the grid, the first axis fastest, (d, (n+1)^d)."""
+    return np.array([x.ravel("F") for x in np.meshgrid(*[np.linspace(0, 1, n + 1)] * dim, indexing="ij")])
+
+
+def lowest_corners(n: int, dim: int) -> Array:
+    """The numbers of the vertices at the lowest corners of the cubes, the first axis fastest, (n^d,)."""
+    steps = (n + 1) ** np.arange(dim)
+    return sum(step * i.ravel("F") for step, i in zip(steps, np.indices((n,) * dim), strict=True))
+
+
+def kuhn(n: int, dim: int) -> Array:
+    """Positively oriented simplices of the grid, (d+1, d! n^d): paths from corner to corner along the axes.
+
+    Source: H. W. Kuhn, Some combinatorial lemmas in topology, IBM J. Res. Dev. 4 (1960) 518–524.
+    """
+    first, steps = lowest_corners(n, dim), (n + 1) ** np.arange(dim)
+    cells = []
+    for order in permutations(range(dim)):
+        path = np.concatenate([[0], np.cumsum(steps[list(order)])])
+        if np.linalg.det(np.eye(dim)[list(order)]) < 0:
+            path[[-2, -1]] = path[[-1, -2]]
+        cells.append(first + path[:, None])
+    return np.hstack(cells)
+
+
+@lru_cache
+def has_grids(body: Body) -> bool:
+    """Whether the grid can be mapped onto the body so that its lines follow the interfaces."""
+    images = _images(body)
+    return images is not None and all(_is_grid_line(images, interface) for interface in body.interfaces)
+
+
+def mapped(body: Body, reference: Points) -> Points:
+    """Images of points of the unit cube, (d, ...) → (d, ...); MeshError if the body is of neither kind."""
+    images = _images(body)
+    if images is None:
+        wanted = "convex quadrilateral" if body.dim == 2 else "parallelepiped"
+        mend = "use the unstructured family" if body.dim == 2 else "no family meshes other polyhedra"
+        raise MeshError(f"a structured mesh needs a {wanted}, this body has {body.corners.shape[1]} corners; {mend}")
+    shapes = np.ones((1, *reference.shape[1:]))
+    for x in reference:
+        shapes = np.concatenate([shapes * (1 - x), shapes * x])
+    return images @ shapes
+
+
+def _images(body: Body) -> Points | None:
+    """Images (d, 2^d) of the corners of the unit cube, the first axis fastest; None if there is no such map."""
+    corners = body.corners
+    if corners.shape[1] != 2**body.dim:
+        return None
+    if body.dim == 3:
+        return _parallelepiped(body)
+    sides = np.roll(corners, -1, axis=1) - corners
+    following = np.roll(sides, -1, axis=1)
+    convex = (sides[0] * following[1] - sides[1] * following[0] > 0).all()
+    return corners[:, [0, 1, 3, 2]] if convex else None
+
+
+def _parallelepiped(body: Body) -> Points | None:
+    corners, tolerance = body.corners, 1e-9 * float(np.ptp(body.vertices, axis=1).max())
+    first = corners[:, :1]
+    normals = np.array([part.normal for part in body.parts if part.contains(first, tolerance)])
+    normals = normals[np.sort(np.unique(np.round(normals, 9) + 0.0, axis=0, return_index=True)[1])]
+    if len(normals) != 3:
+        return None
+    # An edge runs from the first corner to the only other one in the planes of two faces.
+    off = abs(normals @ (corners - first)) > tolerance
+    ends = [np.flatnonzero(~np.delete(off, k, axis=0).any(axis=0))[1:] for k in range(3)]
+    if any(end.size != 1 for end in ends):
+        return None
+    edges = (corners - first)[:, [int(end[0]) for end in ends]]
+    if np.linalg.det(edges) < 0:
+        edges = edges[:, [1, 0, 2]]
+    images = first + edges @ grid_vertices(1, 3)
+    apart = np.linalg.norm(images[:, :, None] - corners[:, None, :], axis=0)
+    volume = np.linalg.det(images[:, [1, 2, 4]] - images[:, :1])
+    fills = apart.min(axis=1).max() <= tolerance and abs(volume - body.measure) <= 1e-9 * volume
+    return images if fills else None
+
+
+def _is_grid_line(images: Points, interface: Part) -> bool:
+    """Whether an interface joins two opposite sides of a quadrilateral, dividing both in the same ratio."""
+    for sides in ((images[:, :2], images[:, 2:]), (images[:, ::2], images[:, 1::2])):
+        for ends in (interface.corners, interface.corners[:, ::-1]):
+            pairs = [(ends[:, [i]], side) for i, side in enumerate(sides)]
+            low, high = (nearest(end, side) for end, side in pairs)
+            if abs(low - high) < 1e-9 and all(on_segment(end, side) for end, side in pairs):
+                return True
+    return False
+
+
+# Delaunay triangulations of polygons, and the same refined towards singular points.
+
+
+@dataclass(frozen=True)
+class Unstructured:
+    """Delaunay triangulations of points spread evenly at random, for any polygon.
+
+    Points start on a jittered triangular lattice and are moved to the area-weighted mean of the centroids of the cells
+    around them, ``sweeps`` times (Lloyd's iteration in the form of Du, Faber, Gunzburger, SIAM Review 41 (1999)
+    637–676, with centroids of the star). Points on the boundary and on interfaces are evenly spaced and stay.
+    """
+
+    seed: int = 2002
+    sweeps: int = 8
+    name: str = "unstructured"
+
+    def serves(self, body: Body) -> bool:
+        return body.dim == 2
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        boundary, inside, free = self.points(body, n)
+        fixed = np.hstack([boundary, inside])
+        points = np.hstack([fixed, free])
+        for _ in range(self.sweeps):
+            cells = _delaunay(body, points)
+            points = np.hstack([fixed, _star_centroids(points, cells)[:, fixed.shape[1] :]])
+        return simplicial_mesh(points, _delaunay(body, points))
+
+    def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
+        """Those on the boundary, on interfaces inside, and others, which are not in their last places yet, (2, …)."""
+        require_plane(self, body)
+        spacing = 1.15 * np.sqrt(body.measure) / n
+        boundary = [_divide(part, spacing, _stops(part, body)) for part in body.parts]
+        # The start of an interface lies on the boundary.
+        inside = [_divide(interface, spacing, _stops(interface, body))[:, 1:] for interface in body.interfaces]
+        free = _lattice(body, spacing, np.random.default_rng([self.seed, n]))
+        return np.hstack(boundary), np.hstack([np.empty((2, 0)), *inside]), free
+
+
+@dataclass(frozen=True)
+class Graded:
+    """Unstructured meshes drawn towards the points c of ``body.refine``.
+
+    x ↦ c + (x − c)(|x − c|/R)^{e−1} for |x − c| < R makes cells of the size h ϱ^{1−1/e} at the distance ϱ from c and
+    h^e at c itself. P1 functions then approximate |x − c|^λ in H¹ with the order 1 if 1/e < λ: e = 5/2 serves the
+    exponents λ ≥ 1/2 of re-entrant corners and of changes of the boundary condition.
+
+    Sources: I. Babuška, R. B. Kellogg, J. Pitkäranta, Direct and inverse error estimates for finite elements with
+    mesh refinements, Numer. Math. 33 (1979) 447–471; T. Apel, Anisotropic finite elements: local estimates and
+    applications, Teubner 1999.
+    """
+
+    exponent: float = 2.5
+    reach: float = 0.5
+    name: str = "graded"
+
+    def serves(self, body: Body) -> bool:
+        return body.dim == 2 and len(body.refine) > 0
+
+    def __call__(self, body: Body, n: int) -> Mesh:
+        if not self.serves(body):
+            raise MeshError(
+                "a graded mesh needs a 2D body with points to refine towards; list them in `refine`, "
+                "or use the unstructured family"
+            )
+        mesh = Unstructured()(body, n)
+        points = mesh.p.copy()
+        for point in body.refine:
+            centre, radius = np.array(point)[:, None], self.radius(body, point)
+            share = np.linalg.norm(mesh.p - centre, axis=0) / radius
+            inside = share < 1
+            points[:, inside] = centre + (mesh.p - centre)[:, inside] * share[inside] ** (self.exponent - 1)
+        if (determinants(points, mesh.t) * determinants(mesh.p, mesh.t) <= 0).any():
+            raise MeshError(f"grading turns cells over at the level {n}; take a finer one")
+        return simplicial_mesh(points, mesh.t)
+
+    def radius(self, body: Body, point: tuple[float, ...]) -> float:
+        """R = ``reach`` × the distance to the parts and interfaces that c is not on, and to other points."""
+        centre = np.array(point)
+        tolerance = 1e-8 * np.sqrt(body.measure)
+        lines = [part for part in (*body.parts, *body.interfaces) if not part.contains(centre, tolerance)]
+        distances = [distance(centre[:, None], part.corners)[0] for part in lines]
+        distances += [np.linalg.norm(centre - other) for other in body.refine if other != point]
+        return self.reach * float(min(distances))
+
+
+def _lattice(body: Body, spacing: float, rng: np.random.Generator) -> Array:
+    """Points of a jittered triangular lattice in Ω, away from the boundary and from interfaces, (2, n)."""
+    low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
+    rows = np.arange(low[1], high[1], spacing * np.sqrt(0.75))
+    columns = np.arange(low[0] - spacing, high[0] + spacing, spacing)
+    x, y = np.meshgrid(columns, rows)
+    x[1::2] += spacing / 2
+    points = np.vstack([x.ravel(), y.ravel()])
+    points += rng.uniform(-0.3, 0.3, points.shape) * spacing
+    keep = body.contains(points)
+    for part in (*body.parts, *body.interfaces):
+        s, depth = part.coordinates(points)
+        near = (s[0] > -spacing) & (s[0] < part.measure + spacing) & (abs(depth) < 0.55 * spacing)
+        keep &= ~near
+    return points[:, keep]
+
+
+def _stops(part: Part, body: Body) -> list[float]:
+    """Coordinates inside a part at which an interface ends."""
+    ends = [end for interface in body.interfaces if interface is not part for end in interface.corners.T]
+    tolerance = 1e-9 * part.measure
+    found = sorted(float(part.coordinates(end)[0][0]) for end in ends if part.contains(end, tolerance))
+    inner = [s for s in found if tolerance < s < part.measure - tolerance]
+    return [s for i, s in enumerate(inner) if i == 0 or s - inner[i - 1] > tolerance]
+
+
+def _divide(part: Part, spacing: float, stops: list[float]) -> Array:
+    """Points of a part from its start, without its end, evenly spaced between its ends and stops."""
+    pieces = []
+    for low, high in pairwise([0.0, *stops, part.measure]):
+        count = max(1, round((high - low) / spacing))
+        pieces.append(low + np.arange(count) * (high - low) / count)
+    return part.point(np.concatenate(pieces)[None])
+
+
+def _delaunay(body: Body, points: Array) -> Array:
+    """Cells of the Delaunay triangulation that lie in Ω, (3, cells)."""
+    cells = Delaunay(points.T).simplices.T
+    area = abs(determinants(points, cells)) / 2
+    # Rounding may leave slivers between points of one straight part; they are not cells of Ω.
+    keep = (area > 1e-6 * area.mean()) & body.contains(points[:, cells].mean(axis=1))
+    return cells[:, keep]
+
+
+def _star_centroids(points: Array, cells: Array) -> Array:
+    """Area-weighted mean of the centroids of the cells around each point, (2, points)."""
+    a, b, c = (points[:, v] for v in cells)
+    area = abs((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
+    weight = np.bincount(cells.ravel(), np.tile(area, 3), points.shape[1])
+    centroid = (a + b + c) / 3
+    moments = [np.bincount(cells.ravel(), np.tile(area * x, 3), points.shape[1]) for x in centroid]
+    return np.array(moments) / np.maximum(weight, np.finfo(float).tiny)
+
+
+FAMILIES: tuple[MeshFamily, ...] = (OneDiagonal(), CrissCross(), Shaken(), Unstructured(), Graded())
+"""The mesh families of the study, each with its default parameters."""
+
+
+def cell_count(family: MeshFamily, body: Body, n: int) -> int:
+    """The number of cells of the mesh of a level."""
+    if isinstance(family, OneDiagonal | Shaken):
+        return factorial(body.dim) * n**body.dim
+    if isinstance(family, CrissCross):
+        return 4 * n**2
+    if isinstance(family, Unstructured | Graded):
+        boundary, *others = (Unstructured() if isinstance(family, Graded) else family).points(body, n)
+        return int(boundary.shape[1] + 2 * sum(points.shape[1] for points in others) - 2)
+    return int(family(body, n).t.shape[1])
+
+
+def size_of(family: MeshFamily, body: Body, n: int) -> float:
+    """h of the mesh of a level."""
+    return float((factorial(body.dim) * body.measure / cell_count(family, body, n)) ** (1 / body.dim))
+
+
+# The body and its mesh.
+
+
+@dataclass(frozen=True, eq=False)
+class MeshedBody:
+    """A body with a mesh."""
+
+    mesh: Mesh
+    body: Body
+
+    @cached_property
+    def parts(self) -> list[Array]:
+        """Facets of each part of the body; MeshError if the mesh does not fit it."""
+        return boundary_parts(self.mesh, self.body)
+
+    def facets(self, part: Part) -> Array:
+        return self.parts[self.body.parts.index(part)]
+
+    def on(self, kind: Kind) -> list[tuple[Part, Array]]:
+        """The parts of one kind with their facets."""
+        return [(part, facets) for part, facets in zip(self.body.parts, self.parts, strict=True) if part.kind is kind]
+
+    @property
+    def cells(self) -> int:
+        return int(self.mesh.t.shape[1])
+
+    @cached_property
+    def volumes(self) -> Array:
+        """|T|, (cells,)."""
+        return cell_volumes(self.mesh)
+
+
+def boundary_parts(mesh: Mesh, body: Body) -> list[Array]:
+    """The facets of the mesh on each part of the body, in the order of ``body.parts``.
+
+    Raises:
+        MeshError: a corner of a part is not a vertex, the facets do not cover a part exactly, or an interface is not
+            a union of facets.
+    """
+    if mesh.dim() != body.dim:
+        raise MeshError(f"a mesh of dimension {mesh.dim()} was given for a body of dimension {body.dim}")
+    total = cell_volumes(mesh).sum()
+    if abs(total - body.measure) > TOLERANCE * body.measure:
+        what = "area" if body.dim == 2 else "volume"
+        raise MeshError(
+            f"the cells cover {total:.9g}, the body has the {what} {body.measure:.9g}: cells overlap or are missing"
+        )
+    length = body.measure ** (1 / body.dim)
+    facets = mesh.boundary_facets()
+    border = mesh.p[:, np.unique(mesh.facets[:, facets])]
+    for vertex in body.vertices.T:
+        off = np.linalg.norm(border - vertex[:, None], axis=0).min()
+        if off > TOLERANCE * length:
+            mend = "take a level at which it is" + (", or the unstructured family" if body.dim == 2 else "")
+            raise MeshError(
+                f"the boundary condition changes at {vertex.tolist()}, which is not a vertex of the mesh "
+                f"(the nearest is {off:.3g} away); {mend}"
+            )
+    found = [_covering(mesh, facets, part, length) for part in body.parts]
+    if sum(map(len, found)) != len(facets):
+        raise MeshError(f"{len(facets) - sum(map(len, found))} boundary facets lie on no part of the body")
+    for interface in body.interfaces:
+        _covering(mesh, np.arange(mesh.facets.shape[1]), interface, length)
+    return found
+
+
+def _covering(mesh: Mesh, facets: Array, part: Part, length: float) -> Array:
+    """Those of the given facets that lie on a part; MeshError if they do not cover it."""
+    on = part.contains(mesh.p, TOLERANCE * length)
+    mine = facets[on[mesh.facets[:, facets]].all(axis=0)]
+    covered = facet_measures(mesh, mine).sum()
+    if abs(covered - part.measure) > TOLERANCE * length ** (mesh.dim() - 1):
+        what = "length" if mesh.dim() == 2 else "area"
+        mend = (
+            "take a level at which edges of the mesh follow it, or the unstructured family"
+            if part.kind is Kind.INTERFACE
+            else "the mesh is not one of this body, or its facets do not end where the part does"
+        )
+        raise MeshError(
+            f"facets of total {what} {covered:.9g} lie on the part {part.kind.value} with the corners "
+            f"{part.corners.T.tolist()}, whose {what} is {part.measure:.9g}: {mend}"
+        )
+    return mine
+
+
+@dataclass(frozen=True, eq=False)
+class Skin:
+    """The visible surface of a mesh, for pictures: the triangles of all cells in 2D, of the boundary facets in 3D.
+
+    Attributes:
+        vertices: the vertices of the mesh that they use, (v,).
+        triangles: their corners as positions in ``vertices``, (3, k); in 3D counter-clockwise seen from outside.
+        cells: the cell of the mesh behind each, (k,).
+    """
+
+    vertices: Array
+    triangles: Array
+    cells: Array
+
+    @classmethod
+    def of(cls, mesh: Mesh) -> Skin:
+        if mesh.dim() == 2:
+            return cls(np.arange(mesh.p.shape[1]), mesh.t, np.arange(mesh.t.shape[1]))
+        facets = mesh.boundary_facets()
+        cells, corners = mesh.f2t[0, facets], mesh.facets[:, facets]
+        fourth = mesh.t[:, cells].sum(axis=0) - corners.sum(axis=0)
+        a, b, c, d = (mesh.p[:, vertex].T for vertex in (*corners, fourth))
+        # The fourth vertex lies behind a facet whose corners run counter-clockwise.
+        seen_from_inside = np.linalg.det(np.stack([b - a, c - a, d - a], axis=1)) > 0
+        outer = np.where(seen_from_inside, corners[[0, 2, 1]], corners)
+        vertices, triangles = np.unique(outer, return_inverse=True)
+        return cls(vertices, triangles.reshape(outer.shape), cells)

@@ -1,0 +1,416 @@
+"""Quadrature on the cells and facets of a mesh, adapted to where the solution is not smooth.
+
+Cells crossed by a line along which the exact strain is singular or kinked for all times are cut along it, and the
+rule is graded towards it; cells with a vertex at a singular point carry Duffy's rule, graded towards the point; all
+other cells a standard rule. Cells that the fronts of one time meet can be cut along these (``sliced_rules``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from itertools import pairwise
+
+import numpy as np
+from skfem import Mesh
+from skfem.quadrature import get_quadrature
+from skfem.refdom import RefTet, RefTri
+
+from manufactured.body import Part
+from manufactured.tensors import Array, Points
+from study.fem.mesh import MeshError, barycentric_gradients, cell_volumes, facet_measures
+
+TOUCHING = 1e-9
+"""Relative distance below which a vertex lies on a line."""
+GRADING = 8
+"""s = c + L ξ^8 turns (s − c)^{2(α−2)}, α > 3/2, into a power of ξ of 0 or more."""
+
+
+@dataclass(frozen=True, eq=False)
+class CellRule:
+    """Quadrature on some cells (n,) with as many points (d, n, q) each; the weights (n, q) sum to |T| over q."""
+
+    cells: Array
+    points: Points
+    weights: Array
+
+    def parts(self, most: int) -> Iterator[CellRule]:
+        """The same rule on no more than ``most`` cells each."""
+        for here in (slice(first, first + most) for first in range(0, len(self.cells), most)):
+            yield CellRule(self.cells[here], self.points[:, here], self.weights[here])
+
+
+@dataclass(frozen=True, eq=False)
+class FacetRule:
+    """Quadrature on the facets (n,) of one part, with weights (n, q).
+
+    Points are given by their local coordinates s along the part, (d−1, n, q), and by the values of the P1 functions of
+    the facet's vertices, ``shapes``, (d, n, q).
+    """
+
+    facets: Array
+    s: Array
+    shapes: Array
+    weights: Array
+
+
+@lru_cache
+def gauss(count: int) -> tuple[Array, Array]:
+    """Gauss–Legendre nodes and weights on (0, 1)."""
+    x, w = np.polynomial.legendre.leggauss(count)
+    found = (x + 1) / 2, w / 2
+    for part in found:
+        part.setflags(write=False)
+    return found
+
+
+def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
+    """Barycentric points (d+1, q) and weights (q,) of sum 1 of a rule exact to a degree, with q as small as is known.
+
+    Triangles up to degree 19, tetrahedra up to 8. From degree 5 on the rules of scikit-fem 12 on tetrahedra are
+    exact to one degree less than they are asked for (a test looks), and its rule of degree 4 has negative weights.
+    """
+    reference, weights = get_quadrature(RefTri, degree) if dim == 2 else get_quadrature(RefTet, degree + (degree > 3))
+    return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
+
+
+def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
+    """Barycentric points (3, q) and weights (q,) of sum 1 of Duffy's rule on a triangle, graded to its first vertex.
+
+    x = v_0 + ξ^g ((1−η)(v_1 − v_0) + η (v_2 − v_0)), dx = 2|T| g ξ^{2g−1} dξ dη, Gauss in ξ and η.
+
+    Source: M. G. Duffy, Quadrature over a pyramid or cube of integrands with a singularity at a vertex,
+    SIAM J. Numer. Anal. 19 (1982) 1260–1262.
+    """
+    (xi, wx), (eta, we) = gauss(along), gauss(across)
+    far = xi[:, None] ** grading * np.ones_like(eta)
+    points = np.array([1 - far, far * (1 - eta), far * eta])
+    weights = np.multiply.outer(2 * grading * xi ** (2 * grading - 1) * wx, we)
+    return points.reshape(3, -1), weights.ravel()
+
+
+def placed(vertices: Points, simplices: Array, barycentric: Array) -> Points:
+    """Points of simplices (k+1, n) with the same barycentric coordinates (k+1, q) in each, (d, n, q)."""
+    return np.einsum("dvn,vq->dnq", vertices[:, simplices], barycentric)
+
+
+def facet_rule(mesh: Mesh, facets: Array, part: Part, rough: tuple[float, ...], points: int) -> FacetRule:
+    """A rule on each facet, exact to the degree 2 points − 2 at least.
+
+    In 2D Gauss's rule on both sides of the coordinates ``rough`` and graded to them.
+
+    Raises:
+        MeshError: rough coordinates are given in 3D.
+    """
+    if mesh.dim() == 3:
+        if rough:
+            raise MeshError(f"facets are cut in 2D only, got the rough coordinates {rough} on a face of a 3D body")
+        barycentric, weights = duffy(points, points)
+        s, _ = part.coordinates(placed(mesh.p, mesh.facets[:, facets], barycentric))
+        shapes = np.repeat(barycentric[:, None], len(facets), axis=1)
+        return FacetRule(facets, s, shapes, np.multiply.outer(facet_measures(mesh, facets), weights))
+    ends = np.stack([part.coordinates(mesh.p[:, v])[0][0] for v in mesh.facets[:, facets]])
+    low, high = ends.min(axis=0), ends.max(axis=0)
+    nodes = np.sort(np.vstack([low, high, *[np.clip(np.full_like(low, c), low, high) for c in rough]]), axis=0)
+    xi, w = gauss(points)
+    places, of_pieces = [], []
+    for left, right in pairwise(nodes):
+        graded = [_close(end, rough, high - low)[:, None] for end in (left, right)]
+        length = (right - left)[:, None]
+        power = np.where(graded[0] | graded[1], GRADING, 1)
+        local, jacobian = xi**power, power * xi ** (power - 1.0) * w
+        local = np.where(graded[1] & ~graded[0], 1 - local, local)
+        places.append(left[:, None] + length * local)
+        of_pieces.append(length * jacobian)
+    place = np.concatenate(places, axis=1)
+    first = (ends[1][:, None] - place) / (ends[1] - ends[0])[:, None]
+    return FacetRule(facets, place[None], np.stack([first, 1 - first]), np.concatenate(of_pieces, axis=1))
+
+
+def _close(s: Array, rough: tuple[float, ...], length: Array) -> Array:
+    """Which coordinates lie at a rough one, up to rounding."""
+    return np.any([abs(s - c) <= TOUCHING * length for c in rough] or [np.zeros(s.shape, dtype=bool)], axis=0)
+
+
+# Cells in which the integrand is not smooth, in 2D: which these are, and rules graded to a vertex or to a line.
+
+Point = tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Line:
+    """{x : direction·x = offset}; MeshError unless the direction is a unit vector."""
+
+    direction: tuple[float, ...]
+    offset: float
+
+    def __post_init__(self) -> None:
+        length = float(np.linalg.norm(self.direction))
+        if abs(length - 1) > TOUCHING:
+            raise MeshError(
+                f"the direction {self.direction} of a line has the length {length:.9g}, expected 1; "
+                "divide it and the offset by its length"
+            )
+
+    @property
+    def tangent(self) -> Array:
+        """The direction turned by a right angle, (2,)."""
+        return np.array([-self.direction[1], self.direction[0]])
+
+    def __str__(self) -> str:
+        terms = " + ".join(f"{c:.4g} x{i}" for i, c in enumerate(self.direction, start=1) if abs(c) > TOUCHING)
+        return f"{{{terms} = {self.offset:.4g}}}"
+
+
+def rough_cells(mesh: Mesh, lines: Sequence[Line], points: Sequence[Point]) -> list[Array]:
+    """The cells at each line and then at each point, which need a rule of their own.
+
+    Raises:
+        MeshError: two lines or points meet one cell, a point is no vertex, or either is given in 3D.
+    """
+    names = [*map(str, lines), *(f"the point {tuple(point)}" for point in points)]
+    if mesh.dim() != 2 and names:
+        raise MeshError(
+            f"cells are cut and graded in 2D only, this 3D solution is rough at {', '.join(names)}; take a contact "
+            "face without `rough`, a material without `steps` and a solution without `singular`"
+        )
+    found = [_touching(mesh, line) for line in lines] + [_around(mesh, point) for point in points]
+    owner = np.full(mesh.t.shape[1], -1)
+    for i, cells in enumerate(found):
+        taken = cells[owner[cells] >= 0]
+        if taken.size:
+            place = ", ".join(f"{x:.3g}" for x in mesh.p[:, mesh.t[:, taken[0]]].mean(axis=1))
+            raise MeshError(
+                f"the cell around ({place}) meets two lines or points at which the solution is rough, "
+                f"{names[owner[taken[0]]]} and {names[i]}, and cells are cut for one only; take a finer level, or "
+                "move them apart where they cross"
+            )
+        owner[cells] = i
+    return found
+
+
+def _touching(mesh: Mesh, line: Line) -> Array:
+    """Cells that a line crosses, or touches at an edge or a vertex: the integrand is singular there, too."""
+    distance = (np.array(line.direction) @ mesh.p - line.offset)[mesh.t]
+    near = TOUCHING * (distance.max(axis=0) - distance.min(axis=0))
+    return np.flatnonzero((distance.min(axis=0) <= near) & (distance.max(axis=0) >= -near))
+
+
+def _around(mesh: Mesh, point: Point) -> Array:
+    """Cells with a singular point as a vertex."""
+    apart = np.linalg.norm(mesh.p - np.array(point)[:, None], axis=0)
+    vertex = int(apart.argmin())
+    here = np.flatnonzero((mesh.t == vertex).any(axis=0))
+    if apart[vertex] > TOUCHING * np.sqrt(cell_volumes(mesh).sum()):
+        raise MeshError(
+            f"the solution is singular at {tuple(point)}, which is not a vertex of the mesh (the nearest is "
+            f"{apart[vertex]:.3g} away); list it as a vertex of the body"
+        )
+    return here
+
+
+def fan_rule(mesh: Mesh, cells: Array, point: Point, degree: int) -> CellRule:
+    """Duffy's rule on cells with a vertex at a point, exact to the degree; r^{-1} is smooth along the rays."""
+    simplices = mesh.t[:, cells]
+    vertex = np.linalg.norm(mesh.p[:, simplices] - np.array(point)[:, None, None], axis=0).argmin(axis=0)
+    simplices = np.take_along_axis(simplices, (vertex + np.arange(3)[:, None]) % 3, axis=0)
+    barycentric, weights = duffy(GRADING * (degree + 2) // 2, degree + 8, GRADING)
+    return CellRule(cells, placed(mesh.p, simplices, barycentric), cell_volumes(mesh)[cells, None] * weights)
+
+
+def cut_rule(mesh: Mesh, cells: Array, line: Line, degree: int) -> CellRule:
+    """Cells cut into slabs between the line and parallels to it through the vertices.
+
+    In coordinates (s, r), s the signed distance from the line and r along it, with vertices sorted by s, a triangle
+    lies between its longest edge in s and the two others. Gauss in r, and in s after the substitution s = c + L ξ^8
+    with c the end of the slab that is nearer to the line.
+    """
+    frame = _Frame.of(mesh, cells, line)
+    slabs = [frame.slab(*_graded(left, right, degree), degree) for left, right in pairwise(frame.ends([0.0]))]
+    return frame.rule(cells, slabs)
+
+
+def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) -> Iterator[CellRule]:
+    """Rules for the cells that fronts meet, cut along them, but for some cells (n,).
+
+    A cell that two fronts of one direction meet is cut along both, one where fronts of two faces cross along the first.
+    """
+    left = np.ones(mesh.t.shape[1], dtype=bool)
+    left[but] = False
+    for direction in dict.fromkeys(front.direction for front in fronts):
+        parallel = [front for front in fronts if front.direction == direction]
+        met = np.zeros((len(parallel), len(left)), dtype=bool)
+        for mine, front in zip(met, parallel, strict=True):
+            mine[_touching(mesh, front)] = True
+        met &= left
+        for pattern in np.unique(met[:, met.any(axis=0)], axis=1).T:
+            cells = np.flatnonzero((met == pattern[:, None]).all(axis=0))
+            here = [front for front, one in zip(parallel, pattern, strict=True) if one]
+            yield sliced_rule(mesh, cells, here, degree)
+        left &= ~met.any(axis=0)
+
+
+def sliced_rule(mesh: Mesh, cells: Array, lines: Sequence[Line], degree: int) -> CellRule:
+    """Cells cut as in ``cut_rule`` along parallel lines, for what is smooth up to each of them: Gauss in s, too."""
+    frame = _Frame.of(mesh, cells, lines[0])
+    ends = frame.ends([line.offset - lines[0].offset for line in lines])
+    x, w = gauss(degree // 2 + 2)
+    widths = np.diff(ends, axis=0)[..., None]
+    slabs = [
+        frame.slab(left[:, None] + width * x, width * w, degree) for left, width in zip(ends, widths, strict=False)
+    ]
+    return frame.rule(cells, slabs)
+
+
+@dataclass(frozen=True, eq=False)
+class _Frame:
+    """Triangles in coordinates (s, r) from a line and along it, vertices sorted by s: (3, n) each."""
+
+    line: Line
+    s: Array
+    r: Array
+
+    @classmethod
+    def of(cls, mesh: Mesh, cells: Array, line: Line) -> _Frame:
+        corners = mesh.p[:, mesh.t[:, cells]]
+        s = np.einsum("d,dvn->vn", np.array(line.direction), corners) - line.offset
+        r = np.einsum("d,dvn->vn", line.tangent, corners)
+        order = np.argsort(s, axis=0)
+        return cls(line, np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0))
+
+    def ends(self, parallels: Sequence[float]) -> Array:
+        """Where slabs end: at vertices and at parallels to the line in some distances, (3 + parallels, n), sorted."""
+        low, high = self.s[0], self.s[2]
+        return np.sort(np.vstack([self.s, *(np.clip(np.full_like(low, s), low, high) for s in parallels)]), axis=0)
+
+    def slab(self, x: Array, weights: Array, degree: int) -> tuple[Array, ...]:
+        """Points s, r and weights, (n, q) each, on the part of the triangles that a rule (n, p) in s covers."""
+        s, (eta, we) = self.s, gauss(degree // 2 + 2)
+        long = self._chord(x, 0, 2)
+        # The last point: the first of a graded rule lies on the end of the slab but for rounding.
+        short = np.where(x[:, -1:] <= s[1][:, None], self._chord(x, 0, 1), self._chord(x, 1, 2))
+        across = long[..., None] + (short - long)[..., None] * eta
+        weights = (weights * abs(short - long))[..., None] * we
+        return tuple(part.reshape(len(x), -1) for part in (np.repeat(x[..., None], len(eta), axis=2), across, weights))
+
+    def rule(self, cells: Array, slabs: Sequence[tuple[Array, ...]]) -> CellRule:
+        """The rule that some slabs make together."""
+        s, r, weights = (np.concatenate(parts, axis=1) for parts in zip(*slabs, strict=True))
+        normal, tangent = np.array(self.line.direction)[:, None, None], self.line.tangent[:, None, None]
+        return CellRule(cells, normal * (s + self.line.offset) + tangent * r, weights)
+
+    def _chord(self, x: Array, low: int, high: int) -> Array:
+        """r on the edge from vertex low to vertex high at s = x, (n, q)."""
+        s, r = self.s, self.r
+        length = s[high] - s[low]
+        slope = np.divide(r[high] - r[low], length, out=np.zeros_like(length), where=length > 0)
+        return r[low][:, None] + slope[:, None] * (x - s[low][:, None])
+
+
+def _graded(left: Array, right: Array, degree: int) -> tuple[Array, Array]:
+    """A rule (n, q) on left < s < right, graded to the end that is nearer to s = 0."""
+    xi, wx = gauss(degree + GRADING)
+    near_left = abs(left) <= abs(right)
+    near, far = np.where(near_left, left, right)[:, None], np.where(near_left, right, left)[:, None]
+    return near + (far - near) * xi**GRADING, abs(far - near) * GRADING * xi ** (GRADING - 1) * wx
+
+
+# Rules that cover every cell of a mesh once, with points that share coordinates along a contact face.
+#
+# The cost of an exact solution is that of its formulas of (s, t). On a mesh without structure no two quadrature points
+# have the same s. Here they are moved to the lines s = jδ, with δ a power of two and 16 to 32 times smaller than the
+# cell (half of that where two faces share), so that cells have coordinates in common. Weights that change as little as
+# possible keep the rule exact for polynomials of the highest degree that so many weights allow, 2 for six points.
+
+BLOCK = 4096
+"""Most ordinary cells in one rule, whose points fit a cache."""
+SHIFT = 1 / 32
+"""Most by which a barycentric coordinate of a point may change."""
+TIE = 1e-9
+"""Added to a binary logarithm before it is rounded down: equal cells get equal spacings in spite of rounding."""
+
+
+def cell_rules(
+    mesh: Mesh, degree: int, lines: Sequence[Line], points: Sequence[Point] = (), along: Sequence[Line] = ()
+) -> list[CellRule]:
+    """Rules that cover every cell once.
+
+    Args:
+        mesh: in 2D or, without lines and points, in 3D.
+        degree: of the rule on ordinary cells, up to 19 in 2D, 8 in 3D; cells at a line or at a point have enough points
+            for the same accuracy away from it.
+        lines: where the integrand is rough.
+        points: vertices of the mesh at which the integrand is singular.
+        along: at most two lines, not parallel; points of ordinary cells get distances from them that many share.
+
+    Raises:
+        MeshError: from ``rough_cells``.
+    """
+    special = rough_cells(mesh, lines, points)
+    made = [partial(cut_rule, mesh, line=line, degree=degree) for line in lines]
+    made += [partial(fan_rule, mesh, point=point, degree=degree) for point in points]
+    rules = [rule(cells=cells) for cells, rule in zip(special, made, strict=True) if cells.size]
+    ordinary = np.ones(mesh.t.shape[1], dtype=bool)
+    ordinary[np.concatenate([*special, np.empty(0, dtype=int)])] = False
+    cells = np.flatnonzero(ordinary)
+    barycentric, weights = simplex_rule(mesh.dim(), degree)
+    volumes = cell_volumes(mesh)[:, None]
+    gradients = barycentric_gradients(mesh) if along else None
+    for block in (cells[start : start + BLOCK] for start in range(0, cells.size, BLOCK)):
+        x, shares = placed(mesh.p, mesh.t[:, block], barycentric), weights
+        if gradients is not None:
+            x, shares = shared(mesh.p[:, mesh.t[:, block]], gradients[block], barycentric, weights, along)
+        rules.append(CellRule(block, x, volumes[block] * shares))
+    return rules
+
+
+def shared(
+    corners: Array, gradients: Array, barycentric: Array, weights: Array, lines: Sequence[Line]
+) -> tuple[Array, Array]:
+    """A rule on triangles whose points have few different distances from some lines: (2, n, q), (n, q) of sum 1.
+
+    Args:
+        corners: (2, 3, n).
+        gradients: ∇λ_i, (n, 3, 2).
+        barycentric, weights: the rule, (3, q) and (q,) of sum 1.
+        lines: one or two, not parallel.
+    """
+    points = np.einsum("dvn,vq->dnq", corners, barycentric)
+    moves = np.linalg.pinv(np.array([line.direction for line in lines])).T
+    limit = min(SHIFT, float(barycentric.min()) / 2) / len(moves)
+    new = np.broadcast_to(barycentric[:, None], (3, *points.shape[1:]))
+    for line, move in zip(lines, moves, strict=True):
+        slopes = gradients @ move
+        # Moving by δ/2 changes λ_i by half of δ ∇λ_i·m.
+        spacing = np.exp2(np.floor(np.log2(2 * limit / abs(slopes).max(axis=1)) + TIE))[:, None]
+        along = np.einsum("d,dnq->nq", line.direction, points) - line.offset
+        shift = np.rint(along / spacing) * spacing - along
+        points = points + move[:, None, None] * shift
+        new = new + slopes.T[..., None] * shift
+    return points, weights + _correction(new, weights)
+
+
+def _correction(barycentric: Array, weights: Array) -> Array:
+    """The least change of weights, relative to them, that restores exactness at points (3, n, q): (n, q)."""
+    degree = (math.isqrt(8 * len(weights) + 1) - 3) // 2
+    monomials, integrals = _monomials(degree)
+    products = np.ones((barycentric.shape[1], len(monomials), len(weights)))
+    for lam, exponents in zip(barycentric, monomials.T, strict=True):
+        powers = lam[:, None] ** np.arange(degree + 1)[:, None]
+        products *= powers[:, exponents]
+    missing = integrals - products @ weights
+    multipliers = np.linalg.solve((products * weights) @ np.swapaxes(products, 1, 2), missing[..., None])
+    return weights * (np.swapaxes(multipliers, 1, 2) @ products)[:, 0]
+
+
+@lru_cache
+def _monomials(degree: int) -> tuple[Array, Array]:
+    """Exponents α of the λ^α with |α| = degree, which span the polynomials of a degree, and their means on T.
+
+    ∫_T λ^α dx = 2|T| α!/(|α| + 2)!.
+    """
+    exponents = [(i, j, degree - i - j) for i in range(degree + 1) for j in range(degree + 1 - i)]
+    means = [2 * math.prod(map(math.factorial, each)) / math.factorial(degree + 2) for each in exponents]
+    return np.array(exponents), np.array(means)
