@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import linregress, t
 
 from study.orders import assert_order, check_orders
+from study.orders.sequences import fitted_order
 from study.orders.values import grid_convergence
 
 
@@ -38,3 +40,12 @@ def test_a_broken_solver_fails_the_assertion() -> None:
     found = check_orders(h, {"L2": np.square(h), "H1": h}, expected={"L2": 2, "H1": 1})
     assert [column.verdict for column in found.values()] == ["holds", "holds"]
     assert "<table>" in found["L2"]._repr_html_()
+
+
+@pytest.mark.parametrize("levels", [3, 4, 7])
+def test_the_interval_of_a_fitted_order_is_that_of_the_regression(levels: int) -> None:
+    h = 2.0 ** -np.arange(levels)
+    errors = h**1.5 * np.random.default_rng(levels).uniform(0.8, 1.2, levels)
+    found = linregress(np.log(h), np.log(errors))
+    half = t.ppf(0.975, levels - 2) * found.stderr
+    assert fitted_order(h, errors) == pytest.approx((found.slope, found.slope - half, found.slope + half))
