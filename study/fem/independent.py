@@ -74,7 +74,7 @@ class LeadingTerm:
 
     def largest(self) -> float:
         """Return the maximum over [0, T], sampled on times that do not depend on when errors are measured."""
-        return max(map(self, np.linspace(0.0, self.T, INSTANTS + 1).tolist()))
+        return float(np.max([self(time) for time in np.linspace(0.0, self.T, INSTANTS + 1).tolist()]))
 
     def __call__(self, time: float) -> float:
         strains = self.fields.strain_gradient(time)

@@ -95,7 +95,7 @@ class Criterion:
 
     def _judge(self, found: Sequence[Measured]) -> Found:
         values, spans = [value for value, _ in found], [span for _, span in found]
-        span = min(low for low, _ in spans), max(high for _, high in spans)
+        span = float(np.min([low for low, _ in spans])), float(np.max([high for _, high in spans]))
         inside = self.window.contains(*span)
         verdict = FAILS if not self.window.contains(*values) else HOLDS if inside else UNDECIDED
         return self.window.worst(values), span, verdict

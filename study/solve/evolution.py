@@ -226,12 +226,14 @@ class ContactStep:
         defect = self.S @ u + self.forces @ multipliers - b
         normal = self.problem.N @ u
         size, force = _largest(u), _largest(multipliers)
-        return max(
+        parts = (
             math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY),
             float(normal.max(initial=0.0)) / size,
             float(-multipliers.min(initial=0.0)) / force,
             float(abs(normal * multipliers).max(initial=0.0)) / (size * force),
         )
+        # NumPy's maximum is NaN if one part is; Python's max may hide it.
+        return float(np.max(parts))
 
 
 def _largest(v: Array) -> float:

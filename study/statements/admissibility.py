@@ -23,6 +23,7 @@ from study.solve.factorisation import Cholesky
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import EVOLVING, SEED, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import maximum
 from study.statements.thm_4_2 import beyond
 
 STEPS = 12
@@ -77,8 +78,8 @@ def largest_violations(setup: Experiment) -> dict[str, float]:
             (problem.N @ state.u).max(initial=0.0),
             beyond(defect, problem.N),
             abs(defect @ state.u),
-            max(*against_v, 0.0),
-            max(*against_tau, 0.0),
+            maximum((*against_v, 0.0)),
+            maximum((*against_tau, 0.0)),
         ]
         size = [abs(state.u).max(), np.linalg.norm(load), work, work, work]
         worst, sizes = np.maximum(worst, now), np.maximum(sizes, size)

@@ -44,7 +44,7 @@ from study.solve.paths import furthest, path
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.meshes import space_of
-from study.statements.shared.norms import Velocity, dual_norm, midpoints
+from study.statements.shared.norms import Velocity, dual_norm, maximum, midpoints
 from study.statements.shared.scope import Scope
 
 DEGREE, RAISED = 2, 6
@@ -108,7 +108,7 @@ def largest_error(v_norm: ErrorNorm, T: float, states: Array) -> float:
     """Return max ‖u − u^h‖_V over about as many nodes as there are instants."""
     steps = len(states) - 1
     nodes = range(0, steps + 1, max(1, steps // INSTANTS))
-    return max(v_norm.distance(v_norm.sample(n * T / steps), states[n]) for n in nodes)
+    return maximum(v_norm.distance(v_norm.sample(n * T / steps), states[n]) for n in nodes)
 
 
 def effect_of_quadrature(solution: ExactSolution, space: Space, problem: SemiDiscrete) -> float:
@@ -117,7 +117,7 @@ def effect_of_quadrature(solution: ExactSolution, space: Space, problem: SemiDis
     for time in midpoints(problem.T, FEW):
         finer, coarser = (load_from_forces(solution, space, time, degree) for degree in (RAISED, DEGREE))
         changes.append(dual_norm(finer - coarser, riesz))
-    return problem.T * max(changes)
+    return problem.T * maximum(changes)
 
 
 def pressure_load(solution: ExactSolution, space: Space, time: float) -> Array:

@@ -33,6 +33,7 @@ from study.solve.paths import furthest, interpolated, last, oscillation, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import maximum, minimum
 
 COUNTS = (4, 8, 16, 32, 64, 128, 256)
 """Numbers of steps: six halvings of k, from k ≫ h to k ≪ h."""
@@ -96,7 +97,7 @@ def errors_and_bounds(problem: SemiDiscrete) -> dict[str, float]:
         k, nodes = problem.T / count, exact[:: FINEST // count]
         states, middle = path(problem, BACKWARD_EULER, count), path(problem, MIDPOINT, count)
         error = furthest(problem, exact, interpolated(states, FINEST))
-        piecewise_constant = max(furthest(problem, exact, side) for side in last(states, FINEST))
+        piecewise_constant = maximum(furthest(problem, exact, side) for side in last(states, FINEST))
         left_by_interpolation = furthest(problem, exact, interpolated(nodes, FINEST))
         midpoint, at_nodes = furthest(problem, exact, interpolated(middle, FINEST)), furthest(problem, nodes, middle)
         numbers = {
@@ -108,5 +109,5 @@ def errors_and_bounds(problem: SemiDiscrete) -> dict[str, float]:
             "midpoint": midpoint / (at_nodes + k / 2 * flow.fastest),
         }
         found |= {f"{count} {name}": number for name, number in numbers.items()}
-    found["reference"] = furthest(problem, exact[::2], half) / min(found[column] for column in columns("error"))
+    found["reference"] = furthest(problem, exact[::2], half) / minimum(found[column] for column in columns("error"))
     return found

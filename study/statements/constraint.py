@@ -23,6 +23,7 @@ from study.ledger.window import Window, at_most
 from study.statements.boundary import Field, distances, planes, waves
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import BODIES, EVERY, IRREGULAR, named, place, space_of
+from study.statements.shared.norms import maximum, minimum
 
 SAMPLES = 40
 """Number of random functions inside K^h, extreme rays, functions outside and smooth fields."""
@@ -55,8 +56,8 @@ class VertexConstraint(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         space, rng = space_of(setting), np.random.default_rng(SEED)
         trace = NormalTrace(space)
-        inside = max(trace.highest(v) / abs(v).max() for v in members(space, rng))
-        outside = min(trace.highest(v) for v in nonmembers(space, rng))
+        inside = maximum(trace.highest(v) / abs(v).max() for v in members(space, rng))
+        outside = minimum(trace.highest(v) for v in nonmembers(space, rng))
         return with_h(space.h, {"members": inside, "strangers": outside})
 
 
@@ -78,7 +79,7 @@ class Interpolant(ListedNumbers):
         space, solution = space_of(setting), resolve(setting.case).solution
         trace, fields = NormalTrace(space), admissible(space.body, np.random.default_rng(SEED))
         nodal = [field(space.mesh.p) for field in fields]
-        smooth = max(violation(trace, space.interpolate(values)) / float(abs(values).max()) for values in nodal)
+        smooth = maximum(violation(trace, space.interpolate(values)) / float(abs(values).max()) for values in nodal)
         return with_h(space.h, {"smooth": smooth, **over_time(trace, solution)})
 
 
@@ -101,7 +102,7 @@ class NormalTrace:
         """Return the largest v_ν over the points."""
         nodal = self.space.nodal(v)
         values = [np.tensordot(normal, nodal[:, facets], axes=1).T @ self.barycentric for normal, facets in self.facets]
-        return float(max(value.max() for value in values))
+        return maximum(value.max() for value in values)
 
 
 def with_trace(space: Space, v: Array, values: Array) -> Array:
@@ -130,7 +131,7 @@ def nonmembers(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 def violation(trace: NormalTrace, v: Array) -> float:
     """Return the largest v_ν on Γ3 or (Nv)_i."""
-    return max(trace.highest(v), float((trace.space.N @ v).max()))
+    return maximum((trace.highest(v), (trace.space.N @ v).max()))
 
 
 def over_time(trace: NormalTrace, solution: ExactSolution) -> dict[str, float]:
@@ -138,10 +139,10 @@ def over_time(trace: NormalTrace, solution: ExactSolution) -> dict[str, float]:
     space, fields = trace.space, solution.at(trace.space.mesh.p)
     fixed = np.unique(np.concatenate([space.vertices(part) for part in space.body.of(Kind.CLAMPED)]))
     values = [fields.displacement(float(time)) for time in np.linspace(0, solution.body.T, INSTANTS)]
-    size = max(float(abs(nodal).max()) for nodal in values)
+    size = maximum(abs(nodal).max() for nodal in values)
     return {
-        "exact": max(violation(trace, space.interpolate(nodal)) for nodal in values) / size,
-        "clamped": max(float(abs(nodal[:, fixed]).max()) for nodal in values) / size,
+        "exact": maximum(violation(trace, space.interpolate(nodal)) for nodal in values) / size,
+        "clamped": maximum(abs(nodal[:, fixed]).max() for nodal in values) / size,
     }
 
 

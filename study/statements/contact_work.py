@@ -235,12 +235,12 @@ SHARE = at_least(0.02, "smooth fronts have 1e-6 … 1e-3")
 
 def share(group: pd.DataFrame) -> Measured:
     """Return the least ratio of the root of the work and the error."""
-    return exactly((group["work"] / group["error"]).min())
+    return exactly((group["work"] / group["error"]).to_numpy().min())
 
 
 def excess_share(group: pd.DataFrame) -> Measured:
     """Return the largest ratio of the excess and the error."""
-    return exactly((group["excess"] / group["error"]).max())
+    return exactly((group["excess"] / group["error"]).to_numpy().max())
 
 
 ON_GRIDS = (

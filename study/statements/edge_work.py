@@ -38,6 +38,7 @@ from study.ledger.verdict import Verdict
 from study.ledger.window import at_least, at_most
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.meshes import space_of
+from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
 EQUAL = 2 / (2 + math.pi**2)
@@ -88,12 +89,12 @@ class EdgeWork(ListedNumbers):
             found[BRANCHES[0]].append(float(np.sum(by_open_part)))
             found[BRANCHES[1]].append(float(np.sum(~by_open_part)))
         counts = {name: sum(found.pop(name)) for name in BRANCHES}
-        return with_h(space.h, {**{name: max(values) for name, values in found.items()}, **counts})
+        return with_h(space.h, {**{name: maximum(values) for name, values in found.items()}, **counts})
 
 
 def rarer_kind(group: pd.DataFrame) -> Measured:
     """Return on how many edges β takes its rarer expression, over all levels."""
-    return exactly(group[list(BRANCHES)].sum().min())
+    return exactly(group[list(BRANCHES)].to_numpy().sum(axis=0).min())
 
 
 BOTH_KINDS = Criterion(

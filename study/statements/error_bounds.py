@@ -76,7 +76,7 @@ from study.solve.steps import rate_steps
 from study.solve.tableau import MIDPOINT
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.norms import Velocity, midpoints
+from study.statements.shared.norms import Velocity, maximum, midpoints
 
 ROUGH = "fixed-front-off-vertex", "rough-1.75", "rough-2", "rough-2.25"
 INSTANTS = 64
@@ -172,14 +172,14 @@ def sides(setup: Experiment) -> dict[str, float]:
     """Return the right side of both bounds over the error, and the error over c · (right side)."""
     v_norm, problem, T = setup.v_norm, setup.problem, setup.problem.T
     states = setup.scheme.march(problem, setup.steps)
-    error = max(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)
+    error = maximum(v_norm.distance(v_norm.sample(state.time), state.u) for state in states)
     start, velocity = v_norm.sample(0.0), Velocity(setup.solution, setup.space)
     times, k = midpoints(T, INSTANTS), T / INSTANTS
     works, squares, pressures = np.sum([contact_terms(setup, face, times) for face in setup.solution.faces], axis=0)
     rate = math.sqrt(k * np.sum(velocity.interpolation_error(times) ** 2))
     common = v_norm.distance(start, start.interpolant) + rate + v_norm.distance(start, problem.u0)
     work = math.sqrt(k * np.sum(abs(works)))
-    trace = math.sqrt(k * np.sum(np.sqrt(squares)) * max(np.sqrt(pressures)))
+    trace = math.sqrt(k * np.sum(np.sqrt(squares)) * np.sqrt(pressures).max())
     right, c = {"(5.21)": common + work, "(5.42)": common + trace}, constant(setup.solution.law, T)
     return {
         **{name: value / error for name, value in {**right, RATE: rate, TRACE: trace}.items()},

@@ -35,6 +35,7 @@ from study.solve.evolution import Scheme
 from study.solve.tableau import MIDPOINT, SCHEMES
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import maximum
 
 COUNTS = (4, 8, 16, 32, 64, 128)
 """Time steps of the tables, so few that the error in time is not hidden by the error in space."""
@@ -89,8 +90,8 @@ def errors(setup: Experiment) -> Iterator[tuple[str, float]]:
             pairs = [
                 (reference[n] - state.u, v_norm.distance(samples[n], state.u)) for n, state in enumerate(at_common)
             ]
-            yield f"{scheme.name} {count} e", max(error for _, error in pairs)
-            yield f"{scheme.name} {count} d", max(math.sqrt(v @ (M @ v)) for v, _ in pairs)
+            yield f"{scheme.name} {count} e", maximum(error for _, error in pairs)
+            yield f"{scheme.name} {count} d", maximum(math.sqrt(v @ (M @ v)) for v, _ in pairs)
 
 
 def observations(scheme: Scheme) -> Iterator[Observation]:

@@ -50,7 +50,7 @@ from study.solve.factorisation import Cholesky
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import named, place, space_of
-from study.statements.shared.norms import dual_norm
+from study.statements.shared.norms import dual_norm, maximum, minimum
 from study.statements.shared.scope import REGULAR
 
 TIMES = (0.23, 0.61, 0.79)
@@ -118,7 +118,8 @@ def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0
     riesz = Cholesky(unloaded(space, solution.law).M)
     fine, prolong = refined(space, halvings)
     raised = degree - (DEGREE if space.dim == 2 else SOLID_DEGREE)
-    worst, v_norm = 0.0, None
+    defects: list[float] = []
+    v_norm = None
     for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
         if v_norm is None or cut is not solution:
@@ -128,8 +129,8 @@ def defect(solution: ExactSolution, space: Space, degree: int, halvings: int = 0
         functionals = load - body - loaded, load + contact, contact, body, loaded
         on_space = [space.interpolate((prolong.T @ fine.nodal(F).T).T) for F in functionals]
         distance, *sizes = [dual_norm(F, riesz) for F in on_space]
-        worst = max(worst, distance / smallest_positive(sizes))
-    return worst
+        defects.append(distance / smallest_positive(sizes))
+    return maximum(defects)
 
 
 def refined(space: Space, halvings: int) -> tuple[Space, sps.csr_array]:
@@ -148,7 +149,8 @@ def refined(space: Space, halvings: int) -> tuple[Space, sps.csr_array]:
 
 def smallest_positive(sizes: Sequence[float]) -> float:
     """Return the smallest size that is not zero up to rounding."""
-    return min(size for size in sizes if size > ROUND_OFF * max(sizes))
+    negligible = ROUND_OFF * maximum(sizes)
+    return minimum(size for size in sizes if not size <= negligible)
 
 
 def square_integrable(case: Case) -> bool:

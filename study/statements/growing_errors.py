@@ -44,7 +44,7 @@ from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.error_bounds import sides
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.norms import norm
+from study.statements.shared.norms import maximum, norm
 from study.statements.solution_divergence import SWEEP, column, columns, even_law, scaled, steps_for
 
 FEWEST = 64
@@ -149,4 +149,4 @@ def in_time(setup: Experiment, law: KelvinVoigt) -> float:
     exact = path(problem, MIDPOINT, FINEST)
     flow = GradientFlow(problem, np.array([problem.load(t) for t in problem.T * np.arange(FINEST + 1) / FINEST]))
     paths = [(steps, path(problem, BACKWARD_EULER, steps)) for steps in COUNTS]
-    return max(furthest(problem, exact, interpolated(u, FINEST)) / flow.a_priori(steps) for steps, u in paths)
+    return maximum(furthest(problem, exact, interpolated(u, FINEST)) / flow.a_priori(steps) for steps, u in paths)

@@ -36,6 +36,7 @@ from study.statements.constitutive_law import derivative, points, tensors
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import largest, unloaded
 from study.statements.shared.meshes import BODIES_WITH_LAWS, EVERY, named, place, space_of
+from study.statements.shared.norms import maximum
 from study.statements.shared.scope import REGULAR
 
 STRAINS = (1e-2, 1.0, 1e2, 1e4)
@@ -74,10 +75,10 @@ class Lipschitz(ListedNumbers):
         found = np.array(list(quotients(space, Operator(problem))))
         steepest, falling = found[:, 0].max(), -found[:, 1].min()
         if isinstance(law.G, Linear):
-            steepest = max(steepest, largest(problem.reference, problem.M))
+            steepest = maximum((steepest, largest(problem.reference, problem.M)))
         if isinstance(law.G, Indefinite):
-            falling = max(falling, largest(-problem.reference, problem.M))
-            steepest = max(steepest, falling)
+            falling = maximum((falling, largest(-problem.reference, problem.M)))
+            steepest = maximum((steepest, falling))
         bound, (kappa, waves) = law.kappa, pointwise(space, law)
         over = {"constant": bound, "pointwise constant": kappa, "waves": waves}
         values = {f"over the {name}": steepest / value for name, value in over.items()}

@@ -57,6 +57,7 @@ from study.solve.paths import furthest, path
 from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.shared.base import ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
+from study.statements.shared.norms import maximum, minimum
 from study.statements.shared.scope import Scope
 
 COUNTS = (4, 8, 16, 32, 64)
@@ -149,7 +150,7 @@ def fully_discrete(setup: Experiment, steps: int) -> float:
     times = setup.problem.T * np.arange(steps + 1) / steps
     states = backward_euler(setup.problem, times.tolist())
     samples = (setup.v_norm.sample(t) for t in times.tolist())
-    return max(setup.v_norm.distance(sample, u) for sample, u in zip(samples, states, strict=True))
+    return maximum(setup.v_norm.distance(sample, u) for sample, u in zip(samples, states, strict=True))
 
 
 def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dict[str, float]:
@@ -169,7 +170,7 @@ def errors_and_shares(problem: SemiDiscrete, kappa: float, growth: float) -> dic
             found[f"{kind} {count} error"] = error
             found[f"{kind} {count} by data"] = error / bounds.by_data(nodes)
             found[f"{kind} {count} by solution"] = error / bounds.by_solution(nodes, states)
-    smallest = min(found[f"{kind} {COUNTS[-1]} error"] for kind in KINDS)
+    smallest = minimum(found[f"{kind} {COUNTS[-1]} error"] for kind in KINDS)
     found["reference"] = furthest(problem, exact[::2], half) / smallest
     return found
 

@@ -26,6 +26,7 @@ amount from mesh to mesh, like log 1/h: there (4.12) does not hold, nor is it cl
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 
 import numpy as np
@@ -44,7 +45,7 @@ from study.solve.factorisation import Cholesky
 from study.statements.shared.base import EVOLVING, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import named, place, space_of
-from study.statements.shared.norms import dual_norm
+from study.statements.shared.norms import dual_norm, maximum
 from study.statements.shared.scope import REGULAR
 
 # f ∈ W^{1,1}(0,T;V).
@@ -146,4 +147,4 @@ def largest_traction(space: Space, setting: Setting) -> float:
         sides.append((part, solution.at(part.point(rule.s)), rule.weights))
     for time in np.linspace(0, solution.body.T, 2 * setting.level + 1):
         squares.append(sum(np.sum(exact.surface_load(part, float(time)) ** 2 * w) for part, exact, w in sides))
-    return float(np.sqrt(max(squares)))
+    return math.sqrt(maximum(squares))

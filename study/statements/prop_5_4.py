@@ -70,6 +70,7 @@ from study.statements.shared import estimates
 from study.statements.shared.base import Setting, Statement
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.meshes import LEADING, in_leading_term, split_irregular
+from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
 # Data file. The README explains the columns.
@@ -145,19 +146,21 @@ def measure(experiment: Experiment) -> Measurement:
     v_norm, problem, M = experiment.v_norm, experiment.problem, experiment.problem.M
     coarse = experiment.scheme.march(problem, experiment.steps)
     history: list[tuple[float, ...]] = []
-    drift, residual, largest = 0.0, 0.0, 0.0
+    drifts: list[float] = []
+    residuals: list[float] = []
+    largest = 0.0
     for n, state in enumerate(experiment.scheme.march(problem, 2 * experiment.steps)):
         sample = v_norm.sample(state.time)
         interpolant, discrete = sample.interpolant, sample.interpolant - state.u
         measured = [v_norm.distance(sample, v) for v in (state.u, interpolant, (state.u + interpolant) / 2)]
         history.append((state.time, *measured[:2], math.sqrt(discrete @ (M @ discrete)), measured[2]))
-        residual = max(residual, state.residual())
+        residuals.append(state.residual())
         if n == 0 or measured[0] > largest:
             largest, worst = measured[0], state
         if n % 2 == 0:
             difference = next(coarse).u - state.u
-            drift = max(drift, math.sqrt(difference @ (M @ difference)))
-    return Measurement(experiment, np.array(history).T, drift, residual, worst)
+            drifts.append(math.sqrt(difference @ (M @ difference)))
+    return Measurement(experiment, np.array(history).T, maximum(drifts), maximum(residuals), worst)
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,7 +252,7 @@ class Measurement:
         )
 
         def relative(steps: int) -> float:
-            drift = max(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
+            drift = maximum(math.sqrt(state.u @ (problem.M @ state.u)) for state in MIDPOINT.march(change, steps))
             return (abs(raised - error) + drift) / error
 
         steps = RESPONSE

@@ -57,7 +57,7 @@ from study.statements.green import (
 )
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import IRREGULAR, named, place, space_of
-from study.statements.shared.norms import midpoints
+from study.statements.shared.norms import maximum, midpoints
 from study.statements.shared.scope import REGULAR
 
 FIELDS = 3
@@ -114,21 +114,20 @@ def rules_for(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
 
 def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
     """Return the largest defects over the times, and |R| over its bound unless nothing touches at any time."""
-    found = dict.fromkeys(("smooth v", "Π^hu − u", "bound"), math.nan)
+    found: dict[str, list[float]] = {"smooth v": [], "Π^hu − u": [], "bound": []}
     for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
         of = terms(cut, space, time, [*smooth_fields(space), interpolation_error(cut, space, time)])
         difference, smooth, small = of.residual - of.contact, slice(FIELDS), slice(FIELDS, None)
-        now = {"bound": of.share}
+        found["bound"] += of.shares.tolist()
         for name, v, sizes in (
             ("smooth v", smooth, (of.stress, of.body, of.loaded, of.contact)),
             ("Π^hu − u", small, (of.stress, of.body, of.loaded)),
         ):
-            now[name] = norm(difference[v]) / smallest_positive([norm(size[v]) for size in sizes])
-        found = {name: float(np.fmax(value, now[name])) for name, value in found.items()}
+            found[name].append(norm(difference[v]) / smallest_positive([norm(size[v]) for size in sizes]))
     if not touches(solution, space):
         del found["bound"]
-    return found
+    return {name: maximum(values) if values else math.nan for name, values in found.items()}
 
 
 @dataclass(frozen=True)
@@ -196,10 +195,10 @@ class Terms:
         return self.stress - self.body - self.loaded
 
     @property
-    def share(self) -> float:
-        """The largest |R| / bound over the v whose bound is not zero up to rounding; not a number if there is none."""
-        given = self.bound > ROUND_OFF * norm(self.stress)
-        return float(np.max(abs(self.residual[given]) / self.bound[given])) if given.any() else math.nan
+    def shares(self) -> Array:
+        """|R| / bound for the v whose bound is not zero up to rounding; none of them where nothing touches."""
+        given = ~(self.bound <= ROUND_OFF * norm(self.stress))
+        return abs(self.residual[given]) / self.bound[given]
 
 
 def terms(solution: ExactSolution, space: Space, time: float, functions: Sequence[FunctionOfV]) -> Terms:

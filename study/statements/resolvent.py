@@ -44,7 +44,7 @@ from study.statements.lipschitz import STRAINS
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import IRREGULAR, LAWS, named, place, space_of
-from study.statements.shared.norms import norm
+from study.statements.shared.norms import maximum, norm
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
@@ -89,9 +89,9 @@ class Resolvent(ListedNumbers):
         found = {"normal cone": normal, "monotone": used}
         for name, sign in (("G", 1.0), ("−G", -1.0)):
             J = Inverse(problem, sign / (2 * L))
-            found[f"onto, {name}"] = max(J.defect(w) for w in random_functions(space, np.random.default_rng(SEED)))
+            found[f"onto, {name}"] = maximum(J.defect(w) for w in random_functions(space, np.random.default_rng(SEED)))
             omega = L if sign < 0 else law.growth
-            found[f"resolvent, {name}"] = max(lipschitz_quotients(space, J)) * (1 - omega / (2 * L))
+            found[f"resolvent, {name}"] = maximum(lipschitz_quotients(space, J)) * (1 - omega / (2 * L))
         return with_h(space.h, found)
 
 
@@ -115,7 +115,7 @@ def monotonicity(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, 
         elastic = problem.elastic(u) - problem.elastic(v)
         square = L * (step @ (problem.M @ step))
         used += [-((part + image) @ step) / square for part in (change, 0 * change) for image in (elastic, -elastic)]
-    return max(normal), max(used)
+    return maximum(normal), maximum(used)
 
 
 def in_graph(space: Space, v: Array, rng: np.random.Generator) -> tuple[Array, Array]:
@@ -157,9 +157,9 @@ class Inverse:
         """
         problem, u = self.problem, self(w)
         terms = problem.M @ w, -problem.M @ u, -self.scale * problem.elastic(u)
-        rest, size, length = np.sum(terms, axis=0), max(map(np.linalg.norm, terms)), np.linalg.norm(u)
+        rest, size, length = np.sum(terms, axis=0), maximum(np.linalg.norm(term) for term in terms), np.linalg.norm(u)
         outside = (problem.N @ u).max() / length
-        return float(max(beyond(rest, problem.N) / size, outside, abs(rest @ u) / (size * length)))
+        return maximum((beyond(rest, problem.N) / size, outside, abs(rest @ u) / (size * length)))
 
 
 def lipschitz_quotients(space: Space, J: Inverse) -> Iterator[float]:

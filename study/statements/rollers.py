@@ -100,6 +100,7 @@ from study.solve.tableau import MIDPOINT
 from study.statements.contact_work import Resolved, pressing_on
 from study.statements.shared.base import ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import space_of
+from study.statements.shared.norms import maximum
 from study.statements.shared.scope import Scope
 
 # Cases and meshes.
@@ -244,11 +245,11 @@ def sides(found: Trajectories) -> dict[str, float]:
     samples = {n: at.v_norm.sample(time) for n, time in times.items()}
 
     def largest_distance(v: Callable[[int], Array]) -> float:
-        return max(at.v_norm.distance(sample, at.inclusion @ v(n)) for n, sample in samples.items())
+        return maximum(at.v_norm.distance(sample, at.inclusion @ v(n)) for n, sample in samples.items())
 
     best, error = largest_distance(lambda n: on.projected(times[n])), largest_distance(found.displacement)
-    nodal = max(float(abs(g + gap(at, n * found.k)).max()) for n, g in enumerate(found.projected))
-    between = max(interpolation_error(at.solution, at.space, time) for time in times.values())
+    nodal = maximum(abs(g + gap(at, n * found.k)).max() for n, g in enumerate(found.projected))
+    between = maximum(interpolation_error(at.solution, at.space, time) for time in times.values())
     force, start = found.k * float(found.forces.sum()), at.v_norm.distance(samples[0], at.inclusion @ on.start)
     growth, work = math.exp(at.solution.law.kappa * T), math.sqrt(2 * (2 * nodal + between) * force)
     right = growth * (best + start + 2 * norm_of_field(on) * nodal + work)

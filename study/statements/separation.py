@@ -42,6 +42,7 @@ from study.statements.constraint import nonmembers
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.eigen import unloaded
 from study.statements.shared.meshes import BODIES, IRREGULAR, named, place, space_of
+from study.statements.shared.norms import maximum, minimum
 from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
@@ -117,13 +118,13 @@ def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) ->
         for sigma in (balanced + tau / 2, *rivals.stresses(load)):
             both = tau + balanced, reflected(sigma, balanced)
             distances += [distance(other) for other in both]
-            quotients.append(min(work(other - sigma, u) for other in both) / (drop / 2))
+            quotients.append(minimum(work(other - sigma, u) for other in both) / (drop / 2))
     return {
-        "cone": max(cones),
-        "least gap": min(gaps),
-        "largest gap": max(gaps),
-        "stresses": max(distances),
-        "refuted": min(quotients),
+        "cone": maximum(cones),
+        "least gap": minimum(gaps),
+        "largest gap": maximum(gaps),
+        "stresses": maximum(distances),
+        "refuted": minimum(quotients),
     }
 
 

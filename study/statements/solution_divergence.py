@@ -44,7 +44,7 @@ from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.constitutive_law import derivative
 from study.statements.shared.base import SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.norms import norm
+from study.statements.shared.norms import maximum, norm
 from study.statements.wellposed import Perturbation, along_the_contact, perturbations, quotients, smooth
 
 SWEEP = tuple((omega, T) for omega in (0.1, 1.0, 10.0) for T in (0.1, 1.0, 10.0) if omega * T <= 10)
@@ -173,4 +173,4 @@ def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
     sideways = Perturbation(np.zeros(space.dofs), 0.0, problem.u0 + field)
     damping = (1 - law.growth * T / steps) ** np.arange(1, steps + 1)
     others = *islice(perturbations(problem, space), KINDS), sideways
-    return float(max((damping * quotients(problem, trajectory, other)).max() for other in others))
+    return maximum((damping * quotients(problem, trajectory, other)).max() for other in others)

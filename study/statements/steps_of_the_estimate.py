@@ -55,7 +55,7 @@ from study.solve.tableau import BACKWARD_EULER, MIDPOINT
 from study.statements.constraint import with_trace
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.norms import ContactWork, Energies
+from study.statements.shared.norms import ContactWork, Energies, maximum
 
 NODES = 12
 """Steps of backward Euler; (5.12) is tested at the end of each."""
@@ -201,9 +201,9 @@ def shares(start: Course, now: Course, L: float) -> tuple[float, float, float, f
     together = 4 * e0 + (10 + 4 * L * t) * eta0 + (2 + 6 * L) * e + (2 + 8 * t + 2 * L * t**2) * eta_rate + 4 * R
     return (
         ratio(now.e, e0 + 2 * (rate + L * mixed + L * e + R)),
-        abs(rate - sum(by_parts)) / max(map(abs, (rate, *by_parts))),
+        abs(rate - sum(by_parts)) / maximum(map(abs, (rate, *by_parts))),
         ratio(now.e, after_young),
-        max(ratio(now.eta, 2 * eta0 + 2 * t * eta_rate), ratio(eta, 2 * t * eta0 + t**2 * eta_rate)),
+        maximum((ratio(now.eta, 2 * eta0 + 2 * t * eta_rate), ratio(eta, 2 * t * eta0 + t**2 * eta_rate))),
         ratio(now.e, together),
     )
 

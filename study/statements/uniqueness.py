@@ -24,7 +24,7 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.norms import norm
+from study.statements.shared.norms import maximum, norm
 from study.statements.thm_4_2_own_space import StressExperiment
 
 STEPS = 12
@@ -154,10 +154,10 @@ class OneStress(ListedNumbers):
     def measure(self, setting: Setting) -> dict[str, float]:
         experiment = StressExperiment.at(setting, STEPS)
         own, weights = stresses(experiment), experiment.space.weights
-        size, found = max(size_of(stress, weights) for stress in own), {}
+        size, found = maximum(size_of(stress, weights) for stress in own), {}
         for name, solver in RIVALS.items():
             pairs = zip(own, stresses(replace(experiment, solver=solver)), strict=True)
-            found[name] = max(size_of(a - b, weights) for a, b in pairs) / size
+            found[name] = maximum(size_of(a - b, weights) for a, b in pairs) / size
         return with_h(mesh_size(experiment.space.mesh), found)
 
 

@@ -20,7 +20,7 @@ from study.solve.signorini import Signorini
 from study.solve.tableau import BACKWARD_EULER
 from study.statements.shared.base import EVOLVING, SEED, SOFTENING, ListedNumbers, Setting, grid, with_h
 from study.statements.shared.experiment import Experiment
-from study.statements.shared.norms import Velocity, dual_norm, norm
+from study.statements.shared.norms import Velocity, dual_norm, maximum, norm
 
 FEW = ("advance-recede", "yield-on-a-part")
 """Linear law and law (3.3), for the quick study."""
@@ -59,7 +59,7 @@ class BoundedVelocity(ListedNumbers):
 def fastest(problem: SemiDiscrete, steps: int) -> float:
     """Return max_n ‖(u_n − u_{n−1})/k‖_V by backward Euler."""
     k, states = problem.T / steps, BACKWARD_EULER.march(problem, steps)
-    return max(norm(problem, (after.u - before.u) / k) for before, after in pairwise(states))
+    return maximum(norm(problem, (after.u - before.u) / k) for before, after in pairwise(states))
 
 
 # Continuous dependence on f and u_0.
@@ -132,7 +132,7 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbatio
 def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]:
     """Yield loads and starts of several sizes; the first, a constant load, alone moves no vertex of Γ3 along ν."""
     rng, riesz, onto = np.random.default_rng(SEED), Cholesky(problem.M), Signorini(problem.M, problem.N)
-    load = max(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
+    load = maximum(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
     for relative in SIZES:
         fields = along_the_contact(problem, smooth(space, rng)), smooth(space, rng), pressing, -pressing

@@ -17,7 +17,7 @@ from manufactured.body import Body
 from manufactured.factor import x1, x2
 from manufactured.problems import problems
 from manufactured.symbols import t
-from study.bound import enclosing
+from study.bound import enclosing, problem
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose
 from study.bound.problem import load_constants
@@ -26,7 +26,7 @@ from study.bound.trajectory import DiscreteSolution, Parabola, SmoothedInTime, c
 from study.fem.mesh import OneDiagonal, Unstructured
 from study.solve.tableau import MIDPOINT
 from study.stresses.composite import CORNERS, SIDES
-from study.stresses.oscillation import cell_constants, side_constants
+from study.stresses.oscillation import cell_constants, loaded_sides, side_constants
 
 LAW = KelvinVoigt(isotropic(1, 0), isotropic(1, 0), "without contraction")
 BODY = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.CLAMPED])
@@ -72,6 +72,30 @@ def test_load_constants_are_above_the_suprema_on_a_fine_mesh_and_close(body: Bod
     mesh = MeshTri.init_tensor(*2 * [np.linspace(0, 1, 13)]) if body is BODY else Unstructured()(body, 6)
     for constant, supremum in zip((found.volume, found.surface), suprema(body, mesh), strict=True):
         assert 1 <= constant / supremum < most
+
+
+def test_load_constants_contain_what_projections_of_loads_leave_out(monkeypatch) -> None:
+    """C² is a sum: with twice the constant c of the rest of a load, C² grows by 3c². No supremum is close enough."""
+
+    def constants_of() -> np.ndarray:
+        found = load_constants.__wrapped__(BODY, LAW.A)
+        return np.array([found.volume, found.surface]) ** 2
+
+    before, largest = constants_of(), []
+
+    def doubled(*args):
+        largest.append(cell_constants(*args).max())
+        return 2 * cell_constants(*args)
+
+    def doubled_sides(*args):
+        sides = list(loaded_sides(*args))
+        largest.append(np.concatenate([constants for *_, constants in sides]).max())
+        return [(*rest, 2 * constants) for *rest, constants in sides]
+
+    monkeypatch.setattr(problem, "cell_constants", doubled)
+    monkeypatch.setattr(problem, "loaded_sides", doubled_sides)
+    assert constants_of() - before == pytest.approx(3 * np.array(largest) ** 2)
+    assert (3 * np.array(largest) ** 2 > 1e-3 * before).all()
 
 
 def on_the_triangle(integrals: Basis, monomials: list[LinearForm]) -> float:

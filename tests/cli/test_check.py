@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import shutil
@@ -24,6 +25,7 @@ from study.ledger.datafiles import DataError, write_csv
 from study.ledger.files import write_text
 from study.present import tables
 from study.present.expected import expected_texts
+from study.run import relations
 from study.run.check import verify
 from study.run.judgement import verdicts
 from study.run.provenance import compare_sums
@@ -420,6 +422,15 @@ def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     assert {"claims.csv", "rates.csv", "hexagon.json", "seeds.csv", "drawn.csv", "ledger.svg", "growth.txt"} <= compared
     suffixes = {Path(name).suffix for name in compared}
     assert suffixes == {".csv", ".json", ".gz", ".svg", ".txt", ".md", ".tex"}
+
+
+@pytest.mark.parametrize(
+    ("stands", "expected", "breaches"),
+    [(1.0, 1.0, 0), (1.0, 2.0, 1), (math.nan, math.nan, 0), (math.nan, 1.0, 1), (1.0, math.nan, 1)],
+)
+def test_a_cell_is_empty_exactly_where_nothing_is_expected(stands: float, expected: float, breaches: int) -> None:
+    table = pd.DataFrame({"order": [1.0, stands]})
+    assert len(list(relations.equal("rates.csv", table, "order", pd.Series([1.0, expected])))) == breaches
 
 
 def test_errors_that_fit_each_other_and_miss_the_claim_fail(own: Path, capsys: pytest.CaptureFixture[str]) -> None:

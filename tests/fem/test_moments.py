@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from operator import attrgetter
 
 import numpy as np
@@ -14,8 +15,9 @@ from manufactured.catalogue import catalogue
 from manufactured.law import LawError, Linear
 from manufactured.multiscale import multiscale, rollers
 from manufactured.natural_motion import natural_motion
+from study.fem import moments
 from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
-from study.fem.mesh import FAMILIES, Unstructured
+from study.fem.mesh import FAMILIES, Shaken, Unstructured
 from study.fem.moments import PointwiseSums, amplitudes_of
 from study.fem.naming import resolve
 from study.fem.quadrature import Line, facet_rule, shared, simplex_rule
@@ -89,6 +91,16 @@ def test_means_and_oscillation_are_those_of_the_strain_at_the_points_of_the_rule
         oscillation += np.einsum("Inq,Inq,nq->", np.tensordot(solution.law.A.matrix, apart, axes=1), apart, weights)
         assert abs(sample.means[:, rule.cells] - mean).max() <= 1e-12 * abs(mean).max()
     assert sample.oscillation == pytest.approx(oscillation, rel=1e-10)
+
+
+def test_both_ways_to_the_energy_agree(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The strain at the points, and a quadratic form of the amplitudes with products of different modes."""
+    solution = resolve("corner").solution
+    space, energies = Space(Shaken()(solution.body, 4), solution.body), []
+    for many in (0.0, math.inf):
+        monkeypatch.setattr(moments, "MANY", many)
+        energies.append(ErrorNorm(solution, space).sample(0.4).oscillation)
+    assert energies[0] == pytest.approx(energies[1], rel=1e-9)
 
 
 @pytest.mark.parametrize("case", ["hexagon", "yield-and-release", "layered", "corner", "cube-two-faces"])

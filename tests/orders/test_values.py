@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.stats import linregress, t
 
 from study.orders import OrderError, assert_order, check_orders, observed_orders
-from study.orders.sequences import grid_convergence
+from study.orders.sequences import fitted_order, grid_convergence
 
 
 @pytest.mark.parametrize(
@@ -46,3 +47,12 @@ def test_errors_without_names_and_complex_errors_are_refused_in_words() -> None:
             check_orders([2, 1], errors)
     with pytest.raises(OrderError, match="complex numbers; give absolute values"):
         observed_orders([2, 1], np.array([4j, 1j]))
+
+
+@pytest.mark.parametrize("levels", [3, 4, 7])
+def test_the_interval_of_a_fitted_order_is_that_of_the_regression(levels: int) -> None:
+    h = 2.0 ** -np.arange(levels)
+    errors = h**1.5 * np.random.default_rng(levels).uniform(0.8, 1.2, levels)
+    found = linregress(np.log(h), np.log(errors))
+    half = t.ppf(0.975, levels - 2) * found.stderr
+    assert fitted_order(h, errors) == pytest.approx((found.slope, found.slope - half, found.slope + half))

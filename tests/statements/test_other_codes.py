@@ -21,7 +21,7 @@ from study.statements.shared.tasks import Task
 
 RESULTS = Path(__file__).parents[2] / "results"
 SETTINGS = grid(("advance-recede", "corner", "rotated"), ("one-diagonal", "shaken"), (8, 16))
-OTHERS = OtherCodes.beside
+OTHERS = OtherCodes.joined_file
 Change = Callable[[pd.DataFrame], pd.DataFrame]
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -14,11 +15,13 @@ from manufactured import named
 from study.fem.mesh import Shaken, Unstructured
 from study.ledger.verdict import FAILS, HOLDS, REPORTED
 from study.solve.tableau import BACKWARD_EULER, SCHEMES
+from study.statements import norms_in_time
 from study.statements.admissibility import largest_violations
 from study.statements.error_bounds import BOUNDS, RATE, TRACE, ErrorBounds, constant, predicted
 from study.statements.fully_discrete import COUNTS, FullyDiscrete, columns
-from study.statements.shared.base import grid
+from study.statements.shared.base import Setting, grid
 from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import space_of
 from study.statements.wellposed import fastest, perturbations, quotients
 
 SHAKEN, UNSTRUCTURED = Shaken(), Unstructured()
@@ -127,3 +130,19 @@ def test_tables_on_coarse_meshes_agree_with_the_predictions_for_the_error_in_tim
         if verdict.key.endswith("time-in-k"):
             assert verdict.expected.endswith("agrees")
             assert verdict.low <= verdict.observed <= verdict.high
+
+
+# (4.12).
+
+
+def test_the_norm_of_the_traction_is_that_at_the_time_when_it_is_largest(monkeypatch: pytest.MonkeyPatch) -> None:
+    """(1, 1) on the boundary of the unit square, five times as much at one of five times."""
+    body = named("full-contact").solution.body
+
+    def at(points: np.ndarray) -> SimpleNamespace:
+        return SimpleNamespace(surface_load=lambda part, time: np.ones(points.shape) * (5 if time == body.T / 2 else 1))
+
+    solution = SimpleNamespace(body=body, at=at)
+    monkeypatch.setattr(norms_in_time, "resolve", lambda name: SimpleNamespace(solution=solution))
+    setting = Setting("full-contact", "one-diagonal", 2)
+    assert norms_in_time.largest_traction(space_of(setting), setting) == pytest.approx(5 * math.sqrt(2 * 4))

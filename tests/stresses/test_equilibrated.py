@@ -31,10 +31,10 @@ from study.solve.steps import StepsError
 from study.solve.tableau import BACKWARD_EULER, BDF2, MIDPOINT, Tableau
 from study.statements.hypercircle import Hypercircle
 from study.statements.shared.base import Setting
-from study.statements.thm_4_2_own_space import QUANTITIES, Exact, OwnSpace, predicted, rules_of
+from study.statements.thm_4_2_own_space import QUANTITIES, Exact, OwnSpace, inadmissible, predicted, rules_of
 from study.stresses.bernstein import bernstein, indices
 from study.stresses.composite import SIDES, alfeld_split, composite, thirds
-from study.stresses.dual import EquilibriumError, StressEvolution, tensor_at
+from study.stresses.dual import DualState, EquilibriumError, StressEvolution, tensor_at
 from study.stresses.hybrid import EquilibratedStress, Equilibrium, act
 from study.stresses.loads import Loads, ProjectedLoads, together
 from study.stresses.stress_space import StressSpace
@@ -516,6 +516,30 @@ def test_measured_quantities_vanish_for_what_is_exact() -> None:
     assert 0 < apart < 0.1 * exact.mean_square(exact.moments(0.5))
     error, best, size = exact.stress(0.5, solution.at(space.points).stress(0.5))
     assert 0.5 * best < error < 2 * best < 0.1 * size
+
+
+@pytest.mark.parametrize(
+    ("kind", "traction", "violation"),
+    [
+        (Kind.CONTACT, (10.0, 0.0), 1.0),  # pulls
+        (Kind.CONTACT, (0.0, 10.0), 1.0),  # along the foundation
+        (Kind.CONTACT, (-10.0, 0.0), 0.0),  # presses
+        (Kind.CLAMPED, (10.0, 10.0), 0.0),
+        (Kind.LOADED, (-10.0, 0.0), 1.0),
+    ],
+    ids=["pull", "friction", "pressure", "clamped", "load"],
+)
+def test_a_traction_that_no_admissible_stress_has_is_measured(
+    kind: Kind, traction: tuple[float, float], violation: float
+) -> None:
+    """All other tractions are at most 1."""
+    space, loads, _, stress = stress_at(resolve("full-contact").solution, OneDiagonal(), 1)
+    scale = abs(stress.tractions).max()
+    edge = next(edges for _, edges in space.on(kind))[0]
+    changed = stress.tractions / scale
+    changed[space.edges == edge] = traction
+    state = DualState(0.4, replace(stress, tractions=changed), np.empty(0), (1 / scale) * loads)
+    assert inadmissible(space, state) == pytest.approx(violation, abs=0.11)
 
 
 def test_the_bound_of_both_errors_is_never_below_them() -> None:

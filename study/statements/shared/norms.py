@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,16 @@ from study.solve.evolution import SemiDiscrete
 def midpoints(T: float, count: int) -> Array:
     """Return the nodes of the composite midpoint rule on (0, T), each of weight T/count."""
     return (np.arange(count) + 0.5) * T / count
+
+
+def maximum(values: Iterable[float | np.floating[Any]]) -> float:
+    """Return the largest value; NaN if one value is NaN, which Python's ``max`` hides unless it comes first."""
+    return float(np.max([*values]))
+
+
+def minimum(values: Iterable[float | np.floating[Any]]) -> float:
+    """Return the smallest value; NaN if one value is NaN."""
+    return float(np.min([*values]))
 
 
 def norm(problem: SemiDiscrete, v: Array) -> float:

@@ -34,6 +34,7 @@ from study.solve.evolution import SemiDiscrete, State
 from study.solve.signorini import ContactSolver
 from study.solve.solver_choice import contact_solver
 from study.solve.tableau import MIDPOINT
+from study.statements.shared.norms import maximum
 
 FROZEN_TIMES = 0.15, 0.55, 0.9
 """Default times of frozen problems in units of T: in no case is one a time of a jump, or of a front at a vertex of
@@ -101,7 +102,7 @@ class Task:
     def error(self, times: Sequence[float]) -> float:
         """Return the largest ‖u(t) − u^h‖_V of the frozen problems at some times in units of T."""
         frozen = [part * self.solution.body.T for part in times]
-        return max(self.v_norm.distance(self.v_norm.sample(t), self.static(t)) for t in frozen)
+        return maximum(self.v_norm.distance(self.v_norm.sample(t), self.static(t)) for t in frozen)
 
     def march(self, steps: int) -> tuple[SemiDiscrete, Iterator[State]]:
         """Return Problem 5.1 from the interpolant of u_0, and its states by the midpoint rule, the start first."""
@@ -113,7 +114,7 @@ class Task:
         """Return the largest ‖u(t_n) − u_n‖_V for n ≥ 1."""
         _, states = self.march(steps)
         next(states)
-        return max(self.v_norm.distance(self.v_norm.sample(state.time), state.u) for state in states)
+        return maximum(self.v_norm.distance(self.v_norm.sample(state.time), state.u) for state in states)
 
     def resultants(self, time: float) -> Array:
         """Return Σ_i ∫ p φ_i over the vertices off Γ1 of each piece of Γ3, (pieces,)."""

@@ -1,0 +1,206 @@
+"""A value that is not a number makes its row fail, wherever it stands among the values of which a maximum is taken.
+
+Python's ``max`` and ``min`` hide NaN unless it comes first; pandas leaves it out.
+"""
+
+from __future__ import annotations
+
+import ast
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from measured_rows import measured, verdicts
+
+from study.fem.independent import LeadingTerm
+from study.fem.naming import resolve
+from study.ledger.criterion import Criterion, among
+from study.ledger.verdict import FAILS, HOLDS, UNDECIDED
+from study.ledger.window import at_most
+from study.solve.evolution import ContactStep, SemiDiscrete, State
+from study.solve.tableau import MIDPOINT
+from study.statements import contact_work, edge_work, lipschitz, solution_divergence, superclose, wellposed
+from study.statements.green import smallest_positive
+from study.statements.prop_5_4 import FirstOrder, measure
+from study.statements.shared.base import ListedNumbers, Setting
+from study.statements.shared.experiment import Experiment
+from study.statements.shared.meshes import space_of
+from study.statements.shared.norms import maximum, minimum
+
+STATEMENTS = Path(superclose.__file__).parent
+NAN = math.nan
+TOUCHING = Setting("full-contact", "one-diagonal", 8)
+
+
+@pytest.mark.parametrize("place", range(3))
+def test_extremes_of_values_with_nan_are_nan(place: int) -> None:
+    values = [1.0, 2.0, 3.0]
+    assert (maximum(values), minimum(values), smallest_positive([0.0, *values])) == (3.0, 1.0, 1.0)
+    values[place] = NAN
+    assert all(math.isnan(extreme(values)) for extreme in (maximum, minimum, smallest_positive))
+
+
+def builtin_extremes(path: Path) -> Iterator[ast.Call]:
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id in ("max", "min"):
+            yield node
+
+
+def is_constant(node: ast.expr) -> bool:
+    """A number, a name in capitals, or the smallest positive float."""
+    named = isinstance(node, ast.Name) and node.id.isupper()
+    return named or isinstance(node, ast.Constant) or ast.unparse(node) == "np.finfo(float).tiny"
+
+
+NOT_MEASURED = {
+    "own_cases.py": "levels, and the room in a hint",
+    "pictures.py": "drawn, not judged",
+    "scope.py": "levels",
+    "thm_4_2_own_space.py": "predicted orders",
+    "interpolation.py: min((float(table[REGULARITY].min()) for table in groups.values()))": "predicted regularity",
+    "error_bounds.py: max(2 + L * T, on_rate)": "constants of the law",
+    "growing_errors.py: max((a * b for a, b in SWEEP))": "a constant",
+    "growing_errors.py: max(FEWEST, steps_for(solution.law, solution.body.T))": "a number of steps",
+    "wellposed.py: max(12, math.ceil(4 * omega * solution.body.T))": "a number of steps",
+    "advancing_front.py: max(1, steps // INSTANTS)": "a number of steps",
+    "rollers.py: max(1, found.steps // SAMPLED_PARTS)": "a number of steps",
+    "eigen.py: min(LANCZOS, len(start))": "a number of vectors",
+    "fully_discrete.py: min(COUNTS)": "numbers of steps",
+    "estimates.py: max(SMALL, displacement(dim, n, 'shaken'))": "memory",
+    "prop_5_4.py: min(MORE * steps, 2 * experiment.steps)": "a number of steps",
+    "recomputed.py: max(norms[0], TINY * norms.max())": "norms.max() is NaN where norms[0] is not",
+}
+"""Files and calls of ``max`` and ``min`` that no measured value can make NaN, and why."""
+
+
+def test_measured_values_do_not_pass_through_the_extremes_of_python() -> None:
+    """max(x, c) with a constant c returns NaN if x is; any other call may hide it."""
+    found = set()
+    for path in sorted(STATEMENTS.rglob("*.py")):
+        for call in builtin_extremes(path):
+            clamped = len(call.args) == 2 and is_constant(call.args[1])
+            if path.name not in NOT_MEASURED and not clamped:
+                found.add(f"{path.name}: {ast.unparse(call)}")
+    assert found == {name for name in NOT_MEASURED if ":" in name}
+
+
+def nan_at(call: int, function: Callable[..., Any]) -> Callable[..., Any]:
+    """The function, whose result of one call is NaN."""
+    calls = count()
+    return lambda *args: NAN * function(*args) if next(calls) == call else function(*args)
+
+
+@pytest.mark.parametrize(
+    ("statement", "setting", "module", "name", "call", "quantity", "key"),
+    [
+        (superclose.Superclose(), TOUCHING, superclose, "norm", 5, "discrete error", "order"),
+        (superclose.Superclose(), TOUCHING, superclose, "norm", 4, "time share", "time-share"),
+        (lipschitz.Lipschitz(), TOUCHING, lipschitz, "largest", 0, "over the constant", "pointwise"),
+        (wellposed.BoundedVelocity(), TOUCHING, wellposed, "norm", 3, next(iter(wellposed.STEPS)), "bounded"),
+    ],
+    ids=lambda value: value if isinstance(value, str) else "",
+)
+def test_one_value_that_is_nan_makes_the_row_fail(
+    monkeypatch: pytest.MonkeyPatch,
+    statement: ListedNumbers,
+    setting: Setting,
+    module: Any,
+    name: str,
+    call: int,
+    quantity: str,
+    key: str,
+) -> None:
+    monkeypatch.setattr(module, name, nan_at(call, getattr(module, name)))
+    rows = measured(statement, [setting])
+    assert quantity in set(rows["quantity"][rows["value"].isna()])
+    more = [rows.assign(level=setting.level * 2**n, h=rows["h"] / 2**n) for n in range(1, 3)]
+    assert verdicts(statement, pd.concat([rows, *more]))[key] == FAILS
+
+
+def test_the_growth_of_differences_is_nan_if_it_is_for_one_other_start(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(solution_divergence, "quotients", nan_at(2, solution_divergence.quotients))
+    setup = Experiment.at(Setting("softening", "shaken", 2), MIDPOINT, 1)
+    assert math.isnan(solution_divergence.over_bound(setup, setup.solution.law, 0.1))
+
+
+@dataclass(frozen=True)
+class Damaged:
+    """The midpoint rule with one wrong state: that of a node of the trajectory with so many steps."""
+
+    steps: int
+    node: int
+    wrong: Callable[[State], State]
+    name: str = MIDPOINT.name
+    order: float = MIDPOINT.order
+
+    def march(self, problem: SemiDiscrete, steps: int) -> Iterator[State]:
+        for n, state in enumerate(MIDPOINT.march(problem, steps)):
+            yield self.wrong(state) if (n, steps) == (self.node, self.steps) else state
+
+
+@pytest.mark.parametrize("node", [1, 2])
+@pytest.mark.parametrize(
+    ("factor", "wrong", "column", "key"),
+    [
+        (2, lambda state: replace(state, residual=lambda: NAN), "residual", "residual"),
+        (1, lambda state: replace(state, u=NAN * state.u), "time_share", "time-share"),
+    ],
+    ids=["residual", "difference of two trajectories"],
+)
+def test_a_nan_at_one_node_makes_a_row_of_the_propositions_fail(
+    factor: int, wrong: Callable[[State], State], column: str, key: str, node: int
+) -> None:
+    case, steps = resolve(TOUCHING.case), 4
+    setup = Experiment.at(TOUCHING, MIDPOINT, steps)
+    setup = replace(setup, scheme=Damaged(factor * steps, node, wrong))
+    row = measure(setup).row(case.name, TOUCHING.family, TOUCHING.level)
+    assert math.isnan(row[column])
+    rows = pd.DataFrame([row]).assign(claim=case.proposition, expected_order=case.order)
+    assert verdicts(FirstOrder(), rows)[key] == FAILS
+
+
+def test_the_residual_of_a_contact_step_is_nan_if_one_part_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Complementarity comes last: 1e200 · 1e200 overflows, and ∞/∞ is NaN."""
+    setup = Experiment.at(TOUCHING, MIDPOINT, 2)
+    step = ContactStep(setup.problem, MIDPOINT, 0.5)
+    u, multipliers = np.zeros(len(setup.problem.u0)), np.zeros(setup.problem.N.shape[0])
+    row = setup.problem.N[[0]]
+    u[row.indices], multipliers[0] = -1e200 * row.data, 1e200
+    with np.errstate(all="ignore"):
+        assert math.isnan(step._residual(u, multipliers, step.S @ u + step.forces @ multipliers))
+
+
+def test_the_leading_term_is_nan_if_it_is_at_one_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(LeadingTerm, "__call__", lambda self, time: NAN if time > 0.5 else 1.0)
+    assert math.isnan(
+        LeadingTerm(resolve("no-contact").solution, space_of(Setting("no-contact", "shaken", 2))).largest()
+    )
+
+
+def test_a_range_with_nan_in_one_family_does_not_hold() -> None:
+    criterion = Criterion("a", "a", at_most(2.0), lambda group: among(1.0, group["value"].to_numpy()), ("value",))
+    groups = {name: pd.DataFrame({"h": 1.0, "value": [1.0, value]}) for name, value in (("b", 1.0), ("c", 1.5))}
+    assert criterion.verdict(superclose.Superclose(), "case", groups).verdict == HOLDS
+    groups["c"] = groups["c"].assign(value=[1.0, NAN])
+    assert criterion.verdict(superclose.Superclose(), "case", groups).verdict == UNDECIDED
+
+
+@pytest.mark.parametrize("column", ["work", "excess"])
+def test_a_share_of_the_work_of_contact_is_nan_if_it_is_on_one_level(column: str) -> None:
+    group = pd.DataFrame({"work": [1.0, 2.0], "excess": [1.0, 2.0], "error": 1.0})
+    group.loc[0, column] = NAN
+    measure_share = contact_work.share if column == "work" else contact_work.excess_share
+    assert math.isnan(measure_share(group)[0])
+
+
+def test_a_number_of_edges_is_nan_if_it_is_on_one_level() -> None:
+    group = pd.DataFrame({name: [3.0, 4.0] for name in edge_work.BRANCHES})
+    assert edge_work.rarer_kind(group)[0] == 7.0
+    group.loc[1, edge_work.BRANCHES[0]] = NAN
+    assert math.isnan(edge_work.rarer_kind(group)[0])
