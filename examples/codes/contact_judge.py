@@ -3,13 +3,10 @@
     python contact_judge.py TASKS ANSWERS [--tolerance X] [--json] [--junit FILE]      errors, classes and causes
     python contact_judge.py --unpack TASKS DIR                                         the tasks as text files
 
-TASKS is a directory of files *.json.xz in the format contact-task 2 or 1 (docs/reference/tasks.md). ANSWERS has for the
-task NAME.json.xz a file NAME/u.txt: one line for each step, with the displacements u_x u_y (u_z) of vertex after
-vertex, in the units of the task. Optional files beside it (pressure.txt, forces.txt, status.txt, resultant.txt) hold
-what the code itself reports about contact. From Python, ``answer`` drives a code and ``assess`` judges it
-(docs/how-to/verify-a-contact-code.md).
-
-Exit codes: 0 every series passes, 1 one fails, 2 usage or input, 3 one is undecided.
+TASKS holds files *.json.xz in the format contact-task 2 or 1 (docs/reference/tasks.md), ANSWERS for the task
+NAME.json.xz a file NAME/u.txt: one line for each step, with u_x u_y (u_z) of vertex after vertex, and optionally what
+the code reports about contact. From Python, ``answer`` drives a code and ``assess`` judges it
+(docs/how-to/verify-a-contact-code.md). Exit codes: 0 all series pass, 1 one fails, 2 usage or input, 3 undecided.
 
 Norms are ‖v‖_V = (A ε(v), ε(v))^½. The exact strain is known by its means ε̄ over the cells and by one number for each
 step, ∫ A (ε − ε̄)·(ε − ε̄): the error of a function with strains constant on cells depends on nothing else.
@@ -36,51 +33,43 @@ from xml.etree import ElementTree
 import numpy as np
 
 EXACT = 1e-5
-"""Distance from the solution in K^h, relative to the discretisation error, up to which a code is exact for P1: what
-iterations are stopped at. A contact law that tends to the right one leaves more on meshes anybody uses."""
+"""Distance from the solution in K^h over the discretisation error up to which a code is exact for P1: what iterations
+are stopped at. A contact law that tends to the right one leaves more on meshes anybody uses."""
 FALLS, LEAST_FALL = 0.5, 0.2
-"""Order from which on a distance falls; with its negative it grows. Half of the order of the error: where the error has
-the order 0.5, a distance falls from 0.25 on, and never below the second number."""
+"""Order from which on a distance falls; with its negative it grows. Half of the order of the error, which may be less
+than 1, but never below the second number."""
 PRESSURE_FALLS = 2 / 3
-"""Order from which on the error of the pressure falls, or that of the solution in K^h if it falls more slowly. A vertex
-that is not held leaves an error on the size h of Γ3, whose norm in L² has the order ½, between .4 and .6 on shaken
-meshes. The solution in K^h had .87 or more up to n = 32, but from one random mesh to the next, 32 to 64, down to .1."""
+"""Order from which on the error of the pressure falls, or that of the solution in K^h if it falls more slowly: .87 or
+more up to n = 32, but from one random mesh to the next down to .1. A vertex that is not held has .4 to .6."""
 MESHES = 3
 """Meshes without which nothing is said of an order: on two, what falls fast hides what does not fall."""
-NEGLIGIBLE = 0.01
-"""Distance relative to the discretisation error up to which one that grows is not wrong: what is made of so little
-(quadrature, iterations) need not fall in every step."""
-NO_CONTACT = 0.9
-"""Relative error of the pressure from which on a code is wrong: no contact at all has 1."""
+NEGLIGIBLE, NO_CONTACT = 0.01, 0.9
+"""Part of the discretisation error up to which a distance that grows is not wrong (quadrature, iterations); relative
+error of the pressure from which on a code is wrong, where no contact has 1."""
 OTHER_EQUATIONS, FEW_FORCES = 0.1, 1e-3
 """Part of the load that is left where no force may be, from which on a code is wrong (an elastic body of another
 stiffness, say; methods of Nitsche's kind leave up to some hundredths), and from which on it is mentioned."""
-LARGE_PRESSURE = 3
-"""Times the error of K^h from which on the pressure of a consistent code is mentioned."""
 NEXT_TO_NOTHING = 0.1
-"""Part of the force that the solution in K^h has at a vertex, up to which the vertex is idle, and part of the largest
-pressure from which on it is asked."""
-NECESSARY = 0.15
-"""Distance of an order from that of the solution in K^h that is still the same."""
-AGREES = 1e-6
-"""Relative difference up to which what a code reports agrees with its displacements: six digits in a text file."""
-NAMED, HINTED = 1e-3, 0.05
-"""Part of the residual that a cause may leave to be most likely, and to be a hint."""
+"""Part of the force of the solution in K^h up to which a vertex is idle; part of the largest pressure to be asked."""
+NECESSARY, LARGE_PRESSURE = 0.15, 3
+"""Distance of an order from that of the solution in K^h that is still the same; times the error of K^h from which on
+the pressure of a consistent code is mentioned."""
+AGREES, NAMED, HINTED = 1e-6, 1e-3, 0.05
+"""Relative difference up to which what a code reports agrees with its displacements: six digits in a text file; part of
+the residual that a cause may leave to be most likely, and to be a hint."""
 EQUATIONS_HOLD, CONTACT_HOLDS = 1e-7, 1e-10
-"""Forces relative to the load, where none may be, up to which the equations inside the body hold; and differences of
-contact forces, relative to the largest, up to which no cause is looked for."""
-ROUGH = 1.0
-"""‖ε(v)‖ h / ‖v‖ from which on a difference v changes from vertex to vertex; π h for the smoothest on a unit square."""
-LARGEST_SOLVE = 1500
-"""Components of u up to which the judge solves the contact problem itself, to try causes in the contact algorithm."""
+"""Forces over the load where none may be, and differences of contact forces over the largest, that need no cause."""
+ROUGH, LARGEST_SOLVE = 1.0, 1500
+"""‖ε(v)‖ h / ‖v‖ from which on a difference v changes from vertex to vertex (π h for the smoothest on a unit square);
+components of u up to which the judge solves the contact problem itself, to try causes in the contact algorithm."""
 GOOD = EXACT_CLASS, CONSISTENT = "exact for P1", "consistent"
 UNPACK = {".xz": lzma.decompress, ".gz": gzip.decompress}
-VERSIONS = 1, 2
 REPORTS = "pressure", "forces", "status", "resultant"
+ODD = "is multiplied by the factor"
 
 
 class TaskError(ValueError):
-    """A task, an answer or an option cannot be used; the message says what was given and what was expected."""
+    """A task, an answer or an option cannot be used."""
 
 
 class Task:
@@ -88,20 +77,17 @@ class Task:
 
     Attributes:
         name: of the file.
-        data: as it was read, arrays as lists.
-        vertices, cells: (n, d), (cells, d + 1).
+        data: as it was read, arrays as lists; ``vertices`` (n, d), ``cells`` (cells, d + 1), ``dim`` is d.
         stiffness: C of the static steps for every cell, Mandel, (cells, D, D): G, in a march A/k + G/2.
-        clamped: numbers of the vertices at which u = 0.
-        count: number of steps.
+        clamped: numbers of the vertices at which u = 0; ``count`` is the number of steps.
 
-    Raises:
-        TaskError: the data are no task, with the key that is missing or has another shape.
+    Data that are no task raise TaskError, which names the key that is missing or has another shape.
     """
 
     def __init__(self, name: str, data: dict) -> None:
         if not isinstance(data, dict):
             raise TaskError(f"{name} holds a JSON {type(data).__name__}, expected a task (an object); remove the file")
-        if data.get("format") != "contact-task" or data.get("version") not in VERSIONS:
+        if data.get("format") != "contact-task" or data.get("version") not in (1, 2):
             given = f"{data.get('format')} {data.get('version')}"
             raise TaskError(f"{name} is {given}, expected contact-task 1 or 2; remove the file or export it again")
         self.name, self.data = name, data
@@ -117,12 +103,14 @@ class Task:
         self.vertices, self.cells = np.array(data["vertices"], float), np.array(data["cells"], int)
         self.clamped, self.scale = np.array(data["clamped"], int), float(data["scale"])
         self.marches, self.count = data["mode"] == "march", len(data["steps"])
-        self.A, self.G = (self._tensor(data["law"][name]) for name in "AG")
+        self.dim = self.vertices.shape[1]
+        laws = ((np.array(data["law"][name]["factor"], float), data["law"][name]["matrix"]) for name in "AG")
+        tensors = (np.broadcast_to(f, len(self.cells))[:, None, None] * np.array(matrix, float) for f, matrix in laws)
+        self.A, self.G = tensors
         self.stiffness = self.A / data["step"] + self.G / 2 if self.marches else self.G
         corners = self.vertices[self.cells]
         edges = np.swapaxes(corners[:, 1:] - corners[:, :1], 1, 2)
-        d = self.vertices.shape[1]
-        self.volumes = np.linalg.det(edges) / (1, 1, 2, 6)[d]
+        self.volumes = np.linalg.det(edges) / (1, 1, 2, 6)[self.dim]
         inverse = np.linalg.inv(edges)
         self.gradients = np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
 
@@ -134,16 +122,17 @@ class Task:
             raise ValueError(f"cell {int(np.argmin(self.volumes))} has no positive volume, or a number is negative")
         if not self.count or len(judge) != self.count or not self.scale > 0:
             raise ValueError(f"{self.count} steps, {len(judge)} objects to judge them by, and the scale {self.scale}")
-        wanted = [(steps, "load", n), (judge, "displacement", n), (judge, "reference", n), (judge, "strain", strains)]
-        wanted += [
+        own = ([self.data], "start", n) if self.marches else (steps, "initial_stress", strains)
+        of_judge = [
+            (judge, "displacement", n),
+            (judge, "reference", n),
+            (judge, "strain", strains),
             (judge, "rest", ()),
-            ([self.data], "start", n) if self.marches else (steps, "initial_stress", strains),
         ]
-        for key, shape, values in (
-            (key, shape, np.array(one[key], float)) for all_, key, shape in wanted for one in all_
-        ):
-            if values.shape != shape or not np.isfinite(values).all():
-                raise ValueError(f"{key!r} has the shape {values.shape} or no finite numbers, expected {shape}")
+        for objects, key, shape in [(steps, "load", n), own, *of_judge]:
+            values = np.array([one[key] for one in objects], float)
+            if values.shape[1:] != shape or not np.isfinite(values).all():
+                raise ValueError(f"{key!r} has the shape {values.shape[1:]} or no finite numbers, expected {shape}")
         sizes = [len(vertices) for _, vertices, _ in self.pieces()]
         if not sizes or [len(gap) for gap in self.gaps()] != sizes or np.concatenate(self.gaps()).min() < 0:
             raise ValueError(f"'contact' needs pieces with as many gaps >= 0 as vertices, {sizes}")
@@ -160,15 +149,6 @@ class Task:
         except (OSError, EOFError, ValueError, lzma.LZMAError, zlib.error, RecursionError) as error:
             raise TaskError(f"{path} is no JSON: {error}") from error
         return cls(path.name.partition(".json")[0], data)
-
-    @property
-    def dim(self) -> int:
-        """2 or 3."""
-        return self.vertices.shape[1]
-
-    def _tensor(self, constants: dict) -> np.ndarray:
-        factor = np.broadcast_to(np.array(constants["factor"], float), len(self.cells))
-        return factor[:, None, None] * np.array(constants["matrix"], float)
 
     def strain(self, u: np.ndarray) -> np.ndarray:
         """Return ε(u) on the cells, Mandel, (cells, D), from values at the vertices (n, d)."""
@@ -207,8 +187,9 @@ class Task:
         result = []
         for piece in self.data["contact"]:
             facets, normal = np.array(piece["facets"], int), np.array(piece["normal"], float)
-            mass = np.zeros(len(self.vertices))
-            np.add.at(mass, facets, facet_sizes(self.vertices, facets)[:, None] / self.dim)
+            edges, mass = self.vertices[facets[:, 1:]] - self.vertices[facets[:, :1]], np.zeros(len(self.vertices))
+            sizes = np.sqrt(np.linalg.det(edges @ np.swapaxes(edges, 1, 2))) / (1, 1, 2)[self.dim - 1]
+            np.add.at(mass, facets, sizes[:, None] / self.dim)
             vertices = np.array(piece["vertices"], int)
             result.append((normal, vertices, mass[vertices]))
         return result
@@ -229,6 +210,10 @@ class Task:
         """Return the exact pressure at the constraints, (steps, m)."""
         return np.array([np.concatenate([np.array(p, float) for p in one["pressure"]]) for one in self.data["judge"]])
 
+    def references(self) -> np.ndarray:
+        """Return the solutions in K^h of all steps, (steps, n, d), for loads that are not scaled."""
+        return np.array([one["reference"] for one in self.data["judge"]], float)
+
     def sums(self, forces: np.ndarray) -> np.ndarray:
         """Return the sum of forces at the constraints (steps, m) over each piece, (steps, pieces)."""
         ends = np.cumsum([len(piece["vertices"]) for piece in self.data["contact"]])[:-1]
@@ -240,9 +225,8 @@ class Task:
 
     def scaled(self, factor: float) -> Task:
         """Return the task with gaps times ``factor``, which belongs to loads times ``factor``."""
-        other = copy.copy(self)
-        pieces = zip(self.data["contact"], self.gaps(), strict=True)
-        contact = [piece | {"gap": (factor * gap).tolist()} if gap.any() else piece for piece, gap in pieces]
+        other, pieces = copy.copy(self), zip(self.data["contact"], self.gaps(), strict=True)
+        contact = [piece | {"gap": (factor * gap).tolist()} for piece, gap in pieces]
         other.data = {**self.data, "contact": contact}
         return other
 
@@ -257,11 +241,7 @@ def _weight(i: int, j: int) -> float:
 
 
 def read_tasks(directory: Path) -> list[Task]:
-    """Return all tasks of a directory; files are compared with SHA256SUMS if it is there.
-
-    Raises:
-        TaskError: there is no task, a file is no task, or SHA256SUMS has a bad line, a missing or a changed file.
-    """
+    """Return all tasks of a directory; TaskError unless all are readable and as SHA256SUMS says, if it is there."""
     directory = Path(directory)
     if not directory.is_dir():
         raise TaskError(f"{directory} is no directory, expected one that `study export` has written")
@@ -269,20 +249,16 @@ def read_tasks(directory: Path) -> list[Task]:
         _check_sums(directory)
     paths = sorted(directory.glob("*.json*"))
     if not paths:
-        raise TaskError(f"{directory} holds no *.json.xz; write tasks there with `study export CASE --out {directory}`")
+        raise TaskError(f"{directory} holds no *.json.xz; write them there with `study export CASE --out {directory}`")
     tasks = [Task.read(path) for path in paths]
-    for path, name in zip(paths[1:], (task.name for task in tasks), strict=False):
-        if path.name.partition(".json")[0] == name:
-            raise TaskError(f"two files of {directory} hold the task {name}; remove one of them")
+    if len({task.name for task in tasks}) < len(tasks):
+        raise TaskError(f"two files of {directory} have the same name but for .xz or .gz; remove one of them")
     return tasks
 
 
 def _check_sums(directory: Path) -> None:
     path = directory / "SHA256SUMS"
-    try:
-        lines = path.read_text(encoding="utf-8").splitlines()
-    except (OSError, ValueError) as error:
-        raise TaskError(f"{path} cannot be read: {error}; remove it or export the tasks again") from error
+    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
     for number, line in enumerate(lines, 1):
         parts = line.split(maxsplit=1)
         if len(parts) != 2:
@@ -316,26 +292,24 @@ def write_answer(directory: Path, task: Task, u: np.ndarray, **reports: np.ndarr
 
 def read_answer(directory: Path, task: Task) -> np.ndarray:
     """Return the displacements of an answer, (steps, n, d); TaskError if they cannot be read."""
-    path = Path(directory) / task.name / "u.txt"
-    return _numbers(path, task.count, task.vertices.size).reshape(task.count, *task.vertices.shape)
+    return _numbers(Path(directory) / task.name / "u.txt", (task.count, *task.vertices.shape))
 
 
 def read_reports(directory: Path, task: Task) -> dict[str, np.ndarray]:
     """Return what the code itself reports: name in ``REPORTS`` ↦ (steps, values), for the files that are there."""
-    place, total = Path(directory) / task.name, sum(len(vertices) for _, vertices, _ in task.pieces())
-    sizes = dict.fromkeys(REPORTS, total) | {"resultant": len(task.data["contact"])}
-    there = {name: place / f"{name}.txt" for name in REPORTS if (place / f"{name}.txt").exists()}
-    return {name: _numbers(path, task.count, sizes[name]) for name, path in there.items()}
+    sizes = dict.fromkeys(REPORTS, len(task.constraints()[0])) | {"resultant": len(task.data["contact"])}
+    paths = {name: Path(directory) / task.name / f"{name}.txt" for name in REPORTS}
+    return {name: _numbers(path, (task.count, sizes[name])) for name, path in paths.items() if path.exists()}
 
 
-def _numbers(path: Path, lines: int, columns: int) -> np.ndarray:
+def _numbers(path: Path, shape: tuple[int, ...]) -> np.ndarray:
     try:
         values = np.loadtxt(path, ndmin=2)
     except (OSError, ValueError) as error:
         raise TaskError(f"there is no answer {path} that can be read: {error}") from error
-    if values.size != lines * columns:
-        raise TaskError(f"{path} has {values.size} numbers, expected {lines} lines of {columns}")
-    return values.reshape(lines, columns)
+    if values.size != np.prod(shape):
+        raise TaskError(f"{path} has {values.size} numbers, expected {shape[0]} lines of {math.prod(shape[1:])}")
+    return values.reshape(shape)
 
 
 @dataclass(frozen=True)
@@ -343,19 +317,16 @@ class Errors:
     """What one answer leaves on one mesh, the largest over the steps.
 
     Attributes:
-        error: ‖u − u^h‖_V; ``best`` the same of the solution in K^h.
-        discrete: ‖Π^h u − u^h‖_V.
+        error: ‖u − u^h‖_V; ``best`` the same of the solution in K^h; ``discrete`` is ‖Π^h u − u^h‖_V.
         distance: from the solution in K^h, in V.
         pressure: ‖p − p^h‖ in L²(Γ3) over the largest ‖p‖, p^h from what balances the nodes; ``best_pressure`` of K^h.
-        penetration: largest u_ν − gap on Γ3 over the largest |u|. With linear elements and flat faces it is as large
-            at vertices as between them.
+        penetration: largest u_ν − gap on Γ3 over the largest |u|; on flat faces P1 is nowhere deeper than at vertices.
         resultant: largest |∫ p − Σ λ_i| over the largest ∫ p.
         tangential: largest force on Γ3 along it, and on nodes off Γ3 at all, over the largest load: other equations.
         idle: vertices on which the solution in K^h presses and this one does not, over all steps together.
-        shift: (a |Ω|)^½ / L times the largest |u| on Γ1, a the mean of tr A / D and L the diameter of the body: with it
-            the distance sees rigid motions, which have no strain.
-        on_clamp: largest |u| on Γ1 over the largest |u| of the solution in K^h.
-        at_vertices: largest |u − u^h| at a vertex, exact u, over the largest |u|; ``from_best`` from the K^h solution.
+        shift: (a |Ω|)^½ / L times the largest |u| on Γ1, a the mean of tr A / D, L the diameter: it sees rigid motions.
+        on_clamp, at_vertices, from_best: largest |u| on Γ1, distance of vertex values from the exact ones, and from
+            those of the solution in K^h, over its largest |u|.
     """
 
     error: float
@@ -382,19 +353,14 @@ class Errors:
 def measure(task: Task, u: np.ndarray) -> Errors:
     """Judge the answer to one task, (steps, n, d)."""
     if not np.isfinite(u).all():
-        best = measure(task, task.scale * references(task)).best
+        best = measure(task, task.scale * task.references()).best
         return Errors(np.inf, best, *[np.inf] * 7, shift=np.inf, on_clamp=np.inf, at_vertices=np.inf, from_best=np.inf)
-    mine, best = (Equations(task, v) for v in (u / task.scale, references(task)))
+    mine, best = (Equations(task, v) for v in (u / task.scale, task.references()))
     rows = np.array([_in_v(task, one, v) for one, v in zip(task.data["judge"], mine.u, strict=True)])
     values = np.max(rows, axis=0)
     pressure, *others = _contact(mine)
     numbers = (*values[:4], pressure, _contact(best)[0], *others)
     return Errors(*map(float, numbers), idle(mine, best), *map(float, values[4:]))
-
-
-def references(task: Task) -> np.ndarray:
-    """Return the solutions in K^h of all steps, (steps, n, d), for loads that are not scaled."""
-    return np.array([one["reference"] for one in task.data["judge"]], float)
 
 
 def _in_v(task: Task, exact: dict, u: np.ndarray) -> list[float]:
@@ -403,7 +369,7 @@ def _in_v(task: Task, exact: dict, u: np.ndarray) -> list[float]:
     interpolant = np.array(exact["displacement"], float)
     to_means = [task.norm(means - task.strain(v)) for v in (u, reference)]
     nodes = [task.norm(task.strain(v - u)) for v in (interpolant, reference)]
-    largest = max(abs(references(task)).max(), 1e-300)
+    largest = max(abs(task.references()).max(), 1e-300)
     values = [abs(v).max(initial=0) / largest for v in (u[task.clamped], u - interpolant, u - reference)]
     a = np.trace(task.A, axis1=1, axis2=2).mean() / task.A.shape[1]
     shift = np.sqrt(a * task.volumes.sum()) / np.linalg.norm(np.ptp(task.vertices, axis=0)) * largest * values[0]
@@ -414,11 +380,10 @@ def _contact(equations: Equations) -> list[float]:
     """Return pressure error, penetration, error of the resultant, forces out of balance; all relative."""
     task, lam, mass = equations.task, equations.lam, equations.task.constraints()[2]
     p, total = task.exact_pressures(), np.array([one["resultant"] for one in task.data["judge"]], float)
-    on_clamp = [
-        equations.u[:, np.setdiff1d(np.array(piece["facets"], int), vertices)] @ normal
-        for piece, (normal, vertices, _) in zip(task.data["contact"], task.pieces(), strict=True)
-    ]
-    deepest = max(0.0, equations.gap.max(), *(gap.max(initial=0) for gap in on_clamp))
+    deepest = max(0.0, equations.gap.max())
+    for piece, (normal, vertices, _) in zip(task.data["contact"], task.pieces(), strict=True):
+        on_clamp = np.setdiff1d(np.array(piece["facets"], int), vertices)
+        deepest = max(deepest, (equations.u[:, on_clamp] @ normal).max(initial=0))
     errors = np.sqrt((lam / mass - p) ** 2 @ mass).max(), deepest, abs(task.sums(lam) - total).max()
     sizes = np.sqrt(p**2 @ mass).max(), abs(equations.u).max(), abs(total).max()
     return [float(a / max(b, 1e-300)) for a, b in zip(errors, sizes, strict=True)] + [equations.size(equations.total)]
@@ -450,15 +415,10 @@ class Report:
 
 
 def judge_reports(task: Task, u: np.ndarray, reports: dict[str, np.ndarray]) -> list[Report]:
-    """Judge reported pressures, nodal forces, contact status and resultants of one task.
+    """Judge what a code reports with its displacements: names in ``REPORTS`` ↦ values (steps, m or pieces).
 
-    Args:
-        task: the task.
-        u: the displacements of the same answer, (steps, n, d).
-        reports: names in ``REPORTS`` ↦ values (steps, m), m the vertices of all pieces, or the pieces for resultants.
-
-    Each is compared with the nodal forces that balance u; a pressure passes as well if its error is at most
-    ``LARGE_PRESSURE`` times that of these forces, since there are several ways to recover a pressure.
+    Each is compared with the nodal forces that balance u (steps, n, d); a pressure may also have up to
+    ``LARGE_PRESSURE`` times their error, as there are several ways to recover it.
     """
     if unknown := set(reports) - set(REPORTS):
         raise TaskError(f"unknown report {', '.join(sorted(unknown))}, expected {', '.join(REPORTS)}")
@@ -491,15 +451,15 @@ def _compare(task: Task, name: str, mine: np.ndarray, wanted: np.ndarray) -> tup
     apart = abs(mine - wanted).max() / largest
     if apart <= AGREES:
         return True, f"reported {name}: agrees with what balances the displacements, up to {apart:.0e}"
+    factor, ends = float((mine * wanted).sum() / max((wanted**2).sum(), 1e-300)), np.ones_like(mass)
+    ends[mass < 0.75 * np.median(mass)] = 0.5
     mistakes = [("has the reversed sign", -wanted), ("is that of the step before", np.roll(wanted, 1, axis=0))]
-    factor = float((mine * wanted).sum() / max((wanted**2).sum(), 1e-300))
     mistakes.append((f"is {factor:.4g} times the right one", factor * wanted))
     if name != "resultant":
-        ends = np.where(mass < 0.75 * np.median(mass), 0.5, 1.0)
         mistakes.append(("takes full areas at the ends of the face, where half are right", wanted * ends))
         mistakes.append(("takes half areas at the ends of the face twice", wanted / ends))
-        other = ("is a force, expected force over area", wanted * mass)
-        mistakes.append(other if name == "pressure" else ("is a pressure, expected pressure times area", wanted / mass))
+        mistakes.append(("is a force, expected force over area", wanted * mass))
+        mistakes.append(("is a pressure, expected pressure times area", wanted / mass))
     if name == "pressure":
         errors = [np.sqrt((p - task.exact_pressures()) ** 2 @ mass).max() for p in (mine, wanted)]
         if errors[0] <= LARGE_PRESSURE * errors[1]:
@@ -530,41 +490,29 @@ class Cause:
 def diagnose(tasks: list[Task], answers: list[np.ndarray]) -> str:
     """Return the most likely cause of a difference from the solutions in K^h as a sentence; "" if there is none.
 
-    Args:
-        tasks: tasks whose answers differ, from coarse to fine; the first two are used.
-        answers: their answers, (steps, n, d).
-
-    Causes are tried one by one: the equations inside the body with one term changed, then the contact algorithm with
-    one part changed. A cause is named if it leaves at most ``NAMED`` of the residual on both meshes; causes that
-    explain the answers equally well are all named, except factors without a meaning next to those with one.
+    The first two tasks whose answers differ are used. Causes are tried one by one, in the equations inside the body or,
+    if these hold, in the contact algorithm. A cause is named if it leaves at most ``NAMED`` of the residual on both
+    meshes; causes that explain the answers equally well are all named.
     """
     task, u = tasks[0], answers[0]
     for one, values in zip(tasks, answers, strict=True):
         if not np.isfinite(values).all():
             step = int(np.argmin(np.isfinite(values).all(axis=(1, 2))))
-            return (
-                f"The answer to {one.name} is not a number in step {step + 1} of {one.count}: the solver failed there"
-            )
-    exact, u = references(task), u / task.scale
+            return f"The answer to {one.name} is not a number in step {step + 1}: the solver failed there"
+    exact, u = task.references(), u / task.scale
     if moved := _rigid_motion(task, u, exact):
         return moved
     equations = Equations(task, u)
-    causes = {cause.key: cause for cause in _tried(equations)}
+    causes = {cause.key: cause for cause in equations.tried()}
     if len(tasks) > 1:
-        again = {cause.key: cause for cause in _tried(Equations(tasks[1], answers[1] / tasks[1].scale))}
+        again = {cause.key: cause for cause in Equations(tasks[1], answers[1] / tasks[1].scale).tried()}
         same = [(cause, again.get(key)) for key, cause in causes.items()]
         causes = {one.key: max(one, two or one, key=lambda c: c.rank) for one, two in same if two or not again}
     if named := _name(list(causes.values())):
         return named
-    if digits := _few_digits(answers[0]):
-        return f"Perhaps: {digits}, so that displacements differ by {abs(u - exact).max() / abs(exact).max():.0e}"
-    return _solver_tolerance(equations, exact) or _unexplained(list(causes.values()), equations)
-
-
-def _tried(equations: Equations) -> Iterator[Cause]:
-    if equations.size(equations.total) <= EQUATIONS_HOLD:
-        return contact_causes(equations)
-    return equations.tilted() if equations.only_on_contact() else equations.causes()
+    size = equations.size(equations.total)
+    where = f"forces of {size:.2g} of the load are left" if size > EQUATIONS_HOLD else "the contact algorithm differs"
+    return _solver_tolerance(equations, exact) or f"No single cause that was tried explains it: {where}"
 
 
 def _name(causes: list[Cause]) -> str:
@@ -583,43 +531,22 @@ def _name(causes: list[Cause]) -> str:
     return f"{'Most likely' if certain else 'Perhaps'}: {names[0]} {numbers}"
 
 
-def _unexplained(causes: list[Cause], equations: Equations) -> str:
-    """Return where forces are left, if no cause explains them."""
-    none, size = "No single cause that was tried explains it", equations.size(equations.total)
-    if size <= EQUATIONS_HOLD:
-        return f"{none}: the equations inside the body hold, so look at the contact algorithm"
-    place = "along the contact face" if equations.only_on_contact() else "inside the body or on other faces"
-    return f"{none}: forces of {size:.2g} of the load are left {place}"
-
-
-def _few_digits(u: np.ndarray) -> str:
-    """Return what shows that the numbers of an answer have few digits; "" if they have not."""
-    if (u == u.astype(np.float32)).all():
-        return "the answer has single precision"
-    sample = u.ravel()[:: max(1, u.size // 300)]
-    few = (n for n in range(2, 9) if all(float(f"{x:.{n}g}") == x for x in sample))
-    return "".join(f"the answer is written with {n} digits" for n in list(few)[:1])
-
-
 def _rigid_motion(task: Task, u: np.ndarray, exact: np.ndarray) -> str:
     """Return the cause where u on Γ1 is not zero: a rigid motion of the body, or vertices that are not held."""
     largest = abs(exact).max()
     on_clamp = abs(u[:, task.clamped]).max(axis=(0, 2)) / largest
     if on_clamp.max() <= AGREES:
         return ""
-    modes = [np.tile(e, (len(u[0]), 1)) for e in np.eye(task.dim)]
-    for i, j in pairs(task.dim)[task.dim :]:
-        turned = np.zeros_like(task.vertices)
-        turned[:, i], turned[:, j] = -task.vertices[:, j], task.vertices[:, i]
-        modes.append(turned)
+    axes, x = np.eye(task.dim), task.vertices
+    turns = [(x[:, i : i + 1] * axes[j] - x[:, j : j + 1] * axes[i]) for i, j in pairs(task.dim)[task.dim :]]
+    modes = [np.tile(axis, (len(x), 1)) for axis in axes] + turns
     columns = np.array([mode[task.clamped].ravel() for mode in modes]).T
-    fits = [np.linalg.lstsq(columns, v[task.clamped].ravel(), rcond=None)[0] for v in u]
-    motion = np.array([np.tensordot(fit, modes, 1) for fit in fits])
+    fits = np.linalg.lstsq(columns, u[:, task.clamped].reshape(len(u), -1).T, rcond=None)[0].T
+    motion = np.tensordot(fits, modes, 1)
     apart, without = (abs(v - exact).max() / largest for v in (u - motion, u))
     fit = max(fits, key=lambda one: abs(one).max())
-    by = f"by ({', '.join(f'{x:.3g}' for x in fit[: task.dim])})"
-    turn = f" and turned by {abs(fit[task.dim :]).max():.3g}" if abs(fit[task.dim :]).max() > 1e-9 * largest else ""
-    named = _name([Cause("rigid", f"the body is moved rigidly {by}{turn}", apart, without)])
+    by = f"by ({', '.join(f'{x:.3g}' for x in fit[: task.dim])}), turned by {abs(fit[task.dim :]).max():.2g}"
+    named = _name([Cause("rigid", f"the body is moved rigidly {by}", apart, without)])
     free = task.clamped[on_clamp > AGREES]
     held = f"u is up to {on_clamp.max():.2g} of the largest displacement on Γ1, where it must be 0"
     return f"{named}; {held}" if named else f"{held} ({len(free)} vertices, first {free[0]})"
@@ -628,14 +555,14 @@ def _rigid_motion(task: Task, u: np.ndarray, exact: np.ndarray) -> str:
 class Equations:
     """Forces that an answer leaves where none may be, split into the terms of the equations.
 
-    Attributes:
-        task, u: the task and the displacements (steps, n, d), loads not scaled; ``before`` are those of the last step.
-        full: forces out of balance (steps, n, d); ``total`` is zero on Γ1 and without what contact faces may carry.
-        lam, gap: nodal contact forces λ, least squares where faces meet, and u_ν − gap, (steps, m).
+    ``u`` are the displacements (steps, n, d), loads not scaled, ``before`` those of the step before; ``full`` are the
+    forces out of balance, ``total`` without what Γ1 and contact faces may carry; ``lam`` and ``gap`` are nodal contact
+    forces, least squares where faces meet, and u_ν − gap, (steps, m).
     """
 
     def __init__(self, task: Task, u: np.ndarray) -> None:
-        self.task, self.u, self.before = task, u, self._before(task, u)
+        self.task, self.u, self.first = task, u, task.start()[None] / task.scale
+        self.before = np.concatenate([self.first, u[:-1]]) if task.marches else 0 * u
         self.strain, self.strain_before = self._strains(u), self._strains(self.before)
         self.load = np.array([np.array(one["load"], float) for one in task.data["steps"]]) / task.scale
         self.history = 0 * task.G
@@ -658,10 +585,6 @@ class Equations:
         self.total = self.left(self.full)
         self.lam, self.gap = np.einsum("smi,mi->sm", self.full[:, vertices], self.carry), task.distances(u)
 
-    @staticmethod
-    def _before(task: Task, u: np.ndarray) -> np.ndarray:
-        return np.concatenate([task.start()[None] / task.scale, u[:-1]]) if task.marches else 0 * u
-
     def _strains(self, u: np.ndarray) -> np.ndarray:
         return np.array([self.task.strain(v) for v in u])
 
@@ -675,7 +598,7 @@ class Equations:
         C is the stiffness, H the factor of the old strain, u and before the displacements, stress the initial stress.
         """
         if u is not None and before is None and self.task.marches:
-            before = self._before(self.task, u)
+            before = np.concatenate([self.first, u[:-1]])
         strain = self.strain if u is None else self._strains(u)
         if stress is None:
             old = self.strain_before if before is None else self._strains(before)
@@ -696,14 +619,19 @@ class Equations:
 
     def only_on_contact(self) -> bool:
         """Return whether forces are left along the contact faces alone."""
-        inside = self.total.copy()
-        inside[:, self.on_contact] = 0
+        inside = np.delete(self.total, self.on_contact, axis=1)
         return self.size(inside) <= max(EQUATIONS_HOLD, 1e-4 * self.size(self.total))
+
+    def tried(self) -> Iterator[Cause]:
+        """Return all causes that the forces out of balance leave possible."""
+        if self.size(self.total) <= EQUATIONS_HOLD:
+            return contact_causes(self)
+        return self.tilted() if self.only_on_contact() else self.causes()
 
     def causes(self) -> Iterator[Cause]:
         """Yield every cause inside the body with its residual."""
         without, count = self.size(self.total), self.task.count
-        for key, sentence, changed in (*self._other_loads(), *self._other_laws(), *self._other_displacements()):
+        for key, sentence, changed in (*self._other_laws(), *self._other_data()):
             forces = changed if isinstance(changed, np.ndarray) else self.forces(**changed)
             yield Cause(key, sentence, self.size(self.left(forces)), without)
         for key, words, forces in self._terms():
@@ -741,11 +669,8 @@ class Equations:
             rate, mean = self.strain - self.strain_before, (self.strain + self.strain_before) / 2
             yield "viscous", "the viscous stress A ε(u̇) (or 1/k)", -self.internal(_times(task.A / self.k, rate))
             yield "elastic", "the elastic stress G ε(u)", -self.internal(_times(task.G, mean))
-            for name, H in (("viscous", -task.A / self.k), ("elastic", task.G / 2)):
-                yield f"{name} history", f"the {name} part of {old}", -self.internal(_times(H, self.strain_before))
         else:
             yield "units", ", or the stiffness is too small by this factor", elastic
-            yield "traction", "the traction on Γ2, whose work the load contains already,", self._traction()
         voigt = "the shear part of the stiffness (√2 of Mandel's or γ = 2ε of Voigt's components)"
         yield "shear:rows", voigt, -self.internal(_times(C, self.strain) * shear)
         yield "shear:columns", voigt, -self.internal(_times(C, self.strain * shear))
@@ -756,31 +681,6 @@ class Equations:
             group = f"shear:{i}{j}" if i == j >= task.dim else f"entry {i}{j}"
             yield group, voigt if i == j >= task.dim else words, -self.internal(_times(entry, self.strain))
 
-    def _traction(self) -> np.ndarray:
-        """Return the work of the tractions on Γ2 at the vertices, zero where a task has none."""
-        task, result = self.task, np.zeros_like(self.load)
-        for n, step in enumerate(task.data["steps"]):
-            for part, values in zip(task.data.get("loaded", ()), step.get("traction", ()), strict=False):
-                facets, t = np.array(part["facets"], int), np.array(values, float) / task.scale
-                share = facet_sizes(task.vertices, facets) / task.dim / (task.dim + 1)
-                np.add.at(result[n], facets, (t + t.sum(axis=1, keepdims=True)) * share[:, None, None])
-        return result
-
-    def _shifted(self, values: np.ndarray, by: int) -> np.ndarray:
-        """Return the values of the step ``by`` steps earlier, of the first or last step at the ends."""
-        return values[np.clip(np.arange(len(values)) - by, 0, len(values) - 1)]
-
-    def _other_loads(self) -> Iterator[tuple[str, str, Any]]:
-        """Yield loads and initial stresses of another step or with other axes."""
-        for by, words in ((1, "of the step before"), (-1, "of the next step")):
-            yield f"load {by}", f"the load {words} is used", self.full - self.load + self._shifted(self.load, by)
-            if not self.task.marches:
-                stress = self._shifted(self.stress, by)
-                yield f"stress {by}", f"the initial stress {words} is used", {"stress": stress}
-        if self.task.marches:
-            older = np.concatenate([self.before[:1], self.before[:-1]])
-            yield "u_{n-2}", "the history is that of the step before last, u_{n-2}", {"before": older}
-
     def _other_laws(self) -> Iterator[tuple[str, str, dict]]:
         """Yield other stiffnesses C, factors H of the old strain, and exchanged axes."""
         task = self.task
@@ -790,7 +690,6 @@ class Equations:
         if task.marches:
             k, place = self.k, "in place of the midpoint rule"
             yield "scheme", f"backward Euler is used {place}", {"C": A / k + G, "H": -A / k}
-            yield "explicit", f"the elastic stress is taken at the old time {place}", {"C": A / k, "H": G - A / k}
             yield "elastic law", "the viscous stress is missing: σ = G ε(u)", {"C": G, "H": 0 * G}
             yield "viscous law", "the elastic stress is missing: σ = A ε(u̇)", {"C": A / k, "H": -A / k}
             yield "A and G", "A and G are exchanged", {"C": G / k + A / 2, "H": A / 2 - G / k}
@@ -803,104 +702,79 @@ class Equations:
             yield "A + G", "A + G is used in place of G", {"C": A + G}
             yield "factor", "`factor` of the law is forgotten", {"C": g}
         if task.dim == 2:
-            for i, other in enumerate(_plane_stress(C)):
-                yield f"plane stress:{i}", "plane stress is used in place of plane strain", {"C": other}
+            yield "plane stress", "plane stress is used in place of plane strain", {"C": _plane_stress(C)}
         for i, by in enumerate((np.sqrt(2), np.sqrt(0.5), 2.0, 0.5)):
             w = np.where(np.arange(D) < task.dim, 1.0, by)
             words = f"rows and columns of shear in the stiffness are multiplied by {by:.4g} (Voigt for Mandel?)"
             yield f"shear:both {i}", words, {"C": C * np.multiply.outer(w, w)}
         for i, j in pairs(task.dim)[task.dim :]:
-            order = _exchanged(i, j, task.dim)
+            new, of = {i: j, j: i}, {frozenset(pair): k for k, pair in enumerate(pairs(task.dim))}
+            order = [of[frozenset((new.get(a, a), new.get(b, b)))] for a, b in pairs(task.dim)]
             name = f"axes {i + 1} and {j + 1} are exchanged in the"
             yield f"axes:{i}{j}", f"{name} stiffness", {"C": C[:, order][:, :, order]}
             yield f"axes of stress:{i}{j}", f"{name} initial stress or history", {"stress": self.stress[..., order]}
 
-    def _other_displacements(self) -> Iterator[tuple[str, str, dict]]:
-        """Yield the displacements that the answer may stand for."""
+    def _other_data(self) -> Iterator[tuple[str, str, Any]]:
+        """Yield loads, initial stresses and histories of another step, and what the displacements may stand for."""
         task, u = self.task, self.u
-        swapped = u[..., [1, 0, 2][: task.dim]]
+        for by, words in ((1, "of the step before"), (-1, "of the next step")):
+            steps = np.clip(np.arange(task.count) - by, 0, task.count - 1)
+            yield f"load {by}", f"the load {words} is used", self.full - self.load + self.load[steps]
+            if not task.marches:
+                yield f"stress {by}", f"the initial stress {words} is used", {"stress": self.stress[steps]}
         by_axis = u.reshape(task.count, task.dim, -1).swapaxes(1, 2)
-        yield "components", "u_x and u_y are exchanged in the answer", {"u": swapped}
+        yield "components", "u_x and u_y are exchanged in the answer", {"u": u[..., [1, 0, 2][: task.dim]]}
         yield "order", "the answer has all u_x before all u_y, expected vertex after vertex", {"u": by_axis}
-        deformed = u - task.vertices / task.scale
-        yield "places", "the answer has deformed coordinates, expected displacements", {"u": deformed}
-        yield "numbers", "the answer begins with the last vertex, or skips one", {"u": np.roll(u, -1, axis=1)}
+        places = u - task.vertices / task.scale
+        yield "places", "the answer has deformed coordinates, expected displacements", {"u": places}
         if task.count > 1:
             yield "increments", "the answer has increments, expected totals", {"u": np.cumsum(u, axis=0)}
         if task.marches:
-            whole = [task.start() / task.scale]
+            older = np.concatenate([self.before[:1], self.before[:-1]])
+            yield "u_{n-2}", "the history is that of the step before last, u_{n-2}", {"before": older}
+            whole = [*self.first]
             for middle in u:
                 whole.append(2 * middle - whole[-1])
-            sentence = "u at the middle of the step is written, expected u at its end"
-            yield "middle", sentence, {"u": np.array(whole[1:])}
+            yield "middle", "u at the middle of the step is written, not at its end", {"u": np.array(whole[1:])}
 
     def _in_one_step(self, n: int) -> Iterator[Cause]:
         """Yield causes that act in step n alone, the only one whose equations do not hold."""
-        at, old = f"in step {n + 1} alone", "the stress of the previous step"
-        if n == 0 and self.task.marches:
-            at, old = "in the first step", "the stress of `start`"
-        yield self._multiplied(
-            "stress once", f"{at} {old if self.task.marches else 'the initial stress'}", -self.initial, slice(n, n + 1)
-        )
-        yield self._multiplied("load once", f"{at} the load", self.load, slice(n, n + 1))
+        at, steps = f"in step {n + 1} alone", slice(n, n + 1)
+        old = "the stress of the previous step (of `start` in step 1)" if self.task.marches else "the initial stress"
+        yield self._multiplied("stress once", f"{at} {old}", -self.initial, steps)
+        yield self._multiplied("load once", f"{at} the load", self.load, steps)
         if n and self.task.marches:
-            before = self.before.copy()
-            before[n] = self.before[n - 1]
-            sentence = f"{at} the history is that of the step before last (a repeated or failed step?)"
-            yield Cause(
-                "u_{n-2} once", sentence, self.size(self.left(self.forces(before=before))), self.size(self.total)
-            )
+            before = np.concatenate([self.before[:n], self.before[n - 1 : n], self.before[n + 1 :]])
+            words = f"{at} the history is that of the step before last (a repeated or failed step?)"
+            yield Cause("u_{n-2} once", words, self.size(self.left(self.forces(before=before))), self.size(self.total))
 
     def tilted(self) -> Iterator[Cause]:
-        """Yield causes of forces along the contact face: friction, or normals that are tilted at some vertices."""
-        at, along = self.on_contact, abs(self.total[:, self.on_contact]).max(axis=2)
-        wrong = np.flatnonzero(along.max(axis=0) > 1e-4 * along.max())
-        left, angles, axis = 0.0, [], np.zeros(self.task.dim)
+        """Yield the cause of forces along the contact face: friction, or normals that are tilted at some vertices."""
+        along = abs(self.total[:, self.on_contact]).max(axis=2)
+        wrong, left, angles = np.flatnonzero(along.max(axis=0) > 1e-4 * along.max()), 0.0, []
         for k in wrong:
-            forces = self.full[:, at[k]]
-            direction = np.linalg.svd(forces)[2][0]
-            left = max(left, abs(forces - np.outer(forces @ direction, direction)).max())
-            cosine = np.linalg.norm(direction - self.project[k] @ direction)
-            angles.append(float(np.arccos(min(cosine, 1.0))))
-            axis = direction
-        named = f"vertices {', '.join(map(str, at[wrong][:5]))}"
-        sentence = (
-            f"the normal at {named} is tilted by {max(angles):.3g}: contact acts along ±({axis[0]:.3g}, {axis[1]:.3g})"
-        )
-        if len(wrong) > 1:
-            sentence = f"friction, or normals tilted by {min(angles):.3g} to {max(angles):.3g} at {named}"
-        pressed = (along[:, wrong] > 1e-6 * along.max()).sum(axis=0).max(initial=0)
-        if pressed > 1:
+            forces = self.full[:, self.on_contact[k]]
+            axis = np.linalg.svd(forces)[2][0]
+            left = max(left, float(abs(forces - np.outer(forces @ axis, axis)).max()))
+            angles.append(np.arcsin(min(np.linalg.norm(self.project[k] @ axis), 1.0)))
+        named = f"vertices {', '.join(map(str, self.on_contact[wrong][:5]))}"
+        sentence = f"friction, or normals tilted by {min(angles):.3g} to {max(angles):.3g} at {named}"
+        if len(wrong) == 1:
+            sentence = f"the normal at {named} is tilted by {angles[0]:.3g}: contact acts along ±{np.round(axis, 3)}"
+        if (along[:, wrong] > 1e-6 * along.max()).sum(axis=0).max() > 1:
             yield Cause("tilt", sentence, left / self.largest, self.size(self.total))
-
-
-def facet_sizes(vertices: np.ndarray, facets: np.ndarray) -> np.ndarray:
-    """Return lengths or areas of facets, (facets,)."""
-    edges = vertices[facets[:, 1:]] - vertices[facets[:, :1]]
-    return np.sqrt(np.linalg.det(edges @ np.swapaxes(edges, 1, 2))) / (1, 1, 2)[facets.shape[1] - 1]
 
 
 def _times(C: np.ndarray, strain: np.ndarray) -> np.ndarray:
     return np.einsum("cij,scj->sci", C, strain)
 
 
-def _exchanged(a: int, b: int, dim: int) -> list[int]:
-    """Return the order of Mandel components after the axes a and b are exchanged."""
-    new, of = {a: b, b: a}, {frozenset(pair): k for k, pair in enumerate(pairs(dim))}
-    return [of[frozenset((new.get(i, i), new.get(j, j)))] for i, j in pairs(dim)]
-
-
-def _plane_stress(C: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return matrices of plane stress: from μ and λ of plane strain, and with σ_33 eliminated by the coupling C_12."""
-    mu, lam = C[:, 2, 2] / 2, C[:, 0, 1]
-    isotropic, reduced, less = C.copy(), C.copy(), lam**2 / (lam + 2 * mu)
-    isotropic[:, 0, 1] = isotropic[:, 1, 0] = lam - less
-    isotropic[:, 0, 0] = isotropic[:, 1, 1] = 2 * mu + lam - less
-    reduced[:, :2, :2] -= less[:, None, None]
-    return isotropic, reduced
-
-
-ODD = "is multiplied by the factor"
+def _plane_stress(C: np.ndarray) -> np.ndarray:
+    """Return the matrix of plane stress with the constants μ and λ of a matrix of plane strain."""
+    mu, lam, result = C[:, 2, 2] / 2, C[:, 0, 1], C.copy()
+    result[:, 0, 1] = result[:, 1, 0] = 2 * mu * lam / (lam + 2 * mu)
+    result[:, 0, 0] = result[:, 1, 1] = 2 * mu + result[:, 0, 1]
+    return result
 
 
 def factor_words(factor: float) -> str:
@@ -918,24 +792,15 @@ def _solver_tolerance(equations: Equations, exact: np.ndarray) -> str:
         return ""
     share = np.bincount(task.cells.ravel(), np.repeat(task.volumes / (task.dim + 1), task.dim + 1))
     a = np.trace(task.A, axis1=1, axis2=2).mean() / task.A.shape[1]
-    values = max(np.sqrt(a * (share @ (v**2).sum(axis=1))) for v in apart)
-    rough = max(task.norm(task.strain(v)) for v in apart) / max(values, 1e-300) * task.data["h"]
+    rough = [task.norm(task.strain(v)) / max(np.sqrt(a * share @ (v**2).sum(axis=1)), 1e-300) for v in apart]
     numbers = f"displacements differ by {size:.0e} of the largest, forces of {left:.0e} of the load are left everywhere"
-    if rough > ROUGH:
-        return (
-            f"Most likely: the solver stops too early, its tolerance is too large: {numbers}, without pattern in space"
-        )
+    if max(rough) * task.data["h"] > ROUGH:
+        return f"Most likely: the solver stops too early, at too large a tolerance: {numbers}, without pattern in space"
     return f"Perhaps: the solver stops too early: {numbers}" if left < 0.01 else ""
 
 
 class ContactProblem:
-    """The contact problem of an answer, reduced to the contact faces: gap = free − W λ, from the answer's history.
-
-    Attributes:
-        lam, gap: λ and u_ν − gap of the answer at the constraints, (steps, m), loads not scaled.
-        free: u_ν − gap without any contact force, (steps, m); ``W`` the compliance (m, m).
-        right: λ of the right solution, (steps, m).
-    """
+    """The contact problem of an answer on the contact faces: gap = free − W λ, with its history; ``right`` is its λ."""
 
     def __init__(self, equations: Equations) -> None:
         self.task = task = equations.task
@@ -959,14 +824,11 @@ class ContactProblem:
         starts = [None] * len(free) if starts is None else starts
         return np.array([active_set(self.W, one, start, **options) for one, start in zip(free, starts, strict=True)])
 
-    def apart(self, lam: np.ndarray) -> float:
-        """Return the largest difference between the forces of the answer and others, relative to the largest."""
-        return float(abs(self.lam - lam).max() / self.largest)
-
     def named(self, rows: np.ndarray) -> str:
         """Return the number of some constraints and the first of their vertices."""
-        first = ", ".join(map(str, self.vertices[rows][:5])) + (", …" if len(rows) > 5 else "")
-        return f"{len(rows)} vertices ({first})" if len(rows) > 1 else f"vertex {first}"
+        return (
+            f"{rows.sum()} vertices ({', '.join(map(str, self.vertices[rows][:5]))}{', …' if rows.sum() > 5 else ''})"
+        )
 
 
 def _dense_stiffness(task: Task) -> np.ndarray:
@@ -983,17 +845,9 @@ def _dense_stiffness(task: Task) -> np.ndarray:
 
 
 def active_set(
-    W: np.ndarray,
-    free: np.ndarray,
-    start: np.ndarray | None = None,
-    updates: int = 60,
-    release: bool = True,
-    tied: np.ndarray | None = None,
+    W: np.ndarray, free: np.ndarray, start: Any = None, updates: int = 60, release: bool = True, tied: Any = None
 ) -> np.ndarray:
-    """Return λ ≥ 0 with gap = free − W λ ≤ 0 by a primal-dual active set.
-
-    It may begin from a set, stop after some updates, release no vertex, or tie some vertices, which may then pull.
-    """
+    """Return λ ≥ 0 with gap = free − W λ ≤ 0 by a primal-dual active set; tied vertices are held and may pull."""
     tied = np.zeros(len(free), bool) if tied is None else tied
     held, scale = (tied if start is None else start | tied), 1 / max(abs(np.diag(W)).max(), 1e-300)
     for count in range(updates + 1):
@@ -1012,18 +866,13 @@ def contact_causes(equations: Equations) -> Iterator[Cause]:
     if equations.u[0].size > LARGEST_SOLVE:
         return
     problem = ContactProblem(equations)
-    without = problem.apart(problem.right)
-    if without <= CONTACT_HOLDS:
-        return
-    for guesses in (_wrong_laws, _wrong_sets, _wrong_places, _springs):
+    without = abs(problem.lam - problem.right).max() / problem.largest
+    for guesses in (_wrong_laws, _wrong_sets, _wrong_places) if without > CONTACT_HOLDS else ():
         for key, sentence, lam in guesses(problem):
-            yield Cause(key, sentence, problem.apart(lam), without)
+            yield Cause(key, sentence, float(abs(problem.lam - lam).max() / problem.largest), float(without))
 
 
-Guesses = Iterator[tuple[str, str, np.ndarray]]
-
-
-def _wrong_laws(problem: ContactProblem) -> Guesses:
+def _wrong_laws(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]]:
     """Yield contact that obeys another law at all vertices, or that of another step."""
     right, every = problem.right, np.ones(len(problem.mass), bool)
     yield "none", "contact is missing: no contact forces act", 0 * right
@@ -1036,15 +885,20 @@ def _wrong_laws(problem: ContactProblem) -> Guesses:
         for by, words in ((-1, "taken with the reversed sign"), (0, "forgotten"), (2, "counted twice")):
             free = problem.free + (1 - by) * problem.initial
             yield f"gap {by}", f"the initial gap is {words}", problem.each(free)
+    alike = "for each vertex, whatever its area (half at the ends)"
+    for gap, pull in ((np.maximum(problem.gap, 0), ""), (problem.gap, " that also pull")):
+        for area, words in ((problem.mass, "for each area"), (np.ones_like(problem.mass), alike)):
+            k = float((problem.lam * area * gap).sum() / max(((area * gap) ** 2).sum(), 1e-300))
+            sentence = f"contact is by springs{pull} (a penalty) of stiffness {k:.4g} {words}"
+            yield f"springs{pull} {words}", sentence, k * area * gap
     if len(right) > 1:
         words = "contact is one step late: the contact"
         yield "late:forces", f"{words} forces are those of the step before", np.concatenate([0 * right[:1], right[:-1]])
-        for key, first in (("none", ~every), ("own", problem.pressed[0])):
-            late = problem.each(starts=[first, *(right[:-1] > 0)], updates=0)
-            yield f"late:{key}", f"{words} vertices are those of the step before", late
+        late = problem.each(starts=[problem.pressed[0], *(right[:-1] > 0)], updates=0)
+        yield "late:vertices", f"{words} vertices are those of the step before", late
 
 
-def _wrong_sets(problem: ContactProblem) -> Guesses:
+def _wrong_sets(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]]:
     """Yield active sets that are never released, or not iterated to the end."""
     none = np.zeros(len(problem.mass), bool)
     pulls = "vertices in contact are never released, although their forces pull"
@@ -1053,7 +907,7 @@ def _wrong_sets(problem: ContactProblem) -> Guesses:
     yield "release:steps", pulls, problem.each(starts=[none, *acted[:-1]], release=False)
     pulled = (problem.lam < -1e-9 * problem.largest).any(axis=0)
     if pulled.any() and not pulled.all():
-        words = f"contact pulls at {problem.named(np.flatnonzero(pulled))}, which cannot lift off"
+        words = f"contact pulls at {problem.named(pulled)}, which cannot lift off"
         yield "release:some", words, problem.each(tied=pulled)
     starts = (("no vertex", none), ("all vertices", ~none), ("the vertices of the step before", None))
     for updates, times in ((1, "once"), (2, "twice"), (3, "three times")):
@@ -1064,13 +918,13 @@ def _wrong_sets(problem: ContactProblem) -> Guesses:
             yield f"updates:{updates} {words}", sentence, lam
 
 
-def _wrong_places(problem: ContactProblem) -> Guesses:
+def _wrong_places(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]]:
     """Yield constraints that are missing at vertices, imposed on means over facets, or with averaged normals."""
     eye, unloaded = np.eye(len(problem.mass)), (abs(problem.lam) <= 1e-9 * problem.largest).all(axis=0)
     entered = (problem.gap > 1e-9 * abs(problem.gap).max()).any(axis=0)
     rows: list[tuple[str, str, np.ndarray]] = []
     if (forgotten := unloaded & entered).any() and not unloaded.all():
-        words = f"the constraint is forgotten at {problem.named(np.flatnonzero(forgotten))}"
+        words = f"the constraint is forgotten at {problem.named(forgotten)}"
         rows.append(("forgotten", words, eye[~forgotten]))
     means, first = [], 0
     for piece, (_, vertices, _) in zip(problem.task.data["contact"], problem.task.pieces(), strict=True):
@@ -1090,16 +944,6 @@ def _wrong_places(problem: ContactProblem) -> Guesses:
         yield key, words, np.array([active_set(W, R @ free) for free in problem.free]) @ R
 
 
-def _springs(problem: ContactProblem) -> Guesses:
-    """Yield forces of springs: stiffness times area, or the stiffness alone, times the gap where it is entered."""
-    alike = "for each vertex, whatever its area (half at the ends)"
-    for gap, pull in ((np.maximum(problem.gap, 0), ""), (problem.gap, " that also pull")):
-        for area, words in ((problem.mass, "for each area"), (np.ones_like(problem.mass), alike)):
-            k = float((problem.lam * area * gap).sum() / max(((area * gap) ** 2).sum(), 1e-300))
-            sentence = f"contact is by springs{pull} (a penalty) of stiffness {k:.4g} {words}"
-            yield f"springs{pull} {words}", sentence, k * area * gap
-
-
 def orders(h: list[float], errors: list[float]) -> list[float]:
     """Return the orders between neighbouring meshes; infinite where nothing is left."""
     pairs_of = zip(zip(h, errors, strict=True), zip(h[1:], errors[1:], strict=False), strict=False)
@@ -1115,10 +959,10 @@ def order(h: list[float], errors: list[float]) -> float:
 class Judgement:
     """A code on one case, mesh by mesh; orders between the last two meshes, ``order_of_best`` that of K^h.
 
-    ``why`` has the numbers behind the verdict in words, ``cause`` the most likely reason of a difference ("" if there
-    is none), ``reports`` the judgements of what the code itself reports. ``tested`` has the constraints that are in
-    contact at some step on the last mesh, those that are free at some step, and all: no answer says anything of the
-    others.
+    ``why`` has the numbers behind the verdict, ``cause`` the most likely reason of a difference or "", ``reports`` the
+    judgements of what the code reports, ``tested`` how many constraints are in contact at some step on the last mesh,
+    are free at some step, and exist. ``invariance`` is the largest distance between answers under two load scales over
+    the discretisation error: zero for a code that knows small displacements only, nan with one scale.
     """
 
     case: str
@@ -1138,31 +982,21 @@ class Judgement:
     reports: list[Report] = field(default_factory=list)
 
     def outcome(self, tolerance: float = 0.0) -> str:
-        """Return holds, fails or undecided.
-
-        A class of ``GOOD`` holds, and so does a distance of at most ``tolerance`` times the discretisation error on all
-        meshes unless the class is *wrong*. A report of the code that is not right fails.
-        """
+        """Return holds (class of ``GOOD``, or distance of at most ``tolerance`` on all meshes), fails or undecided."""
+        within = max(one.share for one in self.errors) <= tolerance and self.verdict != "wrong"
         if not all(report.right for report in self.reports):
             return "fails"
-        within = max(one.share for one in self.errors) <= tolerance and self.verdict != "wrong"
-        if self.verdict in GOOD or within:
-            return "holds"
-        return "undecided" if self.verdict == "undecided" else "fails"
+        return "holds" if self.verdict in GOOD or within else "undecided" if self.verdict == "undecided" else "fails"
 
 
 def classify(h: list[float], errors: list[Errors]) -> str:
-    """Return the class of a code from its errors, mesh by mesh.
+    """Return the class of a code from its errors, mesh by mesh; distances are those of ``Errors.share``.
 
-    The distance is that of strains and vertex values from the solution in K^h (``Errors.share``).
-
-    *exact for P1*: the distance is at most ``EXACT`` of the discretisation error.
-    *consistent*: on ``MESHES`` meshes or more, the distance falls between the last two with half the order of the
-    error, at most ``FALLS``, and the error of the pressure with ``PRESSURE_FALLS``, or as that of K^h up to
-    ``NECESSARY``.
-    *wrong*: no numbers; a body that is not held on Γ1; or, from two meshes on, a distance that grows and is more than
-    ``NEGLIGIBLE``, a pressure no better than none, or other equations.
-    *stagnates*: anything else; *undecided* if there are fewer meshes.
+    *exact for P1*: the distance is at most ``EXACT`` of the discretisation error. *consistent*: on ``MESHES`` meshes or
+    more, it falls between the last two with half the order of the error, at most ``FALLS``, and the error of the
+    pressure with ``PRESSURE_FALLS``, or as that of K^h up to ``NECESSARY``. *wrong*: no numbers; a body that is not
+    held on Γ1; or, from two meshes on, a distance that grows and is more than ``NEGLIGIBLE``, a pressure no better than
+    none, or other equations. *stagnates*: anything else; *undecided* if there are fewer meshes.
     """
     return judged(h, errors)[0]
 
@@ -1188,17 +1022,12 @@ def judged(h: list[float], errors: list[Errors]) -> tuple[str, str]:
         return "wrong", f"other equations, forces of {last.tangential:.2g} of the load where none may be"
     pressure, of_best = (order(h, [getattr(one, name) for one in errors]) for name in ("pressure", "best_pressure"))
     needed = min(FALLS, max(order(h, [one.best for one in errors]) / 2, LEAST_FALL))
-    return _by_orders(fall, needed, pressure, min(PRESSURE_FALLS, of_best - NECESSARY), shares[-1])
-
-
-def _by_orders(fall: list[float], needed: float, pressure: float, wanted: float, share: float) -> tuple[str, str]:
-    """Return the class of what is neither exact nor wrong."""
     told = f"order {', '.join(f'{one:.1f}' for one in fall)}"
-    if len(fall) + 1 < MESHES:
-        return "undecided", f"{told} from {len(fall) + 1} meshes; {MESHES} are needed"
+    if len(h) < MESHES:
+        return "undecided", f"{told} from {len(h)} meshes; {MESHES} are needed"
     if fall[-1] < needed:
-        return "stagnates", f"at {share:.1e} of the error, {told}"
-    if pressure < wanted:
+        return "stagnates", f"at {shares[-1]:.1e} of the error, {told}"
+    if pressure < min(PRESSURE_FALLS, of_best - NECESSARY):
         return "stagnates", f"in the pressure, order {pressure:.1f}"
     return CONSISTENT, told
 
@@ -1206,18 +1035,9 @@ def _by_orders(fall: list[float], needed: float, pressure: float, wanted: float,
 def assess(
     tasks: list[Task], answers: dict[str, np.ndarray], reports: dict[str, dict[str, np.ndarray]] | None = None
 ) -> list[Judgement]:
-    """Return one judgement for each case, mesh family and mode.
+    """Return one judgement for each case, mesh family and mode; TaskError if an answer is missing or of another shape.
 
-    Args:
-        tasks: the tasks.
-        answers: name of a task ↦ u, (steps, n, d).
-        reports: name of a task ↦ what the code itself reports, as ``judge_reports`` takes it; optional.
-
-    Where a task is there under two load scales, ``invariance`` is the largest distance between their answers, in V and
-    relative to the discretisation error: zero for a code that knows small displacements only. nan with one scale.
-
-    Raises:
-        TaskError: an answer is missing or has another shape.
+    answers are names of tasks ↦ u, (steps, n, d); reports names of tasks ↦ what ``judge_reports`` takes.
     """
     groups: dict = defaultdict(lambda: defaultdict(list))
     for task in tasks:
@@ -1235,9 +1055,10 @@ def _judgement(key: tuple, levels: dict, answers: dict, reports: dict) -> Judgem
     first = [levels[n][0] for n in numbers]
     h = [task.data["h"] for task in first]
     errors = [measure(task, np.asarray(answers[task.name], float)) for task in first]
-    apart = [_between(levels[n], answers, one.best) for n, one in zip(numbers, errors, strict=True)]
+    pairs_of = [(levels[n][:2], one.best) for n, one in zip(numbers, errors, strict=True) if len(levels[n]) > 1]
+    apart = [(answers[a.name] / a.scale - answers[b.name] / b.scale, a, best) for (a, b), best in pairs_of]
+    invariance = max((a.norm(a.strain(v)) / best for both, a, best in apart for v in both), default=float("nan"))
     last = [order(h, [getattr(one, name) for one in errors]) for name in ("error", "best", "distance", "pressure")]
-    known = [value for value in apart if not np.isnan(value)]
     verdict, why = judged(h, errors)
     differing = [task for task, one in zip(first, errors, strict=True) if not one.share <= EXACT]
     cause = diagnose(differing, [np.asarray(answers[task.name], float) for task in differing]) if differing else ""
@@ -1247,41 +1068,29 @@ def _judgement(key: tuple, levels: dict, answers: dict, reports: dict) -> Judgem
         for task in levels[n]
         for report in judge_reports(task, np.asarray(answers[task.name], float), reports.get(task.name, {}))
     ]
-    invariance = max(known, default=float("nan"))
     return Judgement(*key, numbers, errors, verdict, why, tested(first[-1]), *last, invariance, cause, told)
-
-
-def _between(tasks: list[Task], answers: dict[str, np.ndarray], best: float) -> float:
-    """Return the distance between answers to one task under two scales; nan for one."""
-    if len(tasks) < 2:
-        return float("nan")
-    first, second = (answers[task.name] / task.scale for task in tasks[:2])
-    return max(tasks[0].norm(tasks[0].strain(v)) for v in first - second) / best
 
 
 def unpack(task: Task, directory: Path) -> None:
     """Write a task as text files, for programs that read no JSON: what the page on the format lists."""
     place = Path(directory) / task.name
     place.mkdir(parents=True, exist_ok=True)
-    numbers = {"cells": task.cells, "clamped": task.clamped}
+    files = {"cells": task.cells, "clamped": task.clamped, "vertices": task.vertices}
     for i, (piece, gap) in enumerate(zip(task.data["contact"], task.gaps(), strict=True), start=1):
-        numbers |= {
-            f"contact_{i}": np.array(piece["facets"], int),
+        files |= {f"contact_{i}": np.array(piece["facets"], int), f"gap_{i}": gap}
+        files |= {
             f"constrained_{i}": np.array(piece["vertices"], int),
+            f"normal_{i}": np.array([piece["normal"]], float),
         }
-        np.savetxt(place / f"normal_{i}.txt", np.array([piece["normal"]]), fmt="%.17g")
-        np.savetxt(place / f"gap_{i}.txt", gap, fmt="%.17g")
-    for name, values in numbers.items():
-        np.savetxt(place / f"{name}.txt", values, fmt="%d")
     tensors = {"stiffness": task.stiffness} | ({"A": task.A, "G": task.G} if task.marches else {})
-    reals = {"vertices": task.vertices} | {name: one.reshape(len(task.cells), -1) for name, one in tensors.items()}
+    files |= {name: one.reshape(len(task.cells), -1) for name, one in tensors.items()}
     if task.marches:
-        reals |= {"start": task.start(), "step": np.array([task.data["step"]])}
+        files |= {"start": task.start(), "step": np.array([task.data["step"]])}
     for n in range(task.count):
         load, stress = task.step(n, task.start())
-        reals |= {f"load_{n + 1}": load} | ({} if task.marches else {f"initial_stress_{n + 1}": stress})
-    for name, values in reals.items():
-        np.savetxt(place / f"{name}.txt", values, fmt="%.17g")
+        files |= {f"load_{n + 1}": load} | ({} if task.marches else {f"initial_stress_{n + 1}": stress})
+    for name, values in files.items():
+        np.savetxt(place / f"{name}.txt", values, fmt="%d" if values.dtype.kind == "i" else "%.17g")
 
 
 def table(judgements: list[Judgement], tolerance: float = 0.0) -> str:
@@ -1312,14 +1121,11 @@ def notes(one: Judgement) -> list[str]:
         named = ", ".join(map(str, last.idle[:5])) + (", …" if len(last.idle) > 5 else "")
         lines.append(f"vertices that are pressed and carry next to nothing: {len(last.idle)} ({named})")
     if one.verdict == CONSISTENT and last.pressure > LARGE_PRESSURE * last.best_pressure:
-        lines.append(
-            f"the pressure has {last.pressure / last.best_pressure:.0f} times the error of the solution in K^h"
-        )
+        times = last.pressure / last.best_pressure
+        lines.append(f"the pressure has {times:.0f} times the error of the solution in K^h")
     if FEW_FORCES < last.tangential < OTHER_EQUATIONS:
-        lines.append(
-            f"forces of {last.tangential:.1e} of the load where none may be: terms inside the body (Nitsche), places "
-            "of contact that move (smaller loads?), or equations that are not quite those of the task"
-        )
+        why = "terms inside the body (Nitsche), contact at deformed places (smaller loads?), or other equations"
+        lines.append(f"forces of {last.tangential:.1e} of the load where none may be: {why}")
     if one.verdict not in GOOD and NEGLIGIBLE < last.penetration < np.inf:
         lines.append(f"the body enters the foundation by {last.penetration:.2g} of the largest displacement")
     return lines + list(dict.fromkeys(report.sentence for report in one.reports))
@@ -1336,7 +1142,7 @@ def as_json(judgements: list[Judgement], tolerance: float = 0.0) -> str:
         return None if isinstance(value, float) and not math.isfinite(value) else value
 
     rows = [valid(asdict(one)) | {"outcome": one.outcome(tolerance)} for one in judgements]
-    return json.dumps(rows, indent=1, ensure_ascii=False, allow_nan=False)
+    return json.dumps(rows, indent=1, allow_nan=False)
 
 
 def as_junit(judgements: list[Judgement], tolerance: float = 0.0) -> str:
@@ -1350,14 +1156,7 @@ def as_junit(judgements: list[Judgement], tolerance: float = 0.0) -> str:
         text = "\n".join([f"{one.verdict} ({one.why})", *notes(one)])
         if outcome != "holds":
             ElementTree.SubElement(case, "failure", message=f"{outcome}: {one.verdict} ({one.why})").text = text
-        else:
-            ElementTree.SubElement(case, "system-out").text = text
     return ElementTree.tostring(suite, encoding="unicode", xml_declaration=True) + "\n"
-
-
-def exit_code(outcomes: list[str]) -> int:
-    """Return 1 if one fails, else 3 if one is undecided, else 0."""
-    return 1 if "fails" in outcomes else 3 if "undecided" in outcomes else 0
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -1371,10 +1170,8 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--json", action="store_true", help="print all numbers as JSON")
     parser.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
     options = parser.parse_args(arguments)
-    for stream in (sys.stdout, sys.stderr):
-        if hasattr(stream, "reconfigure"):
-            # A terminal in ASCII or cp1252 has no Γ.
-            stream.reconfigure(errors="backslashreplace")
+    for stream in (one for one in (sys.stdout, sys.stderr) if hasattr(one, "reconfigure")):
+        stream.reconfigure(errors="backslashreplace")  # A terminal in ASCII or cp1252 has no Γ.
     try:
         if not 0 <= options.tolerance < np.inf:
             raise TaskError(f"--tolerance must be a number of 0 or more, got {options.tolerance:g}")
@@ -1395,7 +1192,8 @@ def main(arguments: list[str] | None = None) -> int:
         print(f"contact_judge: cannot read or write {error.filename}: {error.strerror or error}", file=sys.stderr)
         return 2
     print(as_json(judgements, options.tolerance) if options.json else table(judgements, options.tolerance))
-    return exit_code([one.outcome(options.tolerance) for one in judgements])
+    outcomes = [one.outcome(options.tolerance) for one in judgements]
+    return 1 if "fails" in outcomes else 3 if "undecided" in outcomes else 0
 
 
 if __name__ == "__main__":
