@@ -545,7 +545,7 @@ def _rigid_motion(task: Task, u: np.ndarray, exact: np.ndarray) -> str:
     motion = np.tensordot(fits, modes, 1)
     apart, without = (abs(v - exact).max() / largest for v in (u - motion, u))
     fit = max(fits, key=lambda one: abs(one).max())
-    by = f"by ({', '.join(f'{x:.3g}' for x in fit[: task.dim])}), turned by {abs(fit[task.dim :]).max():.2g}"
+    by = f"by ({', '.join(f'{x:.3g}' for x in fit[: task.dim])}), turned by {abs(fit[task.dim :]).max().round(12):.2g}"
     named = _name([Cause("rigid", f"the body is moved rigidly {by}", apart, without)])
     free = task.clamped[on_clamp > AGREES]
     held = f"u is up to {on_clamp.max():.2g} of the largest displacement on Γ1, where it must be 0"
