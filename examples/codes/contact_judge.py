@@ -356,14 +356,14 @@ def measure(task: Task, u: np.ndarray) -> Errors:
         best = measure(task, task.scale * task.references()).best
         return Errors(np.inf, best, *[np.inf] * 7, shift=np.inf, on_clamp=np.inf, at_vertices=np.inf, from_best=np.inf)
     mine, best = (Equations(task, v) for v in (u / task.scale, task.references()))
-    rows = np.array([_in_v(task, one, v) for one, v in zip(task.data["judge"], mine.u, strict=True)])
+    rows = np.array([errors_in_v(task, one, v) for one, v in zip(task.data["judge"], mine.u, strict=True)])
     values = np.max(rows, axis=0)
     pressure, *others = _contact(mine)
     numbers = (*values[:4], pressure, _contact(best)[0], *others)
     return Errors(*map(float, numbers), idle(mine, best), *map(float, values[4:]))
 
 
-def _in_v(task: Task, exact: dict, u: np.ndarray) -> list[float]:
+def errors_in_v(task: Task, exact: dict, u: np.ndarray) -> list[float]:
     """Return ‖u − u^h‖, the same for K^h, ‖Π^h u − u^h‖, the distance, and the differences of vertex values."""
     means, reference = np.array(exact["strain"], float), np.array(exact["reference"], float)
     interpolant = np.array(exact["displacement"], float)
