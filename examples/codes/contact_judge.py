@@ -890,7 +890,7 @@ def _wrong_laws(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]
         for area, words in ((problem.mass, "for each area"), (np.ones_like(problem.mass), alike)):
             k = float((problem.lam * area * gap).sum() / max(((area * gap) ** 2).sum(), 1e-300))
             sentence = f"contact is by springs{pull} (a penalty) of stiffness {k:.4g} {words}"
-            yield f"springs{pull} {words}", sentence, k * area * gap
+            yield f"springs {words}:{pull}", sentence, k * area * gap
     if len(right) > 1:
         words = "contact is one step late: the contact"
         yield "late:forces", f"{words} forces are those of the step before", np.concatenate([0 * right[:1], right[:-1]])
