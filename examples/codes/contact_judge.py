@@ -33,27 +33,22 @@ from xml.etree import ElementTree
 import numpy as np
 
 EXACT = 1e-5
-"""Distance from the solution in K^h over the discretisation error up to which a code is exact for P1: what iterations
-are stopped at. A contact law that tends to the right one leaves more on meshes anybody uses."""
+"""Distance from the solution in K^h over the discretisation error up to which a code is exact for P1."""
 FALLS, LEAST_FALL = 0.5, 0.2
-"""Order from which on a distance falls; with its negative it grows. Half of the order of the error, which may be less
-than 1, but never below the second number."""
+"""Order from which on a distance falls, or grows: half of that of the error if this is below 1, but at least 0.2."""
 PRESSURE_FALLS = 2 / 3
 """Order from which on the error of the pressure falls, or that of the solution in K^h if it falls more slowly: .87 or
 more up to n = 32, but from one random mesh to the next down to .1. A vertex that is not held has .4 to .6."""
 MESHES = 3
 """Meshes without which nothing is said of an order: on two, what falls fast hides what does not fall."""
 NEGLIGIBLE, NO_CONTACT = 0.01, 0.9
-"""Part of the discretisation error up to which a distance that grows is not wrong (quadrature, iterations); relative
-error of the pressure from which on a code is wrong, where no contact has 1."""
+"""Part of the error up to which a distance may grow (quadrature, iterations); pressure error of about no contact, 1."""
 OTHER_EQUATIONS, FEW_FORCES = 0.1, 1e-3
-"""Part of the load that is left where no force may be, from which on a code is wrong (an elastic body of another
-stiffness, say; methods of Nitsche's kind leave up to some hundredths), and from which on it is mentioned."""
+"""Part of the load where no force may be, to be wrong and to be mentioned; Nitsche's methods leave some hundredths."""
 NEXT_TO_NOTHING = 0.1
 """Part of the force of the solution in K^h up to which a vertex is idle; part of the largest pressure to be asked."""
 NECESSARY, LARGE_PRESSURE = 0.15, 3
-"""Distance of an order from that of the solution in K^h that is still the same; times the error of K^h from which on
-the pressure of a consistent code is mentioned."""
+"""Distance of two orders that are the same; times the error of K^h from which on a pressure is mentioned."""
 AGREES, NAMED, HINTED = 1e-6, 1e-3, 0.05
 """Relative difference up to which what a code reports agrees with its displacements: six digits in a text file; part of
 the residual that a cause may leave to be most likely, and to be a hint."""
@@ -167,10 +162,9 @@ class Task:
 
     def step(self, n: int, before: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return (b, s_0) of step n: nodal forces (n, d) and initial stress (cells, D); ``before`` is u_{n−1}."""
-        given = self.data["steps"][n]
-        load = np.array(given["load"], float)
+        load = np.array(self.data["steps"][n]["load"], float)
         if not self.marches:
-            return load, np.array(given["initial_stress"], float)
+            return load, np.array(self.data["steps"][n]["initial_stress"], float)
         history = self.G / 2 - self.A / self.data["step"]
         return load, np.einsum("cij,cj->ci", history, self.strain(before))
 
@@ -258,8 +252,7 @@ def read_tasks(directory: Path) -> list[Task]:
 
 def _check_sums(directory: Path) -> None:
     path = directory / "SHA256SUMS"
-    lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-    for number, line in enumerate(lines, 1):
+    for number, line in enumerate(path.read_text(encoding="utf-8", errors="replace").splitlines(), 1):
         parts = line.split(maxsplit=1)
         if len(parts) != 2:
             raise TaskError(f"{path}, line {number}: stands {line!r}, expected a sum and a file; remove the line")
@@ -275,9 +268,7 @@ def answer(task: Task, make: Callable, scale: float = 1.0) -> np.ndarray:
     step, u, result = make(task.scaled(scale) if scale != 1 else task), scale * task.start(), []
     for n in range(task.count):
         load, stress = task.step(n, u)
-        if not task.marches:
-            stress = scale * stress
-        u = np.asarray(step(scale * load, stress), float)
+        u = np.asarray(step(scale * load, stress if task.marches else scale * stress), float)
         result.append(u / scale)
     return np.array(result)
 
@@ -671,6 +662,9 @@ class Equations:
             yield "elastic", "the elastic stress G ε(u)", -self.internal(_times(task.G, mean))
         else:
             yield "units", ", or the stiffness is too small by this factor", elastic
+        normal = np.multiply.outer(~shear, ~shear) * C[:, :1, 1:2]
+        yield "lambda", "λ of the stiffness", -self.internal(_times(normal, self.strain))
+        yield "mu", "μ of the stiffness", -self.internal(_times(C - normal, self.strain))
         voigt = "the shear part of the stiffness (√2 of Mandel's or γ = 2ε of Voigt's components)"
         yield "shear:rows", voigt, -self.internal(_times(C, self.strain) * shear)
         yield "shear:columns", voigt, -self.internal(_times(C, self.strain * shear))
@@ -780,7 +774,7 @@ def _plane_stress(C: np.ndarray) -> np.ndarray:
 def factor_words(factor: float) -> str:
     """Return what a factor means: 0 is missing, −1 has the reversed sign."""
     known = {0.0: "is missing", -1.0: "has the reversed sign", 2.0: "is counted twice", 0.5: "is halved"}
-    known |= {np.sqrt(2): "is multiplied by √2", np.sqrt(0.5): "is divided by √2"}
+    known |= {2**0.5: "is multiplied by √2", 0.5**0.5: "is divided by √2"}
     return next((words for value, words in known.items() if abs(factor - value) < 1e-4), f"{ODD} {factor:.4g}")
 
 
@@ -881,6 +875,13 @@ def _wrong_laws(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]
     factor = float((problem.lam * right).sum() / max((right**2).sum(), 1e-300))
     words = f"the contact forces that act on the body are {factor:.6g} times the right ones"
     yield "scaled", words, factor * right
+    for by in (0.5, 2.0):
+        ends = np.where(problem.mass < 0.75 * np.median(problem.mass), by, 1.0)
+        yield f"ends {by}", f"the contact forces at the ends of the face are {by:g} times the right ones", ends * right
+    if problem.pressed.any():
+        offset = float(np.median(problem.gap[problem.pressed]))
+        words = f"contact is closed at the distance {offset:.4g} behind the foundation (a gap or a tolerance)"
+        yield "offset", words, problem.each(problem.free - offset)
     if problem.initial.any():
         for by, words in ((-1, "taken with the reversed sign"), (0, "forgotten"), (2, "counted twice")):
             free = problem.free + (1 - by) * problem.initial
@@ -959,10 +960,9 @@ def order(h: list[float], errors: list[float]) -> float:
 class Judgement:
     """A code on one case, mesh by mesh; orders between the last two meshes, ``order_of_best`` that of K^h.
 
-    ``why`` has the numbers behind the verdict, ``cause`` the most likely reason of a difference or "", ``reports`` the
-    judgements of what the code reports, ``tested`` how many constraints are in contact at some step on the last mesh,
-    are free at some step, and exist. ``invariance`` is the largest distance between answers under two load scales over
-    the discretisation error: zero for a code that knows small displacements only, nan with one scale.
+    ``why`` has the numbers behind the verdict, ``cause`` the most likely reason of a difference or "". ``tested`` says
+    how many constraints are in contact at some step on the last mesh, are free at some step, and exist. ``invariance``
+    is the largest distance between answers under two load scales over the discretisation error, nan with one scale.
     """
 
     case: str
