@@ -437,10 +437,7 @@ def judge_reports(task: Task, u: np.ndarray, reports: dict[str, np.ndarray]) -> 
 def _compare(task: Task, name: str, mine: np.ndarray, wanted: np.ndarray) -> tuple[bool, str]:
     """Return whether a report agrees with the balance of u, and the sentence with the simple mistake that fits."""
     largest, mass = max(abs(wanted).max(), 1e-300), task.constraints()[2]
-    if not np.isfinite(mine).all():
-        return False, f"reported {name}: not all are numbers"
-    apart = abs(mine - wanted).max() / largest
-    if apart <= AGREES:
+    if (apart := abs(mine - wanted).max() / largest) <= AGREES:
         return True, f"reported {name}: agrees with what balances the displacements, up to {apart:.0e}"
     factor, ends = float((mine * wanted).sum() / max((wanted**2).sum(), 1e-300)), np.ones_like(mass)
     ends[mass < 0.75 * np.median(mass)] = 0.5
@@ -458,6 +455,8 @@ def _compare(task: Task, name: str, mine: np.ndarray, wanted: np.ndarray) -> tup
                 True,
                 f"reported {name}: {errors[0] / errors[1]:.2g} times the error of what balances the displacements",
             )
+    if not np.isfinite(mine).all():
+        return False, f"reported {name}: not all are numbers"
     best, text = min((abs(mine - guess).max() / largest, text) for text, guess in mistakes)
     cause = f"; it {text} (difference {best:.0e} with this)" if best <= NAMED * apart else ""
     return False, f"reported {name}: differs by {apart:.2g} from what balances the displacements{cause}"
@@ -718,6 +717,8 @@ class Equations:
                 yield f"stress {by}", f"the initial stress {words} is used", {"stress": self.stress[steps]}
         by_axis = u.reshape(task.count, task.dim, -1).swapaxes(1, 2)
         yield "components", "u_x and u_y are exchanged in the answer", {"u": u[..., [1, 0, 2][: task.dim]]}
+        for axis in range(task.dim):
+            yield f"sign {axis}", f"u_{'xyz'[axis]} has the reversed sign", {"u": u * (1 - 2 * np.eye(task.dim)[axis])}
         yield "order", "the answer has all u_x before all u_y, expected vertex after vertex", {"u": by_axis}
         places = u - task.vertices / task.scale
         yield "places", "the answer has deformed coordinates, expected displacements", {"u": places}
@@ -871,27 +872,27 @@ def _wrong_laws(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]
     right, every = problem.right, np.ones(len(problem.mass), bool)
     yield "none", "contact is missing: no contact forces act", 0 * right
     yield "normals", "the normals are reversed: contact acts on the wrong side", -problem.each(-problem.free)
-    yield "tied", "contact pulls: u_ν = 0 on the whole face, no vertex lifts off", problem.each(tied=every)
-    factor = float((problem.lam * right).sum() / max((right**2).sum(), 1e-300))
-    words = f"the contact forces that act on the body are {factor:.6g} times the right ones"
-    yield "scaled", words, factor * right
+    yield "pull:tied", "contact pulls: u_ν = 0 on the whole face, no vertex lifts off", problem.each(tied=every)
+    alike = "for each vertex, whatever its area (half at the ends)"
     for by in (0.5, 2.0):
         ends = np.where(problem.mass < 0.75 * np.median(problem.mass), by, 1.0)
         yield f"ends {by}", f"the contact forces at the ends of the face are {by:g} times the right ones", ends * right
     if problem.pressed.any():
+        factor = float((problem.lam * right).sum() / max((right**2).sum(), 1e-300))
+        words = f"the contact forces that act on the body are {factor:.6g} times the right ones"
+        yield "scaled", words, factor * right
         offset = float(np.median(problem.gap[problem.pressed]))
-        words = f"contact is closed at the distance {offset:.4g} behind the foundation (a gap or a tolerance)"
+        words = f"contact is closed where u_ν − gap is {offset:.4g} (an offset or a tolerance), not 0"
         yield "offset", words, problem.each(problem.free - offset)
-    if problem.initial.any():
-        for by, words in ((-1, "taken with the reversed sign"), (0, "forgotten"), (2, "counted twice")):
-            free = problem.free + (1 - by) * problem.initial
-            yield f"gap {by}", f"the initial gap is {words}", problem.each(free)
-    alike = "for each vertex, whatever its area (half at the ends)"
     for gap, pull in ((np.maximum(problem.gap, 0), ""), (problem.gap, " that also pull")):
         for area, words in ((problem.mass, "for each area"), (np.ones_like(problem.mass), alike)):
             k = float((problem.lam * area * gap).sum() / max(((area * gap) ** 2).sum(), 1e-300))
             sentence = f"contact is by springs{pull} (a penalty) of stiffness {k:.4g} {words}"
-            yield f"springs {words}:{pull}", sentence, k * area * gap
+            yield f"springs {words}:{pull}", sentence, k * area * gap if k > 1e-9 else right
+    if problem.initial.any():
+        for by, words in ((-1, "taken with the reversed sign"), (0, "forgotten"), (2, "counted twice")):
+            free = problem.free + (1 - by) * problem.initial
+            yield f"gap {by}", f"the initial gap is {words}", problem.each(free)
     if len(right) > 1:
         words = "contact is one step late: the contact"
         yield "late:forces", f"{words} forces are those of the step before", np.concatenate([0 * right[:1], right[:-1]])
@@ -903,13 +904,13 @@ def _wrong_sets(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]
     """Yield active sets that are never released, or not iterated to the end."""
     none = np.zeros(len(problem.mass), bool)
     pulls = "vertices in contact are never released, although their forces pull"
-    yield "release:iterations", pulls, problem.each(release=False)
+    yield "pull:iterations", pulls, problem.each(release=False)
     acted = np.logical_or.accumulate(abs(problem.lam) > 1e-9 * problem.largest, axis=0)
-    yield "release:steps", pulls, problem.each(starts=[none, *acted[:-1]], release=False)
+    yield "pull:steps", pulls, problem.each(starts=[none, *acted[:-1]], release=False)
     pulled = (problem.lam < -1e-9 * problem.largest).any(axis=0)
     if pulled.any() and not pulled.all():
         words = f"contact pulls at {problem.named(pulled)}, which cannot lift off"
-        yield "release:some", words, problem.each(tied=pulled)
+        yield "pull:some", words, problem.each(tied=pulled)
     starts = (("no vertex", none), ("all vertices", ~none), ("the vertices of the step before", None))
     for updates, times in ((1, "once"), (2, "twice"), (3, "three times")):
         for words, start in starts:
@@ -1008,8 +1009,7 @@ def judged(h: list[float], errors: list[Errors]) -> tuple[str, str]:
         return "wrong", "no numbers"
     if max(shares) <= EXACT and max(one.from_best for one in errors) <= 10 * EXACT:
         return EXACT_CLASS, f"{max(shares):.0e} of the error"
-    clamp = [one.on_clamp for one in errors]
-    if shares[-1] > NEGLIGIBLE and last.on_clamp > AGREES and not order(h, clamp) >= FALLS:
+    if shares[-1] > NEGLIGIBLE and last.on_clamp > AGREES and not order(h, [one.on_clamp for one in errors]) >= FALLS:
         return "wrong", f"u on Γ1 is {last.on_clamp:.1e} of the largest displacement, where it must be 0"
     if len(h) < 2:
         return "undecided", f"one mesh, not exact: {shares[-1]:.1e} of the error"
@@ -1099,8 +1099,8 @@ def table(judgements: list[Judgement], tolerance: float = 0.0) -> str:
     lines = [f"{head}{'pressed':>9}{'free':>8}  class"]
     for one in judgements:
         last, (pressed, free, count) = one.errors[-1], one.tested
-        levels = " ".join(map(str, one.levels))
         numbers = f"{one.order_in_v:8.2f}{last.share:10.1e}{last.pressure:10.3f}{last.best_pressure:8.3f}"
+        levels = " ".join(map(str, one.levels))
         reached = f"{f'{pressed}/{count}':>9}{f'{free}/{count}':>8}"
         what = f"{one.verdict} ({one.why})"
         if one.verdict not in GOOD and one.outcome(tolerance) == "holds":

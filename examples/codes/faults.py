@@ -284,7 +284,7 @@ FAULTS = (
     Fault("coupling $C_{12}$ doubled", misread(entries((0, 1, 2.0))), "C_12"),
     Fault("coupling with shear of the other sign", misread(entries((0, 2, -1.0), (1, 2, -1.0)))),
     Fault("ν pointing into the body", misread(inward), "normals are reversed"),
-    Fault("ν rounded to an axis", misread(_along_axis)),
+    Fault("ν rounded to an axis", misread(_along_axis), "normals tilted by 0.4"),
     Fault("ν at the end turned by 0.1", in_contact(right, tilted(0.1)), "is tilted by 0.1"),
     Fault("ν averaged at a corner", in_contact(right, rows=_corner_means), "normals of faces that meet are averaged"),
     Fault("no lift-off, $u_\\nu = 0$", tied, "contact pulls"),
