@@ -52,7 +52,7 @@ NECESSARY, LARGE_PRESSURE = 0.15, 3
 AGREES, NAMED, HINTED = 1e-6, 1e-3, 0.05
 """Relative difference up to which what a code reports agrees with its displacements: six digits in a text file; part of
 the residual that a cause may leave to be most likely, and to be a hint."""
-EQUATIONS_HOLD, CONTACT_HOLDS = 1e-7, 1e-10
+EQUATIONS_HOLD, CONTACT_HOLDS = 1e-6, 1e-10
 """Forces over the load where none may be, and differences of contact forces over the largest, that need no cause."""
 ROUGH, LARGEST_SOLVE = 1.0, 1500
 """‖ε(v)‖ h / ‖v‖ from which on a difference v changes from vertex to vertex (π h for the smoothest on a unit square);
@@ -811,7 +811,7 @@ class ContactProblem:
         self.W, self.free = N[:, unknown] @ solved[:, :m], (N[:, unknown] @ solved[:, m:]).T - self.initial
         self.right = self.each()
         self.largest = max(abs(self.right).max(), abs(self.lam).max(), 1e-300)
-        self.pressed = self.lam > 1e-9 * self.largest
+        self.pressed = self.lam > AGREES * self.largest
 
     def each(self, free: Any = None, starts: Any = None, **options: Any) -> np.ndarray:
         """Return λ of all steps, (steps, m), by ``active_set`` with its options and one start for each step."""
@@ -905,9 +905,9 @@ def _wrong_sets(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]
     none = np.zeros(len(problem.mass), bool)
     pulls = "vertices in contact are never released, although their forces pull"
     yield "pull:iterations", pulls, problem.each(release=False)
-    acted = np.logical_or.accumulate(abs(problem.lam) > 1e-9 * problem.largest, axis=0)
+    acted = np.logical_or.accumulate(abs(problem.lam) > AGREES * problem.largest, axis=0)
     yield "pull:steps", pulls, problem.each(starts=[none, *acted[:-1]], release=False)
-    pulled = (problem.lam < -1e-9 * problem.largest).any(axis=0)
+    pulled = (problem.lam < -AGREES * problem.largest).any(axis=0)
     if pulled.any() and not pulled.all():
         words = f"contact pulls at {problem.named(pulled)}, which cannot lift off"
         yield "pull:some", words, problem.each(tied=pulled)
@@ -922,8 +922,8 @@ def _wrong_sets(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]
 
 def _wrong_places(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]]:
     """Yield constraints that are missing at vertices, imposed on means over facets, or with averaged normals."""
-    eye, unloaded = np.eye(len(problem.mass)), (abs(problem.lam) <= 1e-9 * problem.largest).all(axis=0)
-    entered = (problem.gap > 1e-9 * abs(problem.gap).max()).any(axis=0)
+    eye, unloaded = np.eye(len(problem.mass)), (abs(problem.lam) <= AGREES * problem.largest).all(axis=0)
+    entered = (problem.gap > AGREES * abs(problem.gap).max()).any(axis=0)
     rows: list[tuple[str, str, np.ndarray]] = []
     if (forgotten := unloaded & entered).any() and not unloaded.all():
         words = f"the constraint is forgotten at {problem.named(forgotten)}"
@@ -1112,7 +1112,8 @@ def table(judgements: list[Judgement], tolerance: float = 0.0) -> str:
 
 def notes(one: Judgement) -> list[str]:
     """Return what the class does not say: the most likely cause first."""
-    last, lines = one.errors[-1], [one.cause] if one.cause else []
+    last, unknown = one.errors[-1], one.verdict == CONSISTENT and one.cause.startswith("No single cause")
+    lines = [one.cause] if one.cause and not unknown else []
     if not np.isnan(one.invariance):
         lines.append(f"load scales differ by {one.invariance:.1e} of the error")
     if abs(one.order_in_v - one.order_of_best) > NECESSARY:
@@ -1165,8 +1166,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("tasks", type=Path, metavar="TASKS", help="directory of `study export`")
     parser.add_argument("answers", type=Path, metavar="ANSWERS", help="directory with NAME/u.txt for each task")
     parser.add_argument("--unpack", action="store_true", help="write the tasks to ANSWERS as text files")
-    within = "also pass a distance of X of the discretisation error on all meshes (default 0)"
-    parser.add_argument("--tolerance", type=float, default=0.0, metavar="X", help=within)
+    parser.add_argument("--tolerance", type=float, default=0.0, metavar="X", help="pass X of the discretisation error")
     parser.add_argument("--json", action="store_true", help="print all numbers as JSON")
     parser.add_argument("--junit", type=Path, metavar="FILE", help="also write the verdicts as JUnit XML")
     options = parser.parse_args(arguments)
