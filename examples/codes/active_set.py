@@ -10,9 +10,9 @@ from scipy.sparse.linalg import splu
 
 
 def active_set(task: Task, K: sps.spmatrix):
-    """step(b, s0) ↦ u from the matrix of all components, vertex after vertex: vertices with λ + κ u_ν > 0 are held, κ
-    the largest entry of K, until they stay the same."""
-    d = task.dim
+    """step(b, s0) ↦ u from the matrix of all components, vertex after vertex: vertices with λ + κ (u_ν − gap) > 0 are
+    held, κ the largest entry of K, until they stay the same."""
+    d, gap = task.dim, np.concatenate(task.gaps())
     free = np.setdiff1d(np.arange(task.vertices.size), fixed(task))
     rows = [(d * v + np.arange(d), normal) for normal, vertices, _ in task.pieces() for v in vertices]
     i, j = np.repeat(np.arange(len(rows)), d), np.concatenate([on for on, _ in rows])
@@ -25,10 +25,10 @@ def active_set(task: Task, K: sps.spmatrix):
         for _ in range(50):
             step.solves += 1
             B = N[held]
-            both = splu(sps.bmat([[K, B.T], [B, None]], format="csc")).solve(np.append(b, np.zeros(B.shape[0])))
+            both = splu(sps.bmat([[K, B.T], [B, None]], format="csc")).solve(np.append(b, gap[held]))
             v, force = both[: len(free)], np.zeros(len(rows))
             force[held] = both[len(free) :]
-            wanted = force + abs(K).max() * (N @ v) > 0
+            wanted = force + abs(K).max() * (N @ v - gap) > 0
             if (wanted == held).all():
                 break
             held = wanted

@@ -2,8 +2,9 @@
 
     python drive.py ADAPTER TASKS OUT
 
-An adapter is a module beside this one with CODE, VERSION and VARIANTS, names with all parameters ↦ make(task). It may
-have FINEST, names of variants ↦ the level behind which they are not run for what it costs. OUT gets ADAPTER.json: for
+An adapter is a module in this directory with CODE, VERSION and VARIANTS, names with all parameters ↦ make(task). It may
+have FINEST, names of variants ↦ the level behind which they are not run for what it costs, and GAPS = True if it uses
+the initial gap of a task. Tasks with a gap are left out for other adapters. OUT gets ADAPTER.json: for
 each variant a judgement of each case and mesh family, or why the code cannot express it.
 """
 
@@ -20,6 +21,7 @@ import numpy as np
 from common import CannotExpressError
 from contact_judge import Task, answer, assess, read_tasks
 
+NO_GAP = "the adapter does not use the initial gap"
 SCALE = 10.0
 """The other load scale under which the coarsest task of a case is answered once more."""
 
@@ -56,8 +58,9 @@ def main(adapter: str, directory: str, out: str) -> None:
     for variant, make in module.VARIANTS.items():
         for (case, family), tasks in groups.items():
             run = [task for task in tasks if task.data["level"] <= finest.get(variant, task.data["level"])]
+            gap = any(one.any() for task in run for one in task.gaps())
             with np.errstate(all="ignore"):
-                row = variant_on(make, run)
+                row = variant_on(make, run) if not gap or hasattr(module, "GAPS") else {"left_out": NO_GAP}
             rows.append({"code": module.CODE, "version": module.VERSION, "variant": variant} | {"case": case} | row)
             rows[-1]["family"] = family
             print(f"{module.CODE:<12}{variant:<42}{case:<22}{row.get('verdict', row.get('left_out'))}", flush=True)

@@ -1,8 +1,9 @@
 """Faults put into an adapter on purpose, and which case shows them: the table of docs/how-to/verify-a-contact-code.md.
 
-    python faults.py TASKS        tasks of the cases, exported with the levels 8 16 32
+    python faults.py TASKS        tasks of the cases, exported with the levels 8 16
 
-Every answer is by the solver of this study from a task that is read wrongly, so that nothing but the fault is judged.
+Every answer is by a right solver with one fault, so that nothing but the fault is judged. The last line of the table
+has the smallest set of cases that shows every fault, computed by trying all sets.
 """
 
 from __future__ import annotations
@@ -11,24 +12,34 @@ import copy
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
+from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import scipy.sparse as sps
 import this_study
-from contact_judge import Judgement, Task, answer, assess, read_tasks
-from scipy.sparse.linalg import spsolve
+from contact_judge import Task, active_set, answer, errors_in_v, read_tasks
+from scipy.sparse.linalg import splu, spsolve
 
-CASES = "advance-recede", "layered", "anisotropic", "full-contact", "lift-and-land"
-UNSEEN = "exact for P1"
+CASES = (
+    *("layered", "anisotropic", "rotated", "corner", "junction"),
+    *("lift-and-land", "full-contact", "advance-recede"),
+)
+"""In the order in which ``covering`` prefers them: first those with a feature that no other has."""
+SEEN = 1e-4
+"""Distance over the discretisation error from which on a fault is seen."""
 
 
 @dataclass(frozen=True)
 class Fault:
-    """What an adapter does wrong: make(task), of a faulty adapter, and what of it."""
+    """A fault of an adapter: its name, make(task) of the faulty adapter, and words of the cause the judge should name.
+
+    Without words, the judge need not find the cause.
+    """
 
     name: str
     make: Callable[[Task], Callable[[np.ndarray, np.ndarray], np.ndarray]]
+    cause: str = ""
 
 
 def misread(change: Callable[[Task], dict]) -> Callable:
@@ -82,7 +93,9 @@ def springs(stiffness: Callable[[Task], float]) -> Callable:
             for _ in range(30):
                 S = sps.csc_array(K + N.T @ sps.diags_array(held * k) @ N)
                 u[free] = spsolve(S[free][:, free], b[free])
-                held = 1.0 * (N @ u > 0)
+                before, held = held, 1.0 * (N @ u > 0)
+                if (before == held).all():
+                    break
             return u.reshape(-1, task.dim)
 
         return step
@@ -126,43 +139,205 @@ def _voigt_for_mandel(task: Task) -> dict:
     return {"stiffness": _shear(once.swapaxes(1, 2), np.sqrt(0.5))}
 
 
+def in_contact(solve: Callable, normals: Callable = this_study.normals, rows: Callable | None = None) -> Callable:
+    """An adapter with another contact algorithm: λ = solve(W, free, memory), free the gaps without contact forces.
+
+    ``normals`` gives the matrix v ↦ v_i·ν, and ``rows`` what it is multiplied by from the left. ``memory`` is a dict
+    that lasts from step to step.
+    """
+
+    def make(task: Task):
+        free, N = _free(task), normals(task)
+        N = (N if rows is None else sps.csr_array(rows(task)) @ N)[:, free]
+        K, memory = splu(sps.csc_array(this_study.stiffness(task)[free][:, free])), {}
+        compliance = K.solve(N.toarray().T)
+
+        def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
+            u, alone = np.zeros(task.vertices.size), K.solve((load - task.internal(stress)).ravel()[free])
+            u[free] = alone - compliance @ solve(N @ compliance, N @ alone, memory)
+            return u.reshape(-1, task.dim)
+
+        return step
+
+    return make
+
+
+def right(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+    """λ of the right contact problem."""
+    return active_set(W, free)
+
+
+def _late(W: np.ndarray, free: np.ndarray, memory: dict) -> np.ndarray:
+    """λ at the vertices that were in contact in the step before."""
+    held = memory.get("held", np.zeros(len(free), bool))
+    memory["held"] = active_set(W, free) > 0
+    return active_set(W, free, held, updates=0)
+
+
+def changed(change: Callable[[Task, np.ndarray, dict], np.ndarray]) -> Callable:
+    """An adapter that writes something else than its displacements: change(task, u, memory)."""
+
+    def make(task: Task):
+        step, memory = this_study.make(task), {}
+        return lambda load, stress: change(task, step(load, stress), memory)
+
+    return make
+
+
+def _step_before(task: Task, u: np.ndarray, memory: dict) -> np.ndarray:
+    before = memory.get("u", np.zeros_like(u))
+    memory["u"] = u
+    return before
+
+
+def _noise(task: Task, u: np.ndarray, memory: dict) -> np.ndarray:
+    noise = np.random.default_rng(7).uniform(-1, 1, u.shape)
+    noise[task.clamped] = 0
+    return u + 1e-4 * abs(u).max() * noise
+
+
+def tilted(angle: float) -> Callable:
+    """The normal at the last vertex of each piece turned by an angle."""
+
+    def normals(task: Task) -> sps.csr_array:
+        N, row = this_study.normals(task).tolil(), -1
+        for normal, vertices, _ in task.pieces():
+            row += len(vertices)
+            turned = np.cos(angle) * normal + np.sin(angle) * np.array([-normal[1], normal[0]])
+            N[row, 2 * vertices[-1] : 2 * vertices[-1] + 2] = turned
+        return sps.csr_array(N)
+
+    return normals
+
+
+def _along_axis(task: Task) -> dict:
+    """Normals rounded to the nearest axis."""
+    contact = [{**piece, "normal": np.round(piece["normal"]).tolist()} for piece in task.data["contact"]]
+    return {"data": {**task.data, "contact": contact}}
+
+
+def _facet_means(task: Task) -> np.ndarray:
+    """Rows that take the mean over each facet of the constraints at its vertices."""
+    rows, first = [], 0
+    count = sum(len(vertices) for _, vertices, _ in task.pieces())
+    for piece, (_, vertices, _) in zip(task.data["contact"], task.pieces(), strict=True):
+        for facet in piece["facets"]:
+            on = first + np.flatnonzero(np.isin(vertices, facet))
+            rows.append(np.isin(np.arange(count), on) / len(facet))
+        first += len(vertices)
+    return np.array(rows)
+
+
+def _corner_means(task: Task) -> np.ndarray:
+    """Rows that add the constraints of different pieces at one vertex."""
+    vertices = np.concatenate([vertices for _, vertices, _ in task.pieces()])
+    return (np.unique(vertices)[:, None] == vertices).astype(float)
+
+
+def entries(*changes: tuple[int, int, float]) -> Callable[[Task], dict]:
+    """The stiffness with entries (i, j) and (j, i), Mandel, multiplied by a factor."""
+
+    def change(task: Task) -> dict:
+        C = task.stiffness.copy()
+        for i, j, by in changes:
+            C[:, i, j] *= by
+            C[:, j, i] = C[:, i, j]
+        return {"stiffness": C}
+
+    return change
+
+
+def _plane_stress(task: Task) -> dict:
+    C = task.stiffness.copy()
+    mu, lam = C[:, 2, 2] / 2, C[:, 0, 1].copy()
+    C[:, 0, 1] = C[:, 1, 0] = 2 * mu * lam / (lam + 2 * mu)
+    C[:, 0, 0] = C[:, 1, 1] = 2 * mu + C[:, 0, 1]
+    return {"stiffness": C}
+
+
+def _equal_springs(task: Task):
+    """Springs of the same stiffness at all vertices, half areas at the ends forgotten."""
+    other = copy.copy(task)
+    pieces = [(normal, vertices, np.full(len(mass), task.data["h"])) for normal, vertices, mass in task.pieces()]
+    other.pieces = lambda: pieces
+    return springs(lambda task: 100 / task.data["h"])(other)
+
+
+STRESS, SHEAR = "the initial stress", "the shear p"
 FAULTS = (
-    Fault("initial stress forgotten", other_stress(lambda s: 0 * s)),
-    Fault("initial stress with the other sign", other_stress(lambda s: -s)),
-    Fault("initial stress not divided by √2 in shear", other_stress(lambda s: _shear(s, np.sqrt(2)))),
-    Fault("stiffness divided by √2 twice in shear", misread(_voigt_for_mandel)),
-    Fault("*A* in place of *G*", misread(lambda task: {"stiffness": task.A})),
-    Fault("`factor` forgotten", misread(lambda task: {"stiffness": 0 * task.G + task.data["law"]["G"]["matrix"]})),
-    Fault("ν pointing into the body", misread(inward)),
-    Fault("no lift-off, $u_\\nu = 0$", tied),
-    Fault("a vertex inside forgotten", misread(without(0.25))),
-    Fault("the vertex at the end forgotten", misread(without(1.0))),
-    Fault("every second vertex only", misread(without(None))),
-    Fault("springs of 30, not scaled with *h*", springs(lambda task: 30.0)),
+    Fault("initial stress forgotten", other_stress(lambda s: 0 * s), f"{STRESS} is missing"),
+    Fault("initial stress with the other sign", other_stress(lambda s: -s), f"{STRESS} has the reversed sign"),
+    Fault("initial stress not divided by √2 in shear", other_stress(lambda s: _shear(s, np.sqrt(2))), SHEAR),
+    Fault("stiffness divided by √2 twice in shear", misread(_voigt_for_mandel), "shear"),
+    Fault("*A* in place of *G*", misread(lambda task: {"stiffness": task.A}), "A is used in place of G"),
+    Fault(
+        "`factor` forgotten",
+        misread(lambda task: {"stiffness": 0 * task.G + task.data["law"]["G"]["matrix"]}),
+        "`factor` of the law is forgotten",
+    ),
+    Fault("plane stress for plane strain", misread(_plane_stress), "plane stress"),
+    Fault(
+        "axes 1 and 2 exchanged in the stiffness",
+        misread(lambda task: {"stiffness": task.stiffness[:, [1, 0, 2]][:, :, [1, 0, 2]]}),
+        "axes 1 and 2 are exchanged",
+    ),
+    Fault("coupling $C_{12}$ doubled", misread(entries((0, 1, 2.0))), "C_12"),
+    Fault("coupling with shear of the other sign", misread(entries((0, 2, -1.0), (1, 2, -1.0)))),
+    Fault("ν pointing into the body", misread(inward), "normals are reversed"),
+    Fault("ν rounded to an axis", misread(_along_axis), "normals tilted by 0.4"),
+    Fault("ν at the end turned by 0.1", in_contact(right, tilted(0.1)), "is tilted by 0.1"),
+    Fault("ν averaged at a corner", in_contact(right, rows=_corner_means), "normals of faces that meet are averaged"),
+    Fault("no lift-off, $u_\\nu = 0$", tied, "contact pulls"),
+    Fault("a vertex inside forgotten", misread(without(0.25)), "is forgotten at"),
+    Fault("the vertex at the end forgotten", misread(without(1.0)), "is forgotten at"),
+    Fault("the vertex next to Γ1 forgotten", misread(without(0.0)), "is forgotten at"),
+    Fault("every second vertex only", misread(without(None)), "is forgotten at"),
+    Fault("vertices never released", in_contact(lambda W, g, _: active_set(W, g, release=False)), "never released"),
+    Fault("active set updated once", in_contact(lambda W, g, _: active_set(W, g, updates=1)), "updated only once"),
+    Fault("contact one step late", in_contact(_late), "contact is one step late"),
+    Fault("contact forces halved", in_contact(lambda W, g, _: 0.5 * active_set(W, g)), "0.5 times the right"),
+    Fault("contact forces 1 % too large", in_contact(lambda W, g, _: 1.01 * active_set(W, g)), "1.01 times the right"),
+    Fault("mean gap of each facet", in_contact(right, rows=_facet_means), "mean gap of each facet"),
+    Fault("springs of 30, not scaled with *h*", springs(lambda task: 30.0), "springs"),
+    Fault("equal springs at all vertices", _equal_springs, "whatever its area"),
+    Fault("the body moved by 0.01", changed(lambda task, u, _: u + 0.01), "moved rigidly by (0.01, 0.01)"),
+    Fault("u of the step before written", changed(_step_before), "step before are written"),
+    Fault("u in other units", changed(lambda task, u, _: 1000 * u), "1000 times the right ones"),
+    Fault("solver stopped at $10^{-4}$", changed(_noise), "solver stops too early"),
 )
 
 
-def judged(tasks: list[Task], fault: Fault) -> Judgement:
-    """The judgement of a fault on the meshes of one case."""
-    (found,) = assess(tasks, {task.name: answer(task, fault.make) for task in tasks})
-    return found
+def distance(task: Task, fault: Fault) -> float:
+    """Distance of the faulty answer to one task over the discretisation error."""
+    judge, u = task.data["judge"], answer(task, fault.make) / task.scale
+    _, best, _, apart, shift, *_ = np.max([errors_in_v(task, one, v) for one, v in zip(judge, u, strict=True)], axis=0)
+    return float(np.hypot(apart, shift) / best)
 
 
-def cell(found: Judgement) -> str:
-    """The class as it stands in the table."""
-    if found.verdict == UNSEEN:
-        return "not seen"
-    share = found.errors[-1].distance / found.errors[-1].best
-    return f"{found.verdict}, {share:.1g}" + (" †" if found.errors[-1].idle else "")
+def covering(seen: dict[str, set[str]]) -> tuple[str, ...]:
+    """The smallest set of cases that shows every fault that some case shows; the first in the given order.
+
+    Args:
+        seen: case ↦ the faults that it shows.
+    """
+    every = set().union(*seen.values())
+    sets = (cases for size in range(len(seen) + 1) for cases in combinations(seen, size))
+    return next(cases for cases in sets if set().union(*(seen[case] for case in cases)) == every)
 
 
-def table(groups: dict[str, list[Task]]) -> list[str]:
-    """The lines of the table, a row for each fault and a column for each case."""
-    head = ["fault", *(f"*{case}*" for case in groups)]
-    rows = [[fault.name, *(cell(judged(tasks, fault)) for tasks in groups.values())] for fault in FAULTS]
-    return [f"| {' | '.join(row)} |" for row in (head, ["---"] * len(head), *rows)]
+def table(tasks: dict[str, Task]) -> list[str]:
+    """The lines of the table: a row for each fault, a column for the task of each case, and the covering set."""
+    cells = {case: {fault.name: distance(task, fault) for fault in FAULTS} for case, task in tasks.items()}
+    seen = {case: {name for name, value in column.items() if value > SEEN} for case, column in cells.items()}
+    head = ["fault", *(f"*{case}*" for case in tasks)]
+    rows = [
+        [fault.name, *(f"{cells[case][fault.name]:.0e}" if fault.name in seen[case] else "–" for case in tasks)]
+        for fault in FAULTS
+    ]
+    lines = [f"| {' | '.join(row)} |" for row in (head, ["---"] * len(head), *rows)]
+    return [*lines, "", f"Smallest set of cases that shows every fault: {', '.join(covering(seen))}."]
 
 
 if __name__ == "__main__":
     tasks = sorted(read_tasks(Path(sys.argv[1])), key=lambda one: one.data["level"])
-    print("\n".join(table({case: [task for task in tasks if task.data["case"] == case] for case in CASES})))
+    print("\n".join(table({case: next(task for task in tasks if task.data["case"] == case) for case in CASES})))

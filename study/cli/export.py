@@ -11,6 +11,7 @@ from study.fem.mesh import boundary_parts
 from study.fem.naming import family_named, resolve
 from study.ledger.files import UsageError
 from study.run.executor import available, require
+from study.run.plan import quick
 from study.run.tasks import (
     Data,
     TaskStore,
@@ -28,16 +29,23 @@ from study.statements.shared.tasks import FROZEN_TIMES, Task
 
 
 def do_export(options: argparse.Namespace) -> int:
-    """Write a task for each mesh family and level."""
-    case = resolve(options.case)
-    wanted = [(family_named(name), level) for name in options.family for level in options.levels]
-    _check(options, case)
-    for family, level in wanted:
-        _check_mesh(options, Task(case, family, level))
-    prove(case.solution, f"case {case.name}")
+    """Write a task for each case, mesh family and level; without names, the families of the quick study of a case."""
+    cases = [resolve(name) for name in options.case]
+    if repeated := {case.name for case in cases if [other.name for other in cases].count(case.name) > 1}:
+        raise UsageError(f"two cases have the name {', '.join(sorted(repeated))}; give each case once")
+    wanted = []
+    for case in cases:
+        _check(options, case)
+        families = [family_named(name) for name in options.family] if options.family else quick().families_of(case)
+        wanted += [Task(case, family, level) for family in families for level in options.levels]
+    for task in wanted:
+        _check_mesh(options, task)
+    for case in cases:
+        prove(case.solution, f"case {case.name}")
     with TaskStore(options.out).locked():
-        for family, level in wanted:
-            path = write_task(options.out, _data(Task(case, family, level), options))
+        for task in wanted:
+            # A new task for each file: the meshes and factorisations of the last one are freed.
+            path = write_task(options.out, _data(Task(task.case, task.family, task.level), options))
             print(f"{path}  {path.stat().st_size / 1000:.1f} kB")
     return OK
 

@@ -61,7 +61,7 @@ def parser() -> argparse.ArgumentParser:
     _bound(add("bound", "bound", "enclose the error of a computed displacement, exact solution or not"))
     certify = "bounds of errors as a theorem, with a certificate that a program of its own checks"
     _certify(add("certify", "certify", certify))
-    _export(add("export", "export", "a case as plain data, with which other people's contact codes are verified"))
+    _export(add("export", "export", "cases as plain data, with which other people's contact codes are verified"))
     show = add("show", "show", "storyboard, animation and ParaView files of a case, solved on one mesh")
     show.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case")
     show.add_argument("--level", type=int, metavar="N", help="cells along a side (default 24, in 3D 9)")
@@ -162,10 +162,10 @@ def _enclosed(bound: argparse.ArgumentParser, levels: tuple[int, ...], shorter: 
 
 
 def _export(export: argparse.ArgumentParser) -> None:
-    export.add_argument("case", metavar="NAME|FILE.py:NAME", help="a case with a linear law")
+    export.add_argument("case", nargs="+", metavar="NAME|FILE.py:NAME", help="cases with linear laws")
     export.add_argument("--levels", nargs="+", type=int, default=[8, 16, 32], metavar="N", help="default 8 16 32")
-    meshes = f"meshes: {', '.join(FAMILIES)} (default one-diagonal)"
-    export.add_argument("--family", nargs="+", default=["one-diagonal"], metavar="NAME", help=meshes)
+    meshes = f"meshes: {', '.join(FAMILIES)} (default: those on which `study run` measures the case)"
+    export.add_argument("--family", nargs="+", metavar="NAME", help=meshes)
     export.add_argument("--mode", choices=MODES, default="frozen", help="static problems, or steps in time")
     export.add_argument("--instants", nargs="+", type=_finite, metavar="T", help="of frozen problems (default: three)")
     export.add_argument("--steps", type=int, metavar="N", help="of a march (default the level)")

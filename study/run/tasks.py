@@ -20,7 +20,7 @@ from study.ledger.files import StoreError, UsageError, write_text, write_whole
 from study.run.store import Store
 from study.statements.shared.tasks import Task
 
-FORMAT, VERSION = "contact-task", 1
+FORMAT, VERSION = "contact-task", 2
 Data = dict[str, Any]
 MARGIN, DEPTH = 0.25, 0.25
 """How far a meshed foundation extends beyond its face, and its thickness, relative to the length of the face."""

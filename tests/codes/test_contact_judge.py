@@ -234,15 +234,6 @@ def test_a_consistent_code_with_a_pressure_many_times_that_of_k_h_does_not_pass_
     assert "30 times the error of the solution in K^h" in judge.table([one])
 
 
-@pytest.mark.slow
-def test_the_page_says_of_each_fault_which_case_shows_it() -> None:
-    cases = {
-        case: [read(frozen(exported(case, level=n), (0.15, 0.55, 0.9))) for n in (8, 16, 32)] for case in faults.CASES
-    }
-    page = (Path(__file__).parents[2] / "docs" / "how-to" / "verify-a-contact-code.md").read_text(encoding="utf-8")
-    assert "\n".join(faults.table(cases)) in page
-
-
 def test_other_equations_leave_forces_where_none_may_be(tasks: Any) -> None:
     task = tasks[1]
     without = judge.answer(task, lambda task: lambda load, stress: ours.make(task)(load, 0 * stress))

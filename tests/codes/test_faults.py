@@ -1,0 +1,225 @@
+"""Every fault is seen by the covering set of cases, and the judge names its cause; right answers have none."""
+
+from __future__ import annotations
+
+import json
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+import contact_judge as judge
+import faults
+import numpy as np
+import pytest
+import this_study
+
+from study.fem.naming import family_named, resolve
+from study.run.tasks import frozen, march, plain
+from study.statements.shared.tasks import Task
+
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "verify-a-contact-code.md"
+CLAMP = "the vertex next to Γ1 forgotten"
+
+
+@lru_cache
+def exported(case: str, level: int = 8, steps: int = 0) -> Any:
+    """A task of a case on one-diagonal meshes: three static problems, or a march of some steps."""
+    task = Task(resolve(case), family_named("one-diagonal"), level)
+    data = march(task, steps) if steps else frozen(task, (0.15, 0.55, 0.9))
+    return judge.Task(f"{case}-{level}", json.loads(json.dumps(plain(data))))
+
+
+def judged(make: Any, *tasks: Any) -> Any:
+    (found,) = judge.assess(list(tasks), {task.name: judge.answer(task, make) for task in tasks})
+    return found
+
+
+def in_page() -> dict[str, list[str]]:
+    """Rows of the table of the page: fault ↦ cases that show it, in the order of the columns."""
+    rows = [line.strip("| \n").split(" | ") for line in PAGE.read_text(encoding="utf-8").splitlines() if " | " in line]
+    head = next(row for row in rows if row[0] == "fault")
+    table = rows[rows.index(head) + 1 :]
+    cases = [cell.strip("*") for cell in head[1:]]
+    return {
+        row[0]: [case for case, cell in zip(cases, row[1:], strict=True) if cell != "–"]
+        for row in table
+        if row[0] in {fault.name for fault in faults.FAULTS}
+    }
+
+
+def covering() -> tuple[str, ...]:
+    """The covering set that the page names, computed again from its table."""
+    table = in_page()
+    cases = dict.fromkeys(case for shown in table.values() for case in shown)
+    ordered = sorted(cases, key=faults.CASES.index)
+    return faults.covering({case: {name for name, shown in table.items() if case in shown} for case in ordered})
+
+
+def test_the_page_names_every_fault_and_the_smallest_set_of_cases_that_shows_all() -> None:
+    assert set(in_page()) == {fault.name for fault in faults.FAULTS}
+    assert f"Smallest set of cases that shows every fault: {', '.join(covering())}." in PAGE.read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("fault", faults.FAULTS, ids=lambda fault: fault.name)
+def test_the_covering_set_shows_a_fault_and_the_judge_names_its_cause(fault: Any) -> None:
+    case = next(case for case in covering() if case in in_page()[fault.name])
+    found = judged(fault.make, exported(case))
+    assert found.verdict != "exact for P1"
+    assert found.outcome() != "holds"
+    assert fault.cause in found.cause
+    if not fault.cause:
+        assert "Most likely" not in found.cause
+
+
+@pytest.mark.slow
+def test_the_table_of_the_page_is_measured() -> None:
+    text = PAGE.read_text(encoding="utf-8")
+    assert "\n".join(faults.table({case: exported(case) for case in faults.CASES})) in text
+
+
+MARCHES = {
+    "missing viscous stress": (lambda t: (t.G, 0 * t.G), "the viscous stress is missing"),
+    "backward Euler": (lambda t: (t.A / t.data["step"] + t.G, -t.A / t.data["step"]), "backward Euler is used"),
+    "history forgotten": (lambda t: (t.stiffness, 0 * t.G), "the stress of the previous step is missing"),
+    "history twice": (
+        lambda t: (t.stiffness, t.G - 2 * t.A / t.data["step"]),
+        "the stress of the previous step is counted twice",
+    ),
+}
+
+
+def marched(task: Any, C: np.ndarray, H: np.ndarray, wrong_step: int = -1, load_late: bool = False) -> np.ndarray:
+    """The answer of a march with the stiffness C and the history H ε(u_{n−1}); in one step that of u_{n−2}."""
+    other = judge.copy.copy(task)
+    other.stiffness = C
+    step, states = this_study.make(other), [task.start(), task.start()]
+    for n in range(task.count):
+        load, _ = task.step(max(n - load_late, 0), states[-1])
+        before = states[-2] if n == wrong_step else states[-1]
+        states.append(step(load, np.einsum("cij,cj->ci", H, task.strain(before))))
+    return np.array(states[2:])
+
+
+@pytest.mark.parametrize("name", MARCHES)
+def test_a_fault_of_the_history_is_named(name: str) -> None:
+    task, (law, cause) = exported("anisotropic", 4, 5), MARCHES[name]
+    (found,) = judge.assess([task], {task.name: marched(task, *law(task))})
+    assert f"Most likely: {cause}" in found.cause
+
+
+@pytest.mark.parametrize(
+    ("options", "cause"),
+    [
+        ({"wrong_step": 2}, "in step 3 alone the history is that of the step before last"),
+        ({"load_late": True}, "the load of the step before is used"),
+    ],
+)
+def test_a_fault_of_one_step_or_of_the_load_is_named(options: dict[str, Any], cause: str) -> None:
+    task = exported("anisotropic", 4, 5)
+    right = task.stiffness, task.G / 2 - task.A / task.data["step"]
+    (found,) = judge.assess([task], {task.name: marched(task, *right, **options)})
+    assert f"Most likely: {cause}" in found.cause
+    (found,) = judge.assess([task], {task.name: marched(task, *right)})
+    assert (found.verdict, found.cause) == ("exact for P1", "")
+
+
+def test_two_faults_at_once_have_no_single_cause() -> None:
+    """The initial stress is reversed and the stiffness has another coupling: no cause that was tried is right."""
+    task = exported("layered", 4)
+    wrong = judge.copy.copy(task)
+    wrong.stiffness = task.stiffness * np.array([[1.0, 1.3, 1.0], [1.3, 0.8, 1.0], [1.0, 1.0, 1.1]])
+    step = this_study.make(wrong)
+    (found,) = judge.assess([task], {task.name: judge.answer(task, lambda _: lambda b, s: step(b, -0.5 * s))})
+    assert found.cause.startswith("No single cause")
+
+
+@pytest.mark.parametrize("shift", [1000.0, 0.3, 1e-3])
+def test_a_body_that_is_moved_is_never_exact(shift: float) -> None:
+    found = judged(faults.changed(lambda task, u, _: u + shift), exported("layered", 4))
+    assert found.verdict != "exact for P1"
+
+
+def with_gap(task: Any) -> Any:
+    """The task with an initial gap: its solutions plus w, the gap on Γ3, solve it with the loads of w added."""
+    data = json.loads(json.dumps(task.data))
+    w = np.zeros_like(task.vertices)
+    for piece, (normal, vertices, _) in zip(data["contact"], task.pieces(), strict=True):
+        gap = 0.1 + 0.05 * np.arange(len(vertices)) / len(vertices)
+        piece["gap"] = gap.tolist()
+        w[vertices] += gap[:, None] * normal
+    strain = task.strain(w)
+    forces = task.internal(np.einsum("cij,cj->ci", task.stiffness, strain))
+    forces[task.clamped] = 0
+    for step, one in zip(data["steps"], data["judge"], strict=True):
+        step["load"] = (np.array(step["load"]) + forces).tolist()
+        for key in ("displacement", "reference"):
+            one[key] = (np.array(one[key]) + w).tolist()
+        one["strain"] = (np.array(one["strain"]) + strain).tolist()
+    return judge.Task(task.name, data)
+
+
+@pytest.mark.parametrize(
+    ("factor", "cause"),
+    [(1.0, ""), (0.0, "the initial gap is forgotten"), (-1.0, "the initial gap is taken with the reversed sign")],
+)
+def test_an_initial_gap_is_judged(factor: float, cause: str) -> None:
+    task = with_gap(exported("layered"))
+    gap = factor * task.constraints()[3]
+    found = judged(faults.in_contact(lambda W, free, _: judge.active_set(W, free - gap)), task)
+    assert (found.verdict == "exact for P1") == (factor == 1)
+    assert cause in found.cause
+
+
+def test_springs_that_stiffen_with_the_mesh_are_consistent_where_contact_meets_the_clamp() -> None:
+    """*junction*: the error has the order 0.48, and the distance of springs k/h falls with the order 0.4."""
+    found = judged(faults.springs(lambda task: 10 / task.data["h"]), *(exported("junction", n) for n in (8, 16, 32)))
+    assert found.order_of_best < 0.6
+    assert found.verdict == "consistent"
+    found = judged(faults.springs(lambda task: 30.0), *(exported("junction", n) for n in (8, 16, 32)))
+    assert found.verdict == "stagnates"
+
+
+def test_a_cause_needs_no_more_than_the_answer_of_a_consistent_code() -> None:
+    found = judged(faults.springs(lambda task: 30 / task.data["h"]), *(exported("layered", n) for n in (4, 8, 16)))
+    assert found.verdict == "consistent"
+    assert "springs" in found.cause
+
+
+REPORTED = {
+    "as they are": (lambda r: r, True, "agrees"),
+    "reversed": (lambda r: -r, False, "has the reversed sign"),
+    "halved": (lambda r: r / 2, False, "is 0.5 times the right one"),
+    "not numbers": (lambda r: r * np.nan, False, "not all are numbers"),
+}
+
+
+@pytest.mark.parametrize("name", REPORTED)
+@pytest.mark.parametrize("report", ["forces", "pressure", "resultant"])
+def test_what_a_code_reports_is_judged_with_a_sentence(report: str, name: str) -> None:
+    task, (change, right, sentence) = exported("layered", 4), REPORTED[name]
+    u = judge.answer(task, this_study.make)
+    equations = judge.Equations(task, u)
+    values = {"forces": equations.lam, "pressure": equations.lam / task.constraints()[2]}
+    values["resultant"] = task.sums(equations.lam)
+    (found,) = judge.assess([task], {task.name: u}, {task.name: {report: change(values[report])}})
+    assert [(one.right, sentence in one.sentence) for one in found.reports] == [(right, True)]
+    assert found.outcome() == ("holds" if right else "fails")
+
+
+def test_areas_and_status_of_a_report_are_judged() -> None:
+    task = exported("layered", 4)
+    u = judge.answer(task, this_study.make)
+    equations, mass = judge.Equations(task, u), task.constraints()[2]
+    status = equations.lam > 1e-9
+    cases = [
+        ({"pressure": equations.lam}, "is a force, expected force over area"),
+        ({"forces": equations.lam / mass}, "is a pressure, expected pressure times area"),
+        ({"status": 0 * status}, "no contact where a force acts"),
+        ({"status": 0 * status + 1}, "contact where a gap is open"),
+    ]
+    for reports, sentence in cases:
+        (one,) = judge.judge_reports(task, u, reports)
+        assert not one.right
+        assert sentence in one.sentence
+    (one,) = judge.judge_reports(task, u, {"status": status})
+    assert one.right

@@ -1,0 +1,237 @@
+"""The command of the judge: exit codes, tolerance, JUnit, JSON that fits its schema, and errors by name."""
+
+from __future__ import annotations
+
+import json
+import lzma
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+from xml.etree import ElementTree
+
+import contact_judge as judge
+import faults
+import numpy as np
+import pytest
+import this_study
+
+from study.cli.main import main
+from study.fem.naming import family_named, resolve
+from study.run.tasks import frozen, march, plain, with_foundation, write_task
+from study.statements.shared.tasks import Task
+
+SCHEMAS = Path(__file__).parents[2] / "docs" / "reference"
+
+
+@pytest.fixture(scope="module")
+def packed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A directory with one task and SHA256SUMS."""
+    place = tmp_path_factory.mktemp("packed")
+    write_task(place, frozen(Task(resolve("full-contact"), family_named("one-diagonal"), 4), (0.55,)))
+    return place
+
+
+@pytest.fixture
+def place(packed: Path, tmp_path: Path) -> Path:
+    """A copy with the directory ``tasks``, and ``answers`` with the right answer."""
+    (tmp_path / "tasks").mkdir()
+    for path in packed.iterdir():
+        (tmp_path / "tasks" / path.name).write_bytes(path.read_bytes())
+    (task,) = judge.read_tasks(tmp_path / "tasks")
+    judge.write_answer(tmp_path / "answers", task, judge.answer(task, this_study.make))
+    return tmp_path
+
+
+def run(place: Path, *options: str) -> int:
+    return judge.main([str(place / "tasks"), str(place / "answers"), *options])
+
+
+def change_answer(place: Path, change: Callable[[np.ndarray], np.ndarray]) -> None:
+    (path,) = place.glob("answers/*/u.txt")
+    np.savetxt(path, change(np.loadtxt(path, ndmin=2)))
+
+
+def change_task(place: Path, change: Callable[[dict[str, Any]], Any]) -> None:
+    """Replace the task by changed data, packed as JSON."""
+    (path,) = place.glob("tasks/*.json.xz")
+    data = json.loads(lzma.decompress(path.read_bytes()))
+    result = change(data)
+    (place / "tasks" / "SHA256SUMS").unlink()
+    path.unlink()
+    path.with_suffix("").write_text(json.dumps(data if result is None else result))
+
+
+def append(text: str) -> Callable[[Path], Any]:
+    def damage(place: Path) -> None:
+        with (place / "tasks" / "SHA256SUMS").open("a") as sums:
+            sums.write(text)
+
+    return damage
+
+
+def task_with(**changes: Any) -> Callable[[Path], None]:
+    return lambda place: change_task(place, lambda data: data | changes)
+
+
+DAMAGE: dict[str, tuple[Callable[[Path], Any], str]] = {
+    "empty line in the sums": (append("\n"), "SHA256SUMS, line 2: stands '', expected a sum and a file"),
+    "word in the sums": (append("mine\n"), "SHA256SUMS, line 2: stands 'mine'"),
+    "deleted task": (lambda place: next(place.glob("tasks/*.xz")).unlink(), "which is missing"),
+    "no tasks": (lambda place: [path.unlink() for path in place.glob("tasks/*")], "holds no *.json.xz"),
+    "JSON list": (lambda place: (place / "tasks" / "a.json").write_text("[1, 2]"), "a holds a JSON list"),
+    "JSON number": (lambda place: (place / "tasks" / "a.json").write_text("1"), "a holds a JSON int"),
+    "other JSON": (lambda place: (place / "tasks" / "a.json").write_text("{}"), "expected contact-task 1 or 2"),
+    "no JSON": (lambda place: (place / "tasks" / "a.json").write_text("{"), "a.json is no JSON"),
+    "no xz": (lambda place: (place / "tasks" / "a.json.xz").write_text("{}"), "a.json.xz is no JSON"),
+    "directory for a file": (lambda place: (place / "tasks" / "a.json").mkdir(), "a.json is no JSON"),
+    "two files of one task": (
+        lambda place: (next(place.glob("tasks/*.xz")).with_suffix("")).write_bytes(
+            lzma.decompress(next(place.glob("tasks/*.xz")).read_bytes())
+        ),
+        "same name",
+    ),
+    "key missing": (lambda place: change_task(place, lambda data: data.pop("clamped") and None), "lacks the key 'clam"),
+    "other version": (task_with(version=3), "contact-task 3, expected contact-task 1 or 2"),
+    "vertex that is not there": (task_with(cells=[[0, 1, 999]]), "is no task"),
+    "words for numbers": (task_with(vertices="many"), "is no task"),
+    "no steps": (task_with(steps=[], judge=[]), "0 steps"),
+    "fewer to judge by": (task_with(judge=[]), "0 objects to judge them by"),
+    "scale of zero": (task_with(scale=0), "the scale 0.0"),
+    "no contact": (task_with(contact=[]), "is no task"),
+    "law of another shape": (task_with(law={"A": {"matrix": [[1.0]], "factor": 1}}), "lacks the key 'G'"),
+    "no answer": (lambda place: next(place.glob("answers/*/u.txt")).unlink(), "no answer"),
+    "words in an answer": (lambda place: next(place.glob("answers/*/u.txt")).write_text("a b"), "no answer"),
+    "short answer": (lambda place: next(place.glob("answers/*/u.txt")).write_text("1 2 3"), "3 numbers, expected 1"),
+    "short report": (
+        lambda place: next(place.glob("answers/*/u.txt")).with_name("forces.txt").write_text("1"),
+        "forces.txt has 1 numbers",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DAMAGE)
+def test_what_cannot_be_read_is_named_and_the_exit_code_is_2(name: str, place: Path, capsys: Any) -> None:
+    damage, message = DAMAGE[name]
+    damage(place)
+    assert run(place) == 2
+    told = capsys.readouterr()
+    assert message in told.err
+    assert told.err.startswith("contact_judge: ")
+    assert told.out == ""
+
+
+@pytest.mark.parametrize(
+    "options", [["--tolerance", "-1"], ["--tolerance", "nan"], ["--junit", "/no/such/place/x.xml"]]
+)
+def test_options_that_cannot_be_used_are_refused(options: list[str], place: Path, capsys: Any) -> None:
+    assert run(place, *options) == 2
+    assert capsys.readouterr().err.startswith("contact_judge: ")
+
+
+def test_exit_codes_and_tolerance(place: Path, capsys: Any) -> None:
+    assert run(place) == 0
+    change_answer(place, lambda u: 1.0001 * u)
+    assert run(place) == 3
+    assert run(place, "--tolerance", "1e-9") == 3
+    assert run(place, "--tolerance", "0.5") == 0
+    assert "passes: at most 0.5 of the error" in capsys.readouterr().out
+    change_answer(place, lambda u: u + 1000)
+    assert run(place, "--tolerance", "1e9") == 1
+    change_answer(place, lambda u: np.nan * u)
+    assert run(place, "--tolerance", "1e9") == 1
+
+
+def test_a_series_that_fails_counts_more_than_one_that_is_undecided(place: Path) -> None:
+    write_task(place / "tasks", frozen(Task(resolve("full-contact"), family_named("criss-cross"), 4), (0.55,)))
+    for task in judge.read_tasks(place / "tasks"):
+        u = judge.answer(task, this_study.make)
+        judge.write_answer(place / "answers", task, 1.001 * u if task.data["family"] == "criss-cross" else u + 1)
+    assert run(place) == 1
+
+
+def test_junit_has_a_case_for_each_series(place: Path, tmp_path: Path) -> None:
+    assert run(place, "--junit", str(tmp_path / "a.xml")) == 0
+    suite = ElementTree.parse(tmp_path / "a.xml").getroot()
+    assert (suite.get("tests"), suite.get("failures")) == ("1", "0")
+    change_answer(place, lambda u: 1.001 * u)
+    assert run(place, "--junit", str(tmp_path / "a.xml")) == 3
+    (failure,) = ElementTree.parse(tmp_path / "a.xml").getroot().iter("failure")
+    assert "undecided" in str(failure.get("message"))
+    assert "times the right ones" in str(failure.text)
+
+
+def faults_of(value: Any, schema: Any, root: Any, at: str = "") -> list[str]:
+    """What of a value is not as a JSON Schema says; of the keywords that the schemas of the project use."""
+    if "$ref" in schema:
+        return faults_of(value, root["$defs"][schema["$ref"].rpartition("/")[2]], root, at)
+    types = {"object": dict, "array": list, "string": str, "number": int | float, "integer": int, "null": type(None)}
+    names = schema.get("type", [])
+    names = [names] if isinstance(names, str) else names
+    if names and not any(isinstance(value, types[name]) for name in names):
+        return [f"{at}: {type(value).__name__}, expected {names}"]
+    result = [] if value in schema.get("enum", [value]) else [f"{at}: {value!r}"]
+    if "anyOf" in schema and all(faults_of(value, one, root, at) for one in schema["anyOf"]):
+        result.append(f"{at}: none of anyOf")
+    if isinstance(value, dict):
+        result += [f"{at}: no {key}" for key in schema.get("required", []) if key not in value]
+        known = schema.get("properties", {})
+        result += [fault for key in value if key in known for fault in faults_of(value[key], known[key], root, key)]
+        if schema.get("additionalProperties") is False:
+            result += [f"{at}: {key} is not in the schema" for key in value if key not in known]
+    if isinstance(value, list) and "items" in schema:
+        result += [fault for one in value for fault in faults_of(one, schema["items"], root, at)]
+    return result
+
+
+def fits(value: Any, name: str) -> list[str]:
+    schema = json.loads((SCHEMAS / name).read_text(encoding="utf-8"))
+    return faults_of(value, schema, schema)
+
+
+def test_the_json_is_valid_and_fits_its_schema_even_without_numbers(place: Path, capsys: Any) -> None:
+    for change in (lambda u: u, lambda u: np.nan * u):
+        change_answer(place, change)
+        run(place, "--json")
+
+        def refuse(text: str) -> None:
+            raise AssertionError(text)
+
+        rows = json.loads(capsys.readouterr().out, parse_constant=refuse)
+        assert fits(rows, "contact-verdict.schema.json") == []
+    assert fits([rows[0] | {"verdict": "good"}], "contact-verdict.schema.json")
+
+
+@pytest.mark.parametrize("kind", ["frozen", "march", "foundation"])
+def test_tasks_fit_their_schema(kind: str) -> None:
+    task = Task(resolve("corner"), family_named("one-diagonal"), 4)
+    data = march(task, 2) if kind == "march" else frozen(task, (0.55,))
+    data = json.loads(json.dumps(plain(with_foundation(data, 3) if kind == "foundation" else data)))
+    assert data["version"] == 2
+    assert fits(data, "contact-task.schema.json") == []
+    del data["contact"][0]["facets"]
+    assert fits(data, "contact-task.schema.json")
+
+
+def test_version_1_is_read_and_is_the_same_task() -> None:
+    data = json.loads(json.dumps(plain(frozen(Task(resolve("corner"), family_named("one-diagonal"), 4), (0.55,)))))
+    task = judge.Task("old", data | {"version": 1})
+    (found,) = judge.assess([task], {"old": judge.answer(task, this_study.make)})
+    assert found.verdict == "exact for P1"
+
+
+def test_the_command_exports_several_cases_on_the_families_of_the_quick_study(tmp_path: Path, capsys: Any) -> None:
+    command = ["export", "full-contact", "hexagon", "--levels", "4", "--instants", "0.5", "--out", str(tmp_path)]
+    assert main(command) == 0
+    names = {path.name for path in tmp_path.glob("*.xz")}
+    assert names == {"full-contact-one-diagonal-frozen-4.json.xz", "hexagon-unstructured-frozen-4.json.xz"}
+    assert main(["export", "full-contact", "full-contact", "--out", str(tmp_path)]) == 2
+    assert "give each case once" in capsys.readouterr().err
+
+
+def test_loads_of_another_size_scale_the_gap_too(packed: Path) -> None:
+    (task,) = judge.read_tasks(packed)
+    gap = [0.5] * len(task.data["contact"][0]["vertices"])
+    pieces = [piece | {"gap": gap} for piece in task.data["contact"]]
+    scaled = judge.Task("gap", task.data | {"contact": pieces}).scaled(10)
+    assert np.array_equal(np.concatenate(scaled.gaps()), 10 * np.array(gap * len(pieces)))
+    assert faults.right(np.eye(1), np.array([2.0]), {}) == pytest.approx([2.0])
