@@ -15,7 +15,22 @@ import pandas as pd
 from study.ledger.chance import PROMISE
 from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_verdicts
 from study.ledger.text import above, below, down, up
-from study.ledger.verdict import HOLDS, MISSED, REPORTED, UNCLAIMED, agreement, window_share, worst_value
+from study.ledger.verdict import (
+    HOLDS,
+    IDENTITY,
+    MISSED,
+    ONE_SIDED,
+    ORDER,
+    REPORTED,
+    SIZE,
+    UNCLAIMED,
+    VERDICTS,
+    agreement,
+    kind,
+    window_share,
+    worst_value,
+)
+from study.ledger.window import STEEPER
 from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, longtable, prose, tabular
 
@@ -56,8 +71,11 @@ def _ledger(data: FullRun) -> Named:
     yield "ledgerRows", len(data.claims)
     yield "ledgerStatements", len(list(by_claim(data.claims)))
     counts = count_verdicts(data.claims)
-    for verdict in ("holds", "fails", "undecided", "reported"):
+    for verdict in VERDICTS:
         yield f"ledger{verdict.capitalize()}", counts[verdict]
+    kinds = data.claims[data.claims["verdict"] == HOLDS].apply(kind, axis=1)
+    for name, one in (("Orders", ORDER), ("Sizes", SIZE), ("Bounds", ONE_SIDED), ("Identities", IDENTITY)):
+        yield f"kind{name}", int((kinds == one).sum())
     found, injected = count_caught(data.controls)
     yield "controls", injected
     yield "controlsCaught", found
@@ -116,6 +134,8 @@ def _rough(data: FullRun) -> Named:
     label = "Prop. 5.3"
     yield "ratioMost", _most(data, label, "falling")
     yield "limitMost", _percent(data.rows(label, "limit")["high"].max())
+    yield "limitSteeper", _percent(data.rows(label, "limit-steeper")["high"].max())
+    yield "steeper", f"{STEEPER:g}"
     yield "roughQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
     yield from _extremes("graded", data.rows(label, "order-graded"))
     seen = data.rows("(5.36)", "order")
