@@ -22,9 +22,11 @@ from skfem import Mesh, MeshTri
 from manufactured.body import Body, Kind
 from manufactured.case import Case
 from manufactured.data import Data
+from manufactured.static import Static
 from manufactured.tensors import Array, Points
+from study.bound.bounded import INSIDE, BoundedSolution, bounded_static
 from study.bound.discretisation import Discretisation, refuse_solids
-from study.bound.enclosing import Enclosure, enclose, squared_distances
+from study.bound.enclosing import enclose, squared_distances
 from study.bound.problem import BoundError, require_units
 from study.bound.trajectory import Refined, SmoothedInTime, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
@@ -89,21 +91,11 @@ class GivenDisplacement:
         return lambda time: J @ self.at(time)
 
 
-@dataclass(frozen=True, eq=False)
-class BoundedDisplacement:
-    """A given displacement, the enclosure of its error, and the bound from u_h alone or why there is none."""
-
-    computed: GivenDisplacement
-    plain: Enclosure | None
-    enclosure: Enclosure
-    without_plain: str
-
-
 def bound_displacement(
     data: Data,
     points: Array,
     triangles: Array,
-    times: Array,
+    times: Array | None,
     u: Array,
     refine: int = 1,
     shorter: int = 4,
@@ -111,11 +103,11 @@ def bound_displacement(
     nearest: bool = False,
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
-) -> BoundedDisplacement:
+) -> BoundedSolution:
     """Enclose ‖u(t) − u_h(t)‖_V for a displacement u_h that any program has computed.
 
     Args:
-        data: the problem.
+        data: the problem; for a ``Static`` one the norm is the energy norm of G.
         points, triangles, times, u, steps, nearest: as in ``given``.
         refine: how often the mesh of u_h is refined for ũ.
         shorter: the number of steps of ũ in each of ``steps``.
@@ -126,42 +118,46 @@ def bound_displacement(
         BoundError: the displacement does not fit the problem, or the problem has no bound.
         LoadError: data to which no solution can belong.
     """
-    check_refined(data, refine, shorter, steps)
-    computed = given(data, points, triangles, times, u, steps, nearest)
-    require_steps(shorter * computed.steps)
-    return bounded(data, computed, Refined(refine, shorter), case, progress)
+    refined = Refined(refine, shorter)
+    check_problem(data, refined, steps)
+    return bounded_displacement(data, given(data, points, triangles, times, u, steps, nearest), refined, case, progress)
 
 
-def check_refined(data: Data, refine: int, shorter: int, steps: int | None) -> None:
-    """Refuse problems and numbers of refinements and steps for which there is no bound.
+def check_problem(data: Data, refined: Refined, steps: int | None) -> None:
+    """Refuse problems, refinements and steps for which there is no bound.
 
     Raises:
         BoundError: says which.
         LoadError: data to which no solution can belong.
     """
-    if refine < 0 or shorter < 1 or (steps is not None and steps < 1):
+    if refined.refinements < 0 or refined.shorter < 1 or (steps is not None and steps < 1):
         raise BoundError(
-            "ũ needs 0 or more refinements, 1 or more steps in one of u_h and 1 or more --steps, "
-            f"got {refine}, {shorter} and {steps}"
+            "ũ needs 0 or more refinements, 1 or more steps in one of u_h and 1 or more --steps, got "
+            f"{refined.refinements}, {refined.shorter} and {steps}"
         )
     refuse_solids(data)
     require_units(data)
     data.check()
 
 
-def bounded(
+def bounded_displacement(
     data: Data,
     computed: GivenDisplacement,
     refined: Refined,
     case: Case | None = None,
     progress: Callable[[float], object] = lambda time: None,
-) -> BoundedDisplacement:
+) -> BoundedSolution:
     """Return the enclosure of the error of a checked displacement, and the bound from u_h alone if there is one."""
     coarse = Discretisation(data, computed.mesh)
+    if isinstance(data, Static):
+        found = bounded_static(coarse, computed, refined.refinements)
+        return replace(found, remarks=(*computed.remarks, *found.remarks))
+    require_steps(refined.shorter * computed.steps)
     error = true_error(case, coarse, computed)
     why = no_plain_bound(coarse, computed)
     plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
-    return BoundedDisplacement(computed, plain, enclose(coarse, computed, refined, error, progress), why)
+    remarks = (*computed.remarks, *([f"the bound from u_h alone is left out: {why}"] if why else []))
+    return BoundedSolution(computed, plain, enclose(coarse, computed, refined, error, progress), remarks)
 
 
 def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
@@ -170,10 +166,10 @@ def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
     if abs(steps - steps.mean()).max() > SINGLE * steps.mean():
         return "its time steps are not equal"
     u_h, V = computed.on(coarse), coarse.displacements
-    coefficients = np.array([u_h(time) for time in computed.times])
-    largest = float((V.N @ coefficients.T).max(initial=0.0))
-    if largest > 1e-14 * abs(computed.nodes).max():
-        return f"it penetrates the foundation, by {largest:.3g} at most"
+    if (V.N @ np.array([u_h(time) for time in computed.times]).T).max(initial=0.0) > INSIDE * abs(computed.nodes).max():
+        return (
+            "u_h penetrates the foundation" if computed.degree == 1 else "u_h of degree 2 may penetrate the foundation"
+        )
     return ""
 
 
@@ -199,7 +195,7 @@ def given(
     data: Data,
     points: Array,
     triangles: Array,
-    times: Array,
+    times: Array | None,
     u: Array,
     steps: int | None = None,
     nearest: bool = False,
@@ -214,7 +210,7 @@ def given(
         points: (n, 2), or (n, 3) with equal third coordinates.
         triangles: numbers of points, (cells, 3) for degree 1; (cells, 6) for degree 2: the corners 0, 1, 2, then the
             midpoints of the sides 01, 12 and 20.
-        times: increasing from 0 to T, (k,).
+        times: increasing from 0 to T, (k,); None, or one time, for a ``Static`` problem.
         u: displacements of the points at the times, (k, n, 2), or (k, n, 3) with third component 0.
         steps: the number of intervals on which the number of time steps of ũ depends; by default that of u_h, at
             least ``LEAST_STEPS``.
@@ -223,12 +219,17 @@ def given(
     Raises:
         BoundError: says what does not fit, where, and how to mend it.
     """
-    points, triangles, times, u = _arrays(points, triangles, times, u)
+    given_times = np.zeros(1) if times is None else times
+    points, triangles, times, u = _arrays(points, triangles, given_times, u)
+    if isinstance(data, Static):
+        if len(times) > 1:
+            raise BoundError(f"the problem is static, and u_h has {len(times)} times: give one of them")
+        times, u = np.array([0.0, data.body.T]), np.concatenate([u, u])
     times = _checked_times(times, data.body.T)
     points, triangles, u, remarks = _joined(points, triangles, u)
     mesh, nodes, degree = _mesh(data.body, points, triangles)
     values = u[:, nodes].reshape(len(times), -1)
-    remarks += _fit(mesh, data.body)
+    _check_fit(mesh, data.body)
     found = GivenDisplacement(
         mesh, data.body, degree, times, values, steps or max(len(times) - 1, LEAST_STEPS), tuple(remarks)
     )
@@ -363,7 +364,7 @@ def _check_cells(mesh: Mesh) -> None:
         )
 
 
-def _fit(mesh: Mesh, body: Body) -> list[str]:
+def _check_fit(mesh: Mesh, body: Body) -> None:
     """BoundError, which says where, unless the mesh covers the body and its edges follow the parts of the boundary."""
     tolerance = 1e-8 * math.sqrt(body.measure)
     border = mesh.boundary_facets()
@@ -380,7 +381,6 @@ def _fit(mesh: Mesh, body: Body) -> list[str]:
         boundary_parts(mesh, body)
     except MeshError as error:
         raise BoundError(f"the mesh does not fit the body: {error}") from error
-    return []
 
 
 def _penetration(found: GivenDisplacement) -> list[str]:

@@ -26,6 +26,8 @@ def do_certify(options: argparse.Namespace) -> int:
     name, data, _ = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
+    if isinstance(data, Static):
+        raise UsageError(f"{name} is a static problem, for which there are no certificates: take `study bound`")
     making = Making(data, family, scheme, refined)
     making.check()
     # Before check_bound makes meshes.
