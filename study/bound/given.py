@@ -450,7 +450,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
     # From Bernstein coefficients back to values at the midpoints.
     nodal = projected.T.reshape(len(found.times), -1, 2)
     vertices = mesh.p.shape[1]
-    of_ends = nodal[:, mesh.facets].sum(axis=2)
+    of_ends = nodal[:, mesh.facets].sum(axis=1)
     nodal = np.concatenate([nodal[:, :vertices], nodal[:, vertices:] / 2 + of_ends / 4], axis=1)
     values = nodal.reshape(len(found.times), -1)
     return replace(found, degree=2, nodes=values, remarks=(*found.remarks, remark), offset=offset)
