@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from manufactured.body import Body
 from manufactured.data import Data
 from manufactured.data.problem_data import Formulas
-from manufactured.law import KelvinVoigt, LawError, Linear, isotropic
+from manufactured.law import Indefinite, KelvinVoigt, LawError, Linear, isotropic
 from manufactured.symbols import FormulaError, t
 
 
@@ -30,12 +30,16 @@ def static(body: Body, G: Linear, f0: Formulas, f2: Mapping[int, Formulas] | Non
 
     Raises:
         FormulaError: wrong components or symbols, t among them, or f_2 on a part that is not of Γ2.
-        LawError: the dimension of the tensor is not that of the body.
+        LawError: G is not linear and elliptic, or its dimension is not that of the body.
 
     >>> from manufactured import unit_square
     >>> static(unit_square(), plane_stress(E=200.0, nu=0.3), f0=(0, -1)).law.name
     'static'
     """
+    if not isinstance(G, Linear) or isinstance(G, Indefinite):
+        raise LawError(
+            f"a static problem needs a linear, elliptic G such as plane_stress(E, nu), got {type(G).__name__}"
+        )
     data = Static.formulas(body, KelvinVoigt(G, G, "static"), f0, f2)
     formulas = (*data.formulas_of.force, *(one for _, load in data.formulas_of.loads for one in load))  # type: ignore[attr-defined]
     if any(formula.has(t) for formula in formulas):

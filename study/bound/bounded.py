@@ -37,7 +37,7 @@ SHOWN, PERCENT = 4, 3
 """Significant digits of bounds, and of bounds in per cent, in the printed table."""
 MOVING, STATIC = "‖u(t) − u_h(t)‖_V", "‖u − u_h‖_G"
 """The norm of an error that moves, and the energy norm of static elasticity, in the printed text."""
-INSIDE = 1e-14
+INSIDE = 1e-12
 """Penetration, relative to the largest displacement, that counts as rounding."""
 SMALLER = 0.95
 """Largest ratio of two mesh sizes that have an order."""

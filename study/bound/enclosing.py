@@ -141,7 +141,7 @@ def enclose(
     start = math.sqrt(float(initial.sum())) + fine.sampling.missed_at_start()
     at_0 = start + fine.norm(first.start - u_h(0.0))
     intervals, rows = [], []
-    low, high = max(0.0, fine.norm(first.start) - start), 0.0
+    low, high = max(0.0, float(fine.norm(first.start)) - start), 0.0
     for piece, interval in Majorant(fine)(chain([first], pieces), start):
         true = error(piece.b, computed.at(piece.b)) if error else math.nan
         distance = fine.norm(piece.end - u_h(piece.b))
@@ -154,7 +154,7 @@ def enclose(
                 interval.inside + largest_distance(fine, piece, computed.times, u_h),
             )
         )
-        low = max(low, fine.norm(piece.end) - interval.at_b)
+        low = max(low, float(fine.norm(piece.end)) - interval.at_b)
         high = max(high, interval.inside + float(fine.norm(np.array([piece.start, piece.control, piece.end])).max()))
         intervals.append(interval)
         progress(piece.b)

@@ -38,8 +38,12 @@ LEAST_STEPS = 16
 """ũ takes its time steps from at least so many intervals of u_h."""
 SINGLE = 1e-6
 """Relative accuracy of numbers in files, which may have single precision."""
+EQUAL = 1e-9
+"""Relative difference of time steps that count as equal."""
 CLAMPED = 1e-9
 """Size on Γ1, relative to the largest displacement, up to which u_h counts as 0 there."""
+ROUNDING = 1e-12
+"""Distance, relative to the mesh, up to which a vertex lies where it did."""
 FLAT = 1e-12
 """Area of a cell, relative to the square of its diameter, below which it has none."""
 
@@ -163,7 +167,7 @@ def bounded_displacement(
 def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
     """Return why u_h alone gives no bound; "" if it gives one."""
     steps = np.diff(computed.times)
-    if abs(steps - steps.mean()).max() > SINGLE * steps.mean():
+    if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
         return "its time steps are not equal"
     u_h, V = computed.on(coarse), coarse.displacements
     if (V.N @ np.array([u_h(time) for time in computed.times]).T).max(initial=0.0) > INSIDE * abs(computed.nodes).max():
@@ -228,6 +232,11 @@ def given(
     times = _checked_times(times, data.body.T)
     points, triangles, u, remarks = _joined(points, triangles, u)
     mesh, nodes, degree = _mesh(data.body, points, triangles)
+    moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
+    if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
+        remarks.append(
+            f"vertices near the boundary were moved onto it, by at most {moved:.2g}; u_h is meant on that mesh"
+        )
     values = u[:, nodes].reshape(len(times), -1)
     _check_fit(mesh, data.body)
     found = GivenDisplacement(
@@ -284,7 +293,9 @@ def _checked_times(times: Array, T: float) -> Array:
         raise BoundError("there is one time only; give the displacement at several times, or a static problem (Static)")
     if abs(times[-1] - T) > SINGLE * T:
         raise BoundError(f"the last time is {times[-1]:.6g}, the problem ends at T = {T:g}: change T of its body")
-    return np.array([0.0, *times[1:-1], T])
+    equal = np.linspace(0.0, T, len(times))
+    # Single precision makes equal steps differ.
+    return equal if abs(times - equal).max() <= SINGLE * equal[1] else np.array([0.0, *times[1:-1], T])
 
 
 def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, Array, list[str]]:
