@@ -24,7 +24,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array, Points
-from study.bound.bounded import INSIDE, BoundedSolution, bounded_static
+from study.bound.bounded import INSIDE, SHOWN, BoundedSolution, bounded_static
 from study.bound.discretisation import Discretisation, refuse_solids
 from study.bound.enclosing import enclose, squared_distances
 from study.bound.problem import BoundError, require_units
@@ -32,6 +32,7 @@ from study.bound.trajectory import Refined, SmoothedInTime, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
 from study.fem.mesh import size as mesh_size
 from study.fem.quadratic import Quadratic
+from study.ledger.text import interval
 from study.solve.steps import require_steps
 
 LEAST_STEPS = 16
@@ -155,13 +156,15 @@ def bounded_displacement(
     coarse = Discretisation(data, computed.mesh)
     if isinstance(data, Static):
         found = bounded_static(coarse, computed, refined.refinements)
-        return replace(found, remarks=(*computed.remarks, *found.remarks))
-    require_steps(refined.shorter * computed.steps)
-    error = true_error(case, coarse, computed)
-    why = no_plain_bound(coarse, computed)
-    plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
-    remarks = (*computed.remarks, *([f"the bound from u_h alone is left out: {why}"] if why else []))
-    return BoundedSolution(computed, plain, enclose(coarse, computed, refined, error, progress), remarks)
+    else:
+        require_steps(refined.shorter * computed.steps)
+        error, why = true_error(case, coarse, computed), no_plain_bound(coarse, computed)
+        plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
+        remarks = (f"the bound from u_h alone is left out: {why}",) if why else ()
+        found = BoundedSolution(computed, plain, enclose(coarse, computed, refined, error, progress), remarks)
+    ends = max(0.0, found.enclosure.lowest - computed.offset), found.enclosure.highest + computed.offset
+    whole = f"the error of the displacement in the file lies in {interval(*ends, SHOWN)}"
+    return replace(found, remarks=(*computed.remarks, *found.remarks, *([whole] if computed.offset else [])))
 
 
 def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
@@ -171,9 +174,7 @@ def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
         return "its time steps are not equal"
     u_h, V = computed.on(coarse), coarse.displacements
     if (V.N @ np.array([u_h(time) for time in computed.times]).T).max(initial=0.0) > INSIDE * abs(computed.nodes).max():
-        return (
-            "u_h penetrates the foundation" if computed.degree == 1 else "u_h of degree 2 may penetrate the foundation"
-        )
+        return f"u_h {'penetrates' if computed.degree == 1 else 'of degree 2 may penetrate'} the foundation"
     return ""
 
 
@@ -456,7 +457,7 @@ def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDispla
         )
     remark = (
         f"u_h reaches {largest:.3g} on Γ1, so the bounds are those of the nearest field that vanishes there; it "
-        f"differs from u_h by at most {share}: subtract this from lower ends and add it to upper ends for u_h itself"
+        f"differs from u_h by at most {share}"
     )
     # From Bernstein coefficients back to values at the midpoints.
     nodal = projected.T.reshape(len(found.times), -1, 2)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from itertools import pairwise
 from pathlib import Path
 
@@ -28,7 +29,7 @@ from manufactured import (
 from manufactured.tensors import Array
 from study.bound.enclosing import Enclosure
 from study.bound.fields import read
-from study.bound.given import bound_displacement, given
+from study.bound.given import GivenDisplacement, bound_displacement, given
 from study.bound.problem import BoundError
 
 KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
@@ -248,6 +249,14 @@ def test_the_nearest_field_that_vanishes_on_the_clamped_part_is_bounded() -> Non
     assert np.allclose(found.nodes[:, : field()["u"][0].size], given(square(), **field()).nodes, atol=1e-12)
     (remark,) = [remark for remark in found.remarks if "nearest" in remark]
     assert "u_h reaches 0.06 on Γ1" in remark
+    bent = field() | {"u": field()["u"] + 0.01 * field()["points"][:, :1] * field()["times"][:, None, None]}
+    bounded = bound_displacement(square(), **bent, nearest=True, refine=0, shorter=1, steps=2)
+    assert isinstance(bounded.computed, GivenDisplacement)
+    offset, ends = bounded.computed.offset, re.findall(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1])
+    assert offset > 1e-3
+    low, high = (float(end) for end in ends[0])
+    assert low == pytest.approx(max(0.0, bounded.enclosure.lowest - offset), rel=1e-3)
+    assert high == pytest.approx(bounded.enclosure.highest + offset, rel=1e-3)
 
 
 def test_penetration_is_reported_with_its_place() -> None:
