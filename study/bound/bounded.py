@@ -75,6 +75,21 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
     """
     if not levels or min(levels) < 2 or any(b <= a for a, b in pairwise(levels)):
         raise BoundError(f"levels must be 2 or more and increase, got {' '.join(map(str, levels)) or 'none'}")
+    check_problem(data, steps, refined)
+    if not family.serves(data.body):
+        served = ", ".join(known.name for known in FAMILIES if known.serves(data.body))
+        raise BoundError(f"the family {family.name} does not mesh this body; take one of {served or 'none'}")
+    for level in levels:
+        boundary_parts(Discretisation(data, family(data.body, level)).mesh, data.body)
+
+
+def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
+    """Refuse problems, steps and refinements for which no bound can be given on any mesh.
+
+    Raises:
+        BoundError: says which.
+        LoadError: data to which no solution can belong.
+    """
     if steps is not None:
         if steps < 1:
             raise BoundError(f"--steps must be 1 or more, got {steps}")
@@ -87,11 +102,6 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
     refuse_solids(data)
     require_units(data)
     data.check()
-    if not family.serves(data.body):
-        served = ", ".join(known.name for known in FAMILIES if known.serves(data.body))
-        raise BoundError(f"the family {family.name} does not mesh this body; take one of {served or 'none'}")
-    for level in levels:
-        boundary_parts(Discretisation(data, family(data.body, level)).mesh, data.body)
 
 
 def bounded_solution(

@@ -33,7 +33,7 @@ class Field(NamedTuple):
     u: Array
 
 
-def read(path: Path, name: str | None = None) -> Field:
+def read(path: Path | str, name: str | None = None) -> Field:
     """Read mesh, times and displacements.
 
     Args:
@@ -44,6 +44,7 @@ def read(path: Path, name: str | None = None) -> Field:
     Raises:
         BoundError: the file cannot be read, or what it has is no displacement.
     """
+    path = Path(path)
     if not path.is_file():
         raise BoundError(f"there is no file {path}")
     kind = path.suffix.lower()

@@ -24,10 +24,10 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array, Points
-from study.bound.bounded import INSIDE, SHOWN, BoundedSolution, bounded_static
-from study.bound.discretisation import Discretisation, refuse_solids
+from study.bound.bounded import INSIDE, SHOWN, BoundedSolution, bounded_static, check_problem
+from study.bound.discretisation import Discretisation
 from study.bound.enclosing import enclose, squared_distances
-from study.bound.problem import BoundError, require_units
+from study.bound.problem import BoundError
 from study.bound.trajectory import Refined, SmoothedInTime, on_refinement
 from study.fem.mesh import MeshError, boundary_parts, cell_volumes
 from study.fem.mesh import size as mesh_size
@@ -124,25 +124,8 @@ def bound_displacement(
         LoadError: data to which no solution can belong.
     """
     refined = Refined(refine, shorter)
-    check_problem(data, refined, steps)
+    check_problem(data, steps, refined)
     return bounded_displacement(data, given(data, points, triangles, times, u, steps, nearest), refined, case, progress)
-
-
-def check_problem(data: Data, refined: Refined, steps: int | None) -> None:
-    """Refuse problems, refinements and steps for which there is no bound.
-
-    Raises:
-        BoundError: says which.
-        LoadError: data to which no solution can belong.
-    """
-    if refined.refinements < 0 or refined.shorter < 1 or (steps is not None and steps < 1):
-        raise BoundError(
-            "ũ needs 0 or more refinements, 1 or more steps in one of u_h and 1 or more --steps, got "
-            f"{refined.refinements}, {refined.shorter} and {steps}"
-        )
-    refuse_solids(data)
-    require_units(data)
-    data.check()
 
 
 def bounded_displacement(

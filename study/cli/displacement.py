@@ -17,7 +17,7 @@ from manufactured.self_proof import prove
 from manufactured.static import Static
 from study.bound import bounded, fields
 from study.bound.discretisation import check_force
-from study.bound.given import GivenDisplacement, bounded_displacement, check_problem, given
+from study.bound.given import GivenDisplacement, bounded_displacement, given
 from study.bound.trajectory import Refined
 from study.cli.common import listed, with_progress
 from study.cli.options import FAILED, OK
@@ -36,7 +36,7 @@ def do_displacement(options: argparse.Namespace) -> int:
     name, data, case = resolve_data(options.problem)
     refined = Refined(options.refine, options.shorter)
     check_force(case)
-    check_problem(data, refined, options.steps)
+    bounded.check_problem(data, options.steps, refined)
     read = [_read(data, path, options, refined) for path in options.displacement]
     if case:
         prove(case.solution, f"case {case.name}")
