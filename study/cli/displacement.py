@@ -42,8 +42,8 @@ def do_displacement(options: argparse.Namespace) -> int:
         prove(case.solution, f"case {case.name}")
     # Coarse meshes first, as orders are those from mesh to mesh.
     read.sort(key=lambda pair: -pair[1].h)
-    directory = options.out / name / "-".join(dict.fromkeys(path.stem for path, _ in read))
-    store = Store(directory, written=(".",))
+    stems = dict.fromkeys(path.stem for path, _ in read)
+    store = Store(options.out / "-".join([name, *stems]), written=(".",))
     with store.locked():
         rows = [_row(store, data, case, number, *pair, refined) for number, pair in enumerate(read)]
         table = bounded.levels([one["row"] for one in rows])

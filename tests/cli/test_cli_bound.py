@@ -233,7 +233,7 @@ def test_a_static_problem_is_bounded_and_its_own_displacement_again_from_a_file(
     with np.load(out / "plate" / "trajectory-4.npz") as found:
         np.savez(tmp_path / "mine.npz", points=found["p"].T, triangles=found["t"].T, u=found["u"][0].T)
     assert main(["bound", plate, "--displacement", str(tmp_path / "mine.npz"), "--out", str(out)]) == 0
-    again = pd.read_csv(out / "plate" / "mine" / "levels.csv").iloc[0]
+    again = pd.read_csv(out / "plate-mine" / "levels.csv").iloc[0]
     names = ["h", "lowest", "highest", "plain", "percent_low", "percent_high"]
     assert again[names].tolist() == pytest.approx(computed[names].tolist(), rel=1e-6)
 
@@ -255,7 +255,7 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
     printed = " ".join(capsys.readouterr().out.split())
     assert "exact solution known" in printed
     assert "trajectory-8.npz, degree 1," in printed
-    found = pd.read_csv(tmp_path / "advance-recede" / "trajectory-8-trajectory-4" / "levels.csv")
+    found = pd.read_csv(tmp_path / "advance-recede-trajectory-8-trajectory-4" / "levels.csv")
     before = pd.read_csv(directory / "levels.csv")
     names = ["h", "steps", "error", "lowest", "highest", "plain", "order_low", "order_high"]
     assert np.allclose(found[names], before[names], rtol=1e-3, equal_nan=True)
