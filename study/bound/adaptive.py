@@ -100,11 +100,12 @@ def tolerance_from(text: str) -> Tolerance:
     Raises:
         BoundError: it states none.
     """
-    number = text.strip().removesuffix("%")
+    percent = text.strip().endswith("%")
     try:
-        return Tolerance(float(number), text.strip().endswith("%"))
+        number = float(text.strip().removesuffix("%"))
     except ValueError as error:
         raise BoundError(f"--adapt needs a tolerance such as 0.2 or 5%, got {text!r}") from error
+    return Tolerance(number, percent)
 
 
 def check_cells(most: int) -> None:
