@@ -255,7 +255,7 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
     printed = " ".join(capsys.readouterr().out.split())
     assert "exact solution known" in printed
     assert "trajectory-8.npz, degree 1," in printed
-    found = pd.read_csv(tmp_path / "advance-recede-trajectory-8-trajectory-4" / "levels.csv")
+    found = pd.read_csv(tmp_path / "advance-recede-trajectory-4-trajectory-8" / "levels.csv")
     before = pd.read_csv(directory / "levels.csv")
     names = ["h", "steps", "error", "lowest", "highest", "plain", "order_low", "order_high"]
     assert np.allclose(found[names], before[names], rtol=1e-3, equal_nan=True)
