@@ -209,7 +209,7 @@ def text(
         line = f"{sizes} {up(row.bound, SHOWN):>10} {_percent(row.percent):>9} {order:>6}"
         found.append(f"{line} {100 * row.in_time:6.1f} %" + (f" {row.error:10.4g}" if known else ""))
     note = "order: of the bound in unknowns; 1/2 is the best possible for P1"
-    return [*found, "", "% of u: bound over the least value that the norm of u (its maximum over time) can have", note]
+    return [*found, "", "% of u: the bound over the least value that the norm of u can have", note]
 
 
 def _percent(percent: float) -> str:

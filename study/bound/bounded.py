@@ -227,30 +227,30 @@ def _over_time(over_time: pd.DataFrame, known: bool) -> list[str]:
     """Lines with the enclosure at some times on the finest level."""
     finest = over_time[over_time["level"] == over_time["level"].max()]
     places = np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))
-    head = f"{'t':>8} {'lower':>10} {'error':>10} {'upper':>10} {'% of u':>16} {'upper/lower':>12}"
-    lines = [f"level {finest['level'].iloc[0]}", f"{head} {'from u_h alone':>15}"]
+    head = f"{'t':>7} {'lower':>9} {'error':>9} {'upper':>9} {'% of u':>15} {'upper/lower':>11}"
+    lines = [f"level {finest['level'].iloc[0]}", f"{head} {'from u_h alone':>14}"]
     for row in finest.iloc[places].itertuples():
-        error = f"{row.error:10.4g}" if known else f"{'unknown':>10}"
-        ratio = f"{row.upper / row.lower:12.3f}" if row.lower > 0 else f"{'∞':>12}"
-        ends = f"{down(row.lower, SHOWN):>10} {error} {up(row.upper, SHOWN):>10}"
+        error = f"{row.error:9.4g}" if known else f"{'unknown':>9}"
+        ratio = f"{row.upper / row.lower:11.3f}" if row.lower > 0 else f"{'∞':>11}"
+        ends = f"{down(row.lower, SHOWN):>9} {error} {up(row.upper, SHOWN):>9}"
         percent = _percent(row.percent_low, row.percent_high)
-        lines.append(f"{row.time:8.4f} {ends} {percent:>16} {ratio} {_plain(row.plain):>15}")
+        lines.append(f"{row.time:7.4f} {ends} {percent:>15} {ratio} {_plain(row.plain):>14}")
     return lines
 
 
 def _intervals(table: pd.DataFrame, known: bool, moving: bool = True) -> list[str]:
     """Lines with the intervals of the error on each level, and of the orders since the first and the previous level."""
-    several, since = len(table) > 2, f"order since level {table['level'].iloc[0]}"
+    several, since = len(table) > 2, f"order since {table['level'].iloc[0]}"
     largest = "max error in" if moving else "error in"
-    head = f"{'level':>6} {largest:>20} {'% of u':>16} {'error':>9} {'from u_h alone':>14} {since:>19}"
+    head = f"{'level':>5} {largest:>19} {'% of u':>15} {'error':>7} {'from u_h alone':>14} {since:>15}"
     lines = [head + (f" {'since the one before':>20}" if several else "")]
     for row in table.itertuples():
         error = f"{row.error:.4g}" if known else "unknown"
-        orders = _shown(row.order_low, row.order_high, 19)
+        orders = _shown(row.order_low, row.order_high, 15)
         if several:
             orders += f" {_shown(row.pair_low, row.pair_high, 20)}"
         ends, percent = interval(row.lowest, row.highest, SHOWN), _percent(row.percent_low, row.percent_high)
-        line = f"{row.level:6d} {ends:>20} {percent:>16} {error:>9} {_plain(row.plain):>14} {orders}"
+        line = f"{row.level:5d} {ends:>19} {percent:>15} {error:>7} {_plain(row.plain):>14} {orders}"
         lines.append(line.rstrip())
     if len(table) > 1 and moving:
         steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
