@@ -9,14 +9,14 @@ If ũ is u_h smoothed in time, this is an upper bound. If ũ is closer to u, the
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 
 import numpy as np
 
 from manufactured.case import Case
-from manufactured.tensors import Array, Points, Tensors
+from manufactured.tensors import Array, Hyperplane, Points, Tensors
 from study.bound.discretisation import Discretisation
 from study.bound.problem import SMALLEST, Moduli, require_finite, require_visible
 from study.bound.remainders import Evidence
@@ -207,19 +207,23 @@ def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: C
 
 def _initial_error(discretisation: Discretisation, start: Array) -> Array:
     """‖u_0 − ũ(0)‖² on the cells, by quadrature that respects where u_0 is rough, (cells,)."""
-    return squared_distances(discretisation, discretisation.data.initial, start)
+    data = discretisation.data
+    return squared_distances(discretisation, data.initial, start, data.lines)
 
 
-def squared_distances(discretisation: Discretisation, strain: Callable[[Points], Tensors], v: Array) -> Array:
-    """Return ∫_T A(ε − ε(v))·(ε − ε(v)) on the cells, by quadrature that respects where the data are rough, (cells,).
+def squared_distances(
+    discretisation: Discretisation, strain: Callable[[Points], Tensors], v: Array, rough: Sequence[Hyperplane]
+) -> Array:
+    """Return ∫_T A(ε − ε(v))·(ε − ε(v)) on the cells, (cells,).
 
     Args:
         strain: points ↦ ε, (2, ...) → (3, ...).
         v: of degree 2, (dofs,).
+        rough: lines (direction, offset) across which ε is rough, for quadrature.
     """
     data, V = discretisation.data, discretisation.displacements
     squares = np.zeros(discretisation.mesh.t.shape[1])
-    lines = [Line(direction, offset) for direction, offset in data.lines]
+    lines = [Line(direction, offset) for direction, offset in rough]
     for rule in cell_rules(discretisation.mesh, INITIAL_DEGREE, lines, data.points):
         difference = strain(rule.points) - V.strain_at(v, rule.cells, rule.points)
         stress = data.law.A.at(rule.points)(difference)
