@@ -26,6 +26,7 @@ from manufactured.profile import HERMITE, PARABOLA, QUARTIC, Profile, cutoff, la
 from manufactured.regularity import Regularity
 from manufactured.self_proof import SelfProofError, examine, prove
 from manufactured.singular import Monomial, SingularFace, SingularField, TravellingField, kolosov
+from manufactured.static import Static, plane_strain, plane_stress, static
 from manufactured.symbols import FormulaError, pos, s, s1, s2, t
 
 __all__ = [
@@ -61,6 +62,7 @@ __all__ = [
     "SelfProofError",
     "SingularFace",
     "SingularField",
+    "Static",
     "TravellingField",
     "Yield",
     "box",
@@ -73,6 +75,8 @@ __all__ = [
     "kolosov",
     "layered",
     "named",
+    "plane_strain",
+    "plane_stress",
     "polygon",
     "pos",
     "prove",
@@ -80,6 +84,7 @@ __all__ = [
     "s1",
     "s2",
     "slab",
+    "static",
     "t",
     "unit_square",
     "x1",

@@ -34,7 +34,8 @@ class Linear:
             raise LawError(
                 f"the tensor is not elliptic: its smallest eigenvalue is {smallest:.6g}, but (3.1) "
                 "needs m_A > 0; for an isotropic tensor take 2μ > 0 and 2μ + dλ > 0. An elasticity operator that "
-                "softens need not be elliptic: it is an ``Indefinite`` one"
+                "softens need not be elliptic: it is an ``Indefinite`` one. A body without viscosity is a problem of "
+                "static elasticity: ``static(body, G, f0, f2)``"
             )
         object.__setattr__(self, "matrix", matrix)
 

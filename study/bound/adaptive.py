@@ -21,11 +21,13 @@ from skfem import Mesh, MeshTri
 from manufactured.body import Kind
 from manufactured.case import Case
 from manufactured.data import Data
+from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.bounded import write_displacement
+from study.bound.bounded import MOVING, write_displacement
 from study.bound.discretisation import Discretisation
 from study.bound.enclosing import Enclosure, enclose, known_error
 from study.bound.problem import BoundError
+from study.bound.static import compute_static, enclose_static
 from study.bound.terms import Shares
 from study.bound.trajectory import DiscreteSolution, SmoothedInTime, compute
 from study.fem.mesh import boundary_parts
@@ -69,14 +71,45 @@ class Stage:
         return int(self.t.shape[1])
 
 
-def check_tolerance(tolerance: float, most: int) -> None:
-    """Refuse a tolerance that no bound reaches.
+@dataclass(frozen=True)
+class Tolerance:
+    """What a bound has to reach: a number, or a number of per cent of max ‖u(t)‖_V.
 
     Raises:
-        BoundError: the tolerance is no positive number, or no cells are allowed.
+        BoundError: the number is not positive.
     """
-    if not 0 < tolerance < math.inf:
-        raise BoundError(f"--adapt needs a tolerance that is a positive number, got {tolerance:g}")
+
+    number: float
+    percent: bool = False
+
+    def __post_init__(self) -> None:
+        if not 0 < self.number < math.inf:
+            raise BoundError(f"--adapt needs a tolerance that is a positive number, got {self.number:g}")
+
+    def reached(self, row: pd.Series) -> bool:
+        """Return whether the bound of a row of ``adaptive.csv`` is at most this tolerance."""
+        return bool(row["percent" if self.percent else "bound"] <= self.number)
+
+    def __str__(self) -> str:
+        return f"{self.number:g} %" if self.percent else f"{self.number:g}"
+
+
+def tolerance_from(text: str) -> Tolerance:
+    """Return the tolerance that a text like ``0.2`` or ``5%`` states.
+
+    Raises:
+        BoundError: it states none.
+    """
+    percent = text.strip().endswith("%")
+    try:
+        number = float(text.strip().removesuffix("%"))
+    except ValueError as error:
+        raise BoundError(f"--adapt needs a tolerance such as 0.2 or 5%, got {text!r}") from error
+    return Tolerance(number, percent)
+
+
+def check_cells(most: int) -> None:
+    """Raise BoundError if no cells are allowed."""
     if most < 1:
         raise BoundError(f"--cells must be 1 or more, got {most}")
 
@@ -90,6 +123,9 @@ def adapted(data: Data, case: Case | None, stage: Stage, scheme: Scheme) -> Adap
     mesh = stage.mesh
     boundary_parts(mesh, data.body)
     discretisation = Discretisation(data, mesh)
+    if isinstance(data, Static):
+        static = compute_static(discretisation)
+        return Adapted(mesh, static, *enclose_static(discretisation, static, None))
     computed = compute(discretisation, scheme, stage.steps)
     found = enclose(discretisation, computed, SmoothedInTime(), known_error(case, computed))
     return Adapted(mesh, computed, found, found.shares(discretisation.moduli))
@@ -131,6 +167,7 @@ def record(number: int, found: Adapted) -> dict[str, Any]:
         "steps": found.computed.steps,
         "error": float(enclosure.error.max()),
         "bound": enclosure.highest,
+        "percent": 100 * enclosure.relative[1],
         "in_time": found.shares.time / found.shares.total,
         "kind": enclosure.evidence.kind,
     }
@@ -142,23 +179,41 @@ def table(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
     found = pd.DataFrame(rows)
     unknowns, bounds = np.log(found["dofs"]).diff(), -np.log(found["bound"]).diff()
     found["bound"] = [float(up(bound, 9)) for bound in found["bound"]]
+    found["percent"] = [float(up(percent, 9)) if percent < math.inf else percent for percent in found["percent"]]
     found["in_time"] = found["in_time"].round(4)
     found.insert(len(found.columns) - 1, "order", (bounds / unknowns.where(unknowns > 0)).round(3))
     return found
 
 
-def text(name: str, rows: pd.DataFrame, tolerance: float, stopped: str, sentences: Sequence[str]) -> list[str]:
+def text(
+    name: str,
+    rows: pd.DataFrame,
+    tolerance: Tolerance,
+    stopped: str,
+    sentences: Sequence[str],
+    norm: str = f"max {MOVING}",
+) -> list[str]:
     """Return the printed lines: whether the tolerance is reached, the evidence, and a line for each mesh."""
     sign, end = ("≤", "is reached") if not stopped else (">", f"is not reached: {stopped}")
     bound, known = up(rows["bound"].iloc[-1], SHOWN), bool(rows["error"].notna().all())
-    found = [f"{name}: max ‖u(t) − u_h(t)‖_V ≤ {bound} {sign} {tolerance:g}, the tolerance {end}", *sentences, ""]
-    head = f"{'mesh':>4} {'cells':>7} {'unknowns':>8} {'steps':>6} {'bound':>10} {'order':>6} {'in time':>8}"
+    percent = _percent(rows["percent"].iloc[-1])
+    reached = f"{bound}, {percent} of u," if tolerance.percent else bound
+    found = [f"{name}: {norm} ≤ {reached} {sign} {tolerance}, the tolerance {end}", *sentences, ""]
+    head = (
+        f"{'mesh':>4} {'cells':>7} {'unknowns':>8} {'steps':>6} {'bound':>10} {'% of u':>9} {'order':>6} {'in time':>8}"
+    )
     found.append(head + (f" {'error':>10}" if known else ""))
     for row in rows.itertuples():
         order = "" if math.isnan(row.order) else f"{row.order:.2f}"
-        line = f"{row.mesh:4d} {row.cells:7d} {row.dofs:8d} {row.steps:6d} {up(row.bound, SHOWN):>10} {order:>6}"
+        sizes = f"{row.mesh:4d} {row.cells:7d} {row.dofs:8d} {row.steps:6d}"
+        line = f"{sizes} {up(row.bound, SHOWN):>10} {_percent(row.percent):>9} {order:>6}"
         found.append(f"{line} {100 * row.in_time:6.1f} %" + (f" {row.error:10.4g}" if known else ""))
-    return [*found, "", "order: of the bound in unknowns; 1/2 is the best possible for P1"]
+    note = "order: of the bound in unknowns; 1/2 is the best possible for P1"
+    return [*found, "", "% of u: the bound over the least value that the norm of u can have", note]
+
+
+def _percent(percent: float) -> str:
+    return f"{up(percent, SHOWN)} %" if percent < math.inf else "∞"
 
 
 def stage_file(directory: Path, number: int) -> Path:

@@ -13,13 +13,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from manufactured.body import Body, Kind
 from manufactured.case import Case
 from manufactured.data import Data
+from manufactured.static import Static
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation, refuse_solids
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
 from study.bound.problem import BoundError, require_units
-from study.bound.trajectory import DiscreteSolution, Refined, SmoothedInTime, compute
+from study.bound.static import compute_static, enclose_static
+from study.bound.trajectory import Computed, DiscreteSolution, Refined, SmoothedInTime, compute
 from study.fem.mesh import FAMILIES, MeshFamily, boundary_parts
 from study.ledger.files import write_text, write_whole
 from study.ledger.text import down, interval, up, width
@@ -30,17 +33,35 @@ LINES = 8
 """Number of times in the printed table."""
 DIGITS = 9
 """Decimals in files."""
-SHOWN = 4
-"""Significant digits of bounds in the printed table."""
+SHOWN, PERCENT = 4, 3
+"""Significant digits of bounds, and of bounds in per cent, in the printed table."""
+MOVING, STATIC = "‖u(t) − u_h(t)‖_V", "‖u − u_h‖_G"
+"""The norm of an error that moves, and the energy norm of static elasticity, in the printed text."""
+INSIDE = 1e-12
+"""Penetration, relative to the largest displacement, that counts as rounding."""
+SMALLER = 0.95
+"""Largest ratio of two mesh sizes that have an order."""
+ON_LINE = 1e-9
+"""Distance, relative to the body, up to which a side lies on a line."""
 
 
 @dataclass(frozen=True, eq=False)
 class BoundedSolution:
-    """u_h, the bound of its error from u_h alone, and the enclosure by a displacement closer to u."""
+    """u_h, the bound of its error from u_h alone, and the enclosure by a displacement closer to u.
 
-    computed: DiscreteSolution
-    plain: Enclosure
+    ``plain`` is None if u_h alone gives no bound; a sentence of ``remarks`` then says why.
+    """
+
+    computed: Computed
+    plain: Enclosure | None
     enclosure: Enclosure
+    remarks: tuple[str, ...] = ()
+
+    @property
+    def relative(self) -> tuple[float, float]:
+        """An interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V, by the better of the two bounds."""
+        both = [self.enclosure.relative, *([self.plain.relative] if self.plain else [])]
+        return max(low for low, _ in both), min(high for _, high in both)
 
 
 def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: int | None, refined: Refined) -> None:
@@ -54,6 +75,21 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
     """
     if not levels or min(levels) < 2 or any(b <= a for a, b in pairwise(levels)):
         raise BoundError(f"levels must be 2 or more and increase, got {' '.join(map(str, levels)) or 'none'}")
+    check_problem(data, steps, refined)
+    if not family.serves(data.body):
+        served = ", ".join(known.name for known in FAMILIES if known.serves(data.body))
+        raise BoundError(f"the family {family.name} does not mesh this body; take one of {served or 'none'}")
+    for level in levels:
+        boundary_parts(Discretisation(data, family(data.body, level)).mesh, data.body)
+
+
+def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
+    """Refuse problems, steps and refinements for which no bound can be given on any mesh.
+
+    Raises:
+        BoundError: says which.
+        LoadError: data to which no solution can belong.
+    """
     if steps is not None:
         if steps < 1:
             raise BoundError(f"--steps must be 1 or more, got {steps}")
@@ -66,11 +102,6 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
     refuse_solids(data)
     require_units(data)
     data.check()
-    if not family.serves(data.body):
-        served = ", ".join(known.name for known in FAMILIES if known.serves(data.body))
-        raise BoundError(f"the family {family.name} does not mesh this body; take one of {served or 'none'}")
-    for level in levels:
-        boundary_parts(Discretisation(data, family(data.body, level)).mesh, data.body)
 
 
 def bounded_solution(
@@ -85,6 +116,8 @@ def bounded_solution(
 ) -> BoundedSolution:
     """Compute u_h and both bounds; ``progress`` is called with the times of the enclosure that are done."""
     discretisation = Discretisation(data, family(data.body, level))
+    if isinstance(data, Static):
+        return bounded_static(discretisation, compute_static(discretisation), refined.refinements)
     computed = compute(discretisation, scheme, steps)
     error = known_error(case, computed)
     return BoundedSolution(
@@ -94,14 +127,26 @@ def bounded_solution(
     )
 
 
+def bounded_static(coarse: Discretisation, computed: Computed, refinements: int) -> BoundedSolution:
+    """Return both bounds of the error of a static displacement; from u_h alone only if it lies in K."""
+    V, u_h = coarse.displacements, computed.on(coarse)(0.0)
+    penetrates = float((V.N @ u_h).max(initial=0.0)) > INSIDE * float(abs(u_h).max())
+    plain = None if penetrates else enclose_static(coarse, computed, None)[0]
+    remarks = ("the bound from u_h alone is left out: u_h penetrates the foundation",) if penetrates else ()
+    return BoundedSolution(computed, plain, enclose_static(coarse, computed, refinements)[0], remarks)
+
+
 def series(level: int, found: BoundedSolution) -> pd.DataFrame:
     """Return the rows of ``enclosure.csv`` for one level: the bounds at each knot of ũ."""
     enclosure = found.enclosure
     columns = {name: getattr(enclosure, name) for name in ("error", "lower", "upper", "distance", "bound")}
-    columns |= {"plain": found.plain.bound_at(enclosure.times)}
+    columns |= {"plain": found.plain.bound_at(enclosure.times) if found.plain else math.nan}
+    size = enclosure.norm
+    columns |= {"percent_low": 100 * enclosure.lower / size[1] if size[1] > 0 else 0.0}
+    columns |= {"percent_high": 100 * enclosure.upper / size[0] if size[0] > 0 else math.inf}
     frame = pd.DataFrame({"level": level, "time": enclosure.times} | columns)
     # Ends are rounded outward.
-    below, above = ["lower"], ["upper", "bound", "plain"]
+    below, above = ["lower", "percent_low"], ["upper", "bound", "plain", "percent_high"]
     frame[below] = np.floor(frame[below] * 10**DIGITS) / 10**DIGITS
     frame[above] = np.ceil(frame[above] * 10**DIGITS) / 10**DIGITS
     return frame.round({name: DIGITS for name in ("time", "error", "distance")})
@@ -117,19 +162,23 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
     row = {
         "level": level,
         "h": enclosure.h,
-        "dofs": found.computed.space.dofs,
-        "steps": found.computed.steps,
+        "dofs": found.computed.nodes.shape[1],
+        "steps": len(found.computed.times) - 1,
         "error": float(enclosure.error.max()),
         "lowest": enclosure.lowest,
         "highest": enclosure.highest,
-        "plain": found.plain.highest,
+        "plain": found.plain.highest if found.plain else math.nan,
+        "norm_low": enclosure.norm[0],
+        "norm_high": enclosure.norm[1],
+        "percent_low": 100 * found.relative[0],
+        "percent_high": 100 * found.relative[1],
         "kind": enclosure.evidence.kind,
     }
     return {
         "row": row,
         "series": series(level, found).to_dict("list"),
-        "inside": enclosure.contains and found.plain.contains,
-        "sentences": list(enclosure.evidence.sentences),
+        "inside": enclosure.contains and (found.plain is None or found.plain.contains),
+        "sentences": [*enclosure.evidence.sentences, *found.remarks],
     }
 
 
@@ -146,53 +195,92 @@ def levels(rows: Sequence[dict[str, Any]]) -> pd.DataFrame:
 
 
 def _order(coarse: dict[str, Any] | None, fine: dict[str, Any]) -> tuple[float, float]:
-    """The interval of the order between two levels; NaN without a coarser level."""
-    if coarse is None:
+    """The interval of the order between two levels; NaN without a coarser mesh before."""
+    if coarse is None or not fine["h"] < SMALLER * coarse["h"]:
         return math.nan, math.nan
     before, after = ((one["lowest"], one["highest"]) for one in (coarse, fine))
     return order_interval(before, after, math.log(coarse["h"] / fine["h"]))
 
 
-def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Sequence[str]) -> str:
-    """Return the printed text, from the tables of ``levels`` and ``series`` and the sentences on the evidence."""
+def text(name: str, table: pd.DataFrame, over_time: pd.DataFrame, sentences: Sequence[str], norm: str = MOVING) -> str:
+    """Return the printed text, from the tables of ``levels`` and ``series`` and the sentences on the evidence.
+
+    Args:
+        norm: the norm of the error, ``MOVING`` or ``STATIC``.
+    """
     known = bool(table["error"].notna().all())
+    last = table.iloc[-1]
+    size = "‖u‖_G" if norm == STATIC else "max ‖u(t)‖_V"
     lines = [
-        f"{name}: ‖u(t) − u_h(t)‖_V enclosed, {'exact solution known' if known else 'solution unknown'}",
+        f"{name}: {norm} enclosed, {'exact solution known' if known else 'solution unknown'}",
         *(textwrap.fill(sentence, width()) for sentence in sentences),
+        f"% of u: per cent of {size}, which lies in {interval(last['norm_low'], last['norm_high'], SHOWN)}",
         "",
     ]
+    moving = norm != STATIC
+    # A static problem has one time, whose line is in the last table as well.
+    over = [*_over_time(over_time, known), ""] if moving else []
+    return "\n".join([*lines, *over, *_intervals(table, known, moving)])
+
+
+def _over_time(over_time: pd.DataFrame, known: bool) -> list[str]:
+    """Lines with the enclosure at some times on the finest level."""
     finest = over_time[over_time["level"] == over_time["level"].max()]
     places = np.unique(np.linspace(0, len(finest) - 1, LINES).round().astype(int))
-    head = f"{'t':>8} {'lower':>10} {'error':>10} {'upper':>10} {'upper/lower':>12} {'from u_h alone':>15}"
-    lines += [f"level {finest['level'].iloc[0]}", head]
+    head = f"{'t':>7} {'lower':>9} {'error':>9} {'upper':>9} {'% of u':>15} {'upper/lower':>11}"
+    lines = [f"level {finest['level'].iloc[0]}", f"{head} {'from u_h alone':>14}"]
     for row in finest.iloc[places].itertuples():
-        error = f"{row.error:10.4g}" if known else f"{'unknown':>10}"
-        ratio = f"{row.upper / row.lower:12.3f}" if row.lower > 0 else f"{'∞':>12}"
-        ends = down(row.lower, SHOWN), up(row.upper, SHOWN), up(row.plain, SHOWN)
-        lines.append(f"{row.time:8.4f} {ends[0]:>10} {error} {ends[1]:>10} {ratio} {ends[2]:>15}")
-    return "\n".join([*lines, "", *_intervals(table, known)])
+        error = f"{row.error:9.4g}" if known else f"{'unknown':>9}"
+        ratio = f"{row.upper / row.lower:11.3f}" if row.lower > 0 else f"{'∞':>11}"
+        ends = f"{down(row.lower, SHOWN):>9} {error} {up(row.upper, SHOWN):>9}"
+        percent = _percent(row.percent_low, row.percent_high)
+        lines.append(f"{row.time:7.4f} {ends} {percent:>15} {ratio} {_plain(row.plain):>14}")
+    return lines
 
 
-def _intervals(table: pd.DataFrame, known: bool) -> list[str]:
+def _intervals(table: pd.DataFrame, known: bool, moving: bool = True) -> list[str]:
     """Lines with the intervals of the error on each level, and of the orders since the first and the previous level."""
-    several, since = len(table) > 2, f"since level {table['level'].iloc[0]} in"
-    head = f"{'level':>6} {'max error in':>22} {'error':>9} {'from u_h alone':>15}  {f'order {since}':>22}"
-    lines = [head + (f"  {'since the one before in':>24}" if several else "")]
+    several, since = len(table) > 2, f"order since {table['level'].iloc[0]}"
+    largest = "max error in" if moving else "error in"
+    head = f"{'level':>5} {largest:>19} {'% of u':>15} {'error':>7} {'from u_h alone':>14} {since:>15}"
+    lines = [head + (f" {'since the one before':>20}" if several else "")]
     for row in table.itertuples():
         error = f"{row.error:.4g}" if known else "unknown"
-        orders = _shown(row.order_low, row.order_high, 22)
+        orders = _shown(row.order_low, row.order_high, 15)
         if several:
-            orders += f"  {_shown(row.pair_low, row.pair_high, 24)}"
-        largest = interval(row.lowest, row.highest, SHOWN)
-        lines.append(f"{row.level:6d} {largest:>22} {error:>9} {up(row.plain, SHOWN):>15}  {orders}".rstrip())
-    if len(table) > 1:
+            orders += f" {_shown(row.pair_low, row.pair_high, 20)}"
+        ends, percent = interval(row.lowest, row.highest, SHOWN), _percent(row.percent_low, row.percent_high)
+        line = f"{row.level:5d} {ends:>19} {percent:>15} {error:>7} {_plain(row.plain):>14} {orders}"
+        lines.append(line.rstrip())
+    if len(table) > 1 and moving:
         steps = "the same steps on every mesh" if table["steps"].nunique() == 1 else "steps that follow the mesh"
         lines += ["", f"orders of the fully discrete u_h, with {steps}"]
     return lines
 
 
+def _plain(bound: float) -> str:
+    return "left out" if math.isnan(bound) else up(bound, SHOWN)
+
+
+def _percent(low: float, high: float) -> str:
+    return interval(low, high, PERCENT) if high < math.inf else f"[{down(low, PERCENT)}, ∞]"
+
+
 def _shown(low: float, high: float, columns: int) -> str:
     return f"{'' if math.isnan(low) else interval(low, high, SHOWN):>{columns}}"
+
+
+def contact_sentences(body: Body) -> list[str]:
+    """Return a sentence on the foundation if the sides of Γ3 do not lie on one line."""
+    sides = body.of(Kind.CONTACT)
+    first, reach = sides[0], ON_LINE * float(np.ptp(body.vertices, axis=1).max())
+    if all(abs(first.coordinates(side.corners)[1]).max() <= reach for side in sides):
+        return []
+    return [
+        f"Γ3 has {len(sides)} sides that do not lie on one line. Each point of a side may not cross the line through "
+        "that side: the sides touch a foundation of the shape of Γ3 (a curved one, if they follow a curve), not one "
+        "flat floor"
+    ]
 
 
 def write(directory: Path, table: pd.DataFrame, over_time: pd.DataFrame) -> list[Path]:
@@ -210,6 +298,7 @@ def trajectory_file(directory: Path, level: int) -> Path:
 
 def write_trajectory(directory: Path, level: int, found: BoundedSolution) -> Path:
     """Write the displacement of a level (``write_displacement``) and return the path."""
+    assert isinstance(found.computed, DiscreteSolution)
     return write_displacement(trajectory_file(directory, level), found.computed)
 
 

@@ -9,24 +9,26 @@ If ũ is u_h smoothed in time, this is an upper bound. If ũ is closer to u, the
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import chain, pairwise
 
 import numpy as np
 
 from manufactured.case import Case
-from manufactured.tensors import Array
+from manufactured.tensors import Array, Hyperplane, Points, Tensors
 from study.bound.discretisation import Discretisation
 from study.bound.problem import SMALLEST, Moduli, require_finite, require_visible
 from study.bound.remainders import Evidence
 from study.bound.terms import Interval, Majorant, Shares
-from study.bound.trajectory import DiscreteSolution, Parabola, Trajectory, spline
+from study.bound.trajectory import Computed, DiscreteSolution, Parabola, Trajectory, spline
 from study.fem.error_norm import ErrorNorm
 from study.fem.quadrature import Line, cell_rules
 
 POOR = 0.5
 """Share of y above which the output says where the data are seen poorly."""
+SAME_TIME = 1e-9
+"""Distance of two times, relative to a piece, up to which they are the same."""
 INITIAL_DEGREE = 6
 """Degree of the rule for ‖u_0 − ũ(0)‖_V."""
 
@@ -46,6 +48,7 @@ class Enclosure:
         initial: the squares of ‖u_0 − ũ(0)‖ on the cells of ũ as samples see them, (cells,).
         between: bound of the error over the interval up to each time, (n,).
         evidence: whether the bounds are guaranteed or estimated, and why.
+        norm: an interval that contains max_t ‖u(t)‖_V.
     """
 
     h: float
@@ -58,6 +61,7 @@ class Enclosure:
     initial: Array
     between: Array
     evidence: Evidence
+    norm: tuple[float, float]
 
     def __post_init__(self) -> None:
         """Raise BoundError unless all bounds are finite: maxima and minima would hide NaN."""
@@ -102,6 +106,12 @@ class Enclosure:
         return float(self.lower.max())
 
     @property
+    def relative(self) -> tuple[float, float]:
+        """An interval that contains max_t ‖u(t) − u_h(t)‖_V / max_t ‖u(t)‖_V; its upper end is ∞ if u may be 0."""
+        low, high = self.norm
+        return (self.lowest / high if high > 0 else 0.0), (self.highest / low if low > 0 else math.inf)
+
+    @property
     def contains(self) -> bool:
         """Whether the known error lies inside at all times."""
         return bool(((self.lower <= self.error) & (self.error <= self.upper)).all())
@@ -109,7 +119,7 @@ class Enclosure:
 
 def enclose(
     coarse: Discretisation,
-    computed: DiscreteSolution,
+    computed: Computed,
     trajectory: Trajectory,
     error: Callable[[float, Array], float] | None = None,
     progress: Callable[[float], object] = lambda time: None,
@@ -131,10 +141,21 @@ def enclose(
     start = math.sqrt(float(initial.sum())) + fine.sampling.missed_at_start()
     at_0 = start + fine.norm(first.start - u_h(0.0))
     intervals, rows = [], []
+    low, high = max(0.0, float(fine.norm(first.start)) - start), 0.0
     for piece, interval in Majorant(fine)(chain([first], pieces), start):
         true = error(piece.b, computed.at(piece.b)) if error else math.nan
-        distance, between = fine.norm(piece.end - u_h(piece.b)), interval.inside + _largest_distance(fine, piece, u_h)
-        rows.append((piece.b, distance, interval.at_b, true, between))
+        distance = fine.norm(piece.end - u_h(piece.b))
+        rows.append(
+            (
+                piece.b,
+                distance,
+                interval.at_b,
+                true,
+                interval.inside + largest_distance(fine, piece, computed.times, u_h),
+            )
+        )
+        low = max(low, float(fine.norm(piece.end)) - interval.at_b)
+        high = max(high, interval.inside + float(fine.norm(np.array([piece.start, piece.control, piece.end])).max()))
         intervals.append(interval)
         progress(piece.b)
     times, distances, bounds, errors, all_between = np.array(rows).T.copy()
@@ -143,7 +164,17 @@ def enclose(
     poor = sum(one.missed for one in intervals) > POOR * intervals[-1].at_b
     evidence = Evidence(fine.sampling.reasons, fine.sampling.worst(worst.a, worst.b) if poor else "")
     found = Enclosure(
-        computed.space.h, times, distances, bounds, errors, tuple(intervals), at_0, initial, all_between, evidence
+        computed.h,
+        times,
+        distances,
+        bounds,
+        errors,
+        tuple(intervals),
+        at_0,
+        initial,
+        all_between,
+        evidence,
+        (low, high),
     )
     sampled = bool(initial.any() or computed.nodes.any() or any(fine.load(time).any() for time in times))
     require_visible(fine.data, found.highest, sampled)
@@ -159,27 +190,42 @@ def known_error(case: Case | None, computed: DiscreteSolution) -> Callable[[floa
     return lambda time, u: v_norm.distance(v_norm.sample(time), u)
 
 
-def _largest_distance(fine: Discretisation, piece: Parabola, u_h: Callable[[float], Array]) -> float:
-    """A bound of ‖ũ(t) − u_h(t)‖_V on a piece: the largest norm of the Bernstein coefficients in time.
+def largest_distance(fine: Discretisation, piece: Parabola, nodes: Array, u_h: Callable[[float], Array]) -> float:
+    """Return a bound of ‖ũ(t) − u_h(t)‖_V on a piece: the largest norm of the Bernstein coefficients in time.
 
-    A node of u_h can only lie in the middle of a piece, where the parabola is cut.
+    Args:
+        nodes: the times between which u_h is linear; the parabola is cut there and in the middle of the piece.
     """
-    middle = (piece.a + piece.b) / 2
-    ends = [piece.start, piece.at(middle), piece.end]
-    controls = [(piece.start + piece.control) / 2, (piece.control + piece.end) / 2]
-    values = [u_h(time) for time in (piece.a, middle, piece.b)]
-    differences = [v - w for v, w in zip(ends, values, strict=True)]
-    differences += [c - (v + w) / 2 for c, (v, w) in zip(controls, pairwise(values), strict=True)]
+    k, middle = piece.b - piece.a, (piece.a + piece.b) / 2
+    low, high = np.searchsorted(nodes, [piece.a + SAME_TIME * k, piece.b - SAME_TIME * k])
+    inside = nodes[low:high]
+    cuts = np.unique([piece.a, middle, piece.b, *inside[abs(inside - middle) > SAME_TIME * k]]).tolist()
+    differences = [piece.at(time) - u_h(time) for time in cuts]
+    differences += [piece.blossom(c, d) - (u_h(c) + u_h(d)) / 2 for c, d in pairwise(cuts)]
     return float(fine.norm(np.array(differences)).max())
 
 
 def _initial_error(discretisation: Discretisation, start: Array) -> Array:
     """‖u_0 − ũ(0)‖² on the cells, by quadrature that respects where u_0 is rough, (cells,)."""
+    data = discretisation.data
+    return squared_distances(discretisation, data.initial, start, data.lines)
+
+
+def squared_distances(
+    discretisation: Discretisation, strain: Callable[[Points], Tensors], v: Array, rough: Sequence[Hyperplane]
+) -> Array:
+    """Return ∫_T A(ε − ε(v))·(ε − ε(v)) on the cells, (cells,).
+
+    Args:
+        strain: points ↦ ε, (2, ...) → (3, ...).
+        v: of degree 2, (dofs,).
+        rough: lines (direction, offset) across which ε is rough, for quadrature.
+    """
     data, V = discretisation.data, discretisation.displacements
     squares = np.zeros(discretisation.mesh.t.shape[1])
-    lines = [Line(direction, offset) for direction, offset in data.lines]
+    lines = [Line(direction, offset) for direction, offset in rough]
     for rule in cell_rules(discretisation.mesh, INITIAL_DEGREE, lines, data.points):
-        difference = data.initial(rule.points) - V.strain_at(start, rule.cells, rule.points)
+        difference = strain(rule.points) - V.strain_at(v, rule.cells, rule.points)
         stress = data.law.A.at(rule.points)(difference)
         np.add.at(squares, rule.cells, np.einsum("Inq,Inq,nq->n", stress, difference, rule.weights))
     return squares

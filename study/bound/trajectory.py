@@ -20,29 +20,43 @@ from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sps
+from skfem import Mesh
 
 from manufactured.tensors import Array
 from study.bound.discretisation import Discretisation
 from study.bound.problem import BoundError
-from study.fem.mesh import with_midpoints
+from study.fem.mesh import barycentric_gradients
+from study.fem.quadratic import EDGES
 from study.fem.space import Space
 from study.solve.evolution import Scheme, SemiDiscrete, remainder
 from study.solve.signorini import Signorini
 from study.solve.steps import step_size
 from study.solve.tableau import MIDPOINT
 
+ON_NODE = 1e-5
+"""Distance in barycentric coordinates up to which a point of a mesh is a node of its refinement."""
+
 
 @dataclass(frozen=True, eq=False)
 class DiscreteSolution:
     """u_h ∈ V^h of P1, by its values at equally spaced times from 0 to T, (steps + 1, n_dofs).
 
-    A bound needs of a displacement, however it was computed, only ``T``, the mesh size of ``space`` and the function
-    ``on``. Only ``SmoothedInTime`` also needs equal steps and u_h(t) ∈ K.
+    ``study.bound.given`` has displacements of other programs. Both have what ``Computed`` lists.
     """
 
     space: Space
     nodes: Array
     T: float
+
+    @property
+    def h(self) -> float:
+        """The mesh size."""
+        return self.space.h
+
+    @property
+    def times(self) -> Array:
+        """The times of the nodes, (steps + 1,)."""
+        return step_size(self.T, self.steps) * np.arange(self.steps + 1)
 
     @property
     def steps(self) -> int:
@@ -63,6 +77,27 @@ class DiscreteSolution:
         return lambda time: J @ self.at(time)
 
 
+class Computed(Protocol):
+    """What a bound needs of a displacement u_h, linear in time between the times of its nodes.
+
+    Only ``SmoothedInTime`` also needs equal steps and u_h(t) ∈ K. ``steps`` is the number on which the number of steps
+    of ũ depends, and ``at`` is what functions from ``known_error`` take.
+    """
+
+    @property
+    def h(self) -> float: ...
+    @property
+    def T(self) -> float: ...
+    @property
+    def times(self) -> Array: ...
+    @property
+    def nodes(self) -> Array: ...
+    @property
+    def steps(self) -> int: ...
+    def at(self, time: float) -> Array: ...
+    def on(self, fine: Discretisation) -> Callable[[float], Array]: ...
+
+
 def compute(discretisation: Discretisation, scheme: Scheme, steps: int) -> DiscreteSolution:
     """Return the solution of Problem 5.1 from the data alone, with the load (P f, ·)_V and u_0^h = Π^h u_0."""
     data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
@@ -77,15 +112,47 @@ def prolongation(space: Space, discretisation: Discretisation) -> sps.csr_array:
     Raises:
         BoundError: the mesh of degree 2 is no such refinement.
     """
-    mesh, refined = space.mesh, sps.csr_array(sps.eye_array(space.mesh.p.shape[1]))
-    while mesh.t.shape[1] < discretisation.mesh.t.shape[1]:
-        refined = sps.csr_array(with_midpoints(mesh) @ refined)
-        mesh = mesh.refined()
-    if not np.array_equal(mesh.p, discretisation.mesh.p):
-        raise BoundError("the mesh of ũ is no refinement of the mesh of u_h")
-    scalar = with_midpoints(discretisation.mesh) @ refined
-    full = sps.csr_array(sps.kron(scalar, sps.eye_array(2)))
+    full = sps.csr_array(sps.kron(on_refinement(space.mesh, 1, discretisation.mesh), sps.eye_array(2)))
     return sps.csr_array(full[discretisation.displacements.free][:, space.free])
+
+
+def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
+    """Return the matrix from nodal values on a mesh to Bernstein coefficients of degree 2 on a uniform refinement.
+
+    Nodes are the vertices and, for degree 2, the midpoints of the edges. A uniform refinement lists the children of
+    all cells in the order of the cells, four times for each refinement. Barycentric coordinates of its nodes are
+    multiples of a power of 1/2, so that the weights are exact.
+
+    Args:
+        degree: of the function on ``mesh``, 1 or 2.
+        fine: the mesh itself or a uniform refinement of it.
+
+    Raises:
+        BoundError: ``fine`` is no such refinement.
+    """
+    cells, vertices = mesh.t.shape[1], fine.p.shape[1]
+    numbers = np.vstack([fine.t, vertices + fine.t2f])
+    nodes = np.hstack([fine.p, fine.p[:, fine.facets].mean(axis=1)])
+    _, first = np.unique(numbers, return_index=True)
+    parents = first % numbers.shape[1] % cells
+    from_corner = nodes - mesh.p[:, mesh.t[0, parents]]
+    places = np.einsum("nid,dn->in", barycentric_gradients(mesh)[parents], from_corner)
+    places[0] += 1
+    parts = 2.0 * np.sqrt(fine.t.shape[1] / cells)
+    exact = np.rint(parts * places) / parts
+    if len(first) != nodes.shape[1] or not (abs(exact - places).max() < ON_NODE and exact.min() >= 0):
+        raise BoundError("the mesh of ũ is no refinement of the mesh of u_h")
+    if degree == 1:
+        values, of_nodes = exact, mesh.t[:, parents]
+    else:
+        values = np.array([*(2 * exact**2 - exact), *(4 * exact[a] * exact[b] for a, b in EDGES)])
+        of_nodes = np.vstack([mesh.t, mesh.p.shape[1] + mesh.t2f])[:, parents]
+    count = mesh.p.shape[1] + (mesh.facets.shape[1] if degree == 2 else 0)
+    places_in_matrix = np.tile(np.arange(len(first)), len(values)), of_nodes.ravel()
+    at_nodes = sps.csr_array((values.ravel(), places_in_matrix), shape=(len(first), count))
+    # With the coefficient c of an edge, the value at its midpoint is c/2 + (a + b)/4, a and b those at the ends.
+    at_ends = at_nodes[fine.facets[0]] + at_nodes[fine.facets[1]]
+    return sps.csr_array(sps.vstack([at_nodes[:vertices], 2.0 * at_nodes[vertices:] - 0.5 * at_ends]))
 
 
 class Trajectory(Protocol):
@@ -97,7 +164,7 @@ class Trajectory(Protocol):
     @property
     def name(self) -> str: ...
     def discretisation(self, coarse: Discretisation) -> Discretisation: ...
-    def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]: ...
+    def nodes(self, fine: Discretisation, computed: Computed) -> Iterator[tuple[float, Array]]: ...
 
 
 @dataclass(frozen=True)
@@ -109,11 +176,10 @@ class SmoothedInTime:
     def discretisation(self, coarse: Discretisation) -> Discretisation:
         return coarse
 
-    def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
-        J = prolongation(computed.space, fine)
-        times = step_size(computed.T, computed.steps) * np.arange(computed.steps + 1)
-        for time, node in zip(times.tolist(), computed.nodes, strict=True):
-            yield time, J @ node
+    def nodes(self, fine: Discretisation, computed: Computed) -> Iterator[tuple[float, Array]]:
+        u_h = computed.on(fine)
+        for time in computed.times.tolist():
+            yield time, u_h(time)
 
 
 @dataclass(frozen=True)
@@ -130,7 +196,7 @@ class Refined:
     def discretisation(self, coarse: Discretisation) -> Discretisation:
         return Discretisation(coarse.data, coarse.mesh.refined(self.refinements)) if self.refinements else coarse
 
-    def nodes(self, fine: Discretisation, computed: DiscreteSolution) -> Iterator[tuple[float, Array]]:
+    def nodes(self, fine: Discretisation, computed: Computed) -> Iterator[tuple[float, Array]]:
         data, V, steps = fine.data, fine.displacements, self.shorter * computed.steps
         stress = data.law.A.at(V.points)(data.initial(V.points))
         # The best approximation of u_0 in ‖·‖_V among the functions with N v ≤ 0.
@@ -170,6 +236,11 @@ class Parabola:
         """Return ũ(t) for a ≤ t ≤ b."""
         x = (time - self.a) / (self.b - self.a)
         return (1 - x) ** 2 * self.start + 2 * x * (1 - x) * self.control + x**2 * self.end
+
+    def blossom(self, s: float, t: float) -> Array:
+        """Return the middle Bernstein coefficient of the part of the parabola between two times."""
+        x, y = ((time - self.a) / (self.b - self.a) for time in (s, t))
+        return (1 - x) * (1 - y) * self.start + (x * (1 - y) + y * (1 - x)) * self.control + x * y * self.end
 
     def rate(self, end: bool) -> Array:
         """Return ũ̇ at a or b."""

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from manufactured.static import Static
 from study.bound import adaptive, bounded
 from study.bound.adaptive import Adapted, Stage
 from study.bound.discretisation import check_force
@@ -35,17 +36,19 @@ def do_adapt(options: argparse.Namespace) -> int:
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     level = min(options.levels)
     check_force(case)
-    adaptive.check_tolerance(options.adapt, options.cells)
+    tolerance = adaptive.tolerance_from(options.adapt)
+    adaptive.check_cells(options.cells)
     bounded.check_bound(data, family, [level], options.steps, Refined(0, 1))
     mesh = family(data.body, level)
-    stage = Stage(mesh.p, mesh.t, options.steps or rate_steps(data.body.T, level))
+    static = isinstance(data, Static)
+    stage = Stage(mesh.p, mesh.t, 1 if static else options.steps or rate_steps(data.body.T, level))
     store = Store(options.out / name, written=(".",))
     kept: list[dict[str, Any]] = []
     with store.locked():
         while True:
             number = len(kept)
             # The tolerance is not part of the key: it only decides when to stop.
-            made_by = of_problem(data, case, (family, level, options.steps, scheme, number))
+            made_by = of_problem(data, case, (family, level, options.steps, scheme, static, number))
             kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
             rows = adaptive.table([one["row"] for one in kept])
             table = write_text(store.directory / "adaptive.csv", rows.to_csv(index=False))
@@ -53,7 +56,7 @@ def do_adapt(options: argparse.Namespace) -> int:
             with np.load(adaptive.stage_file(store.directory, number)) as arrays:
                 following = adaptive.next_stage(stage, arrays["shares"], float(arrays["in_time"]))
                 edges, closed = adaptive.contact_edges(data, stage.mesh, arrays["u"][-1])
-            reached = rows["bound"].iloc[-1] <= options.adapt
+            reached = tolerance.reached(rows.iloc[-1])
             stopped = "" if reached else _limit(following, options.cells)
             if reached or stopped:
                 break
@@ -62,7 +65,9 @@ def do_adapt(options: argparse.Namespace) -> int:
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(kept)))]
         written += draw_one(store.directory, adapted_mesh(name, shown))
     print(folded(f"written: {listed(written)}"))
-    print("\n" + "\n".join(adaptive.text(name, rows, options.adapt, stopped, kept[-1]["sentences"])) + "\n")
+    sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    norm = bounded.STATIC if static else f"max {bounded.MOVING}"
+    print("\n" + "\n".join(adaptive.text(name, rows, tolerance, stopped, sentences, norm)) + "\n")
     return OK if reached and all(one["inside"] for one in kept if case) else FAILED
 
 

@@ -8,16 +8,18 @@ from functools import partial
 from typing import Any
 
 import pandas as pd
-from tqdm import tqdm
 
 from manufactured.self_proof import prove
+from manufactured.static import Static
 from study.bound import bounded
 from study.bound.discretisation import check_force
 from study.bound.trajectory import Refined
 from study.cli.adapt import do_adapt
-from study.cli.common import listed, progress_bar
+from study.cli.common import listed, with_progress
+from study.cli.displacement import do_displacement
 from study.cli.options import FAILED, OK
 from study.fem.naming import choose, family_named, resolve_data
+from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.present.figures import draw_one, enclosure
 from study.run.executor import available, require
@@ -30,6 +32,12 @@ from study.statements.shared import estimates
 
 def do_bound(options: argparse.Namespace) -> int:
     """Enclose the error at each level; 0 if the solution is unknown or every error lies in its enclosure."""
+    if options.displacement and options.adapt is not None:
+        raise UsageError("--adapt computes displacements of its own: give --adapt or --displacement, not both")
+    if not options.displacement and (options.field or options.nearest):
+        raise UsageError("--field and --nearest are about a file: give it with --displacement FILE")
+    if options.displacement:
+        return do_displacement(options)
     if options.adapt is not None:
         return do_adapt(options)
     name, data, case = resolve_data(options.problem)
@@ -42,21 +50,24 @@ def do_bound(options: argparse.Namespace) -> int:
     bounded.check_bound(data, family, options.levels, options.steps, refined)
     if case:
         prove(case.solution, f"case {case.name}")
-    plan = {level: options.steps or rate_steps(data.body.T, level) for level in options.levels}
+    static = isinstance(data, Static)
+    plan = {level: 1 if static else options.steps or rate_steps(data.body.T, level) for level in options.levels}
     store = Store(options.out / name, written=(".",))
     with store.locked():
         kept = []
         for level, steps in plan.items():
-            made_by = of_problem(data, case, (family, level, scheme, steps, refined))
+            made_by = of_problem(data, case, (family, level, scheme, steps, refined, static))
             compute = partial(bounded.bounded_solution, data, case, family, level, scheme, steps, refined)
             kept.append(_level(store, level, made_by, compute, data.body.T))
         table = bounded.levels([one["row"] for one in kept])
         over_time = pd.concat([pd.DataFrame(one["series"]) for one in kept])
         written = bounded.write(store.directory, table, over_time)
         written += [bounded.trajectory_file(store.directory, level) for level in plan]
-        written += draw_one(store.directory, enclosure("enclosure", over_time, name))
+        if not static:
+            written += draw_one(store.directory, enclosure("enclosure", over_time, name))
     print(folded(f"written: {listed(written)}"))
-    found = bounded.text(name, table, over_time, kept[-1]["sentences"])
+    sentences = [*kept[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    found = bounded.text(name, table, over_time, sentences, bounded.STATIC if static else bounded.MOVING)
     print(f"\n{found}\n")
     return OK if case is None or all(one["inside"] for one in kept) else FAILED
 
@@ -69,13 +80,7 @@ def _level(
     kept = store.load(key, made_by) if trajectory.is_file() else None
     if kept is not None:
         return kept
-    with progress_bar(100) as bar:
-        bar.set_description(f"level {level}")
-
-        def progress(time: float, bar: tqdm = bar) -> None:
-            bar.update(round(100 * time / T) - bar.n)
-
-        found = compute(progress)
+    found = with_progress(f"level {level}", T, compute)
     bounded.write_trajectory(store.directory, level, found)
     record = bounded.record(level, found)
     store.save(key, made_by, record)

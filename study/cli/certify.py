@@ -6,6 +6,7 @@ import argparse
 
 from tqdm import tqdm
 
+from manufactured.static import Static
 from study.bound import bounded
 from study.bound.trajectory import Refined
 from study.certify import checker
@@ -13,6 +14,7 @@ from study.certify.certified import Making, write
 from study.cli.common import listed, progress_bar
 from study.cli.options import OK
 from study.fem.naming import choose, family_named, resolve_data
+from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.run.executor import available, require
 from study.run.store import Store
@@ -26,6 +28,8 @@ def do_certify(options: argparse.Namespace) -> int:
     name, data, _ = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     refined = Refined(options.refine, options.shorter)
+    if isinstance(data, Static):
+        raise UsageError(f"{name} is a static problem, for which there are no certificates: take `study bound`")
     making = Making(data, family, scheme, refined)
     making.check()
     # Before check_bound makes meshes.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import TypeVar
 
 import pandas as pd
 from tqdm import tqdm
@@ -17,6 +18,7 @@ from study.run.executor import Processes
 
 ROW = ["label", "key", "case", "family"]
 """Columns that tell the rows of the ledger apart."""
+Result = TypeVar("Result")
 
 
 def check_jobs(jobs: int) -> None:
@@ -64,6 +66,13 @@ def progress_bar(total: int) -> tqdm:
     """Return a progress bar on standard error, with fewer lines if that is no terminal."""
     pause = 0.5 if sys.stderr.isatty() else 10
     return tqdm(total=total, unit="", bar_format="{l_bar}{bar}| {elapsed}<{remaining}", mininterval=pause)
+
+
+def with_progress(name: str, T: float, compute: Callable[[Callable[[float], object]], Result]) -> Result:
+    """Return what is computed, with a progress bar of the times up to T that are done."""
+    with progress_bar(100) as bar:
+        bar.set_description(name)
+        return compute(lambda time: bar.update(round(100 * time / T) - bar.n))
 
 
 def draw(directory: Path, processes: Processes, chosen: Callable[[Path], list[Drawing]]) -> list[Path]:

@@ -136,8 +136,13 @@ def _compare(differ: argparse.ArgumentParser) -> None:
 def _bound(bound: argparse.ArgumentParser) -> None:
     bound.add_argument("problem", metavar="NAME|FILE.py:NAME", help="a case, a problem without a solution, or your own")
     _enclosed(bound, levels=(8, 16), shorter=4)
-    adapt = "refine from the first level until the bound from u_h alone is at most TOL"
-    bound.add_argument("--adapt", type=float, metavar="TOL", help=adapt)
+    given = "enclose the error of displacements from files (.npz, or a mesh that meshio reads) instead of computing one"
+    bound.add_argument("--displacement", nargs="+", type=Path, metavar="FILE", help=given)
+    bound.add_argument("--field", metavar="NAME", help="of the displacement in the file (default: found by its name)")
+    nearest = "if the displacement does not vanish on Γ1, bound the error of the nearest one that does"
+    bound.add_argument("--nearest", action="store_true", help=nearest)
+    adapt = "refine from the first level until the bound from u_h alone is at most TOL, or P per cent of ‖u‖_V"
+    bound.add_argument("--adapt", metavar="TOL|P%%", help=adapt)
     most = f"largest mesh of --adapt (default {CELLS})"
     bound.add_argument("--cells", type=int, default=CELLS, metavar="N", help=most)
     _out(bound, "bounds")

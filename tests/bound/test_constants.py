@@ -164,7 +164,10 @@ def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound() -> No
         np.zeros(1),
         np.array([2.75, 3.5, 1.0]),
         Evidence(()),
+        (4.0, 5.0),
     )
+    assert found.relative == (1.5 / 5, 3.5 / 4)
+    assert replace(found, norm=(0.0, 5.0)).relative == (1.5 / 5, math.inf)
     assert found.lower.tolist() == [1.5, 0.0, 0.0]
     assert found.upper.tolist() == [2.5, 3.0, 0.5]
     assert (found.lowest, found.highest) == (1.5, 3.5)
@@ -173,7 +176,7 @@ def test_both_ends_of_an_enclosure_differ_from_the_distance_by_the_bound() -> No
 
 def test_between_knots_the_bound_inside_an_interval_and_the_distance_both_count(monkeypatch) -> None:
     d = Discretisation(Data.formulas(BODY, LAW, (0, t), {}, (0, 0)), OneDiagonal()(BODY, 2))
-    monkeypatch.setattr(enclosing, "_largest_distance", lambda *arguments: 7.0)
+    monkeypatch.setattr(enclosing, "largest_distance", lambda *arguments: 7.0)
     found = enclose(d, compute(d, MIDPOINT, 2), SmoothedInTime())
     assert found.between == pytest.approx([one.inside + 7 for one in found.intervals], rel=1e-14)
 
@@ -193,8 +196,18 @@ def test_the_distance_between_knots_is_the_largest_of_a_parabola(control, end, l
     d = Discretisation(Data.formulas(BODY, LAW, (0, 0), {}, (0, 0)), OneDiagonal()(BODY, 2))
     v = np.random.default_rng(0).standard_normal(len(d.displacements.free))
     piece = Parabola(0.0, 0.25, 0 * v, control * v, end * v)
-    found = enclosing._largest_distance(d, piece, compute(d, MIDPOINT, 2).on(d)) / d.norm(v)
+    u_h = compute(d, MIDPOINT, 2)
+    found = enclosing.largest_distance(d, piece, u_h.times, u_h.on(d)) / d.norm(v)
     assert least * (1 - 1e-12) <= found <= most * (1 + 1e-12)
+
+
+def test_the_distance_is_cut_at_every_time_of_u_h() -> None:
+    """u_h is 0 except for a narrow peak within the piece, of which ends and middle of the piece see nothing."""
+    d = Discretisation(Data.formulas(BODY, LAW, (0, 0), {}, (0, 0)), OneDiagonal()(BODY, 2))
+    v = np.random.default_rng(0).standard_normal(len(d.displacements.free))
+    piece, times = Parabola(0.0, 0.25, 0 * v, 0 * v, 0 * v), np.array([0.0, 0.05, 0.07, 0.09, 1.0])
+    found = enclosing.largest_distance(d, piece, times, lambda time: np.interp(time, times, [0, 0, 3, 0, 0]) * v)
+    assert found == pytest.approx(3 * d.norm(v), rel=1e-12)
 
 
 # ---- data that samples hardly see, from the data to the interval

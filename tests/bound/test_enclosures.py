@@ -476,7 +476,7 @@ def test_what_cannot_be_bounded_is_refused() -> None:
 def test_orders_are_enclosed_since_the_first_level_and_since_the_previous_one() -> None:
     """E = (1, 1/2, 1/8) at h = (1, 1/2, 1/4): the order is 3/2 over all levels and 2 on the last pair."""
     ends = [(0.9, 1.1), (0.45, 0.55), (0.11, 0.14)]
-    rest = {"dofs": 1, "error": math.nan, "plain": 1.0, "kind": "guaranteed"}
+    rest = {"dofs": 1, "error": math.nan, "plain": 1.0, "percent_low": 1.0, "percent_high": 2.0, "kind": "guaranteed"}
     rows = [
         {"level": 2**i, "h": 0.5**i, "steps": 2**i, "lowest": low, "highest": high, **rest}
         for i, (low, high) in enumerate(ends)
@@ -487,7 +487,7 @@ def test_orders_are_enclosed_since_the_first_level_and_since_the_previous_one() 
         assert table.loc[4, [f"{name}_low", f"{name}_high"]].tolist() == pytest.approx([low, high])
     assert table.loc[1, ["order_low", "pair_low"]].isna().all()
     lines = _intervals(table.reset_index(), known=False)
-    assert lines[0].split()[-10:] == ["order", "since", "level", "1", "in", "since", "the", "one", "before", "in"]
-    assert lines[3].count("[") == 3
+    assert lines[0].split()[-10:] == ["from", "u_h", "alone", "order", "since", "1", "since", "the", "one", "before"]
+    assert lines[3].count("[") == 4
     assert lines[-1].endswith("with steps that follow the mesh")
     assert _intervals(table.reset_index().head(2).assign(steps=4), known=False)[-1].endswith("same steps on every mesh")

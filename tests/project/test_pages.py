@@ -49,6 +49,7 @@ LONG = {
     "docs/tutorials/own-case.md",
     "docs/tutorials/own-case-3d.md",
     "docs/tutorials/bound.md",
+    "docs/tutorials/static.md",
     "docs/tutorials/yielding.md",
     "docs/how-to/adapt.md",
 }

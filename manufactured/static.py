@@ -1,0 +1,75 @@
+"""Static linear elasticity: the data of a problem without viscosity and without time."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from manufactured.body import Body
+from manufactured.data import Data
+from manufactured.data.problem_data import Formulas
+from manufactured.law import Indefinite, KelvinVoigt, LawError, Linear, isotropic
+from manufactured.symbols import FormulaError, t
+
+
+class Static(Data):
+    """Find u ∈ K with (Gε(u), ε(v − u))_Q ≥ (f, v − u)_V for all v ∈ K: elastic equilibrium in contact.
+
+    There is no viscosity. A of the law is G, so that ‖·‖_V is the energy norm (Gε(v), ε(v))_Q^½. Made by ``static``.
+    """
+
+
+def static(body: Body, G: Linear, f0: Formulas, f2: Mapping[int, Formulas] | None = None) -> Static:
+    """Return the data of a static problem as formulas of x1 and x2.
+
+    Args:
+        body: Ω and the parts of its boundary; its final time plays no role.
+        G: ``plane_strain`` or ``plane_stress`` of Young's modulus and Poisson's ratio, ``isotropic(mu, lam)``, or any
+            ``Linear``.
+        f0: the components of the body force.
+        f2: number of a part of ``body.parts`` ↦ the components of the traction on it.
+
+    Raises:
+        FormulaError: wrong components or symbols, t among them, or f_2 on a part that is not of Γ2.
+        LawError: G is not linear and elliptic, or its dimension is not that of the body.
+
+    >>> from manufactured import unit_square
+    >>> static(unit_square(), plane_stress(E=200.0, nu=0.3), f0=(0, -1)).law.name
+    'static'
+    """
+    if not isinstance(G, Linear) or isinstance(G, Indefinite):
+        raise LawError(
+            f"a static problem needs a linear, elliptic G such as plane_stress(E, nu), got {type(G).__name__}"
+        )
+    data = Static.formulas(body, KelvinVoigt(G, G, "static"), f0, f2)
+    formulas = (*data.formulas_of.force, *(one for _, load in data.formulas_of.loads for one in load))  # type: ignore[attr-defined]
+    if any(formula.has(t) for formula in formulas):
+        raise FormulaError("the loads of a static problem are formulas of x1 and x2, got t; fix the time")
+    assert isinstance(data, Static)
+    return data
+
+
+def plane_strain(E: float, nu: float) -> Linear:
+    """Return the elasticity tensor of Young's modulus E and Poisson's ratio ν in plane strain.
+
+    Raises:
+        LawError: not E > 0 and −1 < ν < 1/2.
+    """
+    _require_moduli(E, nu, 0.5)
+    return isotropic(E / (2 * (1 + nu)), E * nu / ((1 + nu) * (1 - 2 * nu)))
+
+
+def plane_stress(E: float, nu: float) -> Linear:
+    """Return the elasticity tensor of Young's modulus E and Poisson's ratio ν in plane stress.
+
+    Raises:
+        LawError: not E > 0 and −1 < ν < 1.
+    """
+    _require_moduli(E, nu, 1.0)
+    return isotropic(E / (2 * (1 + nu)), E * nu / (1 - nu**2))
+
+
+def _require_moduli(E: float, nu: float, most: float) -> None:
+    if not (E > 0 and -1 < nu < most):
+        raise LawError(
+            f"Young's modulus has to be positive and Poisson's ratio between -1 and {most:g}, got {E:g}, {nu:g}"
+        )

@@ -1,0 +1,147 @@
+"""Read the displacement of another program from a file: .npz, or any mesh format that meshio reads."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, NamedTuple
+from zipfile import BadZipFile
+
+import numpy as np
+
+from manufactured.tensors import Array
+from study.bound.problem import BoundError
+
+ARRAYS = ("points", "triangles", "times", "u")
+"""The arrays of an .npz file."""
+OURS = {"p": "points", "t": "triangles"}
+"""Names in the files that ``study bound`` writes, whose arrays are transposed."""
+DISPLACEMENT = ("u", "displacement", "displacements", "u_h", "uh", "disp")
+"""Names of displacements, in small letters."""
+CELLS = {"triangle": 3, "triangle6": 6}
+IGNORED = ("vertex", "line", "line3")
+"""Cells of boundaries, which files often have as well."""
+
+
+class Field(NamedTuple):
+    """The arguments of ``study.bound.given.given`` that a file has; ``times`` is None for one field without a time."""
+
+    points: Array
+    triangles: Array
+    times: Array | None
+    u: Array
+
+
+def read(path: Path | str, name: str | None = None) -> Field:
+    """Read mesh, times and displacements.
+
+    Args:
+        path: .npz with ``points``, ``triangles``, ``times`` and ``u``, or as ``study bound`` writes it; .pvd; .xdmf
+            with a time series; or one mesh, such as .vtu, for a static problem.
+        name: of the displacement in a mesh file; by default one of ``DISPLACEMENT``, or the only vector field.
+
+    Raises:
+        BoundError: the file cannot be read, or what it has is no displacement.
+    """
+    path = Path(path)
+    if not path.is_file():
+        raise BoundError(f"there is no file {path}")
+    kind = path.suffix.lower()
+    try:
+        if kind == ".npz":
+            return _npz(path)
+        if kind == ".pvd":
+            return _together(path, _pvd(path), name)
+        if kind in (".xdmf", ".xmf"):
+            return _together(path, _xdmf(path), name)
+        return _together(path, [(None, _meshio().read(path))], name)
+    except (OSError, ValueError, KeyError, ET.ParseError, BadZipFile, SystemExit) as error:
+        if isinstance(error, BoundError):
+            raise
+        raise BoundError(f"{path} cannot be read: {type(error).__name__}: {error}") from error
+    except ImportError as error:
+        raise BoundError(f"{path} needs the package {error.name}: install it, or write .npz") from error
+
+
+def _npz(path: Path) -> Field:
+    with np.load(path) as file:
+        arrays = {OURS.get(key, key): file[key].T if key in OURS else file[key] for key in file.files}
+        ours = "p" in file.files
+    missing = [key for key in ("points", "triangles", "u") if key not in arrays]
+    if missing:
+        raise BoundError(f"{path} lacks {', '.join(missing)}; expected the arrays {', '.join(ARRAYS)}")
+    u = arrays["u"].swapaxes(-1, -2) if ours else arrays["u"]
+    return Field(arrays["points"], arrays["triangles"], arrays.get("times"), u)
+
+
+def _meshio() -> Any:
+    import meshio  # type: ignore[import-untyped]  # Only files of this kind need it.
+
+    return meshio
+
+
+def _pvd(path: Path) -> Iterator[tuple[float | None, Any]]:
+    """The times and meshes that a ParaView collection lists."""
+    for entry in ET.parse(path).getroot().iter("DataSet"):
+        yield float(entry.attrib["timestep"]), _meshio().read(path.parent / entry.attrib["file"])
+
+
+def _xdmf(path: Path) -> Iterator[tuple[float | None, Any]]:
+    """The times and meshes of a time series on one mesh; one mesh without a time if there is no series."""
+    meshio = _meshio()
+    try:
+        series = meshio.xdmf.TimeSeriesReader(path)
+    except (meshio.ReadError, AttributeError, IndexError):
+        yield None, meshio.read(path)
+        return
+    with series as reader:
+        points, cells = reader.read_points_cells()
+        for step in range(reader.num_steps):
+            time, values, _ = reader.read_data(step)
+            yield time, meshio.Mesh(points, cells, point_data=values)
+
+
+def _together(
+    path: Path, meshes: Iterator[tuple[float | None, Any]] | list[tuple[None, Any]], name: str | None
+) -> Field:
+    """One field from the meshes of all times, which have to be the same mesh."""
+    first: Any = None
+    times, values = [], []
+    for time, mesh in meshes:
+        first = first or mesh
+        if mesh.points.shape != first.points.shape or not np.array_equal(mesh.points, first.points):
+            raise BoundError(f"{path} has another mesh at t = {time} than before; give one mesh for all times")
+        times.append(time)
+        values.append(_vector(path, mesh, name))
+    if first is None:
+        raise BoundError(f"{path} lists no mesh")
+    return Field(
+        first.points, _triangles(path, first), None if None in times else np.array(times, dtype=float), np.array(values)
+    )
+
+
+def _triangles(path: Path, mesh: Any) -> Array:
+    """The triangles of a mesh file; all of one degree."""
+    blocks = [block for block in mesh.cells if block.type not in IGNORED]
+    kinds = sorted({block.type for block in blocks})
+    if len(kinds) != 1 or kinds[0] not in CELLS:
+        raise BoundError(
+            f"{path} has cells of the kinds {', '.join(kinds) or 'none'}, expected triangle (linear) or triangle6 "
+            "(quadratic) alone"
+        )
+    return np.concatenate([block.data for block in blocks])
+
+
+def _vector(path: Path, mesh: Any, name: str | None) -> Array:
+    """The displacements at the points."""
+    vectors = {key: data for key, data in mesh.point_data.items() if np.ndim(data) == 2 and data.shape[1] in (2, 3)}
+    known = [key for key in vectors if key.lower() in DISPLACEMENT]
+    chosen = [name] if name is not None else known if len(known) == 1 else list(vectors)
+    if len(chosen) != 1 or chosen[0] not in vectors:
+        wanted = f"the field {name!r}" if name is not None else "one displacement"
+        raise BoundError(
+            f"{path} does not have {wanted}: its vector fields at points are {', '.join(vectors) or 'none'}; choose "
+            "one with --field NAME"
+        )
+    return np.asarray(vectors[chosen[0]], dtype=float)

@@ -1,0 +1,455 @@
+"""The error of a displacement that another program computed: from its mesh, its times and its nodal values.
+
+The bound needs no relation between the displacement and the problem: with a better displacement ũ(t) ∈ K and the bound
+y of ‖u − ũ‖_V, the triangle inequality encloses the error of any u_h that vanishes on Γ1. u_h may penetrate the
+foundation, and it may belong to another problem. ũ lives on a refinement of the mesh of u_h and has its own time steps.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sps
+from scipy.sparse.csgraph import connected_components
+from scipy.sparse.linalg import splu
+from scipy.spatial import cKDTree
+from skfem import Mesh, MeshTri
+
+from manufactured.body import Body, Kind
+from manufactured.case import Case
+from manufactured.data import Data
+from manufactured.static import Static
+from manufactured.tensors import Array, Points
+from study.bound.bounded import INSIDE, SHOWN, BoundedSolution, bounded_static, check_problem
+from study.bound.discretisation import Discretisation
+from study.bound.enclosing import enclose, squared_distances
+from study.bound.problem import BoundError
+from study.bound.trajectory import Refined, SmoothedInTime, on_refinement
+from study.fem.mesh import MeshError, boundary_parts, cell_volumes
+from study.fem.mesh import size as mesh_size
+from study.fem.quadratic import Quadratic
+from study.ledger.text import interval
+from study.solve.steps import require_steps
+
+LEAST_STEPS = 16
+"""ũ takes its time steps from at least so many intervals of u_h."""
+SINGLE = 1e-6
+"""Relative accuracy of numbers in files, which may have single precision."""
+EQUAL = 1e-9
+"""Relative difference of time steps that count as equal."""
+CLAMPED = 1e-9
+"""Size on Γ1, relative to the largest displacement, up to which u_h counts as 0 there."""
+ROUNDING = 1e-12
+"""Distance, relative to the mesh, up to which a vertex lies where it did."""
+FLAT = 1e-12
+"""Area of a cell, relative to the square of its diameter, below which it has none."""
+
+
+@dataclass(frozen=True, eq=False)
+class GivenDisplacement:
+    """u_h on a triangulation of the body, linear between increasing times; see ``given`` for the checks.
+
+    Attributes:
+        mesh: the triangulation.
+        body: the body.
+        degree: 1, or 2 with nodes at the vertices and then at the midpoints of the edges of ``mesh``.
+        times: from 0 to T, (k,).
+        nodes: nodal values, node by node with two components each, (k, 2 · number of nodes).
+        steps: the number of intervals on which the number of time steps of ũ depends.
+        remarks: sentences on what was changed and on penetration.
+        offset: bound of |u_given − u_h|_V at all times if u_h is the nearest field that vanishes on Γ1, otherwise 0.
+    """
+
+    mesh: Mesh
+    body: Body
+    degree: int
+    times: Array
+    nodes: Array
+    steps: int
+    remarks: tuple[str, ...] = ()
+    offset: float = 0.0
+
+    @property
+    def T(self) -> float:
+        """The last time."""
+        return float(self.times[-1])
+
+    @cached_property
+    def h(self) -> float:
+        """The mesh size."""
+        return mesh_size(self.mesh)
+
+    def at(self, time: float) -> Array:
+        """Return the nodal values at a time, (2 · number of nodes,)."""
+        low = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 2))
+        share = (time - self.times[low]) / (self.times[low + 1] - self.times[low])
+        return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
+
+    def on(self, fine: Discretisation) -> Callable[[float], Array]:
+        """Return t ↦ u_h(t) by coefficients of degree 2 on the same mesh or a refinement of it, (dofs,)."""
+        J = sps.csr_array(sps.kron(on_refinement(self.mesh, self.degree, fine.mesh), sps.eye_array(2)))
+        J = sps.csr_array(J[fine.displacements.free])
+        return lambda time: J @ self.at(time)
+
+
+def bound_displacement(
+    data: Data,
+    points: Array,
+    triangles: Array,
+    times: Array | None,
+    u: Array,
+    refine: int = 1,
+    shorter: int = 4,
+    steps: int | None = None,
+    nearest: bool = False,
+    case: Case | None = None,
+    progress: Callable[[float], object] = lambda time: None,
+) -> BoundedSolution:
+    """Enclose ‖u(t) − u_h(t)‖_V for a displacement u_h that any program has computed.
+
+    Args:
+        data: the problem; for a ``Static`` one the norm is the energy norm of G.
+        points, triangles, times, u, steps, nearest: as in ``given``.
+        refine: how often the mesh of u_h is refined for ũ.
+        shorter: the number of steps of ũ in each of ``steps``.
+        case: the exact solution of the problem, if it is known; the true error is then reported as well.
+        progress: called with every time that is done.
+
+    Raises:
+        BoundError: the displacement does not fit the problem, or the problem has no bound.
+        LoadError: data to which no solution can belong.
+    """
+    refined = Refined(refine, shorter)
+    check_problem(data, steps, refined)
+    return bounded_displacement(data, given(data, points, triangles, times, u, steps, nearest), refined, case, progress)
+
+
+def bounded_displacement(
+    data: Data,
+    computed: GivenDisplacement,
+    refined: Refined,
+    case: Case | None = None,
+    progress: Callable[[float], object] = lambda time: None,
+) -> BoundedSolution:
+    """Return the enclosure of the error of a checked displacement, and the bound from u_h alone if there is one."""
+    coarse = Discretisation(data, computed.mesh)
+    if isinstance(data, Static):
+        found = bounded_static(coarse, computed, refined.refinements)
+    else:
+        require_steps(refined.shorter * computed.steps)
+        error, why = true_error(case, coarse, computed), no_plain_bound(coarse, computed)
+        plain = None if why else enclose(coarse, computed, SmoothedInTime(), error)
+        remarks = (f"the bound from u_h alone is left out: {why}",) if why else ()
+        found = BoundedSolution(computed, plain, enclose(coarse, computed, refined, error, progress), remarks)
+    ends = max(0.0, found.enclosure.lowest - computed.offset), found.enclosure.highest + computed.offset
+    whole = f"the error of the displacement in the file lies in {interval(*ends, SHOWN)}"
+    return replace(found, remarks=(*computed.remarks, *found.remarks, *([whole] if computed.offset else [])))
+
+
+def no_plain_bound(coarse: Discretisation, computed: GivenDisplacement) -> str:
+    """Return why u_h alone gives no bound; "" if it gives one."""
+    steps = np.diff(computed.times)
+    if abs(steps - steps.mean()).max() > EQUAL * steps.mean():
+        return "its time steps are not equal"
+    u_h, V = computed.on(coarse), coarse.displacements
+    if (V.N @ np.array([u_h(time) for time in computed.times]).T).max(initial=0.0) > INSIDE * abs(computed.nodes).max():
+        return f"u_h {'penetrates' if computed.degree == 1 else 'of degree 2 may penetrate'} the foundation"
+    return ""
+
+
+def true_error(
+    case: Case | None, coarse: Discretisation, computed: GivenDisplacement
+) -> Callable[[float, Array], float] | None:
+    """Return (t, nodal values) ↦ ‖u(t) − u_h(t)‖_V if there is an exact solution."""
+    if case is None:
+        return None
+    u_h, exact = computed.on(coarse), case.solution
+
+    def error(time: float, values: Array) -> float:
+        rough = (*coarse.data.lines, *coarse.data.fronts(time))
+        return math.sqrt(squared_distances(coarse, lambda x: exact.at(x).strain(time), u_h(time), rough).sum())
+
+    return error
+
+
+# Checks of what a file has.
+
+
+def given(
+    data: Data,
+    points: Array,
+    triangles: Array,
+    times: Array | None,
+    u: Array,
+    steps: int | None = None,
+    nearest: bool = False,
+) -> GivenDisplacement:
+    """Check the displacement of another program and return it on its mesh.
+
+    Points that belong to no triangle are left out, points at the same place with the same displacement are joined, and
+    vertices that miss the boundary of the body by less than 1e-6 of its size are moved onto it.
+
+    Args:
+        data: the problem.
+        points: (n, 2), or (n, 3) with equal third coordinates.
+        triangles: numbers of points, (cells, 3) for degree 1; (cells, 6) for degree 2: the corners 0, 1, 2, then the
+            midpoints of the sides 01, 12 and 20.
+        times: increasing from 0 to T, (k,); None, or one time, for a ``Static`` problem.
+        u: displacements of the points at the times, (k, n, 2), or (k, n, 3) with third component 0.
+        steps: the number of intervals on which the number of time steps of ũ depends; by default that of u_h, at
+            least ``LEAST_STEPS``.
+        nearest: if u does not vanish on Γ1, take the nearest field that does.
+
+    Raises:
+        BoundError: says what does not fit, where, and how to mend it.
+    """
+    given_times = np.zeros(1) if times is None else times
+    points, triangles, times, u = _arrays(points, triangles, given_times, u)
+    if isinstance(data, Static):
+        if len(times) > 1:
+            raise BoundError(f"the problem is static, and u_h has {len(times)} times: give one of them")
+        times, u = np.array([0.0, data.body.T]), np.concatenate([u, u])
+    times = _checked_times(times, data.body.T)
+    points, triangles, u, remarks = _joined(points, triangles, u)
+    mesh, nodes, degree = _mesh(data.body, points, triangles)
+    moved = float(np.linalg.norm(mesh.p - points[nodes[: mesh.p.shape[1]]].T, axis=0).max())
+    if moved > ROUNDING * float(np.ptp(points, axis=0).max()):
+        remarks.append(
+            f"vertices near the boundary were moved onto it, by at most {moved:.2g}; u_h is meant on that mesh"
+        )
+    values = u[:, nodes].reshape(len(times), -1)
+    _check_fit(mesh, data.body)
+    found = GivenDisplacement(
+        mesh, data.body, degree, times, values, steps or max(len(times) - 1, LEAST_STEPS), tuple(remarks)
+    )
+    return _clamped(data, replace(found, remarks=(*remarks, *_penetration(found))), nearest)
+
+
+def _arrays(points: Array, triangles: Array, times: Array, u: Array) -> tuple[Array, Array, Array, Array]:
+    """The arrays with the shapes (n, 2), (cells, 3 or 6), (k,) and (k, n, 2), all numbers finite."""
+    points, times, u = (np.asarray(array, dtype=float) for array in (points, np.atleast_1d(times), u))
+    triangles = np.asarray(triangles)
+    if triangles.ndim != 2 or triangles.shape[1] not in (3, 6) or not np.issubdtype(triangles.dtype, np.integer):
+        raise BoundError(
+            f"triangles have the shape {triangles.shape} and the type {triangles.dtype}, expected integers (cells, 3) "
+            "for linear or (cells, 6) for quadratic displacements; other cells are not served"
+        )
+    if points.ndim != 2 or points.shape[1] not in (2, 3):
+        raise BoundError(f"points have the shape {points.shape}, expected (n, 2)")
+    if points.shape[1] == 3 and np.ptp(points[:, 2]) > SINGLE * np.ptp(points, axis=0).max():
+        raise BoundError("the points do not lie in a plane x3 = constant; the bound serves plane bodies")
+    if u.ndim == 2 and len(times) == 1:
+        u = u[None]
+    if u.shape not in {(len(times), len(points), components) for components in (2, 3)}:
+        raise BoundError(
+            f"u has the shape {u.shape}, expected {(len(times), len(points), 2)}: one displacement for each of "
+            f"{len(times)} times and {len(points)} points"
+        )
+    if u.shape[2] == 3 and abs(u[..., 2]).max() > SINGLE * abs(u).max():
+        raise BoundError(f"the third component of u reaches {abs(u[..., 2]).max():.3g}, expected 0 for a plane body")
+    for name, array in (("points", points), ("times", times), ("u", u)):
+        if not np.isfinite(array).all():
+            first = np.argwhere(~np.isfinite(array))[0]
+            where = f" at t = {times[first[0]]:.6g}, x = {_shown(points[first[1], :2])}" if name == "u" else ""
+            raise BoundError(f"{name} has {(~np.isfinite(array)).sum()} numbers that are not finite, the first{where}")
+    if triangles.size == 0 or triangles.min() < 0 or triangles.max() >= len(points):
+        raise BoundError(
+            f"triangles have point numbers from {triangles.min(initial=0)} to {triangles.max(initial=0)}, expected "
+            f"0 to {len(points) - 1}; numbers start at 0"
+        )
+    return points[:, :2], triangles.astype(np.int64), times, u[..., :2]
+
+
+def _checked_times(times: Array, T: float) -> Array:
+    """The times from 0 to T; BoundError unless they increase and have these ends."""
+    if times.ndim != 1 or (np.diff(times) <= 0).any():
+        raise BoundError("times have to increase strictly")
+    if abs(times[0]) > SINGLE * T:
+        raise BoundError(
+            f"the initial time is missing: the first time is {times[0]:.6g}. Errors depend on all that happens from "
+            "t = 0 on; add the displacement at t = 0, which is u_0 or its approximation"
+        )
+    if len(times) < 2:
+        raise BoundError("there is one time only; give the displacement at several times, or a static problem (Static)")
+    if abs(times[-1] - T) > SINGLE * T:
+        raise BoundError(f"the last time is {times[-1]:.6g}, the problem ends at T = {T:g}: change T of its body")
+    equal = np.linspace(0.0, T, len(times))
+    # Single precision makes equal steps differ.
+    return equal if abs(times - equal).max() <= SINGLE * equal[1] else np.array([0.0, *times[1:-1], T])
+
+
+def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, Array, list[str]]:
+    """Leave out unused points and join points at the same place, as files of discontinuous fields repeat points."""
+    size, remarks = float(np.ptp(points, axis=0).max()), []
+    used, triangles = np.unique(triangles, return_inverse=True)
+    points, u, triangles = points[used], u[:, used], triangles.reshape(-1, triangles.shape[-1])
+    pairs = cKDTree(points).query_pairs(SINGLE * 1e-2 * size, output_type="ndarray")
+    if len(pairs):
+        count = len(points)
+        graph = sps.coo_array((np.ones(len(pairs)), pairs.T), shape=(count, count))
+        joined, label = connected_components(graph, directed=False)
+        _, first = np.unique(label, return_index=True)
+        jump = abs(u - u[:, first[label]]).max()
+        if jump > SINGLE * abs(u).max():
+            raise BoundError(
+                f"{count - joined} points lie where others do, and u differs there by up to {jump:.3g}: u_h has to be "
+                "continuous; give one displacement for each point"
+            )
+        points, u, triangles = points[first], u[:, first], label[triangles]
+        remarks.append(f"{count - joined} points that repeat others were joined")
+    return points, triangles, u, remarks
+
+
+def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, int]:
+    """The mesh, the points that are its nodes in the order of ``GivenDisplacement``, and the degree."""
+    corners, local = np.unique(triangles[:, :3], return_inverse=True)
+    p = _on_boundary(body, points[corners].T)
+    mesh = MeshTri(np.ascontiguousarray(p), np.ascontiguousarray(local.reshape(-1, 3).T))
+    _check_cells(mesh)
+    if triangles.shape[1] == 3:
+        return mesh, corners, 1
+    keys = np.sort(local.reshape(-1, 3)[:, [[0, 1], [1, 2], [2, 0]]], axis=2) @ [len(corners), 1]
+    facets = np.sort(mesh.facets, axis=0).T @ [len(corners), 1]
+    order = np.argsort(facets)
+    place = order[np.searchsorted(facets, keys, sorter=order)]
+    midpoints = np.zeros(len(facets), dtype=np.int64)
+    midpoints[place] = triangles[:, 3:]
+    if (midpoints[place] != triangles[:, 3:]).any():
+        raise BoundError("two triangles have different midpoints of a common side; number the midpoint once")
+    off = np.linalg.norm(points[midpoints].T - p[:, mesh.facets].mean(axis=1), axis=0)
+    lengths = np.linalg.norm(np.diff(p[:, mesh.facets], axis=1)[:, 0], axis=0)
+    if (off > 10 * SINGLE * lengths).any():
+        worst = int((off / lengths).argmax())
+        raise BoundError(
+            f"the node of the side near x = {_shown(points[midpoints[worst]])} lies {off[worst]:.3g} off its midpoint: "
+            "curved triangles, and midpoints in another order than 01, 12, 20, are not served"
+        )
+    return mesh, np.concatenate([corners, midpoints]), 2
+
+
+def _on_boundary(body: Body, p: Points) -> Points:
+    """Vertices, those that miss a corner or a side of the body by rounding in single precision moved onto it."""
+    p, near = p.copy(), SINGLE * float(np.ptp(body.vertices, axis=1).max())
+    for part in body.parts:
+        along, off = part.coordinates(p)
+        close = (abs(off) < near) & (along[0] > -near) & (along[0] < part.measure + near)
+        p[:, close] += off[close] * part.normal[:, None]
+    for corner in body.vertices.T:
+        p[:, np.linalg.norm(p - corner[:, None], axis=0) < near] = corner[:, None]
+    return p
+
+
+def _check_cells(mesh: Mesh) -> None:
+    """BoundError for cells without area and for sides of more than two cells."""
+    corners = mesh.p[:, mesh.t]
+    diameters = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=0).max(axis=0)
+    flat = np.flatnonzero(cell_volumes(mesh) <= FLAT * diameters**2)
+    if flat.size:
+        place = _shown(corners[:, :, flat[0]].mean(axis=1))
+        raise BoundError(f"{flat.size} triangles have no area, the first near x = {place}; remove them")
+    sides = np.bincount(mesh.t2f.ravel())
+    if sides.max() > 2:
+        place = _shown(mesh.p[:, mesh.facets[:, sides.argmax()]].mean(axis=1))
+        raise BoundError(
+            f"{sides.max()} triangles share a side near x = {place}: triangles overlap or are listed twice"
+        )
+
+
+def _check_fit(mesh: Mesh, body: Body) -> None:
+    """BoundError, which says where, unless the mesh covers the body and its edges follow the parts of the boundary."""
+    tolerance = 1e-8 * math.sqrt(body.measure)
+    border = mesh.boundary_facets()
+    ends, middle = mesh.p[:, mesh.facets[:, border]], mesh.p[:, mesh.facets[:, border]].mean(axis=1)
+    on_part = np.any([part.contains(ends, tolerance).all(axis=0) for part in body.parts], axis=0)
+    if not on_part.all():
+        stray = middle[:, ~on_part]
+        raise BoundError(
+            f"the mesh does not cover the body: {stray.shape[1]} sides of triangles have a triangle on one side only "
+            f"and lie on no part of the boundary, the first near x = {_shown(stray[:, 0])}. The mesh has a hole or "
+            "hanging nodes there, or it is the mesh of another body"
+        )
+    try:
+        boundary_parts(mesh, body)
+    except MeshError as error:
+        raise BoundError(f"the mesh does not fit the body: {error}") from error
+
+
+def _penetration(found: GivenDisplacement) -> list[str]:
+    """A sentence on how far u_h enters the foundation, if it does."""
+    values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
+    for part, edges in zip(found.body.parts, boundary_parts(found.mesh, found.body), strict=True):
+        if part.kind is Kind.CONTACT:
+            on = np.unique(found.mesh.facets[:, edges])
+            if found.degree == 2:
+                on = np.concatenate([on, found.mesh.p.shape[1] + edges])
+            normal = values[:, on] @ part.normal
+            place = divmod(int(normal.argmax()), len(on))
+            worst = max(worst, (float(normal[place]), place[0], int(on[place[1]])))
+    depth, time, node = worst
+    if depth <= CLAMPED * abs(found.nodes).max():
+        return []
+    x = (
+        found.mesh.p
+        if found.degree == 1
+        else np.hstack([found.mesh.p, found.mesh.p[:, found.mesh.facets].mean(axis=1)])
+    )
+    share = 100 * depth / abs(found.nodes).max()
+    return [
+        f"u_h penetrates the foundation at its nodes by up to {depth:.3g}, {share:.2g} % of its largest component, at "
+        f"t = {found.times[time]:.4g}, x = {_shown(x[:, node])}"
+    ]
+
+
+class _Unclamped(Quadratic):
+    """Displacements of degree 2 that need not vanish on Γ1."""
+
+    @cached_property
+    def free(self) -> Array:
+        return np.arange(self.dim * self.count)
+
+
+def _clamped(data: Data, found: GivenDisplacement, nearest: bool) -> GivenDisplacement:
+    """The displacement, if it vanishes on Γ1; otherwise the nearest one that does, if it is wanted, or BoundError."""
+    mesh, size = found.mesh, float(abs(found.nodes).max())
+    clamped = Quadratic(mesh, found.body)
+    fixed = np.setdiff1d(np.arange(2 * clamped.count), clamped.free)
+    J = sps.csr_array(sps.kron(on_refinement(mesh, found.degree, mesh), sps.eye_array(2)))
+    coefficients = J @ found.nodes.T
+    largest = float(abs(coefficients[fixed]).max(initial=0.0))
+    if largest <= CLAMPED * size:
+        return found
+    # The matrix of (Aε(v), ε(w))_Q for all displacements of degree 2.
+    V = _Unclamped(mesh, found.body)
+    M = V.form(data.law.A.matrix, data.law.A.factor(V.points))
+    projected = np.zeros_like(coefficients)
+    projected[clamped.free] = splu(sps.csc_array(M[clamped.free][:, clamped.free])).solve(
+        (M @ coefficients)[clamped.free]
+    )
+    difference = coefficients - projected
+    offset, whole = (math.sqrt(max(np.einsum("it,it->t", v, M @ v).max(), 0.0)) for v in (difference, coefficients))
+    share = f"{offset:.3g} = {100 * offset / whole if whole else math.inf:.2g} % of the largest ‖u_h‖_V"
+    if not nearest:
+        raise BoundError(
+            f"u_h reaches {largest:.3g} on Γ1, {100 * largest / size:.2g} % of its largest component, and has to be 0 "
+            f"there. The nearest field that vanishes on Γ1 differs from it by {share}: with --nearest "
+            "(nearest=True) the error of that field is enclosed, and the difference is added"
+        )
+    remark = (
+        f"u_h reaches {largest:.3g} on Γ1, so the bounds are those of the nearest field that vanishes there; it "
+        f"differs from u_h by at most {share}"
+    )
+    # From Bernstein coefficients back to values at the midpoints.
+    nodal = projected.T.reshape(len(found.times), -1, 2)
+    vertices = mesh.p.shape[1]
+    of_ends = nodal[:, mesh.facets].sum(axis=1)
+    nodal = np.concatenate([nodal[:, :vertices], nodal[:, vertices:] / 2 + of_ends / 4], axis=1)
+    values = nodal.reshape(len(found.times), -1)
+    return replace(found, degree=2, nodes=values, remarks=(*found.remarks, remark), offset=offset)
+
+
+def _shown(x: Array) -> str:
+    return f"({', '.join(f'{c:.4g}' for c in x)})"

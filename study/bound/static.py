@@ -1,0 +1,111 @@
+"""Static linear elasticity: the error of u_h in the energy norm of G, from both sides.
+
+For ũ ∈ K and a stress σ̃ that balances the loads f̃ with σ̃_τ = 0 and σ̃_ν ≤ 0 on Γ3, testing as in
+``study.bound.terms`` gives for e = u − ũ, with the norm ‖v‖² = (Gε(v), ε(v))_Q,
+
+    ‖e‖² ≤ R ‖e‖ + c,    R = (Σ_T (‖σ̃ − Gε(ũ)‖_{G⁻¹,T} + η_T)²)^½ + what samples of the data miss,   c = ∫_{Γ3} σ̃_ν ũ_ν,
+
+so that ‖e‖ ≤ y = R/2 + (R²/4 + c)^½. This is the bound of Prager and Synge with contact. ũ = u_h gives the bound from
+u_h alone. ũ of degree 2 on a refined mesh gives d − y ≤ ‖u − u_h‖ ≤ d + y with d = ‖ũ − u_h‖.
+
+Source: W. Prager, J. L. Synge, Approximations in elasticity based on the concept of function space, Quart. Appl. Math.
+5 (1947) 241–269.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import cached_property
+
+import numpy as np
+
+from manufactured.factor import UNIFORM
+from manufactured.tensors import Array
+from study.bound.discretisation import Discretisation
+from study.bound.enclosing import POOR, Enclosure
+from study.bound.problem import SMALLEST, require_visible
+from study.bound.remainders import Evidence, proportional
+from study.bound.terms import Shares
+from study.bound.trajectory import Computed, DiscreteSolution, prolongation
+from study.fem.material import form
+from study.fem.space import Space
+from study.solve.signorini import Signorini
+from study.solve.solver_choice import contact_solver
+from study.stresses.hybrid import Equilibrium
+
+
+class StaticDiscretisation(Discretisation):
+    """The spaces on one mesh; stresses are nearest in the norm of G⁻¹."""
+
+    @cached_property
+    def equilibrium(self) -> Equilibrium:
+        A = self.data.law.A
+        compliance = np.linalg.inv(A.matrix)
+        if A.factor is not UNIFORM:
+            compliance = np.multiply.outer(self.inverse_viscosity, compliance)
+        return Equilibrium(self.stresses, compliance)
+
+    def squares(self, stress: Array) -> Array:
+        """Return ‖τ‖²_{G⁻¹} on the cells, (3, cells, Q) → (cells,)."""
+        strain = np.tensordot(np.linalg.inv(self.data.law.A.matrix), stress, axes=1) * self.inverse_viscosity
+        return np.asarray(np.einsum("Icq,Icq,cq->c", stress, strain, self.stresses.weights))
+
+
+def compute_static(discretisation: Discretisation) -> DiscreteSolution:
+    """Return the P1 displacement in equilibrium, as a displacement that is constant in time."""
+    data, space = discretisation.data, Space(discretisation.mesh, discretisation.data.body)
+    load = prolongation(space, discretisation).T @ discretisation.load(0.0)
+    u, _ = contact_solver(space)(form(space, data.law.A), space.N)(load)
+    return DiscreteSolution(space, np.array([u, u]), data.body.T)
+
+
+def bound_static(fine: StaticDiscretisation, v: Array) -> tuple[float, Shares, Evidence]:
+    """Return the bound y of ‖u − ũ‖, its shares and its evidence.
+
+    Args:
+        v: ũ ∈ K of degree 2, (dofs,).
+    """
+    snapshot, sampling, T = fine.snapshot(0.0), fine.sampling, fine.data.body.T
+    missed = sampling.missed(fine.oscillation, 0.0, T)
+    stress = fine.nearest_stress(snapshot.loads, fine.elastic(v), v)
+    products = np.maximum(-fine.equilibrium.pressure(stress) * fine.normal_moments(v), 0.0).sum(axis=1)
+    squares = (np.sqrt(fine.squares(stress.values)) + fine.oscillation(snapshot.left_out) + missed.cells) ** 2
+    R, c = math.sqrt(squares.sum()) + missed.everywhere, float(products.sum())
+    y = R / 2 + math.sqrt(R**2 / 4 + c)
+    cells = proportional(squares) + missed.in_cells
+    np.add.at(cells, fine.cells_at_contact, (y - R) * products / max(c, np.finfo(float).tiny))
+    poor = sampling.worst(0.0, T) if missed.everywhere > POOR * y else ""
+    return y, Shares(cells, 0.0).scaled_to(y), Evidence(sampling.reasons, poor)
+
+
+def enclose_static(coarse: Discretisation, computed: Computed, refinements: int | None) -> tuple[Enclosure, Shares]:
+    """Return the bounds of the error of u_h, as an enclosure at one time, and the shares of y.
+
+    Args:
+        refinements: of the mesh of ũ, which has degree 2; None for ũ = u_h.
+    """
+    fine = StaticDiscretisation(coarse.data, coarse.mesh.refined(refinements or 0))
+    u_h = computed.on(fine)(0.0)
+    if refinements is None:
+        v = u_h
+    else:
+        V = fine.displacements
+        v, _ = Signorini(fine.M, V.N, V.free_points)(fine.load(0.0))
+    y, shares, evidence = bound_static(fine, v)
+    d, size = float(fine.norm(v - u_h)), float(fine.norm(v))
+    require_visible(fine.data, d + y, bool(fine.load(0.0).any()))
+    y, above = max(y, SMALLEST) if y > 0 else y, np.array([d + y])
+    found = Enclosure(
+        computed.h,
+        np.zeros(1),
+        np.array([d]),
+        np.array([y]),
+        np.full(1, math.nan),
+        (),
+        d + y,
+        np.zeros(fine.mesh.t.shape[1]),
+        above,
+        evidence,
+        (max(0.0, size - y), size + y),
+    )
+    return found, shares

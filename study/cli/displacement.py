@@ -1,0 +1,98 @@
+"""``study bound --displacement``: enclose the errors of displacements that other programs computed."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import math
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from manufactured.case import Case
+from manufactured.data import Data
+from manufactured.self_proof import prove
+from manufactured.static import Static
+from study.bound import bounded, fields
+from study.bound.discretisation import check_force
+from study.bound.given import GivenDisplacement, bounded_displacement, given
+from study.bound.trajectory import Refined
+from study.cli.common import listed, with_progress
+from study.cli.options import FAILED, OK
+from study.fem.naming import resolve_data
+from study.ledger.files import UsageError
+from study.ledger.text import folded
+from study.present.figures import draw_one, enclosure
+from study.run.executor import GIB, available
+from study.run.fingerprint import of_problem
+from study.run.store import Store
+from study.statements.shared import estimates
+
+
+def do_displacement(options: argparse.Namespace) -> int:
+    """Enclose the error of each file; 0 if the solution is unknown or every error lies in its enclosure."""
+    name, data, case = resolve_data(options.problem)
+    refined = Refined(options.refine, options.shorter)
+    check_force(case)
+    bounded.check_problem(data, options.steps, refined)
+    read = [_read(data, path, options, refined) for path in options.displacement]
+    if case:
+        prove(case.solution, f"case {case.name}")
+    # Coarse meshes first, as orders are those from mesh to mesh.
+    read.sort(key=lambda pair: -pair[1].h)
+    stems = dict.fromkeys(path.stem for path, _ in read)
+    store = Store(options.out / "-".join([name, *stems]), written=(".",))
+    with store.locked():
+        rows = [_row(store, data, case, number, *pair, refined) for number, pair in enumerate(read)]
+        table = bounded.levels([one["row"] for one in rows])
+        over_time = pd.concat([pd.DataFrame(one["series"]) for one in rows])
+        written = bounded.write(store.directory, table, over_time)
+        if not isinstance(data, Static) and table["level"].is_unique:
+            written += draw_one(store.directory, enclosure("enclosure", over_time, name))
+    print(folded(f"written: {listed(written)}"))
+    for path, u_h in read:
+        print(folded(f"level {_level(u_h)}: {path}, degree {u_h.degree}, {u_h.mesh.t.shape[1]} triangles"))
+    sentences = [*rows[-1]["sentences"], *bounded.contact_sentences(data.body)]
+    norm = bounded.STATIC if isinstance(data, Static) else bounded.MOVING
+    last = pd.DataFrame(rows[-1]["series"])
+    print(f"\n{bounded.text(name, table, last, sentences, norm)}\n")
+    return OK if case is None or all(one["inside"] for one in rows) else FAILED
+
+
+def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined) -> tuple[Path, GivenDisplacement]:
+    """The checked displacement of a file; UsageError if its mesh is too large for the memory."""
+    field = fields.read(path, options.field)
+    need, room = (estimates.BASE, available())
+    per_cell = (estimates.bound(1, refined.refinements, "unstructured") - estimates.BASE) / 2
+    need += per_cell * len(field.triangles)
+    if need > room:
+        served = max(0, int((room - estimates.BASE) / per_cell))
+        raise UsageError(
+            f"{path} has {len(field.triangles)} triangles, which with --refine {refined.refinements} need about "
+            f"{need / GIB:.1f} GiB of memory; {room / GIB:.1f} GiB are available, which serve {served} triangles: take "
+            "a coarser mesh, --refine 0, or a machine with more memory"
+        )
+    return path, given(data, *field, steps=options.steps, nearest=options.nearest)
+
+
+def _level(u_h: GivenDisplacement) -> int:
+    """The number of cells along a side of a square of the area of the body with the mesh size of u_h."""
+    return max(1, round(math.sqrt(u_h.body.measure) / u_h.h))
+
+
+def _row(
+    store: Store, data: Data, case: Case | None, number: int, path: Path, u_h: GivenDisplacement, refined: Refined
+) -> dict[str, Any]:
+    """Return the record of a file, from disk or computed."""
+    arrays = (u_h.mesh.p, u_h.mesh.t, u_h.times, u_h.nodes)
+    content = hashlib.sha256(b"".join(array.tobytes() for array in arrays)).hexdigest()
+    key, made_by = f"displacement-{number}", of_problem(data, case, (content, u_h.steps, u_h.remarks, refined))
+    kept = store.load(key, made_by)
+    if kept is not None:
+        return kept
+    found = with_progress(str(path), u_h.T, partial(bounded_displacement, data, u_h, refined, case))
+    record = bounded.record(_level(u_h), found)
+    store.save(key, made_by, record)
+    return record

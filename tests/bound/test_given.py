@@ -1,0 +1,326 @@
+"""Displacements of another program: enclosed whatever they are, and refused by name where they do not fit."""
+
+from __future__ import annotations
+
+import re
+from itertools import pairwise
+from pathlib import Path
+
+import meshio
+import numpy as np
+import pytest
+from independent import Solver, halved, norms, quadrilateral_mesh
+from sympy import Float
+
+from manufactured import (
+    Data,
+    KelvinVoigt,
+    Kind,
+    Static,
+    isotropic,
+    plane_strain,
+    plane_stress,
+    polygon,
+    static,
+    t,
+    x1,
+    x2,
+)
+from manufactured.tensors import Array
+from study.bound.enclosing import Enclosure
+from study.bound.fields import read
+from study.bound.given import GivenDisplacement, bound_displacement, given
+from study.bound.problem import BoundError
+
+KINDS = [Kind.CONTACT, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
+VARIANTS = ("less", "more", "penetrating", "of another problem")
+
+
+def random_problem(seed: int, evolving: bool) -> tuple[Data, Array, np.random.Generator]:
+    """Return a problem on a random quadrilateral with random moduli and polynomial loads, and its corners."""
+    rng = np.random.default_rng(seed)
+    corners = np.array([[0, 0], [2, 0], [2, 1], [0, 1]]) + rng.uniform(-0.2, 0.2, (4, 2))
+    body = polygon([tuple(corner) for corner in corners.tolist()], KINDS)
+    number = lambda low, high: Float(float(rng.uniform(low, high)))  # noqa: E731
+    grows = t if evolving else 1
+    f0 = (number(-1, 1) * grows, -number(0, 2) * grows + number(-1, 1) * x1)
+    f2 = {
+        1: (number(-2, 2) * grows * x2, number(-1, 1) * (x1 - grows)),
+        3: (number(-2, 2) * x2**2, number(-1, 1) * grows),
+    }
+    if not evolving:
+        E, nu = rng.uniform(0.5, 5), rng.uniform(0, 0.4)
+        return static(body, (plane_stress, plane_strain)[seed % 2](E, nu), f0, f2), corners, rng
+    A, G = (isotropic(rng.uniform(0.5, 2), rng.uniform(0, 2)) for _ in range(2))
+    return Data.formulas(body, KelvinVoigt(A, G, "random"), f0, f2), corners, rng
+
+
+def variant(u: Array, name: str, other: Array) -> Array:
+    """Return a displacement made from u that is no approximation, or a poor one."""
+    down = np.array([0.0, -0.3 * abs(u).max()])
+    return {
+        "less": 0.9 * u,
+        "more": 1.1 * u,
+        "penetrating": u + down * (abs(u).max(axis=(0, 2)) > 0)[:, None],
+        "of another problem": other,
+    }[name]
+
+
+def displacement(solver: Solver, times: Array | None) -> Array:
+    return solver.static()[None] if times is None else solver.march(times, 1.0)
+
+
+def check_random_problem(seed: int, evolving: bool) -> None:
+    """Assert that the error against a reference on a mesh four times finer, and with finer steps, is enclosed."""
+    data, corners, rng = random_problem(seed, evolving)
+    steps = [0, 1, 1, 1, 1] if seed % 3 == 0 else [0, 1, 2, 1.5, 1.5]
+    degree, times = 1 + seed // 2 % 2, np.cumsum(steps) / sum(steps) if evolving else None
+    points, triangles = quadrilateral_mesh(corners, 3, rng)
+    mine = Solver(data, points, triangles, degree)
+    fine = Solver(data, *halved(*halved(points, triangles)), 2)
+    other, _, _ = random_problem(seed + 1000, evolving)
+    u = displacement(mine, times)
+    elsewhere = Data(**{**vars(data), "body_force": other.body_force})
+    others = displacement(Solver(elsewhere, points, triangles, degree), times)
+    reference, moments = fine.static()[None], np.zeros(1)
+    if times is not None:
+        moments = np.unique(np.concatenate([np.linspace(a, b, 5) for a, b in pairwise(times)]))
+        reference = fine.march(moments, 0.5)
+    energy = fine.form(data.law.A.matrix)
+    for name in ("itself", VARIANTS[seed % 4]):
+        field = u if name == "itself" else variant(u, name, others)
+        found = bound_displacement(data, mine.mesh[0], mine.mesh[1], times, field, shorter=2, steps=4)
+        at_nodes = mine.at_nodes_of(fine, 2, field)
+        if times is not None:
+            at_nodes = in_time(times, at_nodes, moments)
+        errors = norms(energy, reference - at_nodes)
+        check_enclosed(found.enclosure, moments, errors, f"{name}, seed {seed}")
+        if found.plain:
+            assert errors.max() <= found.plain.highest
+        largest = norms(energy, reference).max()
+        assert found.enclosure.norm[0] <= largest <= found.enclosure.norm[1]
+        assert found.relative[0] <= errors.max() / largest <= found.relative[1]
+
+
+def in_time(times: Array, values: Array, moments: Array) -> Array:
+    """Return values (k, ...) that are linear between times at other moments."""
+    place = np.clip(np.searchsorted(times, moments, side="right") - 1, 0, len(times) - 2)
+    share = ((moments - times[place]) / np.diff(times)[place])[:, None, None]
+    return (1 - share) * values[place] + share * values[place + 1]
+
+
+def check_enclosed(found: Enclosure, moments: Array, errors: Array, name: str) -> None:
+    """Assert that errors at some moments lie inside; over time the largest one, and at every moment the upper end."""
+    assert found.lowest <= errors.max() <= found.highest, name
+    later = moments > 0
+    if len(moments) > 1:
+        assert (errors[later] <= found.bound_at(moments[later])).all(), name
+        # The reference is linear between its times.
+        at_knots = np.interp(found.times, moments, errors)
+        assert (found.lower <= at_knots * 1.02 + 1e-3 * errors.max()).all(), name
+
+
+@pytest.mark.parametrize("evolving", [False, True], ids=["static", "evolving"])
+@pytest.mark.parametrize("seed", range(6))
+def test_displacements_of_an_independent_solver_are_enclosed(seed: int, evolving: bool) -> None:
+    check_random_problem(seed, evolving)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("evolving", [False, True], ids=["static", "evolving"])
+@pytest.mark.parametrize("seed", range(6, 36))
+def test_sixty_random_problems_have_no_error_outside(seed: int, evolving: bool) -> None:
+    check_random_problem(seed, evolving)
+
+
+def square(T: float = 1.0) -> Data:
+    body = polygon([(0, 0), (1, 0), (1, 1), (0, 1)], KINDS, T=T)
+    return Data.formulas(body, KelvinVoigt(isotropic(1, 0.5), isotropic(1, 1), "linear"), (0, -t), {1: (t * x2, 0)})
+
+
+def field() -> dict[str, Array]:
+    """Return a mesh of the unit square with a displacement that vanishes on its top."""
+    points, triangles = quadrilateral_mesh(np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]]), 2, np.random.default_rng(0))
+    times = np.array([0.0, 0.5, 1.0])
+    u = times[:, None, None] * (1 - points[None, :, 1:]) * np.array([0.1, 0.2])
+    return {"points": points, "triangles": triangles, "times": times, "u": u}
+
+
+def test_arrays_of_other_shapes_mean_the_same() -> None:
+    plain = given(square(), **field())
+    solid = {key: np.dstack([a, 0 * a[..., :1]]) if key == "u" else a for key, a in field().items()}
+    solid["points"] = np.column_stack([solid["points"], np.ones(len(solid["points"]))])
+    # Every triangle with points of its own, and points that belong to no triangle.
+    torn = field()
+    corners = torn["triangles"].ravel()
+    torn |= {"points": np.vstack([torn["points"][corners], [[7.0, 7.0]]])}
+    torn |= {"u": np.concatenate([torn["u"][:, corners], np.full((3, 1, 2), 9.0)], axis=1)}
+    torn |= {"triangles": np.arange(len(corners)).reshape(-1, 3)}
+    single = field() | {"points": field()["points"].astype(np.float32), "u": field()["u"].astype(np.float32)}
+    for arrays in (solid, torn, single):
+        found = given(square(), **arrays)
+        assert found.mesh.t.shape == plain.mesh.t.shape
+        order = [np.lexsort(np.round(each.mesh.p, 5)) for each in (found, plain)]
+        values = [each.at(0.7).reshape(-1, 2)[at] for each, at in zip((found, plain), order, strict=True)]
+        assert np.allclose(*values, atol=1e-6)
+
+
+def changed(name: str) -> dict[str, Array]:
+    """Return the arrays of ``field`` with one fault."""
+    arrays = field()
+    points, triangles, times, u = arrays.values()
+    if name == "hole":
+        return arrays | {"triangles": triangles[1:]}
+    if name == "other body":
+        return arrays | {"points": points * [1.0, 2.0]}
+    if name == "other boundary":
+        cut = points.copy()
+        cut[np.isclose(points, [0.5, 0]).all(axis=1)] = [0.5, 0.2]
+        return arrays | {"points": cut}
+    if name == "NaN":
+        u = u.copy()
+        u[1, 3, 0] = np.nan
+        return arrays | {"u": u}
+    if name == "twice":
+        return arrays | {"triangles": np.vstack([triangles, triangles[:1]])}
+    if name == "flat":
+        return arrays | {"triangles": np.vstack([triangles, triangles[:1][:, [0, 0, 1]]])}
+    if name == "curved":
+        points, six = Solver(square(), points, triangles, 2).mesh
+        points[-1] += 0.01
+        return arrays | {"points": points, "triangles": six, "u": np.zeros((3, len(points), 2))}
+    faults = {
+        "not clamped": {"u": u + 0.01},
+        "no start": {"times": times + 0.5},
+        "too short": {"times": times / 2},
+        "backwards": {"times": times[::-1]},
+        "one time": {"times": times[:1], "u": u[:1]},
+        "shape": {"u": u[:, 1:]},
+        "quads": {"triangles": triangles[:, [0, 1, 2, 2]]},
+        "from 1": {"triangles": triangles + 1},
+        "space": {"points": np.column_stack([points, points[:, 0]])},
+    }
+    return arrays | faults[name]
+
+
+REFUSALS = {
+    "hole": r"does not cover the body: . sides .* near x = \(",
+    "other body": r"does not cover the body|cells cover 2",
+    "other boundary": r"does not cover the body: .* near x = \(",
+    "NaN": r"1 numbers that are not finite, the first at t = 0.5, x = \(",
+    "twice": "overlap or are listed twice|share a side near x",
+    "flat": r"1 triangles have no area, the first near x = \(",
+    "curved": "curved triangles",
+    "not clamped": r"u_h reaches 0.01 on Γ1, 4.8 % of .* nearest field .* --nearest",
+    "no start": "initial time is missing: the first time is 0.5",
+    "too short": "the last time is 0.5, the problem ends at T = 1",
+    "backwards": "increase strictly",
+    "one time": "one time only",
+    "shape": r"u has the shape .* expected \(3, 9, 2\)",
+    "quads": "expected integers",
+    "from 1": "numbers start at 0",
+    "space": "do not lie in a plane",
+}
+
+
+@pytest.mark.parametrize("name", REFUSALS)
+def test_what_does_not_fit_is_refused_by_name(name: str) -> None:
+    with pytest.raises(BoundError, match=REFUSALS[name]):
+        given(square(), **changed(name))
+
+
+def test_a_static_problem_takes_one_time_only() -> None:
+    problem = static(square().body, plane_stress(2.0, 0.3), (0, -1))
+    assert isinstance(problem, Static)
+    with pytest.raises(BoundError, match="static, and u_h has 3 times"):
+        given(problem, **field())
+    assert given(problem, **(field() | {"times": None, "u": field()["u"][-1]})).T == 1
+
+
+def test_the_nearest_field_that_vanishes_on_the_clamped_part_is_bounded() -> None:
+    """The distance that is stated leads from its interval to one of the displacement itself."""
+    rigid = field() | {"u": np.full_like(field()["u"], 0.2) * field()["times"][:, None, None]}
+    found = given(square(), **rigid, nearest=True)
+    # A rigid motion has no strain: 0 is nearest.
+    assert abs(found.nodes).max() <= 1e-14
+    assert found.offset == pytest.approx(0, abs=1e-7)
+    shifted = field() | {"u": field()["u"] + 0.3 * rigid["u"]}
+    found = given(square(), **shifted, nearest=True)
+    assert np.allclose(found.nodes[:, : field()["u"][0].size], given(square(), **field()).nodes, atol=1e-12)
+    (remark,) = [remark for remark in found.remarks if "nearest" in remark]
+    assert "u_h reaches 0.06 on Γ1" in remark
+    bent = field() | {"u": field()["u"] + 0.01 * field()["points"][:, :1] * field()["times"][:, None, None]}
+    bounded = bound_displacement(square(), **bent, nearest=True, refine=0, shorter=1, steps=2)
+    assert isinstance(bounded.computed, GivenDisplacement)
+    offset, ends = bounded.computed.offset, re.findall(r"lies in \[(.*), (.*)\]$", bounded.remarks[-1])
+    assert offset > 1e-3
+    low, high = (float(end) for end in ends[0])
+    assert low == pytest.approx(max(0.0, bounded.enclosure.lowest - offset), rel=1e-3)
+    assert high == pytest.approx(bounded.enclosure.highest + offset, rel=1e-3)
+
+
+def test_penetration_is_reported_with_its_place() -> None:
+    arrays = field()
+    arrays["u"] = arrays["u"] * [1, -1]
+    (remark,) = given(square(), **arrays).remarks
+    assert remark.startswith(
+        "u_h penetrates the foundation at its nodes by up to 0.2, 1e+02 % of its largest component"
+    )
+    assert "at t = 1" in remark
+
+
+# Files.
+
+
+def write(path: Path, arrays: dict[str, Array], name: str = "displacement") -> Path:
+    points = np.column_stack([arrays["points"], 0 * arrays["points"][:, 0]])
+    kind = {3: "triangle", 6: "triangle6"}[arrays["triangles"].shape[1]]
+    cells = [(kind, arrays["triangles"]), ("line", arrays["triangles"][:1, :2])]
+    solid = [np.column_stack([u, 0 * u[:, 0]]) for u in arrays["u"]]
+    if path.suffix == ".npz":
+        np.savez(path, **arrays)
+    elif path.suffix == ".pvd":
+        lines = []
+        for number, (time, u) in enumerate(zip(arrays["times"], solid, strict=True)):
+            file = path.with_name(f"{path.stem}-{number}.vtu")
+            meshio.Mesh(points, cells, point_data={name: u, "velocity": u}).write(file)
+            lines.append(f'<DataSet timestep="{time}" file="{file.name}"/>')
+        path.write_text(f"<VTKFile type='Collection'><Collection>{''.join(lines)}</Collection></VTKFile>")
+    else:
+        with meshio.xdmf.TimeSeriesWriter(path, data_format="XML") as writer:
+            writer.write_points_cells(points, cells[:1])
+            for time, u in zip(arrays["times"], solid, strict=True):
+                writer.write_data(time, point_data={name: u})
+    return path
+
+
+@pytest.mark.parametrize("suffix", [".npz", ".pvd", ".xdmf"])
+@pytest.mark.parametrize("degree", [1, 2])
+def test_files_of_other_programs_are_read(suffix: str, degree: int, tmp_path: Path) -> None:
+    arrays = field()
+    if degree == 2:
+        arrays["points"], arrays["triangles"] = Solver(square(), arrays["points"], arrays["triangles"], 2).mesh
+        arrays["u"] = arrays["times"][:, None, None] * (1 - arrays["points"][None, :, 1:] ** 2) * np.array([0.1, 0.2])
+    expected, found = given(square(), **arrays), given(square(), *read(write(tmp_path / f"mine{suffix}", arrays)))
+    assert np.allclose(found.times, expected.times)
+    assert np.allclose(found.nodes, expected.nodes)
+    assert found.degree == degree
+
+
+@pytest.mark.parametrize(
+    ("name", "field_name", "message"),
+    [
+        ("missing.npz", None, "there is no file"),
+        ("mine.pvd", "stress", "does not have the field 'stress': its vector fields at points are .*velocity"),
+        ("noise.vtu", None, "cannot be read"),
+        ("noise.npz", None, "cannot be read"),
+        ("short.npz", None, "lacks triangles, u; expected the arrays points, triangles, times, u"),
+    ],
+)
+def test_files_without_a_displacement_are_refused(tmp_path: Path, name: str, field_name, message: str) -> None:
+    write(tmp_path / "mine.pvd", field())
+    np.savez(tmp_path / "short.npz", points=field()["points"])
+    for noise in ("noise.vtu", "noise.npz"):
+        (tmp_path / noise).write_text("noise")
+    with pytest.raises(BoundError, match=message):
+        read(tmp_path / name, field_name)
