@@ -161,7 +161,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("contact by springs", "a stiff foundation instead of v_ν ≤ 0", FULL, SOLVER, wrong.springs, "discrete-share"),
     Control("one time behind", "u^h(t − k) instead of u^h(t)", MOVING, "scheme", wrong.one_behind, "size"),
     Control("start at the end", "u_0^h = Π^h u(T) instead of Π^h u_0", NONE, "", wrong.start_at_the_end, "start-share"),
-    Control("size of a mesh", "1/(n − 1) instead of 1/n", FULL, "space.h", lambda h: h / (1 - h), "order"),
+    Control("size of a mesh", "1/(n − 2) instead of 1/n", FULL, "space.h", lambda h: h / (1 - 2 * h), "order"),
     Control("few steps", "an eighth of the time steps", MOVING, "steps", wrong.an_eighth, "discrete-time-share"),
     Control("load too large", "1.1 F instead of F", CROSSED, LOAD, wrong.times(1.1), "discrete-order-others"),
     Control("energy for norm", "½‖·‖_V² instead of ‖·‖_V", NONE, DISTANCE, wrong.energy, "leading-term"),
