@@ -51,7 +51,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
 LACKING = "this command needs {}, which is not installed: python -m pip install '.[{}]' in a clone of the repository"
 
 
-WITH_PYAMG = ("adapt", "bound", "certify", "check", "controls", "export", "present", "run", "seeds", "show")
+WITH_PYAMG = (
+    "adapt",
+    "bound",
+    "certify",
+    "check",
+    "controls",
+    "displacement",
+    "export",
+    "present",
+    "run",
+    "seeds",
+    "show",
+)
 """Modules of commands that import pyamg, directly or through others."""
 STRIPPED = (
     "python -OO removes docstrings, and pyamg, which this command needs, cannot be imported without them: "

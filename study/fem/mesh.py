@@ -67,7 +67,9 @@ def size(mesh: Mesh) -> float:
 
 def cell_volumes(mesh: Mesh) -> Array:
     """|T| of every cell, (cells,)."""
-    return np.asarray(abs(MappingAffine(mesh).detA) / factorial(mesh.dim()))
+    # A flat cell has no inverse, which the mapping computes as well.
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(abs(MappingAffine(mesh).detA) / factorial(mesh.dim()))
 
 
 def facet_measures(mesh: Mesh, facets: Array) -> Array:

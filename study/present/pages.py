@@ -150,8 +150,9 @@ def answer(data: FullRun) -> str:
         f"{_range(smooth)}; theory predicts 1. For solutions that are not smooth "
         f"({counted(rough['case'].nunique(), 'case')}) the observed order is {_range(rough)}; theory predicts "
         f"{predicted.min():.3g} to {predicted.max():.3g}. ([Results][results])",
-        "Wrong in print": f"{len(misprint_rows(data))} places, among them one false remark: interpolants of a continuous initial "
-        "displacement need not converge to it in the energy norm. In our reading no theorem depends on them. "
+        "Wrong in print": f"{len(misprint_rows(data))} places, among them one false remark: interpolants of a "
+        "continuous initial displacement need not converge to it in the energy norm. In our reading no theorem depends "
+        "on them. "
         "([Misprints][misprints])",
         "New": "In the plane, order 1 is proved under a weaker assumption. Backward Euler is proved to have the error "
         "O(h + k), without a condition between the mesh size h and the time step k. The error can be bounded without "

@@ -132,12 +132,12 @@ def test_every_row_of_the_ledger_is_on_the_page_in_its_order(directory: Path, pa
 
 def test_the_numbers_of_verdicts_are_those_of_the_ledger(directory: Path, page: Page) -> None:
     claims = pd.read_csv(directory / "data" / "claims.csv")
-    for verdict in ("holds", "reported", "undecided", "fails"):
+    for verdict in ("holds", "reported", "missed", "undecided", "fails"):
         count = (claims["verdict"] == verdict).sum()
         assert f"{count} {verdict}" in page.text
-    by_statement = [row for row in page.rows if len(row) == 7 and row[6].startswith("study/")]
+    by_statement = [row for row in page.rows if len(row) == 8 and row[7].startswith("study/")]
     totals = claims.groupby(["label", "statement"], sort=False).size()
-    assert [sum(int(count or 0) for count in row[2:6]) for row in by_statement] == totals.tolist()
+    assert [sum(int(count or 0) for count in row[2:7]) for row in by_statement] == totals.tolist()
 
 
 def test_every_row_of_the_other_tables_is_on_the_page(directory: Path, page: Page) -> None:

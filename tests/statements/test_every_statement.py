@@ -9,7 +9,7 @@ from measured_rows import quick_rows, verdicts
 
 from manufactured import catalogue
 from study.fem.naming import resolve
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.ledger.verdict import FAILS, HOLDS, UNCLAIMED, UNDECIDED
 from study.statements.admissibility import Admissibility
 from study.statements.boundary import NaturalConditions
 from study.statements.constitutive_law import ElasticityOperator, Projection, Viscosity
@@ -57,7 +57,7 @@ def test_two_cases_of_the_quick_settings_hold(statement: ListedNumbers) -> None:
     assert all(type(value) is float for value in rows["value"])
     found = statement.judge(rows)
     assert {verdict.case for verdict in found} == set(rows["case"])
-    assert HOLDS in {verdict.verdict for verdict in found} <= {HOLDS, REPORTED}
+    assert HOLDS in {verdict.verdict for verdict in found} <= {HOLDS, *UNCLAIMED}
     assert {(verdict.label, verdict.statement) for verdict in found} == {(statement.label, statement.claim)}
 
 
@@ -88,7 +88,7 @@ def test_one_level_decides_neither_orders_nor_changes(statement: ListedNumbers) 
 def test_every_judged_row_can_fail(statement: ListedNumbers, wrong: str) -> None:
     rows = quick_rows(statement)
     rows = rows.assign(value=math.nan if wrong == "not a number" else 5.0 * rows["level"] ** 3)
-    assert set(verdicts(statement, rows).values()) - {REPORTED} == {FAILS}
+    assert set(verdicts(statement, rows).values()) - {*UNCLAIMED} == {FAILS}
 
 
 @pytest.mark.parametrize("statement", [*STATEMENTS, FullyDiscrete()], ids=name)

@@ -13,7 +13,7 @@ from measured_rows import invented, measured, verdicts
 
 from manufactured import named
 from study.fem.mesh import Shaken, Unstructured
-from study.ledger.verdict import FAILS, HOLDS, REPORTED
+from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED
 from study.solve.tableau import BACKWARD_EULER, SCHEMES
 from study.statements import norms_in_time
 from study.statements.admissibility import largest_violations
@@ -107,7 +107,8 @@ def synthetic(p: float, orders: dict[str, float]) -> pd.DataFrame:
 def test_fits_recover_the_orders_and_compare_them_with_the_prediction() -> None:
     rows = synthetic(1.0, {"backward-euler": 1.0, "bdf2": 2.0, "midpoint": 1.0})
     found = {verdict.key: verdict for verdict in FullyDiscrete().judge(rows)}
-    assert {verdict.verdict for verdict in found.values()} == {REPORTED}
+    # The midpoint rule has the order 1 in these tables, where more is predicted.
+    assert {verdict.verdict for verdict in found.values()} == {REPORTED, MISSED}
     for name, q in {"backward-euler": 1, "bdf2": 2, "midpoint": 1}.items():
         assert found[f"{name}-error-in-h"].observed == pytest.approx(1, abs=1e-4)
         assert found[f"{name}-time-in-k"].observed == pytest.approx(q, abs=1e-6)

@@ -17,7 +17,7 @@ from study.fem.mesh import OneDiagonal, Shaken
 from study.fem.naming import resolve
 from study.fem.quadrature import cell_rules
 from study.fem.space import Space
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED
+from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
 from study.statements import constraint, green, interpolation, lipschitz, residual
 from study.statements.constitutive_law import ElasticityOperator, Viscosity
 from study.statements.green import Green
@@ -233,7 +233,7 @@ def test_the_order_in_v_is_judged_from_both_sides(order: float, verdict: str) ->
         (2.25, 2.0, HOLDS),
         (2.25, 1.5, FAILS),
         (1.75, 1.7, REPORTED),
-        (1.75, 1.0, REPORTED),
+        (1.75, 1.0, MISSED),
     ],
 )
 def test_the_order_of_traces_is_two_where_it_is_claimed(tau: float, order: float, verdict: str) -> None:
@@ -241,8 +241,6 @@ def test_the_order_of_traces_is_two_where_it_is_claimed(tau: float, order: float
     rows = invented({interpolation.REGULARITY: tau, "size of Γ3,1": H, column: H**order})
     (found,) = InterpolationOnContact().judge(rows)
     assert found.verdict == verdict
-    if verdict == REPORTED:
-        assert ("differs" in found.expected) == (order == 1.0)
 
 
 def test_a_trace_that_is_zero_has_no_order_to_be_judged() -> None:
