@@ -37,8 +37,7 @@ EXACT = 1e-5
 FALLS, LEAST_FALL = 0.5, 0.2
 """Order from which on a distance falls, or grows: half of that of the error if this is below 1, but at least 0.2."""
 PRESSURE_FALLS = 2 / 3
-"""Order from which on the error of the pressure falls, or that of the solution in K^h if it falls more slowly: .87 or
-more up to n = 32, but from one random mesh to the next down to .1. A vertex that is not held has .4 to .6."""
+"""Order from which on the error of the pressure falls, unless that of the solution in K^h falls more slowly."""
 MESHES = 3
 """Meshes without which nothing is said of an order: on two, what falls fast hides what does not fall."""
 NEGLIGIBLE, NO_CONTACT = 0.01, 0.9
@@ -123,13 +122,8 @@ class Task:
         if not self.count or len(judge) != self.count or not self.scale > 0:
             raise ValueError(f"{self.count} steps, {len(judge)} objects to judge them by, and the scale {self.scale}")
         own = ([self.data], "start", n) if self.marches else (steps, "initial_stress", strains)
-        of_judge = [
-            (judge, "displacement", n),
-            (judge, "reference", n),
-            (judge, "strain", strains),
-            (judge, "rest", ()),
-        ]
-        for objects, key, shape in [(steps, "load", n), own, *of_judge]:
+        shapes = {"displacement": n, "reference": n, "strain": strains, "rest": ()}
+        for objects, key, shape in [(steps, "load", n), own, *((judge, *item) for item in shapes.items())]:
             values = np.array([one[key] for one in objects], float)
             if values.shape[1:] != shape or not np.isfinite(values).all():
                 raise ValueError(f"{key!r} has the shape {values.shape[1:]} or no finite numbers, expected {shape}")
@@ -458,12 +452,9 @@ def _compare(task: Task, name: str, mine: np.ndarray, wanted: np.ndarray) -> tup
     best, text = min((abs(mine - guess).max() / largest, text) for text, guess in mistakes)
     cause = f"; it {text} (difference {best:.0e} with this)" if best <= NAMED * apart else ""
     if name == "pressure" and not cause:
-        errors = [np.sqrt((p - task.exact_pressures()) ** 2 @ mass).max() for p in (mine, wanted)]
-        if errors[0] <= LARGE_PRESSURE * errors[1]:
-            return (
-                True,
-                f"reported {name}: {errors[0] / errors[1]:.2g} times the error of what balances the displacements",
-            )
+        mine_error, error = (np.sqrt((p - task.exact_pressures()) ** 2 @ mass).max() for p in (mine, wanted))
+        if mine_error <= LARGE_PRESSURE * error:
+            return True, f"reported {name}: {mine_error / error:.2g} times the error of what balances the displacements"
     return False, f"reported {name}: differs by {apart:.2g} from what balances the displacements{cause}"
 
 
@@ -857,7 +848,9 @@ class ContactProblem:
         self.lam, self.gap = equations.lam, equations.gap
         unknown = np.setdiff1d(np.arange(n), np.add.outer(d * task.clamped, np.arange(d)))
         forces = (equations.load - equations.initial).reshape(task.count, -1)
-        K = _dense_stiffness(task)[np.ix_(unknown, unknown)]
+        units = np.eye(n)[unknown].reshape(-1, *task.vertices.shape)
+        forces_of = (task.internal(np.einsum("cij,cj->ci", task.stiffness, task.strain(one))) for one in units)
+        K = np.array([one.ravel()[unknown] for one in forces_of])
         solved = np.linalg.solve(K, np.concatenate([N[:, unknown].T, forces[:, unknown].T], axis=1))
         self.W, self.free = N[:, unknown] @ solved[:, :m], (N[:, unknown] @ solved[:, m:]).T - self.initial
         self.right = self.each()
@@ -872,22 +865,8 @@ class ContactProblem:
 
     def named(self, rows: np.ndarray) -> str:
         """Return the number of some constraints and the first of their vertices."""
-        return (
-            f"{rows.sum()} vertices ({', '.join(map(str, self.vertices[rows][:5]))}{', …' if rows.sum() > 5 else ''})"
-        )
-
-
-def _dense_stiffness(task: Task) -> np.ndarray:
-    """Return the matrix of (C ε(u), ε(v))_Q for all components of all vertices."""
-    d, gradient = task.dim, np.zeros((len(task.cells), task.dim * (task.dim + 1), task.dim, task.dim))
-    for axis in range(d):
-        gradient[:, axis::d, axis, :] = task.gradients
-    B = np.stack([_weight(i, j) * (gradient[..., i, j] + gradient[..., j, i]) / 2 for i, j in pairs(d)], 1)
-    local = np.einsum("c,cIi,cIJ,cJj->cij", task.volumes, B, task.stiffness, B, optimize=True)
-    dofs = (d * task.cells[:, :, None] + np.arange(d)).reshape(len(task.cells), -1)
-    K = np.zeros((task.vertices.size, task.vertices.size))
-    np.add.at(K, (dofs[:, :, None], dofs[:, None, :]), local)
-    return K
+        first = ", ".join(map(str, self.vertices[rows][:5]))
+        return f"{rows.sum()} vertices ({first}{', …' if rows.sum() > 5 else ''})"
 
 
 def active_set(
@@ -1000,8 +979,8 @@ def _wrong_places(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarra
 
 def orders(h: list[float], errors: list[float]) -> list[float]:
     """Return the orders between neighbouring meshes; infinite where nothing is left."""
-    pairs_of = zip(zip(h, errors, strict=True), zip(h[1:], errors[1:], strict=False), strict=False)
-    return [float(np.log(a / b) / np.log(k / m)) if min(a, b) > 0 else float("inf") for (k, a), (m, b) in pairs_of]
+    steps = zip(h, h[1:], errors, errors[1:], strict=False)
+    return [float(np.log(a / b) / np.log(k / m)) if min(a, b) > 0 else float("inf") for k, m, a, b in steps]
 
 
 def order(h: list[float], errors: list[float]) -> float:
@@ -1133,12 +1112,10 @@ def unpack(task: Task, directory: Path) -> None:
     place = Path(directory) / task.name
     place.mkdir(parents=True, exist_ok=True)
     files = {"cells": task.cells, "clamped": task.clamped, "vertices": task.vertices}
-    for i, (piece, gap) in enumerate(zip(task.data["contact"], task.gaps(), strict=True), start=1):
+    pieces = zip(task.data["contact"], task.pieces(), task.gaps(), strict=True)
+    for i, (piece, (normal, vertices, _), gap) in enumerate(pieces, start=1):
         files |= {f"contact_{i}": np.array(piece["facets"], int), f"gap_{i}": gap}
-        files |= {
-            f"constrained_{i}": np.array(piece["vertices"], int),
-            f"normal_{i}": np.array([piece["normal"]], float),
-        }
+        files |= {f"constrained_{i}": vertices, f"normal_{i}": normal[None]}
     tensors = {"stiffness": task.stiffness} | ({"A": task.A, "G": task.G} if task.marches else {})
     files |= {name: one.reshape(len(task.cells), -1) for name, one in tensors.items()}
     if task.marches:
@@ -1253,11 +1230,9 @@ def main(arguments: list[str] | None = None) -> int:
             judgements = assess(tasks, answers, {task.name: read_reports(options.answers, task) for task in tasks})
         if options.junit:
             options.junit.write_text(as_junit(judgements, options.tolerance), encoding="utf-8")
-    except TaskError as error:
-        print(f"contact_judge: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"contact_judge: cannot read or write {error.filename}: {error.strerror or error}", file=sys.stderr)
+    except (TaskError, OSError) as error:
+        unreadable = isinstance(error, OSError) and f"cannot read or write {error.filename}: {error.strerror or error}"
+        print(f"contact_judge: {unreadable or error}", file=sys.stderr)
         return 2
     print(as_json(judgements, options.tolerance) if options.json else table(judgements, options.tolerance))
     outcomes = [one.outcome(options.tolerance) for one in judgements]
