@@ -7,9 +7,6 @@ TASKS holds files *.json.xz in the format contact-task 2 or 1 (docs/reference/ta
 NAME.json.xz a file NAME/u.txt: one line for each step, with u_x u_y (u_z) of vertex after vertex, and optionally what
 the code reports about contact. From Python, ``answer`` drives a code and ``assess`` judges it
 (docs/how-to/verify-a-contact-code.md). Exit codes: 0 all series pass, 1 one fails, 2 usage or input, 3 undecided.
-
-Norms are ‖v‖_V = (A ε(v), ε(v))^½. The exact strain is known by its means ε̄ over the cells and by one number for each
-step, ∫ A (ε − ε̄)·(ε − ε̄): the error of a function with strains constant on cells depends on nothing else.
 """
 
 from __future__ import annotations
@@ -107,11 +104,14 @@ class Task:
         tensors = (np.broadcast_to(f, len(self.cells))[:, None, None] * np.array(matrix, float) for f, matrix in laws)
         self.A, self.G = tensors
         self.stiffness = self.A / data["step"] + self.G / 2 if self.marches else self.G
+        self.history = self.G / 2 - self.A / data["step"] if self.marches else 0 * self.G
         corners = self.vertices[self.cells]
         edges = np.swapaxes(corners[:, 1:] - corners[:, :1], 1, 2)
         self.volumes = np.linalg.det(edges) / (1, 1, 2, 6)[self.dim]
         inverse = np.linalg.inv(edges)
         self.gradients = np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
+        full = np.einsum("ai,ckj->ijcka", np.eye(self.dim), self.gradients)
+        self.strains = np.array([(full[i, j] + full[j, i]) / (2 if i == j else np.sqrt(2)) for i, j in pairs(self.dim)])
 
     def _check(self) -> None:
         """ValueError, which says what is wrong, unless numbers are finite and shapes fit each other."""
@@ -146,17 +146,12 @@ class Task:
 
     def strain(self, u: np.ndarray) -> np.ndarray:
         """Return ε(u) on the cells, Mandel, (cells, D), from values at the vertices (n, d)."""
-        gradient = np.einsum("cij,cik->cjk", u[self.cells], self.gradients)
-        return np.stack([_weight(i, j) * (gradient[:, i, j] + gradient[:, j, i]) / 2 for i, j in pairs(self.dim)], 1)
+        return np.einsum("Dcka,cka->cD", self.strains, u[self.cells])
 
     def internal(self, stress: np.ndarray) -> np.ndarray:
         """Return (σ, ε(φ_i e_j))_Q for stresses on the cells (cells, D), at the vertices (n, d)."""
-        full = np.zeros((len(self.cells), self.dim, self.dim))
-        for component, (i, j) in zip(stress.T, pairs(self.dim), strict=True):
-            full[:, i, j] = full[:, j, i] = component / _weight(i, j)
-        forces = np.einsum("c,cij,ckj->cki", self.volumes, full, self.gradients)
         total = np.zeros_like(self.vertices)
-        np.add.at(total, self.cells, forces)
+        np.add.at(total, self.cells, np.einsum("c,Dcka,cD->cka", self.volumes, self.strains, stress))
         return total
 
     def step(self, n: int, before: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -164,8 +159,7 @@ class Task:
         load = np.array(self.data["steps"][n]["load"], float)
         if not self.marches:
             return load, np.array(self.data["steps"][n]["initial_stress"], float)
-        history = self.G / 2 - self.A / self.data["step"]
-        return load, np.einsum("cij,cj->ci", history, self.strain(before))
+        return load, np.einsum("cij,cj->ci", self.history, self.strain(before))
 
     def start(self) -> np.ndarray:
         """Return u before the first step, (n, d); zero unless the task is a march."""
@@ -227,10 +221,6 @@ class Task:
 def pairs(dim: int) -> list[tuple[int, int]]:
     """Return the index pairs of Mandel components: 11, 22, 12 or 11, 22, 33, 23, 13, 12."""
     return [(0, 0), (1, 1), (0, 1)] if dim == 2 else [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
-
-
-def _weight(i: int, j: int) -> float:
-    return 1.0 if i == j else float(np.sqrt(2))
 
 
 def read_tasks(directory: Path) -> list[Task]:
@@ -593,11 +583,8 @@ class Equations:
         self.before = np.concatenate([self.first, u[:-1]]) if task.marches else 0 * u
         self.strain, self.strain_before = self._strains(u), self._strains(self.before)
         self.load = np.array([np.array(one["load"], float) for one in task.data["steps"]]) / task.scale
-        self.history = 0 * task.G
         if task.marches:
-            self.k = float(task.data["step"])
-            self.history = task.G / 2 - task.A / self.k
-            self.stress = _times(self.history, self.strain_before)
+            self.stress = _times(task.history, self.strain_before)
         else:
             self.stress = np.array([one["initial_stress"] for one in task.data["steps"]], float) / task.scale
         vertices, normals, _, _ = task.constraints()
@@ -631,7 +618,7 @@ class Equations:
         if stress is None:
             old = self.strain_before if before is None else self._strains(before)
             changed = self.task.marches and (H is not None or before is not None)
-            stress = _times(self.history if H is None else H, old) if changed else self.stress
+            stress = _times(self.task.history if H is None else H, old) if changed else self.stress
         return self.load - self.internal(_times(self.task.stiffness if C is None else C, strain) + stress)
 
     def left(self, forces: np.ndarray) -> np.ndarray:
@@ -695,7 +682,11 @@ class Equations:
             yield "units", "", elastic - self.initial
             yield "stiffness", "the stiffness A/k + G/2", elastic
             rate, mean = self.strain - self.strain_before, (self.strain + self.strain_before) / 2
-            yield "viscous", "the viscous stress A ε(u̇) (or 1/k)", -self.internal(_times(task.A / self.k, rate))
+            yield (
+                "viscous",
+                "the viscous stress A ε(u̇) (or 1/k)",
+                -self.internal(_times(task.A / task.data["step"], rate)),
+            )
             yield "elastic", "the elastic stress G ε(u)", -self.internal(_times(task.G, mean))
         else:
             yield "units", ", or the stiffness is too small by this factor", elastic
@@ -719,7 +710,7 @@ class Equations:
         plain = {name: np.broadcast_to(np.array(task.data["law"][name]["matrix"], float), C.shape) for name in "AG"}
         a, g = plain["A"], plain["G"]
         if task.marches:
-            k, place = self.k, "in place of the midpoint rule"
+            k, place = task.data["step"], "in place of the midpoint rule"
             yield "scheme", f"backward Euler is used {place}", {"C": A / k + G, "H": -A / k}
             yield "elastic law", "the viscous stress is missing: σ = G ε(u)", {"C": G, "H": 0 * G}
             yield "viscous law", "the elastic stress is missing: σ = A ε(u̇)", {"C": A / k, "H": -A / k}
@@ -739,7 +730,7 @@ class Equations:
             words = f"rows and columns of shear in the stiffness are multiplied by {by:.4g} (Voigt for Mandel?)"
             yield f"shear:both {i}", words, {"C": C * np.multiply.outer(w, w)}
             strain = w * _times(C, w * self.strain)
-            for k, old in enumerate((self.stress, _times(self.history, w * self.strain_before))[: 1 + task.marches]):
+            for k, old in enumerate((self.stress, _times(task.history, w * self.strain_before))[: 1 + task.marches]):
                 words = f"the shear strain is multiplied by {by:.4g} in the stiffness and the initial stress together"
                 yield f"strain:{i} {k}", words, self.load - self.internal(strain + w * old)
         for i, j in pairs(task.dim)[task.dim :]:
@@ -1024,10 +1015,7 @@ class Judgement:
 
 
 def classify(h: list[float], errors: list[Errors]) -> str:
-    """Return the class of a code from its errors, mesh by mesh; distances are those of ``Errors.share``.
-
-    The how-to says when each class is given (docs/how-to/verify-a-contact-code.md).
-    """
+    """Return the class of a code from its errors, mesh by mesh (docs/how-to/verify-a-contact-code.md)."""
     return judged(h, errors)[0]
 
 
@@ -1186,7 +1174,6 @@ def notes(one: Judgement) -> list[str]:
 
 def as_json(judgements: list[Judgement], tolerance: float = 0.0) -> str:
     """Return all numbers as JSON (docs/reference/contact-verdict.schema.json); what is no number is null."""
-
     rows = [asdict(one) | {"outcome": one.outcome(tolerance)} for one in judgements]
     return json.dumps(json.loads(json.dumps(rows), parse_constant=lambda _: None), indent=1, allow_nan=False)
 
