@@ -7,9 +7,6 @@ TASKS holds files *.json.xz in the format contact-task 2 or 1 (docs/reference/ta
 NAME.json.xz a file NAME/u.txt: one line for each step, with u_x u_y (u_z) of vertex after vertex, and optionally what
 the code reports about contact. From Python, ``answer`` drives a code and ``assess`` judges it
 (docs/how-to/verify-a-contact-code.md). Exit codes: 0 all series pass, 1 one fails, 2 usage or input, 3 undecided.
-
-Norms are ‖v‖_V = (A ε(v), ε(v))^½. The exact strain is known by its means ε̄ over the cells and by one number for each
-step, ∫ A (ε − ε̄)·(ε − ε̄): the error of a function with strains constant on cells depends on nothing else.
 """
 
 from __future__ import annotations
@@ -37,8 +34,7 @@ EXACT = 1e-5
 FALLS, LEAST_FALL = 0.5, 0.2
 """Order from which on a distance falls, or grows: half of that of the error if this is below 1, but at least 0.2."""
 PRESSURE_FALLS = 2 / 3
-"""Order from which on the error of the pressure falls, or that of the solution in K^h if it falls more slowly: .87 or
-more up to n = 32, but from one random mesh to the next down to .1. A vertex that is not held has .4 to .6."""
+"""Order from which on the error of the pressure falls, unless that of the solution in K^h falls more slowly."""
 MESHES = 3
 """Meshes without which nothing is said of an order: on two, what falls fast hides what does not fall."""
 NEGLIGIBLE, NO_CONTACT = 0.01, 0.9
@@ -52,6 +48,11 @@ NECESSARY, LARGE_PRESSURE = 0.15, 3
 AGREES, NAMED, HINTED = 1e-6, 1e-3, 0.05
 """Relative difference up to which what a code reports agrees with its displacements: six digits in a text file; part of
 the residual that a cause may leave to be most likely, and to be a hint."""
+CERTAIN, LARGE_ON_CLAMP, FAR, SINGULAR = 1e-8, 0.3, 100, 1e6
+"""Residual up to which a cause is certain. Over the largest displacement of the exact solution: u on Γ1 of order 1,
+displacements that are wrong on every mesh, displacements that only a singular matrix gives."""
+METHODS, FITTED = ("springs", "facets"), ("units", "scaled", "offset", "tilt", "rigid")
+"""Causes that may be consistent methods; causes with a number fitted to the answer, which may tend to the right one."""
 EQUATIONS_HOLD, CONTACT_HOLDS = 1e-6, 1e-10
 """Forces over the load where none may be, and differences of contact forces over the largest, that need no cause."""
 ROUGH, LARGEST_SOLVE = 1.0, 1500
@@ -103,11 +104,14 @@ class Task:
         tensors = (np.broadcast_to(f, len(self.cells))[:, None, None] * np.array(matrix, float) for f, matrix in laws)
         self.A, self.G = tensors
         self.stiffness = self.A / data["step"] + self.G / 2 if self.marches else self.G
+        self.history = self.G / 2 - self.A / data["step"] if self.marches else 0 * self.G
         corners = self.vertices[self.cells]
         edges = np.swapaxes(corners[:, 1:] - corners[:, :1], 1, 2)
         self.volumes = np.linalg.det(edges) / (1, 1, 2, 6)[self.dim]
         inverse = np.linalg.inv(edges)
         self.gradients = np.concatenate([-inverse.sum(axis=1, keepdims=True), inverse], axis=1)
+        full = np.einsum("ai,ckj->ijcka", np.eye(self.dim), self.gradients)
+        self.strains = np.array([(full[i, j] + full[j, i]) / (2 if i == j else np.sqrt(2)) for i, j in pairs(self.dim)])
 
     def _check(self) -> None:
         """ValueError, which says what is wrong, unless numbers are finite and shapes fit each other."""
@@ -118,13 +122,8 @@ class Task:
         if not self.count or len(judge) != self.count or not self.scale > 0:
             raise ValueError(f"{self.count} steps, {len(judge)} objects to judge them by, and the scale {self.scale}")
         own = ([self.data], "start", n) if self.marches else (steps, "initial_stress", strains)
-        of_judge = [
-            (judge, "displacement", n),
-            (judge, "reference", n),
-            (judge, "strain", strains),
-            (judge, "rest", ()),
-        ]
-        for objects, key, shape in [(steps, "load", n), own, *of_judge]:
+        shapes = {"displacement": n, "reference": n, "strain": strains, "rest": ()}
+        for objects, key, shape in [(steps, "load", n), own, *((judge, *item) for item in shapes.items())]:
             values = np.array([one[key] for one in objects], float)
             if values.shape[1:] != shape or not np.isfinite(values).all():
                 raise ValueError(f"{key!r} has the shape {values.shape[1:]} or no finite numbers, expected {shape}")
@@ -147,17 +146,12 @@ class Task:
 
     def strain(self, u: np.ndarray) -> np.ndarray:
         """Return ε(u) on the cells, Mandel, (cells, D), from values at the vertices (n, d)."""
-        gradient = np.einsum("cij,cik->cjk", u[self.cells], self.gradients)
-        return np.stack([_weight(i, j) * (gradient[:, i, j] + gradient[:, j, i]) / 2 for i, j in pairs(self.dim)], 1)
+        return np.einsum("Dcka,cka->cD", self.strains, u[self.cells])
 
     def internal(self, stress: np.ndarray) -> np.ndarray:
         """Return (σ, ε(φ_i e_j))_Q for stresses on the cells (cells, D), at the vertices (n, d)."""
-        full = np.zeros((len(self.cells), self.dim, self.dim))
-        for component, (i, j) in zip(stress.T, pairs(self.dim), strict=True):
-            full[:, i, j] = full[:, j, i] = component / _weight(i, j)
-        forces = np.einsum("c,cij,ckj->cki", self.volumes, full, self.gradients)
         total = np.zeros_like(self.vertices)
-        np.add.at(total, self.cells, forces)
+        np.add.at(total, self.cells, np.einsum("c,Dcka,cD->cka", self.volumes, self.strains, stress))
         return total
 
     def step(self, n: int, before: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -165,8 +159,7 @@ class Task:
         load = np.array(self.data["steps"][n]["load"], float)
         if not self.marches:
             return load, np.array(self.data["steps"][n]["initial_stress"], float)
-        history = self.G / 2 - self.A / self.data["step"]
-        return load, np.einsum("cij,cj->ci", history, self.strain(before))
+        return load, np.einsum("cij,cj->ci", self.history, self.strain(before))
 
     def start(self) -> np.ndarray:
         """Return u before the first step, (n, d); zero unless the task is a march."""
@@ -228,10 +221,6 @@ class Task:
 def pairs(dim: int) -> list[tuple[int, int]]:
     """Return the index pairs of Mandel components: 11, 22, 12 or 11, 22, 33, 23, 13, 12."""
     return [(0, 0), (1, 1), (0, 1)] if dim == 2 else [(0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)]
-
-
-def _weight(i: int, j: int) -> float:
-    return 1.0 if i == j else float(np.sqrt(2))
 
 
 def read_tasks(directory: Path) -> list[Task]:
@@ -453,23 +442,21 @@ def _compare(task: Task, name: str, mine: np.ndarray, wanted: np.ndarray) -> tup
     best, text = min((abs(mine - guess).max() / largest, text) for text, guess in mistakes)
     cause = f"; it {text} (difference {best:.0e} with this)" if best <= NAMED * apart else ""
     if name == "pressure" and not cause:
-        errors = [np.sqrt((p - task.exact_pressures()) ** 2 @ mass).max() for p in (mine, wanted)]
-        if errors[0] <= LARGE_PRESSURE * errors[1]:
-            return (
-                True,
-                f"reported {name}: {errors[0] / errors[1]:.2g} times the error of what balances the displacements",
-            )
+        mine_error, error = (np.sqrt((p - task.exact_pressures()) ** 2 @ mass).max() for p in (mine, wanted))
+        if mine_error <= LARGE_PRESSURE * error:
+            return True, f"reported {name}: {mine_error / error:.2g} times the error of what balances the displacements"
     return False, f"reported {name}: differs by {apart:.2g} from what balances the displacements{cause}"
 
 
 @dataclass(frozen=True)
 class Cause:
-    """A cause that was tried: residuals with it and without it, relative. Keys ``group:variant`` name equal causes."""
+    """A cause that was tried: residuals with and without it over ``of``. Keys ``group:variant`` name equal causes."""
 
     key: str
     sentence: str
     residual: float
     without: float
+    of: str = "the load"
 
     @property
     def rank(self) -> float:
@@ -477,8 +464,23 @@ class Cause:
         return self.residual / self.without if self.residual < np.inf and self.without > 0 else np.inf
 
 
-def diagnose(tasks: list[Task], answers: list[np.ndarray]) -> str:
-    """Return the most likely cause of a difference from the solutions in K^h as a sentence; "" if there is none.
+@dataclass(frozen=True)
+class Diagnosis:
+    """Why an answer differs: a sentence, its most likely causes (group ↦ words), and whether they are certain."""
+
+    sentence: str
+    causes: dict[str, str] = field(default_factory=dict)
+    certain: bool = False
+
+    def is_fault(self, share: float) -> bool:
+        """Return whether the causes are certain and no consistent method, for a distance ``share`` of the error."""
+        fitted = any(key.startswith(FITTED) or ODD in words for key, words in self.causes.items())
+        method = any(key.startswith(METHODS) for key in self.causes)
+        return self.certain and not method and (share > NEGLIGIBLE or not fitted)
+
+
+def diagnose(tasks: list[Task], answers: list[np.ndarray]) -> Diagnosis:
+    """Return the most likely cause of a difference from the solutions in K^h.
 
     The first two tasks whose answers differ are used. Causes are tried one by one, in the equations inside the body or,
     if these hold, in the contact algorithm. A cause is named if it leaves at most ``NAMED`` of the residual on both
@@ -488,11 +490,13 @@ def diagnose(tasks: list[Task], answers: list[np.ndarray]) -> str:
     for one, values in zip(tasks, answers, strict=True):
         if not np.isfinite(values).all():
             step = int(np.argmin(np.isfinite(values).all(axis=(1, 2))))
-            return f"The answer to {one.name} is not a number in step {step + 1}: the solver failed there"
+            words = "the matrix is probably singular: the body is not held, or one constraint is imposed twice"
+            words += " (for example by wrong normals at a corner)"
+            return Diagnosis(f"The answer to {one.name} is not a number in step {step + 1}; {words}", {"nan": words})
     exact, u = task.references(), u / task.scale
-    if moved := _rigid_motion(task, u, exact):
-        return moved
     equations = Equations(task, u)
+    if on_clamp := _not_held(equations, exact):
+        return on_clamp
     causes = {cause.key: cause for cause in equations.tried()}
     if len(tasks) > 1:
         again = {cause.key: cause for cause in Equations(tasks[1], answers[1] / tasks[1].scale).tried()}
@@ -502,44 +506,68 @@ def diagnose(tasks: list[Task], answers: list[np.ndarray]) -> str:
         return named
     size = equations.size(equations.total)
     where = f"forces of {size:.2g} of the load are left" if size > EQUATIONS_HOLD else "the contact algorithm differs"
-    return _solver_tolerance(equations, exact) or f"No single cause that was tried explains it: {where}"
+    return Diagnosis(_solver_tolerance(equations, exact) or f"No single cause that was tried explains it: {where}")
 
 
-def _name(causes: list[Cause]) -> str:
-    """Return the sentence that names the best of some causes, and those that are as good."""
+def _name(causes: list[Cause]) -> Diagnosis | None:
+    """Return the best of some causes, and those that are as good; None if none explains the answer."""
     first = min(causes, key=lambda cause: cause.rank, default=None)
-    if not first or first.rank > HINTED:
-        return ""
+    if not first or max(first.rank, first.residual) > HINTED:
+        return None
     equal = [one for one in causes if one.residual <= max(10 * first.residual, 1e-9) and one.rank <= HINTED]
     equal = [one for one in equal if ODD not in one.sentence] or equal
     groups = {one.key.partition(":")[0]: one.sentence for one in reversed(equal)}
-    names, certain = list(reversed(groups.values()))[:3], first.rank <= NAMED
-    numbers = f"(residual {first.residual:.0e} with it, {first.without:.2g} without)"
-    if len(names) > 1:
-        head = "Equally likely, another case tells them apart" if certain else "Perhaps one of these"
-        return f"{head}: {'; or '.join(names)} {numbers}"
-    return f"{'Most likely' if certain else 'Perhaps'}: {names[0]} {numbers}"
+    groups, likely = dict(list(reversed(groups.items()))[:3]), first.rank <= NAMED
+    head = "Most likely" if likely else "Perhaps"
+    if len(groups) > 1:
+        head = "Equally likely, another case tells them apart" if likely else "Perhaps one of these"
+    numbers = f"up to {first.residual:.0e} of {first.of}; the right equations, up to {first.without:.2g}"
+    sentence = f"{head}: {'; or '.join(groups.values())} (equations with this fault reproduce the answer {numbers})"
+    return Diagnosis(sentence, groups if likely else {}, likely and first.residual <= CERTAIN)
 
 
-def _rigid_motion(task: Task, u: np.ndarray, exact: np.ndarray) -> str:
-    """Return the cause where u on Γ1 is not zero: a rigid motion of the body, or vertices that are not held."""
+def _not_held(equations: Equations, exact: np.ndarray) -> Diagnosis | None:
+    """Return the cause where u on Γ1 is not zero: a rigid motion, or components or vertices that are not held."""
+    task, u, largest = equations.task, equations.u, abs(exact).max()
+    on_clamp, size = abs(u[:, task.clamped]).max(axis=0) / largest, abs(u).max() / largest
+    wrong = on_clamp > AGREES
+    if not wrong.any():
+        return None
+    if moved := _name([_rigid_motion(task, u, exact)]):
+        return moved
+    free = equations.left(equations.full)
+    free[:, task.clamped] = wrong * equations.full[:, task.clamped]
+    certain = size > SINGULAR or equations.size(free) <= CERTAIN
+    vertices, components = wrong.any(axis=1), wrong.any(axis=0)
+    zero, moved = (" and ".join(str(k + 1) for k in np.flatnonzero(c)) for c in (~components, components))
+    count, first = vertices.sum(), task.clamped[vertices][0]
+    at = f"at all {count} vertices" if vertices.all() else f"at {count} of {len(vertices)} vertices (first {first})"
+    what = f"component {moved}" if zero else "u"
+    where = f"component {zero} is zero and {what} is not," if zero else "u is not zero"
+    held = "not held" if certain or on_clamp.max() > NEGLIGIBLE else "not held exactly (a penalty?)"
+    words = f"{what} is {held}{'' if vertices.all() else ' at some vertices'}"
+    sentence = f"On Γ1 {where} {at} of n = {task.data['level']}: {words}"
+    of = "the largest displacement of the exact solution"
+    if size > SINGULAR:
+        sentence += f". The matrix is singular or nearly so, displacements are up to {size:.0e} times {of}"
+    else:
+        sentence += f"; u on Γ1 is up to {on_clamp.max():.2g} of {of}"
+    return Diagnosis(sentence, {f"clamp {what} {vertices.all()}": f"on Γ1 {words}"} if certain else {}, certain)
+
+
+def _rigid_motion(task: Task, u: np.ndarray, exact: np.ndarray) -> Cause:
+    """Return the cause that the body is moved by the rigid motion that fits u on Γ1 best."""
     largest = abs(exact).max()
-    on_clamp = abs(u[:, task.clamped]).max(axis=(0, 2)) / largest
-    if on_clamp.max() <= AGREES:
-        return ""
     axes, x = np.eye(task.dim), task.vertices
     turns = [(x[:, i : i + 1] * axes[j] - x[:, j : j + 1] * axes[i]) for i, j in pairs(task.dim)[task.dim :]]
     modes = [np.tile(axis, (len(x), 1)) for axis in axes] + turns
     columns = np.array([mode[task.clamped].ravel() for mode in modes]).T
     fits = np.linalg.lstsq(columns, u[:, task.clamped].reshape(len(u), -1).T, rcond=None)[0].T
-    motion = np.tensordot(fits, modes, 1)
-    apart, without = (abs(v - exact).max() / largest for v in (u - motion, u))
+    apart, without = (abs(v - exact).max() / largest for v in (u - np.tensordot(fits, modes, 1), u))
     fit = max(fits, key=lambda one: abs(one).max())
     by = f"by ({', '.join(f'{x:.3g}' for x in fit[: task.dim])}), turned by {abs(fit[task.dim :]).max().round(12):.2g}"
-    named = _name([Cause("rigid", f"the body is moved rigidly {by}", apart, without)])
-    free = task.clamped[on_clamp > AGREES]
-    held = f"u is up to {on_clamp.max():.2g} of the largest displacement on Γ1, where it must be 0"
-    return f"{named}; {held}" if named else f"{held} ({len(free)} vertices, first {free[0]})"
+    of = "the largest displacement of the exact solution"
+    return Cause("rigid", f"the body is moved rigidly {by}", apart, without, of)
 
 
 class Equations:
@@ -555,11 +583,8 @@ class Equations:
         self.before = np.concatenate([self.first, u[:-1]]) if task.marches else 0 * u
         self.strain, self.strain_before = self._strains(u), self._strains(self.before)
         self.load = np.array([np.array(one["load"], float) for one in task.data["steps"]]) / task.scale
-        self.history = 0 * task.G
         if task.marches:
-            self.k = float(task.data["step"])
-            self.history = task.G / 2 - task.A / self.k
-            self.stress = _times(self.history, self.strain_before)
+            self.stress = _times(task.history, self.strain_before)
         else:
             self.stress = np.array([one["initial_stress"] for one in task.data["steps"]], float) / task.scale
         vertices, normals, _, _ = task.constraints()
@@ -593,7 +618,7 @@ class Equations:
         if stress is None:
             old = self.strain_before if before is None else self._strains(before)
             changed = self.task.marches and (H is not None or before is not None)
-            stress = _times(self.history if H is None else H, old) if changed else self.stress
+            stress = _times(self.task.history if H is None else H, old) if changed else self.stress
         return self.load - self.internal(_times(self.task.stiffness if C is None else C, strain) + stress)
 
     def left(self, forces: np.ndarray) -> np.ndarray:
@@ -657,7 +682,11 @@ class Equations:
             yield "units", "", elastic - self.initial
             yield "stiffness", "the stiffness A/k + G/2", elastic
             rate, mean = self.strain - self.strain_before, (self.strain + self.strain_before) / 2
-            yield "viscous", "the viscous stress A ε(u̇) (or 1/k)", -self.internal(_times(task.A / self.k, rate))
+            yield (
+                "viscous",
+                "the viscous stress A ε(u̇) (or 1/k)",
+                -self.internal(_times(task.A / task.data["step"], rate)),
+            )
             yield "elastic", "the elastic stress G ε(u)", -self.internal(_times(task.G, mean))
         else:
             yield "units", ", or the stiffness is too small by this factor", elastic
@@ -674,14 +703,14 @@ class Equations:
             group = f"shear:{i}{j}" if i == j >= task.dim else f"entry {i}{j}"
             yield group, voigt if i == j >= task.dim else words, -self.internal(_times(entry, self.strain))
 
-    def _other_laws(self) -> Iterator[tuple[str, str, dict]]:
+    def _other_laws(self) -> Iterator[tuple[str, str, Any]]:
         """Yield other stiffnesses C, factors H of the old strain, and exchanged axes."""
         task = self.task
         A, G, C, D = task.A, task.G, task.stiffness, task.G.shape[1]
         plain = {name: np.broadcast_to(np.array(task.data["law"][name]["matrix"], float), C.shape) for name in "AG"}
         a, g = plain["A"], plain["G"]
         if task.marches:
-            k, place = self.k, "in place of the midpoint rule"
+            k, place = task.data["step"], "in place of the midpoint rule"
             yield "scheme", f"backward Euler is used {place}", {"C": A / k + G, "H": -A / k}
             yield "elastic law", "the viscous stress is missing: σ = G ε(u)", {"C": G, "H": 0 * G}
             yield "viscous law", "the elastic stress is missing: σ = A ε(u̇)", {"C": A / k, "H": -A / k}
@@ -700,6 +729,10 @@ class Equations:
             w = np.where(np.arange(D) < task.dim, 1.0, by)
             words = f"rows and columns of shear in the stiffness are multiplied by {by:.4g} (Voigt for Mandel?)"
             yield f"shear:both {i}", words, {"C": C * np.multiply.outer(w, w)}
+            strain = w * _times(C, w * self.strain)
+            for k, old in enumerate((self.stress, _times(task.history, w * self.strain_before))[: 1 + task.marches]):
+                words = f"the shear strain is multiplied by {by:.4g} in the stiffness and the initial stress together"
+                yield f"strain:{i} {k}", words, self.load - self.internal(strain + w * old)
         for i, j in pairs(task.dim)[task.dim :]:
             new, of = {i: j, j: i}, {frozenset(pair): k for k, pair in enumerate(pairs(task.dim))}
             order = [of[frozenset((new.get(a, a), new.get(b, b)))] for a, b in pairs(task.dim)]
@@ -806,7 +839,9 @@ class ContactProblem:
         self.lam, self.gap = equations.lam, equations.gap
         unknown = np.setdiff1d(np.arange(n), np.add.outer(d * task.clamped, np.arange(d)))
         forces = (equations.load - equations.initial).reshape(task.count, -1)
-        K = _dense_stiffness(task)[np.ix_(unknown, unknown)]
+        units = np.eye(n)[unknown].reshape(-1, *task.vertices.shape)
+        forces_of = (task.internal(np.einsum("cij,cj->ci", task.stiffness, task.strain(one))) for one in units)
+        K = np.array([one.ravel()[unknown] for one in forces_of])
         solved = np.linalg.solve(K, np.concatenate([N[:, unknown].T, forces[:, unknown].T], axis=1))
         self.W, self.free = N[:, unknown] @ solved[:, :m], (N[:, unknown] @ solved[:, m:]).T - self.initial
         self.right = self.each()
@@ -821,22 +856,8 @@ class ContactProblem:
 
     def named(self, rows: np.ndarray) -> str:
         """Return the number of some constraints and the first of their vertices."""
-        return (
-            f"{rows.sum()} vertices ({', '.join(map(str, self.vertices[rows][:5]))}{', …' if rows.sum() > 5 else ''})"
-        )
-
-
-def _dense_stiffness(task: Task) -> np.ndarray:
-    """Return the matrix of (C ε(u), ε(v))_Q for all components of all vertices."""
-    d, gradient = task.dim, np.zeros((len(task.cells), task.dim * (task.dim + 1), task.dim, task.dim))
-    for axis in range(d):
-        gradient[:, axis::d, axis, :] = task.gradients
-    B = np.stack([_weight(i, j) * (gradient[..., i, j] + gradient[..., j, i]) / 2 for i, j in pairs(d)], 1)
-    local = np.einsum("c,cIi,cIJ,cJj->cij", task.volumes, B, task.stiffness, B, optimize=True)
-    dofs = (d * task.cells[:, :, None] + np.arange(d)).reshape(len(task.cells), -1)
-    K = np.zeros((task.vertices.size, task.vertices.size))
-    np.add.at(K, (dofs[:, :, None], dofs[:, None, :]), local)
-    return K
+        first = ", ".join(map(str, self.vertices[rows][:5]))
+        return f"{rows.sum()} vertices ({first}{', …' if rows.sum() > 5 else ''})"
 
 
 def active_set(
@@ -864,7 +885,8 @@ def contact_causes(equations: Equations) -> Iterator[Cause]:
     without = abs(problem.lam - problem.right).max() / problem.largest
     for guesses in (_wrong_laws, _wrong_sets, _wrong_places) if without > CONTACT_HOLDS else ():
         for key, sentence, lam in guesses(problem):
-            yield Cause(key, sentence, float(abs(problem.lam - lam).max() / problem.largest), float(without))
+            residual = float(abs(problem.lam - lam).max() / problem.largest)
+            yield Cause(key, sentence, residual, float(without), "the largest contact force")
 
 
 def _wrong_laws(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarray]]:
@@ -948,8 +970,8 @@ def _wrong_places(problem: ContactProblem) -> Iterator[tuple[str, str, np.ndarra
 
 def orders(h: list[float], errors: list[float]) -> list[float]:
     """Return the orders between neighbouring meshes; infinite where nothing is left."""
-    pairs_of = zip(zip(h, errors, strict=True), zip(h[1:], errors[1:], strict=False), strict=False)
-    return [float(np.log(a / b) / np.log(k / m)) if min(a, b) > 0 else float("inf") for (k, a), (m, b) in pairs_of]
+    steps = zip(h, h[1:], errors, errors[1:], strict=False)
+    return [float(np.log(a / b) / np.log(k / m)) if min(a, b) > 0 else float("inf") for k, m, a, b in steps]
 
 
 def order(h: list[float], errors: list[float]) -> float:
@@ -961,9 +983,10 @@ def order(h: list[float], errors: list[float]) -> float:
 class Judgement:
     """A code on one case, mesh by mesh; orders between the last two meshes, ``order_of_best`` that of K^h.
 
-    ``why`` has the numbers behind the verdict, ``cause`` the most likely reason of a difference or "". ``tested`` says
-    how many constraints are in contact at some step on the last mesh, are free at some step, and exist. ``invariance``
-    is the largest distance between answers under two load scales over the discretisation error, nan with one scale.
+    ``why`` has the reason of the verdict, ``cause`` the most likely reason of a difference or "", ``causes`` its parts.
+    ``tested`` says how many constraints of the exact solution are in contact at some step on the last mesh, are free at
+    some step, and exist. ``invariance`` is the largest distance between answers under two load scales over the
+    discretisation error, nan with one scale.
     """
 
     case: str
@@ -981,6 +1004,7 @@ class Judgement:
     invariance: float
     cause: str = ""
     reports: list[Report] = field(default_factory=list)
+    causes: dict[str, str] = field(default_factory=dict)
 
     def outcome(self, tolerance: float = 0.0) -> str:
         """Return holds (class of ``GOOD``, or distance of at most ``tolerance`` on all meshes), fails or undecided."""
@@ -991,14 +1015,7 @@ class Judgement:
 
 
 def classify(h: list[float], errors: list[Errors]) -> str:
-    """Return the class of a code from its errors, mesh by mesh; distances are those of ``Errors.share``.
-
-    *exact for P1*: the distance is at most ``EXACT`` of the discretisation error. *consistent*: on ``MESHES`` meshes or
-    more, it falls between the last two with half the order of the error, at most ``FALLS``, and the error of the
-    pressure with ``PRESSURE_FALLS``, or as that of K^h up to ``NECESSARY``. *wrong*: no numbers; a body that is not
-    held on Γ1; or, from two meshes on, a distance that grows and is more than ``NEGLIGIBLE``, a pressure no better than
-    none, or other equations. *stagnates*: anything else; *undecided* if there are fewer meshes.
-    """
+    """Return the class of a code from its errors, mesh by mesh (docs/how-to/verify-a-contact-code.md)."""
     return judged(h, errors)[0]
 
 
@@ -1006,11 +1023,15 @@ def judged(h: list[float], errors: list[Errors]) -> tuple[str, str]:
     """Return the class, and the numbers that decided."""
     shares, last = [one.share for one in errors], errors[-1]
     if not np.isfinite(shares).all():
-        return "wrong", "no numbers"
+        return "wrong", "the answer is not a number everywhere"
     if max(shares) <= EXACT and max(one.from_best for one in errors) <= 10 * EXACT:
         return EXACT_CLASS, f"{max(shares):.0e} of the error"
-    if shares[-1] > NEGLIGIBLE and last.on_clamp > AGREES and not order(h, [one.on_clamp for one in errors]) >= FALLS:
-        return "wrong", f"u on Γ1 is {last.on_clamp:.1e} of the largest displacement, where it must be 0"
+    falls = order(h, [one.on_clamp for one in errors]) >= FALLS and last.on_clamp < LARGE_ON_CLAMP
+    if shares[-1] > NEGLIGIBLE and last.on_clamp > AGREES and not falls:
+        at = f"{last.on_clamp:.1e} of the largest displacement of the exact solution"
+        return "wrong", f"u on Γ1 must be 0, on the finest mesh it is up to {at}"
+    if last.from_best > FAR:
+        return "wrong", f"displacements are wrong by up to {last.from_best:.0e} times the largest of the exact solution"
     if len(h) < 2:
         return "undecided", f"one mesh, not exact: {shares[-1]:.1e} of the error"
     fall = orders(h, [one.share * one.best for one in errors])
@@ -1022,9 +1043,9 @@ def judged(h: list[float], errors: list[Errors]) -> tuple[str, str]:
         return "wrong", f"other equations, forces of {last.tangential:.2g} of the load where none may be"
     pressure, of_best = (order(h, [getattr(one, name) for one in errors]) for name in ("pressure", "best_pressure"))
     needed = min(FALLS, max(order(h, [one.best for one in errors]) / 2, LEAST_FALL))
-    told = f"order {', '.join(f'{one:.1f}' for one in fall)}"
+    told = f"order of the distance {', '.join(f'{round(one, 1) + 0.0:.1f}' for one in fall)}"
     if len(h) < MESHES:
-        return "undecided", f"{told} from {len(h)} meshes; {MESHES} are needed"
+        return "undecided", f"{told} from {len(h)} meshes; {MESHES} meshes are needed"
     if fall[-1] < needed:
         return "stagnates", f"at {shares[-1]:.1e} of the error, {told}"
     if pressure < min(PRESSURE_FALLS, of_best - NECESSARY):
@@ -1061,14 +1082,17 @@ def _judgement(key: tuple, levels: dict, answers: dict, reports: dict) -> Judgem
     last = [order(h, [getattr(one, name) for one in errors]) for name in ("error", "best", "distance", "pressure")]
     verdict, why = judged(h, errors)
     differing = [task for task, one in zip(first, errors, strict=True) if not one.share <= EXACT]
-    cause = diagnose(differing, [np.asarray(answers[task.name], float) for task in differing]) if differing else ""
-    told = [
-        report
-        for n in numbers
-        for task in levels[n]
-        for report in judge_reports(task, np.asarray(answers[task.name], float), reports.get(task.name, {}))
-    ]
-    return Judgement(*key, numbers, errors, verdict, why, tested(first[-1]), *last, invariance, cause, told)
+    values = [np.asarray(answers[task.name], float) for task in differing]
+    cause = diagnose(differing, values) if differing else Diagnosis("")
+    clamp = any(key.startswith("clamp") for key in cause.causes)
+    if cause.is_fault(errors[-1].share) and (verdict == "undecided" or clamp):
+        verdict = "wrong"
+    if cause.certain and verdict == "wrong":
+        why = "; or ".join(cause.causes.values())
+    every = [(task, np.asarray(answers[task.name], float)) for n in numbers for task in levels[n]]
+    told = [report for task, u in every for report in judge_reports(task, u, reports.get(task.name, {}))]
+    own = tested(first[-1]), *last, invariance, cause.sentence, told, cause.causes
+    return Judgement(*key, numbers, errors, verdict, why, *own)
 
 
 def unpack(task: Task, directory: Path) -> None:
@@ -1076,12 +1100,10 @@ def unpack(task: Task, directory: Path) -> None:
     place = Path(directory) / task.name
     place.mkdir(parents=True, exist_ok=True)
     files = {"cells": task.cells, "clamped": task.clamped, "vertices": task.vertices}
-    for i, (piece, gap) in enumerate(zip(task.data["contact"], task.gaps(), strict=True), start=1):
+    pieces = zip(task.data["contact"], task.pieces(), task.gaps(), strict=True)
+    for i, (piece, (normal, vertices, _), gap) in enumerate(pieces, start=1):
         files |= {f"contact_{i}": np.array(piece["facets"], int), f"gap_{i}": gap}
-        files |= {
-            f"constrained_{i}": np.array(piece["vertices"], int),
-            f"normal_{i}": np.array([piece["normal"]], float),
-        }
+        files |= {f"constrained_{i}": vertices, f"normal_{i}": normal[None]}
     tensors = {"stiffness": task.stiffness} | ({"A": task.A, "G": task.G} if task.marches else {})
     files |= {name: one.reshape(len(task.cells), -1) for name, one in tensors.items()}
     if task.marches:
@@ -1096,28 +1118,46 @@ def unpack(task: Task, directory: Path) -> None:
 def table(judgements: list[Judgement], tolerance: float = 0.0) -> str:
     """Return what the judgements say, in lines; numbers are those of the last mesh."""
     head = f"{'case':<22}{'meshes':<13}{'mode':<7}{'n':<9}{'V order':>8}{'distance':>10}{'pressure':>10}{'of K^h':>8}"
-    lines = [f"{head}{'pressed':>9}{'free':>8}  class"]
+    lines = [f"{head}{'exact pressed':>15}{'exact free':>12}  class"]
     for one in judgements:
         last, (pressed, free, count) = one.errors[-1], one.tested
         numbers = f"{one.order_in_v:8.2f}{last.share:10.1e}{last.pressure:10.3f}{last.best_pressure:8.3f}"
         levels = " ".join(map(str, one.levels))
-        reached = f"{f'{pressed}/{count}':>9}{f'{free}/{count}':>8}"
+        reached = f"{f'{pressed}/{count}':>15}{f'{free}/{count}':>12}"
         what = f"{one.verdict} ({one.why})"
         if one.verdict not in GOOD and one.outcome(tolerance) == "holds":
             what += f", passes: at most {tolerance:g} of the error"
         lines += [f"{one.case:<22}{one.family:<13}{one.mode:<7}{levels:<9}{numbers}{reached}  {what}"]
         lines += [f"    {note}" for note in notes(one)]
-    return "\n".join(lines)
+    return "\n".join([*lines, *summary(judgements)])
+
+
+def summary(judgements: list[Judgement]) -> list[str]:
+    """Return a line that names the cause that explains most cases; none for one case, or without such a cause."""
+    keys = [key for one in judgements for key in one.causes]
+    if len(judgements) < 2 or not keys:
+        return []
+    best = max(keys, key=keys.count)
+    words = next(one.causes[best] for one in judgements if best in one.causes)
+    exact = dict.fromkeys(one.case for one in judgements if one.verdict == EXACT_CLASS)
+    other = dict.fromkeys(one.case for one in judgements if one.verdict != EXACT_CLASS and best not in one.causes)
+    line = f"{keys.count(best)} of {len(judgements)} cases: {words}"
+    line += f"; {', '.join(exact)} cannot show it" if exact else ""
+    return [line + (f"; it does not explain {', '.join(other)}" if other else "")]
 
 
 def notes(one: Judgement) -> list[str]:
     """Return what the class does not say: the most likely cause first."""
     last, unknown = one.errors[-1], one.verdict == CONSISTENT and one.cause.startswith("No single cause")
-    lines = [one.cause] if one.cause and not unknown else []
+    lines = [one.cause.removeprefix(f"Most likely: {one.why} ")] if one.cause and not unknown else []
     if not np.isnan(one.invariance):
         lines.append(f"load scales differ by {one.invariance:.1e} of the error")
+    told = [report.sentence for report in one.reports]
+    if one.verdict == "wrong" and one.why == "; or ".join(one.causes.values()):
+        return lines + list(dict.fromkeys(told))
     if abs(one.order_in_v - one.order_of_best) > NECESSARY:
-        lines.append("the order in V is not that of the solution in K^h, which is necessary")
+        both = f"{one.order_in_v:.2f}, of the solution in K^h {one.order_of_best:.2f}"
+        lines.append(f"the observed order of the error in V is {both}: a right code has the same order")
     if last.idle:
         named = ", ".join(map(str, last.idle[:5])) + (", …" if len(last.idle) > 5 else "")
         lines.append(f"vertices that are pressed and carry next to nothing: {len(last.idle)} ({named})")
@@ -1128,22 +1168,14 @@ def notes(one: Judgement) -> list[str]:
         why = "terms inside the body (Nitsche), contact at deformed places (smaller loads?), or other equations"
         lines.append(f"forces of {last.tangential:.1e} of the load where none may be: {why}")
     if one.verdict not in GOOD and NEGLIGIBLE < last.penetration < np.inf:
-        lines.append(f"the body enters the foundation by {last.penetration:.2g} of the largest displacement")
-    return lines + list(dict.fromkeys(report.sentence for report in one.reports))
+        lines.append(f"the body enters the foundation by {last.penetration:.2g} of the answer's largest displacement")
+    return lines + list(dict.fromkeys(told))
 
 
 def as_json(judgements: list[Judgement], tolerance: float = 0.0) -> str:
     """Return all numbers as JSON (docs/reference/contact-verdict.schema.json); what is no number is null."""
-
-    def valid(value: Any) -> Any:
-        if isinstance(value, dict):
-            return {key: valid(one) for key, one in value.items()}
-        if isinstance(value, list | tuple):
-            return [valid(one) for one in value]
-        return None if isinstance(value, float) and not math.isfinite(value) else value
-
-    rows = [valid(asdict(one)) | {"outcome": one.outcome(tolerance)} for one in judgements]
-    return json.dumps(rows, indent=1, allow_nan=False)
+    rows = [asdict(one) | {"outcome": one.outcome(tolerance)} for one in judgements]
+    return json.dumps(json.loads(json.dumps(rows), parse_constant=lambda _: None), indent=1, allow_nan=False)
 
 
 def as_junit(judgements: list[Judgement], tolerance: float = 0.0) -> str:
@@ -1185,11 +1217,9 @@ def main(arguments: list[str] | None = None) -> int:
             judgements = assess(tasks, answers, {task.name: read_reports(options.answers, task) for task in tasks})
         if options.junit:
             options.junit.write_text(as_junit(judgements, options.tolerance), encoding="utf-8")
-    except TaskError as error:
-        print(f"contact_judge: {error}", file=sys.stderr)
-        return 2
-    except OSError as error:
-        print(f"contact_judge: cannot read or write {error.filename}: {error.strerror or error}", file=sys.stderr)
+    except (TaskError, OSError) as error:
+        unreadable = isinstance(error, OSError) and f"cannot read or write {error.filename}: {error.strerror or error}"
+        print(f"contact_judge: {unreadable or error}", file=sys.stderr)
         return 2
     print(as_json(judgements, options.tolerance) if options.json else table(judgements, options.tolerance))
     outcomes = [one.outcome(options.tolerance) for one in judgements]

@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 import scipy.sparse as sps
 import this_study
-from contact_judge import Task, active_set, answer, errors_in_v, read_tasks
+from contact_judge import SINGULAR, Task, active_set, answer, errors_in_v, read_tasks
 from scipy.sparse.linalg import splu, spsolve
 
 CASES = (
@@ -112,6 +112,25 @@ def tied(task: Task):
     def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
         u, b = np.zeros(task.vertices.size), (load - task.internal(stress)).ravel()[free]
         u[free] = spsolve(S, np.append(b, np.zeros(len(N.indptr) - 1)))[: len(free)]
+        return u.reshape(-1, task.dim)
+
+    return step
+
+
+def first_component_held(task: Task):
+    """Hold only the first component on Γ1, with the right contact; without contact the matrix may be singular."""
+    free = np.setdiff1d(np.arange(task.vertices.size), task.dim * task.clamped)
+    K, N = (matrix[:, free].toarray() for matrix in (this_study.stiffness(task)[free], this_study.normals(task)))
+
+    def step(load: np.ndarray, stress: np.ndarray) -> np.ndarray:
+        b, u, held = (load - task.internal(stress)).ravel()[free], np.zeros(task.vertices.size), np.ones(len(N), bool)
+        for _ in range(60):
+            rows, force = N[held], np.zeros(len(N))
+            S = np.block([[K, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
+            u[free], force[held] = np.split(np.linalg.solve(S, np.append(b, np.zeros(len(rows)))), [len(b)])
+            before, held = held, force + abs(K).max() * (N @ u[free]) > 0
+            if (before == held).all():
+                break
         return u.reshape(-1, task.dim)
 
     return step
@@ -247,6 +266,18 @@ def entries(*changes: tuple[int, int, float]) -> Callable[[Task], dict]:
     return change
 
 
+def wrong_shear_strain(by: float) -> Callable:
+    """An adapter whose strain has shear multiplied, in the stiffness and in the initial stress."""
+
+    def make(task: Task):
+        other = copy.copy(task)
+        other.stiffness = _shear(_shear(task.stiffness, by).swapaxes(1, 2), by)
+        step = this_study.make(other)
+        return lambda load, stress: step(load, _shear(stress, by))
+
+    return make
+
+
 def _plane_stress(task: Task) -> dict:
     C = task.stiffness.copy()
     mu, lam = C[:, 2, 2] / 2, C[:, 0, 1].copy()
@@ -269,6 +300,7 @@ FAULTS = (
     Fault("initial stress with the other sign", other_stress(lambda s: -s), f"{STRESS} has the reversed sign"),
     Fault("initial stress not divided by √2 in shear", other_stress(lambda s: _shear(s, np.sqrt(2))), SHEAR),
     Fault("stiffness divided by √2 twice in shear", misread(_voigt_for_mandel), "shear"),
+    Fault("shear strain √2 times too large", wrong_shear_strain(np.sqrt(2)), "the shear strain is multiplied by 1.414"),
     Fault("*A* in place of *G*", misread(lambda task: {"stiffness": task.A}), "A is used in place of G"),
     Fault(
         "`factor` forgotten",
@@ -300,6 +332,16 @@ FAULTS = (
     Fault("mean gap of each facet", in_contact(right, rows=_facet_means), "mean gap of each facet"),
     Fault("springs of 30, not scaled with *h*", springs(lambda task: 30.0), "springs"),
     Fault("equal springs at all vertices", _equal_springs, "whatever its area"),
+    Fault(
+        "Γ1 held in the first component only",
+        first_component_held,
+        "component 2 is not held",
+    ),
+    Fault(
+        "only every second vertex on Γ1 held",
+        misread(lambda task: {"clamped": task.clamped[::2]}),
+        "is not held at some vertices",
+    ),
     Fault("the body moved by 0.01", changed(lambda task, u, _: u + 0.01), "moved rigidly by (0.01, 0.01)"),
     Fault("u of the step before written", changed(_step_before), "step before are written"),
     Fault("u in other units", changed(lambda task, u, _: 1000 * u), "1000 times the right ones"),
@@ -330,12 +372,14 @@ def table(tasks: dict[str, Task]) -> list[str]:
     cells = {case: {fault.name: distance(task, fault) for fault in FAULTS} for case, task in tasks.items()}
     seen = {case: {name for name, value in column.items() if value > SEEN} for case, column in cells.items()}
     head = ["fault", *(f"*{case}*" for case in tasks)]
-    rows = [
-        [fault.name, *(f"{cells[case][fault.name]:.0e}" if fault.name in seen[case] else "–" for case in tasks)]
-        for fault in FAULTS
-    ]
+    rows = [[fault.name, *(_cell(cells[case][fault.name]) for case in tasks)] for fault in FAULTS]
     lines = [f"| {' | '.join(row)} |" for row in (head, ["---"] * len(head), *rows)]
     return [*lines, "", f"Smallest set of cases that shows every fault: {', '.join(covering(seen))}."]
+
+
+def _cell(value: float) -> str:
+    """Return the text of a distance; one that only a singular matrix gives has no reproducible digits."""
+    return "singular" if value > SINGULAR else f"{value:.0e}" if value > SEEN else "–"
 
 
 if __name__ == "__main__":

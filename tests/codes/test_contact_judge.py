@@ -135,7 +135,7 @@ def test_what_is_far_or_grows_is_wrong(tasks: Any, change: Any) -> None:
 
 
 def test_one_mesh_says_nothing_of_an_order(tasks: Any) -> None:
-    found = judged(tasks[:1], doctored(lambda task, u: 1.01 * u))
+    found = judged(tasks[:1], faults.springs(lambda task: 30.0))
     assert found.verdict == "undecided"
 
 

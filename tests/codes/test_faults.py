@@ -139,6 +139,78 @@ def test_a_body_that_is_moved_is_never_exact(shift: float) -> None:
     assert found.verdict != "exact for P1"
 
 
+CLAMPS = {
+    "first component only": (
+        faults.first_component_held,
+        "component 1 is zero and component 2 is not, at all 9 vertices",
+    ),
+    "every second vertex": (faults.misread(lambda t: {"clamped": t.clamped[::2]}), "u is not zero at 4 of 9 vertices"),
+    "no vertex": (faults.misread(lambda t: {"clamped": t.clamped[:1]}), "u is not zero at 8 of 9 vertices"),
+}
+
+
+@pytest.mark.parametrize("name", CLAMPS)
+def test_a_body_that_is_not_held_on_the_clamped_part_is_wrong_and_the_line_says_where(name: str) -> None:
+    make, words = CLAMPS[name]
+    found = judged(make, exported("anisotropic"))
+    assert found.verdict == "wrong"
+    assert f"On Γ1 {words}" in found.cause
+    assert "of n = 8" in found.cause
+    assert "is not held" in found.why
+    assert "Most likely" not in found.cause
+
+
+@pytest.mark.parametrize("case", ["layered", "rotated"])
+def test_a_singular_matrix_is_called_singular_and_its_consequences_are_left_out(case: str) -> None:
+    found = judged(faults.first_component_held, exported(case))
+    assert found.verdict == "wrong"
+    assert "component 2 is not held. The matrix is singular or nearly so" in found.cause
+    assert "moved rigidly" not in found.cause
+    assert judge.notes(found) == [found.cause]
+
+
+def test_a_cause_that_leaves_a_residual_of_order_one_is_not_named() -> None:
+    assert judge._name([judge.Cause("rigid", "moved", 4.0, 2e13)]) is None
+    assert judge._name([judge.Cause("rigid", "moved", 1e-12, 2e13)]) is not None
+
+
+@pytest.mark.parametrize("by", [2**0.5, 0.5**0.5, 2.0, 0.5])
+@pytest.mark.parametrize("steps", [0, 3])
+def test_a_wrong_shear_strain_in_stiffness_and_initial_stress_is_named(by: float, steps: int) -> None:
+    found = judged(faults.wrong_shear_strain(by), exported("anisotropic", 4, steps))
+    assert found.verdict == "wrong"
+    assert f"the shear strain is multiplied by {by:.4g}" in found.cause
+
+
+def test_an_answer_that_is_not_a_number_gets_the_usual_reasons() -> None:
+    found = judged(faults.changed(lambda task, u, _: np.nan * u), exported("corner", 4))
+    assert found.verdict == "wrong"
+    assert "not a number in step 1; the matrix is probably singular: the body is not held, or one" in found.cause
+
+
+def test_a_certain_cause_is_wrong_on_two_meshes_and_a_consistent_method_is_not() -> None:
+    tasks = exported("corner"), exported("corner", 4)
+    release = next(fault for fault in faults.FAULTS if fault.name == "vertices never released")
+    found = judged(release.make, *tasks)
+    assert found.verdict == "wrong"
+    assert found.why.startswith("vertices in contact are never released")
+    (line,) = judge.notes(found)
+    assert line.startswith("(equations with this fault reproduce the answer up to ")
+    found = judged(faults.springs(lambda task: 30 / task.data["h"]), *tasks)
+    assert found.verdict == "undecided"
+    assert "order of the distance" in found.why
+
+
+def test_the_last_line_names_the_cause_that_explains_most_cases() -> None:
+    tasks = [exported(case, 4) for case in ("corner", "layered", "junction")]
+    release = next(fault for fault in faults.FAULTS if fault.name == "vertices never released")
+    found = judge.assess(tasks, {task.name: judge.answer(task, release.make) for task in tasks})
+    (line,) = judge.summary(found)
+    assert line.startswith("2 of 3 cases: vertices in contact are never released")
+    assert line.endswith("; junction cannot show it")
+    assert judge.summary(found[:1]) == []
+
+
 def with_gap(task: Any) -> Any:
     """The task with an initial gap: its solutions plus w, the gap on Γ3, solve it with the loads of w added."""
     data = json.loads(json.dumps(task.data))
