@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
@@ -24,7 +25,8 @@ IGNORED = ("vertex", "line", "line3")
 """Cells of boundaries, which files often have as well."""
 
 
-class Field(NamedTuple):
+@dataclass(frozen=True)
+class Field:
     """The arguments of ``study.bound.given.given`` that a file has; ``times`` is None for one field without a time."""
 
     points: Array

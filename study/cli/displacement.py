@@ -74,7 +74,7 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
             f"{need / GIB:.1f} GiB of memory; {room / GIB:.1f} GiB are available, which serve {served} triangles: take "
             "a coarser mesh, --refine 0, or a machine with more memory"
         )
-    return path, given(data, *field, steps=options.steps, nearest=options.nearest)
+    return path, given(data, **vars(field), steps=options.steps, nearest=options.nearest)
 
 
 def _level(u_h: GivenDisplacement) -> int:

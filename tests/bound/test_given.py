@@ -301,7 +301,10 @@ def test_files_of_other_programs_are_read(suffix: str, degree: int, tmp_path: Pa
     if degree == 2:
         arrays["points"], arrays["triangles"] = Solver(square(), arrays["points"], arrays["triangles"], 2).mesh
         arrays["u"] = arrays["times"][:, None, None] * (1 - arrays["points"][None, :, 1:] ** 2) * np.array([0.1, 0.2])
-    expected, found = given(square(), **arrays), given(square(), *read(write(tmp_path / f"mine{suffix}", arrays)))
+    expected, found = (
+        given(square(), **arrays),
+        given(square(), **vars(read(write(tmp_path / f"mine{suffix}", arrays)))),
+    )
     assert np.allclose(found.times, expected.times)
     assert np.allclose(found.nodes, expected.nodes)
     assert found.degree == degree

@@ -127,7 +127,7 @@ def test_what_its_head_says_is_at_most_so_large_is_not_larger_and_hardly_smaller
     for text, largest, digit in (
         (r"at most (\S+), by its duality gap", bound, bound / 10),
         (r"the stresses differ by at most (\S+) \|", gap, gap / 10),
-        (r"error / bound at most (\S+) \|", shares.max(), 1e-3),
+        (r"error / bound at most (\S+); in the second half", shares.max(), 1e-3),
         (r"it would be at most (\S+) % of", 100 * limits.max(), 1),
     ):
         (shown,) = map(float, re.findall(text, RESULTS))
