@@ -78,7 +78,7 @@ def copy_with_codes(made: Path, tmp_path_factory: pytest.TempPathFactory) -> Pat
 def copy_of_committed(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the committed run, with the README and the pyproject.toml above it."""
     directory: Path = tmp_path_factory.mktemp("committed")
-    shutil.copytree(ROOT / "results", directory / "results", ignore=shutil.ignore_patterns("jobs"))
+    shutil.copytree(ROOT / "results", directory / "results", ignore=shutil.ignore_patterns("jobs", "quick"))
     for name in ("README.md", "pyproject.toml"):
         shutil.copy(ROOT / name, directory)
     return directory / "results"
