@@ -12,12 +12,10 @@ from tqdm import tqdm
 
 from study.cli.options import FAILED, OK, UNCLEAR
 from study.ledger.files import UsageError
-from study.ledger.verdict import UNDECIDED, Verdict, exit_code
+from study.ledger.verdict import ROW_KEY, UNDECIDED, Verdict, exit_code
 from study.present.figures import Drawing, draw_figures
 from study.run.executor import Processes
 
-ROW = ["label", "key", "case", "family"]
-"""Columns that tell the rows of the ledger apart."""
 Result = TypeVar("Result")
 
 
@@ -39,11 +37,11 @@ def known_undecided(file: Path | None) -> set[tuple[str, str, str, str]]:
         table = pd.read_csv(file, keep_default_na=False, dtype=str)
     except (OSError, ValueError) as error:
         raise UsageError(f"--undecided {file} cannot be read as CSV: {error}") from error
-    if list(table.columns) != [*ROW, "reason"]:
-        raise UsageError(f"{file} has the columns {', '.join(table.columns)}, expected {', '.join(ROW)}, reason")
+    if list(table.columns) != [*ROW_KEY, "reason"]:
+        raise UsageError(f"{file} has the columns {', '.join(table.columns)}, expected {', '.join(ROW_KEY)}, reason")
     if unexplained := [line + 2 for line, reason in enumerate(table["reason"]) if not reason.strip()]:
         raise UsageError(f"{file}, line {unexplained[0]}: the reason why the row is undecided is missing")
-    return set(table[ROW].itertuples(index=False, name=None))
+    return set(table[[*ROW_KEY]].itertuples(index=False, name=None))
 
 
 def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:

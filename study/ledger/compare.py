@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from study.ledger.datafiles import LEDGER, TEXT, DataError, line, made_by, read_csv
 from study.ledger.pictures import Packed
+from study.ledger.verdict import ROW_KEY
 
 IDENTICAL, WITHIN, DIFFERS, LEFT_OUT = "identical", "within", "differs", "left out"
 """States of a file: equal bytes; no difference beyond the tolerance; a larger difference; skipped, as only one
@@ -46,8 +47,6 @@ MAGNITUDES = {"equivalence.csv": ("displacement_gap", "stress_gap", "displacemen
 """Columns whose order of magnitude alone is compared, as it depends on where an iteration stops."""
 SAME_MAGNITUDE = 100.0
 """Such numbers are equal up to this factor: between two tolerances of the solver they differed by at most 100."""
-KEYED = ("label", "key", "case", "family")
-"""Columns that tell the rows of claims.csv apart if both directories have them."""
 NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
 """Columns by which a row is matched again if its words were changed."""
 OF_CONTROLS = "controls.csv", "seeds.csv", "sensitivity.csv"
@@ -174,8 +173,8 @@ def _tables(name: str, directories: Sequence[Path]) -> list[Any]:
                 stands, place = wrong.iloc[0], line(int(wrong.index[0]))
                 raise _refusal(directory, name, f"has {stands!r} as {column}, expected a number, in line {place}")
             table[column] = table[column].astype(object).where(table[column].notna(), "").map(str) if words else value
-    if keyed := name == "claims.csv" and {*KEYED} <= {*columns}:
-        key, numbers = KEYED, ()
+    if keyed := name == "claims.csv" and {*ROW_KEY} <= {*columns}:
+        key, numbers = ROW_KEY, ()
     for directory, table in zip(directories, tables, strict=True):
         if key and (keyed or name not in (*NUMBERS, "enclosures.csv")) and (twice := table.duplicated([*key])).any():
             raise _refusal(directory, name, f"has the row {_rows(table[twice], key)[0]} twice")

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from study.ledger.chance import promise_verdict
 from study.ledger.files import write_text
 from study.ledger.orders import RatesError, orders
-from study.ledger.verdict import VERDICTS, Verdict
+from study.ledger.verdict import HOLDS, KINDS, VERDICTS, Verdict, kind
 
 SERIES = ["claim", "case", "family", "scheme"]
 RATES = [*SERIES, "level", "h", "dofs", "steps", "error", "order", "at", "interpolation_error", "discrete_error"]
@@ -294,6 +294,12 @@ def read_claims(directory: Path) -> pd.DataFrame:
 def count_verdicts(claims: pd.DataFrame) -> dict[str, int]:
     """Return verdict ↦ number of rows of the ledger."""
     return {verdict: int((claims["verdict"] == verdict).sum()) for verdict in VERDICTS}
+
+
+def count_kinds(claims: pd.DataFrame) -> dict[str, int]:
+    """Return kind of evidence ↦ number of rows of the ledger that hold."""
+    kinds = claims[claims["verdict"] == HOLDS].apply(kind, axis=1)
+    return {name: int((kinds == name).sum()) for name in KINDS}
 
 
 def by_claim(claims: pd.DataFrame) -> Iterator[tuple[str, str, pd.DataFrame]]:

@@ -21,6 +21,8 @@ from study.ledger.window import SMALL, Window
 HOLDS, FAILS, UNDECIDED, REPORTED, MISSED = "holds", "fails", "undecided", "reported", "missed"
 VERDICTS = (HOLDS, REPORTED, MISSED, UNDECIDED, FAILS)
 """From best to worst."""
+ROW_KEY = ("label", "key", "case", "family")
+"""The columns of ``claims.csv`` that tell its rows apart."""
 UNCLAIMED = (REPORTED, MISSED)
 """Verdicts of rows about which no statement makes a claim."""
 ORDER, SIZE, ONE_SIDED, IDENTITY = "two-sided orders", "two-sided sizes", "one-sided bounds", "identities"

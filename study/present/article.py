@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 
 from study.ledger.chance import PROMISE
-from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_verdicts
+from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_kinds, count_verdicts
 from study.ledger.text import above, below, down, up
 from study.ledger.verdict import (
     HOLDS,
@@ -26,7 +26,6 @@ from study.ledger.verdict import (
     UNCLAIMED,
     VERDICTS,
     agreement,
-    kind,
     window_share,
     worst_value,
 )
@@ -73,9 +72,9 @@ def _ledger(data: FullRun) -> Named:
     counts = count_verdicts(data.claims)
     for verdict in VERDICTS:
         yield f"ledger{verdict.capitalize()}", counts[verdict]
-    kinds = data.claims[data.claims["verdict"] == HOLDS].apply(kind, axis=1)
+    kinds = count_kinds(data.claims)
     for name, one in (("Orders", ORDER), ("Sizes", SIZE), ("Bounds", ONE_SIDED), ("Identities", IDENTITY)):
-        yield f"kind{name}", int((kinds == one).sum())
+        yield f"kind{name}", kinds[one]
     found, injected = count_caught(data.controls)
     yield "controls", injected
     yield "controlsCaught", found

@@ -20,7 +20,7 @@ import pandas as pd
 
 from study.ledger.chance import PROMISE
 from study.ledger.codes import MADE, Codes
-from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_verdicts
+from study.ledger.datafiles import DataError, alarm_summary, by_claim, count_caught, count_kinds, count_verdicts
 from study.ledger.files import write_text
 from study.ledger.numbered import NO_ROW, NOT_TESTED, NUMBERED, named
 from study.ledger.text import above, below, up
@@ -28,7 +28,6 @@ from study.ledger.verdict import (
     FAILS,
     HOLDS,
     IDENTITY,
-    KINDS,
     MISSED,
     ONE_SIDED,
     ORDER,
@@ -37,7 +36,6 @@ from study.ledger.verdict import (
     UNCLAIMED,
     UNDECIDED,
     agreement,
-    kind,
 )
 from study.ledger.window import STEEPER
 from study.present.article import two_digits_up
@@ -171,8 +169,7 @@ def answer(data: FullRun) -> str:
 
 def kinds_of_evidence(claims: pd.DataFrame) -> str:
     """Returns the numbers of checks that hold, by the kind of evidence, in a sentence."""
-    kinds = claims[claims["verdict"] == HOLDS].apply(kind, axis=1)
-    counts = {name: int((kinds == name).sum()) for name in KINDS}
+    counts = count_kinds(claims)
     return (
         f"Of those that hold, {counts[ORDER]} are orders and {counts[SIZE]} sizes with two-sided windows, "
         f"{counts[ONE_SIDED]} are one-sided bounds, and {counts[IDENTITY]} are identities, which fail only if the code "

@@ -15,12 +15,11 @@ import numpy as np
 import pandas as pd
 
 from study.ledger.datafiles import DataError
-from study.ledger.verdict import UNCLAIMED
+from study.ledger.verdict import ROW_KEY, UNCLAIMED
 from study.ledger.window import MIN_POSITIVE, Window
 
 COMMIT = "27a936c"
 """The last commit of the first round."""
-PLACE = ["label", "key", "case", "family"]
 NOT_NOTHING = "a diagnostic must be positive: exactly 0 means that a quantity was compared with itself"
 OWN_SPACE = "Thm 4.2, own space"
 NOT_RANDOM = "merging-patches and layered are now measured on meshes that are not random"
@@ -70,7 +69,7 @@ def earlier(directory: Path) -> pd.DataFrame | None:
 
 def changes(then: pd.DataFrame, claims: pd.DataFrame) -> list[Change]:
     """Returns the changes, in the order of the ledger; raises DataError if a change has no reason."""
-    both = then.merge(claims.fillna({"family": ""}), on=PLACE, how="left", validate="one_to_one")
+    both = then.merge(claims.fillna({"family": ""}), on=[*ROW_KEY], how="left", validate="one_to_one")
     return [Change(*found, rows) for found, rows in Counter(_differences(both)).items()]
 
 
