@@ -23,6 +23,8 @@ from manufactured.tensors import Array
 
 FIXED = 2.5
 """m from which a fixed front in q, such as that of an elastic start, costs nothing in an upper layer."""
+INITIAL_GAP = "beyond: initial gap"
+"""The statement on cases with an initial gap, about which the paper says nothing."""
 UNSTATED: Any = None
 """The order of a case that states none."""
 
@@ -92,7 +94,8 @@ class Case:
         if any(piece.formula.has(sp.nan, sp.zoo, sp.oo) for gap, strain in formulas for piece in (gap, *strain)):
             return  # No exponents can be read off; the self-proof refuses the values.
         try:
-            found = self._found(*read_off([gap for gap, _ in formulas], [p for _, strain in formulas for p in strain]))
+            gaps = [*(gap for gap, _ in formulas), *(_initial_gap(face) for face in lifted if face.initial_gap != 0)]
+            found = self._found(*read_off(gaps, [p for _, strain in formulas for p in strain]))
         except ValueError as error:
             raise CaseError(f"case {self.name}: {error}") from error
         if not all(math.isclose(stated, read) for stated, read in zip(astuple(label), astuple(found), strict=True)):
@@ -125,8 +128,8 @@ class Case:
 
     @property
     def proposition(self) -> str:
-        """The numbered statement whose hypotheses the case satisfies."""
-        return self.regularity.proposition
+        """The numbered statement whose hypotheses the case satisfies; the paper has none for an initial gap."""
+        return INITIAL_GAP if self.solution.has_initial_gap else self.regularity.proposition
 
 
 def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
@@ -146,6 +149,11 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
         # Not their sum, in which fronts may cancel.
         return piece(face.gap), [piece(f) for f in (strain.pressure, strain.initial) if f is not None]
     return piece(face.gap), [piece(face.exponents_in)]
+
+
+def _initial_gap(face: Face) -> FaceFormula:
+    """The formula of g, whose fronts rest: they are in u as those of w are."""
+    return FaceFormula(sp.sympify(face.initial_gap), face.part, face.variables, 0.0, 0.0)
 
 
 def _plane(normal: Array, point: Array) -> tuple[float, ...]:

@@ -61,6 +61,11 @@ class Data:
     fronts: Callable[[float], tuple[Hyperplane, ...]] = no_fronts
     force_modes: Callable[[Points], ForceModes] | None = None
 
+    @property
+    def has_initial_gap(self) -> bool:
+        """Whether an exact solution with an initial gap is behind the data; formulas have none."""
+        return isinstance(self.formulas_of, ExactSolution) and self.formulas_of.has_initial_gap
+
     @classmethod
     def of(cls, solution: ExactSolution) -> Data:
         """The data that belong to an exact solution.

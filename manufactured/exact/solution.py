@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+import sympy as sp
 from numpy.typing import ArrayLike
 
 from manufactured.body import Body, Kind, Part
@@ -62,6 +63,11 @@ class ExactSolution:
         """Where strains are rough for all times: {s = c} for the rough c of every lifting, and jumps of A and G."""
         fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
         return (*fronts, *self.law.steps)
+
+    @property
+    def has_initial_gap(self) -> bool:
+        """Whether the undeformed body is away from its foundation somewhere on Γ3, unlike in the paper."""
+        return any(face.initial_gap != 0 for face in self.faces)
 
     def fronts(self, time: float) -> tuple[Hyperplane, ...]:
         """Where f_0 jumps or has kinks at one time, in the plane: {s = c} for the fronts c of every lifting."""
@@ -195,7 +201,7 @@ class FaceFields:
         return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
 
     def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
-        """What must be continuous along a face, with its derivative along an axis: w, ∇_s w, (q, r) of a lifting."""
+        """What must be continuous along a face, with its derivative along an axis: w, ∇_s w, (q, r), g of a lifting."""
         unit = np.eye(len(self.s), dtype=int)
 
         def pair(values: Values, *index: int) -> tuple[Array, Array]:
@@ -207,12 +213,19 @@ class FaceFields:
         if isinstance(self.face, ContactFace):
             strain = self.face.strain.at(self.s)(time, False, 1)
             found |= {f"∂_{i + 1} w": pair(w, i) for i in range(len(self.s))}
+            if self.face.initial_gap:
+                g = self.face.initial_gap_jet(self.s, time, 2)
+                found |= {"g": pair(g)} | {f"∂_{i + 1} g": pair(g, i) for i in range(len(self.s))}
             found |= {f"(q, r)_{i}": pair(values) for i, values in enumerate(strain)}
         return found
 
     def gap(self, time: Array | float) -> Array:
-        """w = −u_ν, (...)."""
+        """w = g − u_ν, the distance from the foundation, (...)."""
         return self._value(self.face.gap_jet, time)
+
+    def initial_gap(self) -> Array:
+        """g, the distance of the undeformed body from the foundation, (...)."""
+        return self._value(Jet(sp.sympify(self.face.initial_gap), self.face.variables), 0.0)
 
     def level(self, time: Array | float) -> Array:
         """ψ, (...): the contact zone is {ψ ≥ 0}."""

@@ -18,7 +18,7 @@ from manufactured.case import Case
 from manufactured.data import Data
 from manufactured.static import Static
 from manufactured.tensors import Array
-from study.bound.discretisation import Discretisation, refuse_solids
+from study.bound.discretisation import Discretisation, refuse_initial_gap, refuse_solids
 from study.bound.enclosing import Enclosure, enclose, known_error, order_interval
 from study.bound.problem import BoundError, require_units
 from study.bound.static import compute_static, enclose_static
@@ -100,6 +100,7 @@ def check_problem(data: Data, steps: int | None, refined: Refined) -> None:
             f"got {refined.refinements} and {refined.shorter}"
         )
     refuse_solids(data)
+    refuse_initial_gap(data)
     require_units(data)
     data.check()
 

@@ -75,7 +75,7 @@ class Plan:
     def of(cls, scope: Scope) -> Plan:
         """Return the jobs of all statements that measure something in a scope."""
         statements = [statement for statement in STATEMENTS if scope.statements or statement.of_every_case]
-        jobs = [Job(statement, setting) for statement in statements for setting in statement.settings(scope)]
+        jobs = [Job(statement, setting) for statement in statements for setting in statement.planned(scope)]
         return cls(scope, tuple(jobs))
 
     def keys(self) -> list[tuple[str, ...]]:

@@ -23,13 +23,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from manufactured.case import INITIAL_GAP
 from study.ledger.criterion import ENOUGH, Groups, by_family
 from study.ledger.datafiles import since_before
 from study.ledger.orders import Array
 from study.ledger.verdict import BECAUSE, FAILS, UNDECIDED, Verdict
 from study.statements.prop_5_3 import LEVELS as ROUGH_LEVELS
 
-LABELS = "Prop. 5.3", "Prop. 5.4", "(5.23)"
+LABELS = "Prop. 5.3", "Prop. 5.4", "(5.23)", INITIAL_GAP
 NEARER = 0.8
 """An order approaches its target if its distance shrinks at least by this factor from level to level."""
 NOT_YET = "not asymptotic yet"

@@ -25,7 +25,7 @@ SMALL_DEFECTS = [
     (Fields, "strain", r"(2.10) ε(u) = sym ∇u"),
     (Fields, "strain_rate", r"(2.10) ε(u̇) = sym ∇u̇"),
     (Fields, "velocity", r"(2.6) u̇ = ∂u/∂t"),
-    (FaceFields, "gap", r"(2.5) w = −u_ν"),
+    (FaceFields, "gap", r"(2.5) w = g − u_ν"),
     (FaceFields, "stated_pressure", r"(2.5) p = −σ_ν"),
 ]
 
