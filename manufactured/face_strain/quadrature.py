@@ -13,9 +13,9 @@ from manufactured.symbols import FormulaError, Values
 from manufactured.tensors import Array
 
 POINTS = 40
-"""Of Gauss's rule on an interval of contact."""
+"""Number of Gauss points on an interval of contact."""
 ACCURACY = 1e-13
-"""Difference from the rule on both halves, relative to the largest integral, up to which the rule serves."""
+"""Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
 
 
 class Quadrature:
@@ -27,7 +27,7 @@ class Quadrature:
         self.nodes, self.weights = (1 + x) / 2, w / 2
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """The integral from ``lower`` on, (N,), at points (d − 1, N); none is asked for beyond ``upper``.
+        """Prepare the integrals from ``lower`` (N,) up to at most ``upper`` (N,), at points (d − 1, N).
 
         Raises:
             FormulaError: P changes too fast for the rule.
@@ -54,7 +54,7 @@ class _Started:
     order: int
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """As ``Started``."""
+        """See ``Started.upto``."""
         rule, lower = self.rule, self.lower[chosen][:, None]
         length = upper[:, None] - lower
         left = length * (1 - rule.nodes)
