@@ -195,8 +195,8 @@ class ContactFace:
         if not (worst := values.min(initial=0.0)) >= -ROUNDED * abs(values).max(initial=0.0):
             where = ", ".join(f"{coordinate:.4g}" for coordinate in places[:, np.argmin(values)])
             raise FormulaError(
-                f"the initial gap {self.initial_gap} is {worst:.4g} at s = {where}, but it must be 0 or more: there the "
-                "undeformed body would penetrate the foundation"
+                f"the initial gap {self.initial_gap} is {worst:.4g} at s = {where}, where the undeformed body would "
+                "penetrate the foundation: give a gap that is 0 or more on the whole face"
             )
 
     def at(self, x: Points) -> Lifting:
@@ -205,7 +205,7 @@ class ContactFace:
 
 
 class _Traces:
-    """(u_n, (q, r)), or its rate, at fixed places along a face, with derivatives: u_n up to order+1, (q, r) to order."""
+    """(u_n, (q, r)) at fixed places along a face, or its rate, with derivatives: u_n to order + 1, (q, r) to order."""
 
     def __init__(self, face: ContactFace, s: Array) -> None:
         self.face, self.s, self.strain = face, s, face.strain.at(s)

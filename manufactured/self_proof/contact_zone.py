@@ -37,8 +37,8 @@ def signs(solution: ExactSolution) -> list[Finding]:
         checks = [
             ("u_ν ≤ g, u ∈ K", np.maximum(-gap, 0), scale_w),
             ("σ_ν ≤ 0", np.maximum(-pressure, 0), scale_p),
-            ("w = 0, so σ_ν (u_ν − g) = 0, on the stated zone ψ ≥ 0", np.where(contact, abs(gap), 0), scale_w),
-            ("p = 0, so σ_ν (u_ν − g) = 0, off the stated zone", np.where(contact, 0, abs(pressure)), scale_p),
+            ("w = 0, so σ_ν w = 0, on the stated zone ψ ≥ 0", np.where(contact, abs(gap), 0), scale_w),
+            ("p = 0, so σ_ν w = 0, off the stated zone", np.where(contact, 0, abs(pressure)), scale_p),
             (
                 "w > 0 off the stated zone",
                 np.where(~contact & (gap <= 0) & ~resting[:, None], abs(level), 0),

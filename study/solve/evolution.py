@@ -1,6 +1,7 @@
 """Problem 5.1, continuous in time on one mesh: M u̇ + G(u) + N_{K^h}(u) ∋ F.
 
-K^h = {v : N v ≤ g} with the initial gap g at the vertices of Γ3, 0 in the paper. G is bounded relative to M uniformly in h, (5.5), so the system is not stiff: no step restriction links k to h.
+K^h = {v : N v ≤ g} with the initial gap g at the vertices of Γ3, 0 in the paper. G is bounded relative to M uniformly
+in h, (5.5), so the system is not stiff: no step restriction links k to h.
 
 One time step of Problem 5.1: (w/k) M u + G(θu + (1 − θ)u_{n−1}) + N_{K^h}(u) ∋ b for u = u_n.
 

@@ -99,7 +99,8 @@ def _frame(space: Space, G: Elasticity, cells: PointLaw, problem: SemiDiscrete, 
         contact=float(state.multipliers @ (problem.N @ velocity)),
         load=float(problem.load(state.time) @ velocity),
     )
-    return Frame(state.time, state.u, velocity, viscous + elastic, problem.N @ state.u - problem.gap, state.multipliers, power)
+    normal = problem.N @ state.u - problem.gap
+    return Frame(state.time, state.u, velocity, viscous + elastic, normal, state.multipliers, power)
 
 
 def von_mises(stress: Tensors) -> Array:

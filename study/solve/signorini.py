@@ -1,7 +1,8 @@
 """One contact step: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ g}, by condensation on the contact unknowns.
 
 g ≥ 0 is the initial gap at the contact vertices, 0 in the paper. The optimality conditions are S u + Nᵀλ = b,
-N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0. Only the m rows of N are constrained. With the compliance W = N S⁻¹ Nᵀ, computed once, the multipliers therefore solve the small complementarity problem
+N u ≤ g, λ ≥ 0 and λ·(N u − g) = 0. Only the m rows of N are constrained. With the compliance W = N S⁻¹ Nᵀ, computed
+once, the multipliers therefore solve the small complementarity problem
 
     d = N S⁻¹ b − g − W λ ≤ 0,   λ ≥ 0,   λ·d = 0,
 
@@ -49,9 +50,7 @@ class Signorini:
         LinAlgError: S is not positive definite.
     """
 
-    def __init__(
-        self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None, gap: Array | float = 0.0
-    ) -> None:
+    def __init__(self, S: sps.csc_array, N: sps.csr_array, x: Points | None = None, gap: Array | float = 0.0) -> None:
         contact = np.unique(N.nonzero()[1])
         self.N, self.initial_gap = N, gap
         self.factor = Cholesky(S, contact, x)
