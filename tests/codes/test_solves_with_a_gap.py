@@ -130,8 +130,7 @@ def test_our_adapter_solves_a_task_with_a_gap() -> None:
 )
 def test_the_judge_names_a_gap_that_is_forgotten_or_reversed(factor: float, cause: str) -> None:
     tasks = [exported(8), exported(16)]
-    make = faults.in_contact(lambda W, free, _: judge.active_set(W, free - factor * GAP[len(free)]))
-    GAP = {len(task.constraints()[3]): task.constraints()[3] for task in tasks}
+    make = faults.gap_times(factor)
     (found,) = judge.assess(tasks, {task.name: judge.answer(task, make) for task in tasks})
     assert found.verdict not in ("exact for P1", "consistent")
     assert cause in found.cause
