@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from manufactured.body.html import picture
 from manufactured.body.part import ROUNDING, BodyError, Kind, NDBool, Part, fan_vector, scattered
 from manufactured.tensors import Points
 
@@ -89,6 +90,10 @@ class Body:
     def sample(self, rng: np.random.Generator, count: int) -> Points:
         """Random points of Ω, (d, count)."""
         return scattered(rng, self.vertices, self.contains, count)
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a picture with the boundary parts, and the final time."""
+        return f"{picture((*self.parts, *self.interfaces))}<p>T = {self.T:g}</p>"
 
 
 def check(body: Body) -> None:
