@@ -54,7 +54,7 @@ PER_CELL = 2
 INSTANTS, FEW = 32, 4
 """Numbers of times for errors and velocities, and for loads by the finer rule."""
 INTERPOLATION = around(1, STEEPER, "the order of interpolation; 1/2 is proved")
-SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "from the two finest levels; smooth parts of order 1 raise it")
+SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "from from the two finest levels; smooth parts of order 1 raise it")
 TRAIL = between(1, 1.5, STEEPER, STEEPER, "1 if cells keep different parts, 3/2 if all keep the same")
 NEGLIGIBLE = positive_at_most(0.02, "of the error")
 

@@ -19,7 +19,7 @@ from manufactured.law import AtPoints, Yield
 from manufactured.tensors import Array, Points, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import BOUND, ROUNDING, Constant, Observation, largest
+from study.ledger.criterion import BOUND, ROUNDING, SHARP, Observation, largest
 from study.ledger.window import at_most
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import LAWS, named, place, space_of
@@ -63,8 +63,8 @@ class Viscosity(OfLaws):
     label = "(3.1)"
     claim = "A is symmetric, bounded and elliptic with the constant m_A"
     rules = (
-        Constant("ellipticity", "m_A / smallest Aτ·τ/|τ|²", "ellipticity"),
-        Constant("bound", "largest Aτ·τ/|τ|² / ‖A‖", "bound"),
+        largest("ellipticity", "m_A / smallest Aτ·τ/|τ|²", SHARP, "ellipticity"),
+        largest("bound", "largest Aτ·τ/|τ|² / ‖A‖", SHARP, "bound"),
         Observation(largest("symmetry", SKEW, ZERO, "asymmetry"), "every law is symmetric by construction"),
     )
 
@@ -115,7 +115,7 @@ class ElasticityOperator(OfLaws):
     label = "(3.2)"
     claim = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
     rules = (
-        Constant("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", "quotient"),
+        largest("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", SHARP, "quotient"),
         largest("monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
         largest("at-zero", "|G(x, 0) − S| / L_G, S the stated stress of the law at rest", ZERO, "at zero"),
     )

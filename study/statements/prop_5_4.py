@@ -60,8 +60,8 @@ from study.ledger.criterion import (
     order,
 )
 from study.ledger.datafiles import CsvFile, DataFile, Row, with_orders
-from study.ledger.verdict import FAILS, HOLDS, UNDECIDED, Named, Verdict, row
-from study.ledger.window import Window, around, at_least, at_most, between, positive_at_most
+from study.ledger.verdict import FAILS, Named, Verdict
+from study.ledger.window import Window, around, at_most, between, positive_at_most
 from study.solve import solver_choice
 from study.solve.evolution import State
 from study.solve.solver_choice import contact_solver
@@ -342,8 +342,6 @@ EXPECTED_AT_START = Window(0.8, 1 + ROUNDING, "by Pythagoras: a discrete share o
 AT_START = (
     "as ‖u − Π^h u‖_V is largest near t = 0, where nothing is solved; the rows of ‖Π^h u − u^h‖_V test the solution"
 )
-ENOUGH_AFTER_START = at_least(4)
-"""Number of cases whose largest error must be after t = 0, where something was solved."""
 AFTER_START = Criterion(
     "start-share",
     "error at t = 0 / largest error",
@@ -412,17 +410,11 @@ class FirstOrder(Rates):
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
         mine = rows[rows["claim"] == self.label]
-        found = [
+        return [
             verdict
             for case, of_case in mine.groupby("case", sort=False)
             for verdict in self.judge_case(str(case), of_case, float(of_case["expected_order"].iloc[0]))
         ]
-        if mine["case"].nunique() >= ENOUGH_AFTER_START.low:
-            later = (mine["initial_error"] < NOT_AT_START * mine["error"]).groupby(mine["case"]).all()
-            judged = *exactly(later.sum()), HOLDS if ENOUGH_AFTER_START.contains(later.sum()) else UNDECIDED
-            quantity = f"cases with the supremum after t = 0 (of {len(later)})"
-            found.append(row(self, "after-start", quantity, ENOUGH_AFTER_START, judged, "all cases"))
-        return found
 
     def judge_case(self, case: str, rows: pd.DataFrame, expected: float) -> list[Verdict]:
         """Return the verdicts on one case from its rows of ``rates.csv`` and the expected order."""
