@@ -8,7 +8,10 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from manufactured.problems import ramp
+from study.fem.naming import family_named
 from study.present.marks import put
+from study.run.tasks import march, plain
 
 ROOT = Path(__file__).parents[2]
 sys.path.append(str(ROOT / "examples" / "bounds"))
@@ -53,9 +56,8 @@ def test_the_march_that_codes_get_is_the_problem_of_the_study(level: int) -> Non
     import this_study
     from contact_judge import Task, answer
 
-    from study.run.tasks import march, plain
-
-    task = judge_codes.task(level)
+    data = ramp()
+    task = judge_codes.task("ramp", data, family_named("one-diagonal")(data.body, level), level)
     exported = Task("ramp", plain(march(task, level)))
     u = answer(exported, this_study.make)
     _, states = task.march(level)
