@@ -116,8 +116,8 @@ class Data:
         """
         if others:
             raise FormulaError(
-                f"Data.formulas takes f0, f2, u0 and lines, got {', '.join(others)}; there is no initial gap in data, as "
-                "the undeformed body touches the foundation along Γ3; only an exact solution can have one, the "
+                f"Data.formulas takes f0, f2, u0 and lines, got {', '.join(others)}; there is no initial gap in data, "
+                "as the undeformed body touches the foundation along Γ3; only an exact solution can have one, the "
                 "`initial_gap` of ContactFace.linear"
             )
         dim, place = body.dim, (x1, x2, x3)[: body.dim]

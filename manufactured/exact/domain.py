@@ -42,9 +42,11 @@ def require_inside(body: Body, x: Points) -> None:
     points = np.real(x).reshape(body.dim, -1)
     reach = ROUNDING * float(np.ptp(body.vertices, axis=1).max())
     # Negated, so that coordinates that are not numbers are refused.
-    left = points[:, ~np.all([part.normal @ points <= part.normal @ part.start + reach for part in body.parts], axis=0)]
-    left = left[:, ~body.contains(left)]
-    left = left[:, ~np.any([part.contains(left, reach) for part in body.parts], axis=0)]
+    with np.errstate(invalid="ignore"):
+        within = [part.normal @ points <= part.normal @ part.start + reach for part in body.parts]
+        left = points[:, ~np.all(within, axis=0)]
+        left = left[:, ~body.contains(left)]
+        left = left[:, ~np.any([part.contains(left, reach) for part in body.parts], axis=0)]
     if left.size:
         low, high = body.vertices.min(axis=1), body.vertices.max(axis=1)
         box = " × ".join(f"[{a:g}, {b:g}]" for a, b in zip(low, high, strict=True))
@@ -57,8 +59,9 @@ def require_inside(body: Body, x: Points) -> None:
 
 def require_times(T: float, time: Array | complex) -> None:
     """Raise ValueError if a time lies outside [0, T] by more than rounding."""
-    times, reach = np.real(time), ROUNDING * T
-    low, high = (times.min(), times.max()) if np.size(times) > 1 else (times, times)
-    if not (-reach <= low and high <= T + reach):
-        first = float(np.ravel(times)[~((-reach <= np.ravel(times)) & (np.ravel(times) <= T + reach))][0])
+    times = np.ravel(np.real(time))
+    # Negated, so that a time that is not a number is refused.
+    outside = ~(abs(times - T / 2) <= (0.5 + ROUNDING) * T)
+    if outside.any():
+        first = times[outside][0]
         raise ValueError(f"the time {first:g} lies outside [0, {T:g}], where there is no exact solution; T is body.T")

@@ -18,9 +18,9 @@ ROUND_OFF = 1e-9
 OPEN_IN_CONTACT = "w = 0, so σ_ν u_ν = 0, on the stated zone"
 """The condition that a gap violates which is positive where there is contact."""
 INITIAL_GAP_ADVICE = (
-    "`gap` is the distance that is left at the time t, 0 where there is contact. If your formula is the distance of the "
-    "undeformed body from the foundation, give it as `initial_gap` of ContactFace.linear, and give `gap` a formula that "
-    "vanishes in contact, such as pos(-zone, 4)"
+    "`gap` is the distance that is left at the time t, 0 where there is contact. If your formula is the distance of "
+    "the undeformed body from the foundation, give it as `initial_gap` of ContactFace.linear, and give `gap` a formula "
+    "that vanishes in contact, such as pos(-zone, 4)"
 )
 
 

@@ -56,8 +56,8 @@ def do_run(options: argparse.Namespace) -> int:
             tables = write_tables(store.directory)
             # The figures of all cases would take a third of the time of the quick study.
             drawn = draw(store.directory, processes, drawings if options.case else overview)
-    data = ", ".join(["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"])
-    print(f"\n{folded(f'data: {store.data}/{data}')}")
+    data = ["rates.csv", "equivalence.csv", "claims.csv", "cases.csv", *tested, "provenance.json", "pictures/"]
+    print("\n" + folded(f"data: {store.data}/{', '.join(data)}"))
     print(folded(f"written: {listed([*tables, *drawn])}"))
     print(f"\n{rates_text(store.directory)}")
     print(ledger_text(read_claims(store.directory)))

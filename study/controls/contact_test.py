@@ -32,6 +32,7 @@ from study.statements.contact_force import EXACT, ContactForce, touches
 from study.statements.own_cases import judge_own, least_levels
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import EVIDENCE, RATES, FirstOrder, Rates
+from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import regular
 
 FILE = "contact-test.csv"
@@ -68,8 +69,8 @@ class DefectiveJob(Job):
         """Measure with the defect; returns numbers by their names."""
         change = within("problem.solver", DEFECTS[self.defect][1])
         with (
-            patch.object(prop_5_4, "Experiment", change(prop_5_4.Experiment)),
-            patch.object(contact_force, "Experiment", change(contact_force.Experiment)),
+            patch.object(prop_5_4, "Experiment", change(Experiment)),
+            patch.object(contact_force, "Experiment", change(Experiment)),
         ):
             return super().run()
 
@@ -105,7 +106,7 @@ class ContactTest:
     def rows(self, store: Store) -> list[Row]:
         """Return the rows of ``contact-test.csv``, one for each defect, from the stored results."""
         sound = {name for name, verdict in verdicts(self.jobs, store).items() if verdict.verdict == HOLDS}
-        found = []
+        found: list[Row] = []
         for defect, (what, _) in DEFECTS.items():
             after = verdicts(self.defective(defect), store)
             noticed = sorted(name for name in sound if name not in after or after[name].verdict != HOLDS)

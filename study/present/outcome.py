@@ -17,7 +17,6 @@ from study.ledger.text import cell, is_narrow, significant, width
 from study.ledger.verdict import BECAUSE, FAILS, HOLDS, IDENTITY, MISSED, REPORTED, UNDECIDED, VERDICTS, Verdict
 from study.present.notation import counted
 
-
 CONTACT_TEST = "case", "family", "levels", "defect", "what", "holding", "noticed", "noticed_by"
 """Columns of ``contact-test.csv``."""
 
@@ -97,7 +96,8 @@ def _contact_test(rows: pd.DataFrame) -> list[str]:
             *(f"  {row['what']}: by {row['noticed_by']}" for _, row in rows.iterrows()),
         ]
     return [
-        f"weak test of contact: {where}: of {first['holding']} rows that hold, none notices {' or '.join(missed['what'])}. "
+        f"weak test of contact: {where}: of {first['holding']} rows that hold, none notices "
+        f"{' or '.join(missed['what'])}. "
         "Take a larger pressure relative to moduli and gap, a contact zone that is wider in cells, or finer levels."
     ]
 
