@@ -59,7 +59,7 @@ def require_inside(body: Body, x: Points) -> None:
 
 def require_times(T: float, time: Array | complex) -> None:
     """Raise ValueError if a time lies outside [0, T] by more than rounding."""
-    times = np.ravel(np.real(time))
+    times = np.asarray(time).real.reshape(-1)
     # Negated, so that a time that is not a number is refused.
     outside = ~(abs(times - T / 2) <= (0.5 + ROUNDING) * T)
     if outside.any():
