@@ -30,8 +30,7 @@ from study.run.store import Store
 from study.statements import contact_force, prop_5_4
 from study.statements.contact_force import EXACT, ContactForce, touches
 from study.statements.own_cases import judge_own, least_levels
-from study.statements.prop_5_3 import Convergence
-from study.statements.prop_5_4 import EVIDENCE, RATES, FirstOrder, Rates
+from study.statements.prop_5_4 import EVIDENCE, RATES, Rates
 from study.statements.shared.experiment import Experiment
 from study.statements.shared.scope import regular
 
@@ -134,7 +133,7 @@ def verdicts(jobs: Sequence[Job], store: Store) -> dict[str, Verdict]:
         for file, row in job.records(result):
             rows.setdefault(file, []).append({**row, "expected_order": resolve(job.setting.case).order})
     tables = {file: pd.DataFrame(of_file) for file, of_file in rows.items()}
-    statements = [one for one in (FirstOrder(), Convergence(), ContactForce()) if one.file in tables]
+    statements = dict.fromkeys(job.statement for job in jobs)
     found = judge_own([verdict for one in statements for verdict in one.judge(tables[one.file])], tables[RATES])
     return {f"{one.label}, {one.key}": one for one in found if one.key not in OF_THE_PROGRAM}
 
