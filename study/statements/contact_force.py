@@ -254,7 +254,8 @@ class ContactForce(Statement):
     def settings(self, scope: Scope) -> list[Setting]:
         """Cases of Prop. 5.4 that touch, on the three finest levels that the study has on all of their families.
 
-        The quick study measures some cases of the catalogue only. Every own case is measured.
+        The quick study measures some cases of the catalogue only. Every own case is measured, and on all levels, so
+        that finer levels can be added to a run.
         """
         return [
             Setting(reference, family.name, level)
@@ -262,7 +263,7 @@ class ContactForce(Statement):
             if is_own(reference) or (scope.statements and (scope.full or reference in EVOLVING))
             if case.proposition == "Prop. 5.4" and touches(case.solution)
             for family in scope.families_of(case)
-            for level in scope.levels_of(case).all[-ENOUGH:]
+            for level in scope.levels_of(case).all[0 if is_own(reference) else -ENOUGH :]
         ]
 
     def measure(self, setting: Setting) -> dict[str, Any]:
