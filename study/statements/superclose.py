@@ -38,7 +38,7 @@ class Superclose(ListedNumbers):
     """The order of the discrete error for the plane cases of Proposition 5.4, and the share of the error in time."""
 
     label = "superclose"
-    claim = "‖Π^h u − u^h‖_{L∞(0,T;V)} is of order 3/2 to 2 on one-diagonal meshes, with k ~ h, if u̇ is Lipschitz up to jumps"
+    claim = "‖Π^h u − u^h‖_{L∞(0,T;V)} is of order 3/2 to 2 on one-diagonal meshes, k ~ h, except load-w11"
     rules = (
         order("order", "order of ‖Π^h u − u^h‖_V, k ~ h", ORDER, "discrete error", last=ENOUGH),
         largest("time-share", "time share of ‖Π^h u − u^h‖_V, by half as many steps", TIME, "time share"),
