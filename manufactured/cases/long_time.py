@@ -6,7 +6,7 @@ on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so that strains of earlie
 
 Predicted order 1: the front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
 applies for every T. The constant of its proof may grow like e^{T L_G/m_A} = e^{40}. Here G is monotone, and the error
-is predicted to be as large in every period: interpolation dominates it, which repeats itself but for the decaying start.
+is predicted to be as large in every period: interpolation dominates it, which repeats itself after the decaying start.
 
 At first G was A/5 and steps were 1.5 times as long; the time share was 2.1 % on the coarsest criss-cross mesh.
 """
