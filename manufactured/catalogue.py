@@ -1,4 +1,4 @@
-"""The catalogue of exact solutions: their names, and the cases themselves, each made when it is asked for."""
+"""The catalogue of exact solutions: their names, and the cases. Each case is made at its first use."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def catalogue() -> tuple[Case, ...]:
 
 @cache
 def named(name: str) -> Case:
-    """Return the case of the catalogue with this name; no other case is made for it.
+    """Return the case of the catalogue with this name, without making the other cases.
 
     >>> case = named("rotated")
     >>> case.order, case.solution.body.dim, case.solution.law.dim

@@ -15,11 +15,11 @@ from manufactured.symbols import FormulaError, Values
 from manufactured.tensors import Array
 
 POINTS = 40
-"""Of Gauss's rule on an interval of contact, or on each of its pieces."""
+"""Number of Gauss points on an interval of contact, or on each of its pieces."""
 PIECES = (1, 4)
 """Equal pieces of an interval of contact, tried in turn: a long contact may hold many periods of a motion."""
 ACCURACY = 1e-13
-"""Difference from the rule on both halves, relative to the largest integral, up to which the rule serves."""
+"""Largest accepted difference between the rule on an interval and on its halves, relative to the largest integral."""
 TINY = float(np.finfo(float).tiny)
 
 
@@ -37,7 +37,7 @@ class Quadrature:
         self.nodes, self.weights = ((starts + (1 + x) / 2) / pieces).ravel(), np.tile(w / (2 * pieces), pieces)
 
     def started(self, points: Array, lower: Array, upper: Array, order: int) -> Started:
-        """The integral from ``lower`` on, (N,), at points (d − 1, N); none is asked for beyond ``upper``.
+        """Prepare the integrals from ``lower`` (N,) up to at most ``upper`` (N,), at points (d − 1, N).
 
         Raises:
             FormulaError: P changes too fast for the rule.
@@ -75,7 +75,7 @@ class _Started:
         return max(found, key=lambda pair: math.inf if math.isnan(pair[0]) else pair[0] / max(pair[1], TINY))
 
     def upto(self, upper: Array, chosen: Array) -> Values:
-        """As ``Started``."""
+        """See ``Started.upto``."""
         rule, lower = self.rule, self.lower[chosen][:, None]
         length = upper[:, None] - lower
         left = length * (1 - rule.nodes)

@@ -134,7 +134,7 @@ ROUNDING = 1e-9
 """Room for rounding in bounds that hold exactly."""
 BOUND = at_most(1 + ROUNDING, low=-math.inf)
 """Window of quotients that are at most 1."""
-SHARP = Window(0.99, 1 + ROUNDING, "≥ 0.99 only if the constant is the best")
+SHARP = Window(0.99, 1 + ROUNDING, "≥ 0.99 shows that the constant is the best possible")
 """Window of the largest quotient over a constant, which samples built for the best constant attain up to rounding."""
 
 

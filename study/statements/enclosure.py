@@ -270,7 +270,7 @@ ABOVE = largest("above", "largest error / upper bound", positive_at_most(1.0, "a
 BELOW = largest("below", "largest lower bound / error", at_most(1.0, "at every sampled time"), "below")
 REACH = Observation(
     largest("upper", "upper bound / error over [T/2, T], largest", Window(), "upper"),
-    "how far an end is from the error; what is claimed is that it never crosses it",
+    "this is the distance of an end from the error; the claim is that the end never crosses the error",
 )
 HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
@@ -279,8 +279,8 @@ TIGHT = (
 )
 ROOM = 0.15
 """Room around a predicted order, as for orders between levels elsewhere."""
-LAST = "no claim: what two meshes enclose is wider than what all do"
-KNOWN = "no claim: it contains the order of the errors whenever these lie within their bounds, the row above"
+LAST = "no claim: the interval from two meshes is wider than the interval from all meshes"
+KNOWN = "no claim: it contains the order of the errors whenever the row above holds"
 UNPREDICTED = "no claim: neither the solution nor its order is known"
 
 
