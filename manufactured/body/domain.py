@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from manufactured.body.html import picture
 from manufactured.body.part import ROUNDING, BodyError, Kind, NDBool, Part, fan_vector, scattered
 from manufactured.tensors import Points
 
@@ -90,6 +91,10 @@ class Body:
         """Random points of Ω, (d, count)."""
         return scattered(rng, self.vertices, self.contains, count)
 
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: a picture with the boundary parts, and the final time."""
+        return f"{picture((*self.parts, *self.interfaces))}<p>T = {self.T:g}</p>"
+
 
 def check(body: Body) -> None:
     """Raise an error unless the parts form a body of the contact problem.
@@ -101,7 +106,7 @@ def check(body: Body) -> None:
     _check_closed(body)
     for kind, why in ((Kind.CLAMPED, "Korn's inequality (2.17)"), (Kind.CONTACT, "the Signorini condition (2.5)")):
         if not body.of(kind):
-            raise BodyError(f"the body has no part {kind.value}, which {why} needs")
+            raise BodyError(f"the body has no part {kind.value}, which {why} needs: give one of its sides this kind")
     across = float(np.ptp(body.vertices, axis=1).max())
     if across**body.dim > SLENDER * body.measure:
         raise BodyError(

@@ -49,6 +49,7 @@ class Statement:
         quick, full: the settings of the quick and of the full study.
         of_every_case: whether it is measured on every case of a run, also on cases of users.
         initial_gap: whether it is measured on cases with an initial gap, too, which the paper does not have.
+        of_own_cases: whether ``settings`` has the cases of users, too, if the statement is not measured on every case.
     """
 
     label: str
@@ -60,6 +61,7 @@ class Statement:
     full: Sequence[Any] = ()
     of_every_case: bool = False
     initial_gap: bool = False
+    of_own_cases: bool = False
 
     def planned(self, scope: Scope) -> Sequence[Any]:
         """Return the settings of a study on the cases that the statement is about."""
