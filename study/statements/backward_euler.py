@@ -11,11 +11,11 @@ twice, as if the load always acted against the solution. The bound from the U_n 
 most a factor of three; the observed factor is 3.3 to 30. It counts the variation of the load once, but where contact
 carries nearly all of the load, as in full contact, u^h hardly changes with the load.
 
-**Between the nodes** the error of linear interpolation is compared with k/4 times the oscillation of u̇^h within a
-step. Predicted quotients: 1/2 where u̇^h changes steadily (2/3 if only four values of u̇^h are known in a step), 1
-where u̇^h jumps in the middle of a step, less where it jumps near an end. So the largest quotient over the steps is
-between 1/5 and 1. The midpoint rule is of higher order at the nodes where velocities are smooth, so interpolation makes
-most of its error between the nodes.
+**Between the nodes** the error of linear interpolation is compared with k/4 times the oscillation of u̇^h within a step.
+Predicted quotients: 1/2 where u̇^h changes steadily (2/3 if only four values of u̇^h are known in a step), 1 where u̇^h
+jumps in the middle of a step, less where it jumps near an end. So the largest quotient over the steps is between 1/5
+and 1. The midpoint rule is of higher order at the nodes where velocities are smooth, so interpolation makes most of its
+error between the nodes.
 """
 
 from __future__ import annotations

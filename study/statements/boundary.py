@@ -4,8 +4,8 @@ The discrete stress σ^h = A ε(u̇^h) + G ε(u^h) is constant on cells, so its 
 h → 0 in two senses. The orders are predicted for solutions with σ ∈ W^{1,∞}:
 
 * In L²(Γ). ‖σ − σ^h‖_Q = O(h) alone gives order 1/2: by the scaled trace inequality the error on Γ is h^{−1/2} times
-  the error in the cells along Γ, which may contain all of it. If the error is spread evenly, as W^{1,∞} estimates say for
-  smooth solutions on quasi-uniform meshes, these cells hold h^{3/2}, and ‖σ^hν − σν‖ is of order 1, no more: σ^h is
+  the error in the cells along Γ, which may contain all of it. If the error is spread evenly, as W^{1,∞} estimates say
+  for smooth solutions on quasi-uniform meshes, these cells hold h^{3/2}, and ‖σ^hν − σν‖ is of order 1, no more: σ^h is
   constant on the cell. For σ_τ alone, which ‖σ^hν − σν‖ bounds, the first-order term depends on how the triangles along
   Γ3 lie.
 * Against smooth v with v = 0 on Γ1 and v_ν = 0 on Γ3. Then (4.13) reads (σ, ε(v))_Q = (f, v)_V, and since the scheme

@@ -1,8 +1,7 @@
-"""Beyond the paper: the error of fully discrete schemes in h and k, for which the paper calls estimates an open
-problem.
+"""Beyond the paper: the error of fully discrete schemes in h and k; the paper calls estimates of it an open problem.
 
-Let u_n^{hk} be the solution of a time scheme and u^h the solution of Problem 5.1. Two errors are measured for many h,
-k:
+Let u_n^{hk} be the solution of a time scheme and u^h the solution of Problem 5.1. For many (h, k) two errors are
+measured,
 
     e(h, k) = max_n ‖u(t_n) − u_n^{hk}‖_V,     d(h, k) = max_n ‖u^h(t_n) − u_n^{hk}‖_V
 
@@ -11,7 +10,8 @@ measuring, and reported without a verdict, because the paper claims nothing:
 
 * e² = (C_h h^p)² + (C_k k^q)² with p = 1, rather than e = C_h h^p + C_k k^q. The reason is that e is nearly all
   interpolation error, which is nearly orthogonal in V to V^h, where the error in time lies;
-* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so Problem 5.1 is not stiff and no scheme sees h;
+* d = C k^q h^s with s = 0: B^h is bounded uniformly in h, (5.5), so Problem 5.1 is not stiff and d does not depend on
+  h;
 * q = 1 for backward Euler; q = 2 for BDF2 and the midpoint rule, 3/2 where u̇^h jumps because vertices change contact.
   For 3/2 there is no theory: ``landings`` shows that only 1 may remain.
 """

@@ -1,7 +1,6 @@
 """Beyond the paper: without a velocity that is smooth in space only half the order is left. Rollers show why.
 
-Proposition 5.4 asks for u̇(t) ∈ H². A theorem of the supplement does without, for u ∈ L^∞(0,T;H^{1+s}) ∩
-W^{1,1}(0,T;V):
+Proposition 5.4 asks for u̇(t) ∈ H². A theorem of the supplement does without, for u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
 
     ‖u − u^h‖_V ≤ (1 + κT e^{κT}) (E_h + ΘM_h) + e^{κT} (‖u_0 − Π^hu_0‖_V + ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}),
 

@@ -85,8 +85,7 @@ class Untested(Listed):
         ("stress-in-Q1", "(4.1)", "σ ∈ L^∞(0,T;Q_1)",
          "not tested by itself: Div σ = −f_0 by (4.11), so it is (3.4) once u ∈ W^{1,∞}(0,T;V), which is judged, as is "
          "the balance of σ^h with P f_0"),
-        ("density", "(5.29), (5.33)–(5.35)", "W^{1,2}(0,T;K ∩ C^∞(Ω̄)²) is dense in W^{1,2}(0,T;K), and an ε for each
-        h",
+        ("density", "(5.29), (5.33)–(5.35)", "W^{1,2}(0,T;K ∩ C^∞(Ω̄)²) is dense in W^{1,2}(0,T;K), and an ε for each h",
          "not tested: about infinitely many functions. (5.29) follows from the density of K ∩ C^∞(Ω̄)² in K, cited in "
          "the source, as u may be replaced by its linear interpolant in time; (5.33)–(5.35) follow from (5.28)–(5.32). "
          "What they are used for, convergence for rough u, is judged on rough cases"),
