@@ -321,7 +321,7 @@ solution by a tenth, so this row also notices a distance of 1e-4 of the solution
 
 
 class StandsAlone(ListedNumbers):
-    """Tests that the gaps show all of a mistake in Problem 3.1; without a mistake the ratio is 0/0 and the row fails."""
+    """Tests that gaps show all of a mistake in Problem 3.1; without a mistake the ratio is 0/0 and the row fails."""
 
     label = "Thm 4.2"
     claim = "the comparison shows the full size of a deliberate defect in Problem 3.1 alone"
