@@ -360,7 +360,7 @@ def distinct(places: Array) -> tuple[Array, Array | None]:
     if np.iscomplexobj(places) or places[0].size < 64:
         return places, None
     rounded = np.round(places.reshape(len(places), -1), 13)
-    # Two coordinates are combined to a complex number, because ``numpy.unique`` sorts numbers faster than rows.
+    # Two coordinates are combined to one complex number, which NumPy sorts by its real and then its imaginary part.
     keys = rounded[0] if len(rounded) == 1 else rounded[0] + 1j * rounded[1]
     distinct = np.unique(keys)
     if 2 * len(distinct) > len(keys):

@@ -1,8 +1,8 @@
 """The contact force −σ^h_ν converges to the contact pressure p, and u^h_ν ≤ 0 holds between the vertices of Γ3.
 
 The paper claims nothing about the contact force. It is judged separately, because orders in V hardly depend on it:
-where all of Γ3 is in contact, contact forces that are wrong by a fifth do not change u^h, and a penalty method with too
-small a penalty passes.
+where all of Γ3 is in contact, contact forces that are wrong by a fifth do not change u^h, and penalty
+methods whose error stagnates pass.
 
 **Measured** for every case of Proposition 5.4 with contact. With the nodal contact forces λ_n at t_{n−1/2}, which are
 the multipliers of the midpoint rule, Problem 5.1 reads
