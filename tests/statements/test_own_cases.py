@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from test_propositions import prop_5_3, prop_5_4, table
 
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, UNDECIDED, Verdict
+from study.ledger.verdict import BECAUSE, FAILS, HOLDS, REPORTED, UNDECIDED, Verdict
 from study.run.judgement import with_reasons
 from study.statements.own_cases import enough, finer, judge_own, least_levels
 
@@ -172,3 +172,16 @@ def test_a_missed_order_of_the_contact_force_is_undecided_and_penetration_fails(
     missed, inside, _ = judge_own(rows, following([1.0, 1.0]))
     assert "not settled on these meshes" in reason(missed)
     assert inside.verdict == FAILS
+
+
+def test_a_contact_force_that_gains_no_half_order_is_reported_and_one_below_the_order_of_the_error_undecided() -> None:
+    for order, verdict in ((1.2, REPORTED), (0.7, UNDECIDED)):
+        (row,) = judge_own([force("order-dual-superclose", FAILS, order)], following([1.0, 1.0]))
+        assert row.verdict == verdict
+
+
+def test_a_time_share_of_the_contact_force_says_nothing_about_the_errors() -> None:
+    rows = [force("time-share", FAILS, 0.6), *prop_5_4(following([0.5, 0.5]))]
+    share, *others = judge_own(rows, following([0.5, 0.5]))
+    assert "raise `pace`" in reason(share)
+    assert {row.key: row.verdict for row in others}["order"] == FAILS
