@@ -18,6 +18,7 @@ from manufactured.file_names import file_name_fault
 from manufactured.html import table
 from manufactured.profile import ZERO
 from manufactured.regularity import Regularity
+from manufactured.self_proof.finding import INITIAL_GAP_ADVICE
 from manufactured.singular import SingularFace, SingularField, TravellingField, least_exponent
 from manufactured.symbols import t
 from manufactured.tensors import Array
@@ -98,10 +99,13 @@ class Case:
             raise CaseError(f"case {self.name}: {error}") from error
         if not all(math.isclose(stated, read) for stated, read in zip(astuple(label), astuple(found), strict=True)):
             stated = {f.name: getattr(found, f.name) for f in fields(found) if getattr(found, f.name) != f.default}
-            raise CaseError(
-                f"case {self.name}: labelled {label}, but its formulas say {found}; correct the label to "
-                f"Regularity({', '.join(f'{name}={value!r}' for name, value in stated.items())}), or the formulas"
+            remedy = (
+                f"correct the label to Regularity({', '.join(f'{name}={value!r}' for name, value in stated.items())}), "
+                "or the formulas"
             )
+            if math.isinf(found.gap) and math.isfinite(label.gap) and math.isfinite(found.pressure):
+                remedy = f"the pressure has a front and the gap has none. {INITIAL_GAP_ADVICE}"
+            raise CaseError(f"case {self.name}: labelled {label}, but its formulas say {found}; {remedy}")
 
     def _found(self, alpha: float, m: float, moving: bool) -> Regularity:
         """The regularity of the formulas, from the exponents of their fronts."""

@@ -98,8 +98,9 @@ class Data:
         f2: Mapping[int, Formulas] | None = None,
         u0: Formulas | None = None,
         lines: tuple[Hyperplane, ...] = (),
+        **others: object,
     ) -> Data:
-        """Return data from formulas of x1, x2 (x3) and t.
+        """Return data from formulas of x1, x2 (x3) and t. There is no initial gap: Γ3 touches the foundation if u = 0.
 
         Args:
             body, law: the body and its material law.
@@ -107,11 +108,18 @@ class Data:
             f2: number of a part of ``body.parts`` ↦ the components of f_2 on it; parts of Γ2 left out carry no load.
             u0: the components of u_0; 0 if left out.
             lines: where the formulas have kinks.
+            others: refused, with what there is instead.
 
         Raises:
             LawError: body and law have different dimensions.
-            FormulaError: wrong components or symbols, or f_2 on a part that is not of Γ2.
+            FormulaError: wrong components or symbols, f_2 on a part that is not of Γ2, or another argument.
         """
+        if others:
+            raise FormulaError(
+                f"Data.formulas takes f0, f2, u0 and lines, got {', '.join(others)}; there is no initial gap in data, "
+                "as the undeformed body touches the foundation along Γ3; only an exact solution can have one, the "
+                "`initial_gap` of ContactFace.linear"
+            )
         dim, place = body.dim, (x1, x2, x3)[: body.dim]
         law.require_dimension(dim)
         force = compiled(f0, dim, "f0", (*place, t))

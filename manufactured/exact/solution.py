@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, reduce
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +12,7 @@ from numpy.typing import ArrayLike
 from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
+from manufactured.exact.domain import coordinates, require_inside, require_times
 from manufactured.exact.forces import ForceModes, force_modes
 from manufactured.html import table
 from manufactured.jet import Jet
@@ -70,30 +72,34 @@ class ExactSolution:
         return tuple(face.part.line(c) for face in faces for c in face.fronts(time))
 
     def at(self, x: ArrayLike) -> Fields:
-        """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times as needed.
+        """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times of [0, T] as needed.
 
-        Points outside are not refused: there the formulas go on, as programs need whose vertices or points of
-        quadrature lie outside by a rounding error. They are no solution there; ask ``body.contains`` if in doubt.
+        Vertices and points of quadrature may lie outside by a rounding error.
 
         >>> from manufactured import named
         >>> solution = named("full-contact").solution
         >>> solution.at([[0.5], [1.0]]).displacement(1.0).ravel().tolist()  # clamped on top
         [0.0, 0.0]
-        >>> solution.body.contains(np.array([[0.5, 0.5], [0.5, 1.5]])).tolist()
-        [True, False]
+        >>> solution.at([[5], [5]])  # doctest: +ELLIPSIS
+        Traceback (most recent call last):
+        ValueError: the point (5, 5) lies outside the body, where there is no exact solution (1 of 1 points); ...
 
         Raises:
-            ValueError: there are not d coordinates.
+            ValueError: x has another shape, or a point lies outside the body; the methods of the result raise it for
+                times outside [0, T].
         """
-        return Fields(self, _coordinates(x, self.body.dim, "points of the body"))
+        points = coordinates(x, self.body.dim, "points of the body")
+        require_inside(self.body, points)
+        return Fields(self, points)
 
     def on(self, face: Face, s: ArrayLike) -> FaceFields:
         """The solution at fixed points of a contact face, (d − 1, ...).
 
         Raises:
-            ValueError: there are not d − 1 coordinates.
+            ValueError: s has another shape, or a point lies outside the body; the methods of the result raise it for
+                times outside [0, T].
         """
-        return FaceFields(self, face, _coordinates(s, self.body.dim - 1, "points of a face"))
+        return FaceFields(self, face, coordinates(s, self.body.dim - 1, "points of a face"))
 
     def _repr_html_(self) -> str:
         """Return what a notebook shows: the body, the law, and the contact data of every piece of Γ3."""
@@ -127,21 +133,26 @@ class Fields:
     def _law(self, time: Array | complex) -> PointLaw:
         return self._law_at_times if np.ndim(time) else self.law
 
+    def _total(self, field: Callable[[ContributionAtPoints], Array], time: Array | complex) -> Array:
+        """The sum of a field over all contributions, at times that the solution has."""
+        require_times(self.solution.body.T, time)
+        return reduce(np.add, map(field, self._parts))
+
     def displacement(self, time: Array | complex) -> Vectors:
         """u, (d, ...)."""
-        return _sum([part.displacement(time) for part in self._parts])
+        return self._total(lambda part: part.displacement(time), time)
 
     def velocity(self, time: Array | complex) -> Vectors:
         """u̇, (d, ...)."""
-        return _sum([part.displacement(time, rate=True) for part in self._parts])
+        return self._total(lambda part: part.displacement(time, rate=True), time)
 
     def strain(self, time: Array | complex) -> Tensors:
         """ε(u), (D, ...)."""
-        return _sum([part.strain(time) for part in self._parts])
+        return self._total(lambda part: part.strain(time), time)
 
     def strain_rate(self, time: Array | complex) -> Tensors:
         """ε(u̇), (D, ...)."""
-        return _sum([part.strain(time, rate=True) for part in self._parts])
+        return self._total(lambda part: part.strain(time, rate=True), time)
 
     def modes(self) -> list[Modes]:
         """ε(u) as sums of products, one for each contribution; points are counted through in the order of ``x``."""
@@ -149,7 +160,7 @@ class Fields:
 
     def strain_gradient(self, time: Array | complex) -> Array:
         """∂_j ε(u), (D, d, ...)."""
-        return _sum([part.strain_gradient(time) for part in self._parts])
+        return self._total(lambda part: part.strain_gradient(time), time)
 
     def stress(self, time: Array | complex) -> Tensors:
         """σ = A ε(u̇) + G ε(u), (2.1), (D, ...)."""
@@ -157,7 +168,8 @@ class Fields:
 
     def body_force(self, time: Array | complex) -> Vectors:
         """f_0 = −Div σ, (2.2): −∂_j σ_ij with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
-        law, rate_gradient = self._law(time), _sum([part.strain_gradient(time, rate=True) for part in self._parts])
+        rate_gradient = self._total(lambda part: part.strain_gradient(time, rate=True), time)
+        law = self._law(time)
         slope = law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
         slope = slope + law.G.gradient(lambda: self.strain(time), self.strain_gradient(time))
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
@@ -186,6 +198,7 @@ class FaceFields:
 
     def _value(self, jet: Jet, time: Array | float) -> Array:
         """A formula at the points."""
+        require_times(self.solution.body.T, time)
         return jet(self.s.reshape(*self.s.shape, *(1,) * np.ndim(time)), time)[(0,) * len(self.s)]
 
     def pressure(self, time: Array | float) -> Array:
@@ -227,17 +240,3 @@ class FaceFields:
     def level(self, time: Array | float) -> Array:
         """ψ, (...): the contact zone is {ψ ≥ 0}."""
         return self._value(self.face.level_jet, time)
-
-
-def _coordinates(values: ArrayLike, count: int, what: str) -> Array:
-    found = np.asarray(values)
-    if found.ndim == 0 or len(found) != count:
-        raise ValueError(f"{what} have {count} coordinate(s), one row for each; got an array of shape {found.shape}")
-    return found
-
-
-def _sum(terms: list[Array]) -> Array:
-    total = terms[0]
-    for term in terms[1:]:
-        total = total + term
-    return total

@@ -74,7 +74,11 @@ class Plan:
     @classmethod
     def of(cls, scope: Scope) -> Plan:
         """Return the jobs of all statements that measure something in a scope."""
-        statements = [statement for statement in STATEMENTS if scope.statements or statement.of_every_case]
+        statements = [
+            statement
+            for statement in STATEMENTS
+            if scope.statements or statement.of_every_case or statement.of_own_cases
+        ]
         jobs = [Job(statement, setting) for statement in statements for setting in statement.settings(scope)]
         return cls(scope, tuple(jobs))
 

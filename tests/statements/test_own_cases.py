@@ -149,3 +149,26 @@ def test_levels_are_added_until_an_order_can_be_decided() -> None:
     assert enough([8], 3, dim=3) == [8, 12, 16]
     assert "try --levels 16 32 48" in reason(own(following([0.6, 0.8]).assign(dim=3))["order"])
     assert (least_levels("Prop. 5.3"), least_levels("Prop. 5.4")) == (4, 3)
+
+
+def force(key: str, verdict: str, observed: float) -> Verdict:
+    return replace(
+        own(following([1.0, 1.0]))["order"], label="contact force", key=key, verdict=verdict, observed=observed
+    )
+
+
+def test_orders_of_the_contact_force_say_nothing_where_meshes_do_not_resolve_contact() -> None:
+    for off, resolved in ((0.01, True), (0.2, False)):
+        rows = [force("order-pressure", HOLDS, 1.2), force("resultant", HOLDS if resolved else FAILS, off)]
+        found = judge_own(rows, following([1.0, 1.0]))
+        if resolved:
+            assert [one.verdict for one in found] == [HOLDS, HOLDS]
+        else:
+            assert all("the force on a face is wrong by 20% on the finest" in reason(one) for one in found)
+
+
+def test_a_missed_order_of_the_contact_force_is_undecided_and_penetration_fails() -> None:
+    rows = [force("order-pressure", FAILS, 0.5), force("penetration", FAILS, 0.1), force("resultant", HOLDS, 0.01)]
+    missed, inside, _ = judge_own(rows, following([1.0, 1.0]))
+    assert "not settled on these meshes" in reason(missed)
+    assert inside.verdict == FAILS

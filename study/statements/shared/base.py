@@ -48,6 +48,7 @@ class Statement:
         rules: the criteria, each of which gives one row of the ledger for every case.
         quick, full: the settings of the quick and of the full study.
         of_every_case: whether it is measured on every case of a run, also on cases of users.
+        of_own_cases: whether ``settings`` has the cases of users, too, if the statement is not measured on every case.
     """
 
     label: str
@@ -58,6 +59,7 @@ class Statement:
     quick: Sequence[Any] = ()
     full: Sequence[Any] = ()
     of_every_case: bool = False
+    of_own_cases: bool = False
 
     def places(self, full: bool) -> Sequence[Any]:
         """Return the settings of the full or of the quick study."""
