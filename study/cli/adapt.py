@@ -31,7 +31,8 @@ from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
-    """Compute, bound and refine, and write each mesh; 0 if the tolerance is reached, 1 if a limit is reached first."""
+    """Compute, bound and refine, and write each mesh; return 0 if the tolerance is reached, 1 if a limit is reached
+    first."""
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     level = min(options.levels)
@@ -47,7 +48,7 @@ def do_adapt(options: argparse.Namespace) -> int:
     with store.locked():
         while True:
             number = len(kept)
-            # The tolerance is not part of the key: it only decides when to stop.
+            # The tolerance is not part of the key, because it only decides when to stop.
             made_by = of_problem(data, case, (family, level, options.steps, scheme, static, number))
             kept.append(_stage(store, number, made_by, partial(adaptive.adapted, data, case, stage, scheme)))
             rows = adaptive.table([one["row"] for one in kept])
@@ -72,7 +73,7 @@ def do_adapt(options: argparse.Namespace) -> int:
 
 
 def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapted]) -> dict[str, Any]:
-    """Return the record of a mesh, from disk or computed."""
+    """Return the results on one mesh, from disk if they exist, otherwise computed."""
     key = f"adapted-{number}"
     kept = store.load(key, made_by) if adaptive.stage_file(store.directory, number).is_file() else None
     if kept is not None:
@@ -85,7 +86,7 @@ def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapte
 
 
 def _limit(stage: Stage, cells: int) -> str:
-    """Return why the next mesh is not computed; "" if it is."""
+    """Return why the next mesh is not computed; an empty text if it is."""
     if stage.cells > cells:
         return f"the next mesh has {stage.cells} cells, and {cells} are allowed: raise --cells or the tolerance"
     if stage.steps > MOST:
@@ -100,6 +101,6 @@ def _limit(stage: Stage, cells: int) -> str:
 
 
 def _uniform(directory: Path) -> pd.DataFrame:
-    """Return ``levels.csv`` of ``study bound`` for the same problem; empty if there is none."""
+    """Return ``levels.csv`` of ``study bound`` for the same problem; an empty table if there is none."""
     file = directory / "levels.csv"
     return pd.read_csv(file) if file.is_file() else pd.DataFrame()

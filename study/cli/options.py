@@ -1,4 +1,4 @@
-"""The commands, their options and exit codes; imports nothing that takes time, so that ``--help`` answers at once."""
+"""The commands, their options and exit codes. Only fast imports are permitted, so that ``--help`` answers at once."""
 
 from __future__ import annotations
 
@@ -9,26 +9,27 @@ from importlib.metadata import version
 from pathlib import Path
 
 OK, FAILED, USAGE, UNCLEAR, INTERRUPTED, CLOSED = 0, 1, 2, 3, 130, 141
-"""Exit codes: success; a claim fails, or an error; bad usage or input; undecided; Ctrl-C; broken pipe."""
+"""Exit codes: success; a check fails, or an error; bad usage or input; undecided; Ctrl-C; broken pipe."""
 SCHEMES = ("backward-euler", "midpoint", "bdf2")
 FAMILIES = ("one-diagonal", "criss-cross", "shaken", "unstructured", "graded")
 MODES = ("frozen", "march")
 MINUTES = 60.0
 """How long ``study seeds`` draws new seeds by default."""
 TOLERANCE = 1e-12
-"""Relative difference that ``study compare`` allows."""
+"""Relative difference that ``study compare`` permits by default."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
-"""Differences that ``study check --again`` allows, by the rule of ``study compare``. With 1e-12, every file differs on
-another processor: numbers near round-off do, and quotients of small numbers have fewer digits."""
+"""Differences that ``study check --again`` permits by default. With 1e-12 every file differs on another processor,
+because
+numbers near round-off differ and quotients of small numbers have fewer digits."""
 CELLS = 20_000
-"""Largest mesh of ``study bound --adapt`` unless another one is allowed."""
+"""Largest number of cells of ``study bound --adapt`` by default."""
 RESUMES = ("run", "controls", "seeds", "bound")
 RESUMED = "what is finished is kept, the same command does the rest"
 STARTS_AGAIN = "no file is half-written, the same command begins anew"
 
 
 def parser() -> argparse.ArgumentParser:
-    """Return the parser of all commands; ``options.command`` are the module and the function of a command."""
+    """Return the parser of all commands; ``options.command`` has the module and the function of a command."""
     top = argparse.ArgumentParser(
         prog="study",
         description="Verify the claims of Barboteu, Han and Sofonea (2002), and bound the errors of your own problems.",
@@ -204,7 +205,7 @@ def _json(command: argparse.ArgumentParser) -> None:
 
 
 def _orders(text: str) -> float | dict[str, float]:
-    """Return ``2`` as a number, ``L2=2,H1=1`` as name ↦ order; commas that follow no ``=2`` belong to a name."""
+    """Return a number for ``2`` and a dict for ``L2=2,H1=1``; commas that follow no ``=2`` belong to a name."""
     orders: dict[str, float] = {}
     name = ""
     for part in text.split(","):
@@ -221,7 +222,7 @@ def _orders(text: str) -> float | dict[str, float]:
 
 
 def _finite(text: str) -> float:
-    """Return a finite number."""
+    """Return a finite number from text."""
     value = float(text)
     if not math.isfinite(value):
         raise argparse.ArgumentTypeError(f"{text} is no finite number")

@@ -22,7 +22,7 @@ from study.orders import OrderError
 OF_CASES = (BodyError, CaseError, FormulaError, LawError, LoadError, SelfProofError)
 OF_FILES = (DataError, OrderError, RatesError, StoreError)
 REFUSALS = (*OF_CASES, *OF_FILES, BoundError, MeshError, NormError, UsageError)
-"""Errors that say what was given, what was expected and how to mend it."""
+"""Errors whose message states the given input, the expected input and the remedy."""
 
 KILLED = (
     "a worker process was killed, perhaps for want of memory: run the same command again, with fewer --jobs if it does "

@@ -42,7 +42,7 @@ def do_run(options: argparse.Namespace) -> int:
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)
-    # No more processes than there are jobs and cases.
+    # More processes than jobs and cases would be idle.
     with (
         Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
         _pool(options.cluster, plan, processes) as pool,
@@ -66,7 +66,7 @@ def do_run(options: argparse.Namespace) -> int:
 
 
 def measure(plan: Plan, store: Store, pool: Pool) -> None:
-    """Run the jobs of a plan that a directory lacks, and write its data files."""
+    """Run the jobs of a plan whose results a directory lacks, and write its data files."""
     refuse_to_replace(plan, store.directory)
     store.check()
     with progress_bar(round(sum(job.cost for job in plan.jobs))) as bar:
@@ -76,7 +76,7 @@ def measure(plan: Plan, store: Store, pool: Pool) -> None:
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:
-    """Return a scope with the levels that a directory already has of its cases, if the scope adds others."""
+    """Return the scope with the levels that a directory already has for its cases, if the scope adds others."""
     if not (directory / "data" / "provenance.json").exists():
         return scope
     planned = read_provenance(directory)["planned"]
@@ -115,7 +115,7 @@ def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) 
 
 
 def warn_of_few_levels(scope: Scope) -> None:
-    """Print which cases have too few levels to decide about an observed order."""
+    """Print which cases have too few levels for a verdict on an observed order."""
     for case in scope.resolved():
         needed, given = least_levels(case.proposition), scope.levels_of(case).all
         if len(given) < needed:
@@ -135,7 +135,7 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
         scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
-        # The interior-point method solves small problems only.
+        # The interior-point method can solve small problems only.
         plane, solid = ([n for n in options.levels if n <= most] for most in (16, 6))
         scope = replace(
             scope,
@@ -150,7 +150,7 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
 
 
 def command_line(options: argparse.Namespace, levels: Sequence[int] | None = None, out: Path | None = None) -> str:
-    """Return the command line of ``study run`` with some options, with other levels or another directory if given."""
+    """Return the command line of ``study run`` with the given options, or with other levels or another directory."""
     words = ["study", "run", *(["--full"] if options.plan == "full" else [])]
     words += ["--case", *options.case] if options.case else []
     levels = levels or options.levels

@@ -1,4 +1,5 @@
-"""The line of a case in ``cases.csv`` and in ``study cases``; imports no solver, for a fast start."""
+"""The line of a case in ``cases.csv`` and in ``study cases``. No solver is imported, so that the command starts
+fast."""
 
 from __future__ import annotations
 
