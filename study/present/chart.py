@@ -31,7 +31,7 @@ _MANTISSAS = ((1,), (1, 3), (1, 2, 5), (1, 1.5, 2, 3, 5, 7), (1, 1.2, 1.5, 2, 2.
 
 @dataclass(frozen=True)
 class Axis:
-    """An axis from ``low`` to ``high``; ``symbol`` follows the label in italics.
+    """An axis from ``low`` to ``high``; the label is followed by ``symbol`` in italics.
 
     A logarithmic axis has at least ``least`` ticks.
     """
@@ -44,13 +44,14 @@ class Axis:
     least: int = 3
 
     def position(self, value: float) -> float:
-        """Returns 0 at the lower end and 1 at the upper end; values that have no logarithm lie far below 0."""
+        """Return the position of a value, 0 at the lower end and 1 at the upper end; values without a logarithm are
+        far below 0."""
         if self.scale == "linear":
             return (value - self.low) / (self.high - self.low)
         return math.log10(max(value / self.low, 1e-9)) / math.log10(self.high / self.low)
 
     def ticks(self) -> list[tuple[float, str]]:
-        """Returns round values inside the axis with their texts: the coarsest of which there are enough."""
+        """Return round values inside the axis with their texts: the coarsest choice that has enough values."""
         if self.scale == "log":
             decades = range(math.floor(math.log10(self.low)), math.ceil(math.log10(self.high)) + 1)
             write = "{:.4g}".format if self.low >= 1e-3 and self.high < 1e4 else _power_of_ten
@@ -64,14 +65,14 @@ class Axis:
 
 
 def linear_axis(label: str, *values: ArrayLike, symbol: str = "") -> Axis:
-    """Returns an axis around all values with a margin at each end."""
+    """Return an axis around all values with a margin at each end."""
     low, high = _range(values)
     margin = MARGIN * (high - low) or 0.5
     return Axis(label, low - margin, high + margin, symbol=symbol)
 
 
 def log_axis(label: str, *values: ArrayLike, symbol: str = "", least: int = 3) -> Axis:
-    """Returns a logarithmic axis around all values with a margin at each end."""
+    """Return a logarithmic axis around all values with a margin at each end."""
     low, high = _range(values)
     decades = math.log10(high / low)
     margin = 10 ** (MARGIN * decades if decades > 0.01 else 0.5)
@@ -111,12 +112,12 @@ class Band:
 
 @dataclass(frozen=True, eq=False)
 class SlopeTriangle:
-    """A triangle with the expected slope.
+    """A triangle that shows the expected slope.
 
     Attributes:
         corners: lower left, upper right, and upper left with the right angle, (3, 2).
-        beside, above: texts beside the left side and above the upper side.
-        top: the value of y that is needed to show the triangle with its texts.
+        beside, above: texts to the left of the left side and above the upper side.
+        top: the value of y up to which the axis must reach to show the triangle with its texts.
     """
 
     corners: Array
@@ -127,7 +128,7 @@ class SlopeTriangle:
 
 @dataclass(frozen=True, eq=False)
 class Subplot:
-    """One pair of axes with curves, bands below the curves, a slope triangle, and horizontal lines at ``rules``."""
+    """One pair of axes with curves, bands behind the curves, a slope triangle, and horizontal lines at ``rules``."""
 
     title: str
     x: Axis
@@ -152,9 +153,9 @@ class Chart:
 
     Attributes:
         summary: one line for readers who cannot see the chart.
-        subplots: one above the other or, if there are ``columns``, row by row in a grid.
+        subplots: one above the other or, if ``columns`` is positive, row by row in a grid.
         legend: the columns of the legend.
-        caption: says what to see, with numbers.
+        caption: describes what to see, with numbers.
     """
 
     summary: str
@@ -165,7 +166,7 @@ class Chart:
 
 
 HEIGHTS = {1: (1,), 2: (3, 2)}
-"""Relative heights of subplots one above the other."""
+"""Relative heights of subplots that stand one above the other."""
 _STROKES: dict[str, dict[str, Any]] = {
     "solid": {},
     "dashed": {"ls": "--", "lw": 0.7},
@@ -176,12 +177,12 @@ _BAND = 0.35
 
 
 def draw_chart(chart: Chart) -> Figure:
-    """Draws a chart with Matplotlib."""
+    """Draw a chart with Matplotlib."""
     return _draw_grid(chart) if chart.columns else _draw_column(chart)
 
 
 def _draw_column(chart: Chart) -> Figure:
-    """Subplots one above the other, as wide as a column of text, with the legend below."""
+    """Draw subplots one above the other, as wide as a column of text, with the legend below."""
     count = len(chart.subplots)
     figure = Figure(figsize=(COLUMN, 3.8 + 0.2 * count))
     panels = figure.subplots(count, sharex=True, squeeze=False, height_ratios=HEIGHTS[count])[:, 0]
@@ -191,7 +192,7 @@ def _draw_column(chart: Chart) -> Figure:
         axes.set_ylabel(mathtext(subplot.y.label))
         axes.label_outer()
     panels[-1].set_xlabel(_label(chart.subplots[-1].x))
-    # Matplotlib fills a legend column by column, so shorter columns need blanks.
+    # Matplotlib fills a legend column by column, so shorter columns need blank entries.
     longest = max(map(len, chart.legend))
     handles: list[Artist] = []
     for column in chart.legend:
@@ -201,7 +202,7 @@ def _draw_column(chart: Chart) -> Figure:
 
 
 def _draw_grid(chart: Chart) -> Figure:
-    """Small subplots, row by row, with common labels and the legend above."""
+    """Draw small subplots row by row, with common labels and the legend above."""
     columns, count = chart.columns, len(chart.subplots)
     rows = math.ceil(count / columns)
     width = max(COLUMN, 0.5 + 1.05 * columns)
@@ -222,7 +223,7 @@ def _draw_grid(chart: Chart) -> Figure:
 
 
 def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
-    """Draws the inside of the axes and the ticks, with markers of ``size`` points."""
+    """Draw the inside of the axes and the ticks, with markers of ``size`` points."""
     axes.set(xscale=subplot.x.scale, yscale=subplot.y.scale)
     axes.set(xlim=(subplot.x.low, subplot.x.high), ylim=(subplot.y.low, subplot.y.high))
     _set_ticks(axes.xaxis, subplot.x)
@@ -244,7 +245,7 @@ def _draw_subplot(axes: Axes, subplot: Subplot, size: float = 3.6) -> None:
 
 
 def _set_ticks(drawn: MatplotlibAxis, axis: Axis) -> None:
-    """Sets labelled ticks and, on a logarithmic axis, small ticks without labels between them."""
+    """Set labelled ticks and, on a logarithmic axis, small ticks without labels between them."""
     ticks = axis.ticks()
     drawn.set_major_locator(FixedLocator([value for value, _ in ticks]))
     drawn.set_major_formatter(FixedFormatter([mathtext(text) for _, text in ticks]))

@@ -1,4 +1,4 @@
-"""The charts of the study: what they show, computed from the data files, and their captions."""
+"""The charts of the study, computed from the data files, and their captions."""
 
 from __future__ import annotations
 
@@ -41,22 +41,23 @@ from study.present.palette import (
 )
 
 NEGLIGIBLE = 1e-3
-"""Values below this fraction of the smallest error are not shown, as they would flatten the errors."""
+"""Values below this fraction of the smallest error are not shown, because they would compress the range of errors."""
 MOST_COLUMNS = 5
 """The largest number of columns of a grid of subplots."""
 
 
 def by_family(rates: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:
-    """Yields the rows of each mesh family, from the coarsest level to the finest."""
+    """Yield the rows of each mesh family, from the coarsest level to the finest."""
     for family, rows in rates.groupby("family", sort=False):
         yield str(family), rows.sort_values("level")
 
 
 def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
-    """Returns family ↦ the order of ``error`` over the last refinements, or over as many as there are.
+    """Return for each mesh family the order of ``error`` over the last refinements, or over as many as there are.
 
     Families with a single level, or with errors that have no order, are left out. Over two refinements a fixed front,
-    or a jump of the material, has the same place in the cells of both meshes.
+    or a
+    jump of the material, has the same position in the cells of both meshes.
     """
     found = {}
     for family, rows in by_family(rates):
@@ -68,25 +69,25 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
 
 
 def last_orders(rates: pd.DataFrame) -> tuple[list[float], list[float]]:
-    """Returns the orders over the last refinement: of all families that are not graded, and of graded ones."""
+    """Return the orders over the last refinement: of all mesh families that are not graded, and of graded ones."""
     found = finest_orders(rates, refinements=1)
     graded = [found.pop("graded")] if "graded" in found else []
     return list(found.values()), graded
 
 
 def spread(values: Sequence[float]) -> str:
-    """Returns the smallest and the largest value as a text, or the only value."""
+    """Return the smallest and the largest value as text, or the only value."""
     low, high = (f"{value:.3g}" for value in (min(values), max(values)))
     return low if low == high else f"{low} … {high}"
 
 
 def slope_triangle(curves: Sequence[Curve], slope: float, decades: float, small: bool = False) -> SlopeTriangle | None:
-    """Returns a triangle above the left end of the curves, which increasing curves leave free.
+    """Return a triangle above the left end of the curves, where increasing curves leave room.
 
     Parameters:
         slope: the expected slope.
-        decades: the height of the axes, from which distances are taken.
-        small: in a small chart the slope stands above the triangle, where there is room.
+        decades: the height of the axes in decades, from which distances are computed.
+        small: in a small chart the slope is written above the triangle, where there is room.
 
     Returns:
         None without an expected slope, or if every curve has a single point.
@@ -110,7 +111,7 @@ def slope_triangle(curves: Sequence[Curve], slope: float, decades: float, small:
 
 
 def convergence_chart(rates: pd.DataFrame, order: float) -> Chart:
-    """Returns the errors of one case: error, discrete error, and ``time_share`` × ``error`` on every mesh family.
+    """Return the errors of one case: error, discrete error, and ``time_share`` × ``error`` on every mesh family.
 
     Parameters:
         rates: the rows of one case in ``rates.csv``.
@@ -166,12 +167,12 @@ def _family_legend(styles: Mapping[str, Style]) -> list[LegendEntry]:
 
 
 def overview_chart(rates: pd.DataFrame, expected: Mapping[str, float]) -> Chart:
-    """Returns the errors of all cases, one subplot each; ``expected`` gives the order of each case.
+    """Return the errors of all cases, one subplot each; ``expected`` gives the order of each case.
 
-    All subplots share the horizontal axis, those of one row also the vertical axis.
+    All subplots share the horizontal axis; the subplots of one row also share the vertical axis.
     """
     cases = list(dict.fromkeys(rates["case"]))
-    # Near the square root, with few places left empty.
+    # A number of columns near the square root that leaves few positions of the grid empty.
     nearest = math.ceil(math.sqrt(len(cases)))
     columns = min((min(nearest, MOST_COLUMNS), min(nearest + 1, MOST_COLUMNS)), key=lambda n: -len(cases) % n)
     styles, subplots = family_styles(rates["family"]), []
@@ -213,9 +214,9 @@ def _all_cases(cases: Collection[str]) -> str:
 
 
 def collapsed_chart(rates: pd.DataFrame) -> Chart:
-    """Returns error/C and error/(C h) of all cases, with C h the leading term of ‖u − Π^h u‖_V on the finest mesh.
+    """Return error/C and error/(C h) of all cases, with C h the leading term of ‖u − Π^h u‖_V on the finest mesh.
 
-    C comes from second derivatives of u, (5.23), not from the errors: nothing is fitted.
+    C follows from second derivatives of u, (5.23), not from the errors, so nothing is fitted.
     """
     styles = family_styles(rates["family"])
     scaled, relative, last = [], [], dict[str, list[float]]()
@@ -247,19 +248,18 @@ def collapsed_chart(rates: pd.DataFrame) -> Chart:
 
 
 def enclosure_charts(series: pd.DataFrame) -> Iterator[tuple[str, Chart]]:
-    """Yields case and chart for every case and mesh family with an enclosure in ``enclosures.csv``."""
+    """Yield case and chart for every case and mesh family with an enclosure in ``enclosures.csv``."""
     enclosed = series[series["trajectory"] == "enclosure"]
     for (case, family), rows in enclosed.groupby(["case", "family"], sort=False):
         yield str(case), enclosure_chart(rows, f"{case}, {family}")
 
 
 def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
-    """Returns the bands [d − y, d + y] of every level over time and, below, their ends divided by the error.
+    """Return the bands [d − y, d + y] of every level over time and, below, their ends divided by the error.
 
     Parameters:
         series: rows of ``enclosures.csv`` or of ``study bound``: ``level``, ``time``, ``distance`` d, ``bound`` y and,
-            where they are known, ``error`` and ``plain``, the bound from u_h alone. Where the error is unknown, d
-            takes its place.
+            if known, ``error`` and ``plain``, the bound from u_h alone. If the error is unknown, d is used instead.
     """
     known = bool(series["error"].notna().all())
     ends = series.assign(
@@ -303,9 +303,9 @@ def enclosure_chart(series: pd.DataFrame, title: str) -> Chart:
 
 
 def work_chart(statements: pd.DataFrame) -> Chart | None:
-    """Returns the root of the work of contact with the error and the excess over the linear problem.
+    """Return the square root of the work of contact with the error and the excess over the linear problem.
 
-    From ``statements.csv``; None if it has no rows of this statement.
+    The data are rows of ``statements.csv``; the result is None if there are no such rows.
     """
     strokes: dict[str, Stroke] = {"work": "solid", "error": "dotted", "excess": "dashed"}
     rows = statements[(statements["label"] == "beyond: work of contact") & statements["quantity"].isin(strokes)]
@@ -323,7 +323,7 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
             curves.append(Curve(h, values, Style(family_style.colour, family_style.marker, stroke, hollow)))
             if family == "one-diagonal" and len(table) > 1:
                 found[str(quantity)] += [float(order) for order in orders(h[-3:], values[-3:])]
-        # The subplots share axes on which every case has room.
+        # The subplots share axes on which every case must have room.
         triangle = slope_triangle(curves, 1.0, decades)
         y = log_axis("", rows["value"], [triangle.top] if triangle else [])
         x = log_axis("mesh size", rows["h"], symbol="h", least=2)
@@ -352,10 +352,10 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
 
 
 def rollers_chart(statements: pd.DataFrame) -> Chart | None:
-    """Returns the excess of contact over the linear problem where a narrow patch rolls along Γ3.
+    """Return the excess of contact over the linear problem if a narrow patch rolls along Γ3.
 
-    On every mesh family, of shaken meshes the mean and the range; from ``statements.csv``. Each level has a roller of
-    its own width. None if there are no such rows.
+    There is a curve for every mesh family; for shaken meshes it is the mean, with the range. The data are rows of
+    ``statements.csv``, and the width of the roller depends on the level. The result is None if there are no such rows.
     """
     chosen = statements["label"].eq("beyond: rollers") & statements["quantity"].eq("excess")
     rows = statements[chosen & statements["case"].str.fullmatch(r"roller-\d+")]
@@ -390,7 +390,7 @@ def rollers_chart(statements: pd.DataFrame) -> Chart | None:
 
 
 def codes_chart(codes: Codes) -> Chart:
-    """Returns order in V and distance from the right solution against the error of the pressure, for contact codes.
+    """Return order in V and distance from the reference solution against the error of the pressure, for contact codes.
 
     Each point is a code with its parameters on one case and mesh family, on the finest mesh.
     """
@@ -429,9 +429,9 @@ def codes_chart(codes: Codes) -> Chart:
 
 
 def growth_chart(growth: pd.DataFrame) -> Chart:
-    """Returns the cost of a level against the number of unknowns: seconds above, memory per unknown below.
+    """Return the cost of a level against the number of unknowns: seconds above, memory per unknown below.
 
-    From ``benchmarks/growth.csv``, with a colour for every ``dim`` and ``solver``.
+    The data are ``benchmarks/growth.csv``, with a colour for every ``dim`` and ``solver``.
     """
     kib = 1024
     parts: dict[str, LegendEntry] = {
@@ -459,7 +459,7 @@ def growth_chart(growth: pd.DataFrame) -> Chart:
             exponent, _ = np.polyfit(np.log(dofs), np.log(rows["level_seconds"]), 1)
             text += f", time growing like unknowns^{exponent:.2f}"
         seen.append(text)
-    # The line of slope 1 starts above the curves.
+    # The line of slope 1 starts above the curves so that it does not cover them.
     ends = np.array([growth["dofs"].min(), growth["dofs"].max()], dtype=float)
     first = growth["dofs"] == ends[0]
     line = Curve(ends, 1.6 * float((growth["level_seconds"] / growth["dofs"])[first].max()) * ends, Style(GREY))

@@ -1,4 +1,4 @@
-"""The texts for readers that would be written now, for those files that are there."""
+"""The expected texts of existing files that people read, computed from the data."""
 
 from __future__ import annotations
 
@@ -15,10 +15,11 @@ TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "mak
 
 
 def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
-    """Returns path ↦ (text, command that writes it) for the files of a run that follow from its data alone.
+    """Return for each file of a run that follows from its data alone the text and the command that writes it.
 
-    These are tables, inputs of the article and captions of figures; for a full run also the badges and the README of
-    the repository that the run belongs to. Files that are not there are left out.
+    These files are tables, inputs of the article and captions of figures; for a full run also the badges and the README
+    of
+    the repository to which the run belongs. Files that do not exist are left out.
 
     Raises:
         DataError: a data file is missing or damaged.

@@ -1,4 +1,4 @@
-"""Tables in pages of Markdown, between ``<!-- NAME -->`` and ``<!-- end -->``."""
+"""Insert tables into pages of Markdown, between ``<!-- NAME -->`` and ``<!-- end -->``."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ END = "<!-- end -->"
 
 
 def put(text: str, name: str, table: str) -> str:
-    """Returns a page with a table, or a few words, between the marks of a name; unchanged if it has no such marks.
+    """Return a page with a table, or a few words, inserted between the marks of a name; unchanged without such marks.
 
-    A table begins on its own line, words stay in their sentence.
+    A table begins on a new line; words stay in their sentence.
     """
     head, mark, rest = text.partition(f"<!-- {name} -->")
     _, end, tail = rest.partition(END)
@@ -19,6 +19,6 @@ def put(text: str, name: str, table: str) -> str:
 
 
 def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Returns a table."""
+    """Return a table in Markdown."""
     lines = [header, ["---"] * len(header), *rows]
     return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)

@@ -1,6 +1,6 @@
-"""The tables and badges of README and documentation that come from the data.
+"""The tables and badges of README and documentation that are made from the data.
 
-python -m study.present.pages results README.md docs/explanation/results.md …
+Usage: python -m study.present.pages results README.md docs/explanation/results.md …
 """
 
 from __future__ import annotations
@@ -50,18 +50,18 @@ from study.present.show import write_gif
 from study.present.windows import NOT_NOTHING, Change, added, changes
 
 FILM, FILM_DPI = "hexagon", 75
-"""The case on the first screen of the README, and dots per inch of its film."""
+"""The case shown at the top of the README, and dots per inch of its animation."""
 ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
-"""Keys of the rows that test a proposition itself; the other rows check the discrete solution."""
+"""Keys of the checks that test a proposition directly; the other checks test the discrete solution."""
 MISPRINTS = "slips"
-"""The label of the rows that list misprints."""
+"""The label of the checks that list misprints."""
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 PLURAL = {HOLDS: "hold", FAILS: "fail"}
 
 
 def main() -> None:
-    """Writes tables, badges and the film of the first screen: ``python -m study.present.pages RESULTS PAGE …``."""
+    """Write tables, badges and the animation: ``python -m study.present.pages RESULTS PAGE …``."""
     directory, *pages = map(Path, sys.argv[1:])
     data = FullRun.read(directory)
     if data is None:
@@ -75,7 +75,7 @@ def main() -> None:
 
 
 def refresh(page: Path, data: FullRun) -> bool:
-    """Writes the tables of a page again; returns whether the page changed.
+    """Write the tables of a page again; return whether the page changed.
 
     Raises:
         DataError: the page has no marks.
@@ -87,7 +87,7 @@ def refresh(page: Path, data: FullRun) -> bool:
 
 
 def refreshed(page: Path, data: FullRun) -> str:
-    """Returns the text of a page with its tables, between ``<!-- NAME -->`` and ``<!-- end -->``, from the data.
+    """Return the text of a page with its tables, between ``<!-- NAME -->`` and ``<!-- end -->``, made from the data.
 
     Raises:
         DataError: the page has no marks.
@@ -128,10 +128,10 @@ class Result:
 
 
 def answer(data: FullRun) -> str:
-    """Returns the claims of the paper, the tests and their result in a few sentences, in Markdown.
+    """Return the claims of the paper, the tests and their result in a few sentences, in Markdown.
 
-    The page that shows the sentences defines where the links [problem], [ledger], [results], [misprints] and
-    [bounds] lead.
+    The page that shows the sentences defines the targets of the links [problem], [ledger], [results], [misprints] and
+    [bounds].
     """
     smooth, rough = data.rows("Prop. 5.4", "order-extrapolated"), data.rows("Prop. 5.3", "order")
     predicted = data.cases.loc[rough["case"], "expected_order"]
@@ -168,7 +168,7 @@ def answer(data: FullRun) -> str:
 
 
 def kinds_of_evidence(claims: pd.DataFrame) -> str:
-    """Returns the numbers of checks that hold, by the kind of evidence, in a sentence."""
+    """Return a sentence with the numbers of checks that hold, by the kind of evidence."""
     counts = count_kinds(claims)
     return (
         f"Of those that hold, {counts[ORDER]} are orders and {counts[SIZE]} sizes with two-sided windows, "
@@ -178,7 +178,7 @@ def kinds_of_evidence(claims: pd.DataFrame) -> str:
 
 
 def headline(data: FullRun) -> str:
-    """Returns the main results with links to the code behind them, in Markdown; DataError if rows are missing."""
+    """Return the main results with links to the code behind them, in Markdown; DataError if checks are missing."""
     told = {
         "statements/prop_5_4.py": _prop_5_4,
         "statements/prop_5_3.py": _prop_5_3,
@@ -194,7 +194,8 @@ def headline(data: FullRun) -> str:
 
 
 def results(data: FullRun) -> str:
-    """Returns claims, predictions, observations rounded outwards, and verdicts, in Markdown; DataError as above."""
+    """Return claims, predictions, observations rounded outwards, and verdicts, in Markdown; DataError as in
+    ``headline``."""
     beyond = _regularity, _work, _rollers, _time
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, *beyond, _defects, _seeds)
     lines = [[_literal(cell) for cell in astuple(row(data))] for row in rows]
@@ -338,27 +339,27 @@ def _seeds(data: FullRun) -> Result:
 
 
 def _verdict(data: FullRun, label: str, among: set[str] | None = None) -> str:
-    """Returns the verdict on a statement and how many checks have it, in all cases or in some."""
+    """Return the verdict on a statement and the number of its checks, in all cases or in the given cases."""
     rows = data.claims[data.claims["label"] == label]
     return _judged(rows if among is None else rows[rows["case"].isin(among)], "checks")
 
 
 def _two_groups(data: FullRun, label: str, keys: tuple[str, ...], noun: str) -> str:
-    """Returns the verdict on the checks that test a proposition itself, then the counts of the further checks."""
+    """Return the verdict on the checks that test a proposition directly, then the counts of the further checks."""
     rows = data.claims[data.claims["label"] == label]
     tests = rows["key"].isin(keys)
     return f"{_judged(rows[tests], noun)}; {verdicts_in_words(rows[~tests], 'further checks of the same computations')}"
 
 
 def _judged(rows: pd.DataFrame, noun: str) -> str:
-    """Returns the worst verdict on the claims among rows, and how many rows have each verdict."""
+    """Return the worst verdict on claims among the checks, and how many checks have each verdict."""
     count = count_verdicts(rows)
     worst = [verdict for verdict in CLAIMED if count[verdict]]
     return f"{worst[0]}: {verdicts_in_words(rows, noun)}" if worst else REPORTED
 
 
 def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
-    """Returns "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions."""
+    """Return "all 44 checks hold" or the number of checks for each verdict, then the number of missed predictions."""
     count = count_verdicts(rows)
     total = sum(count[verdict] for verdict in CLAIMED)
     text = f"all {total} {noun} hold"
@@ -370,33 +371,33 @@ def verdicts_in_words(rows: pd.DataFrame, noun: str) -> str:
 
 
 def _range(rows: pd.DataFrame) -> str:
-    """Returns the least and the largest value, rounded outwards."""
+    """Return the least and the largest value, rounded outwards."""
     return f"{below(rows['low'].min(), 2)} to {above(rows['high'].max(), 2)}"
 
 
 def misprints(data: FullRun) -> str:
-    """Returns the places where the printed text of the paper is wrong, and how to read them, in Markdown."""
+    """Return the places where the printed text of the paper is wrong, and the corrected text, in Markdown."""
     rows = misprint_rows(data)[["case", "quantity", "expected"]].itertuples(index=False)
     lines = [[_literal(str(cell).removeprefix("read: ")) for cell in row] for row in rows]
     return markdown(["place", "printed", "read"], lines)
 
 
 def misprint_rows(data: FullRun) -> pd.DataFrame:
-    """Returns the rows of the ledger that list misprints."""
+    """Return the rows of the ledger that list misprints."""
     return data.claims[data.claims["label"] == MISPRINTS]
 
 
 def missed(data: FullRun) -> str:
-    """Returns the wrong predictions of this study and what was learned from them, in Markdown."""
+    """Return the wrong predictions of this study and what was learned from them, in Markdown."""
     lines = [[_literal(str(text)) for text in line] for line in missed_rows(data.claims)]
     return markdown(["statement", "case", "quantity", "predicted", "observed", "what was learned"], lines)
 
 
-# Lists: statements, numbered formulas, other codes, changed windows
+# Lists: statements, numbered formulas, other codes, changed windows.
 
 
 def statements(data: FullRun) -> str:
-    """Returns every statement with its verdicts, the file of the code that judges it and its data, in Markdown."""
+    """Return every statement with its verdicts, the file of the code that judges it and its data, in Markdown."""
     lines = []
     for label, claim, rows in by_claim(data.claims):
         where = data.provenance["statements"].get(label, {"code": [], "data": ["provenance.json"]})
@@ -411,15 +412,15 @@ def _verdicts(rows: pd.DataFrame) -> str:
 
 
 def formulas(data: FullRun) -> str:
-    """Returns every numbered formula and statement of the source with its rows or why it has none, in Markdown."""
+    """Return every numbered formula and statement of the paper with its checks or the reason for none, in Markdown."""
     lines = [[numbers, _literal(says), _literal(rows)] for numbers, says, rows in numbered_lines(data.claims)]
     return markdown(["number", "says", "rows, or why there are none"], lines)
 
 
 def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
-    """Yields numbers, their content, and their checks or the reason for none, in the order of the paper.
+    """Yield numbers, their content, and their checks or the reason for none, in the order of the paper.
 
-    Neighbours with equal content share a line.
+    Consecutive numbers with equal content share a line.
 
     Raises:
         DataError: a number has no checks and no reason.
@@ -434,7 +435,8 @@ def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
 
 
 def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
-    """Returns number ↦ (content, checks or reason) of each statement of the ledger that names the number."""
+    """Return for each number the content and the checks (or the reason for none) of each statement that names the
+    number."""
     found: dict[str, list[tuple[str, str]]] = {number: [] for number in NUMBERED}
     without = claims["label"].isin((NO_ROW, NOT_TESTED))
     entries = [
@@ -450,17 +452,17 @@ def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
 
 
 def cases(data: FullRun) -> str:
-    """Returns the number of cases, for a sentence."""
+    """Return the number of cases as text, for a sentence."""
     return str(len(data.cases))
 
 
 def codes(data: FullRun) -> str:
-    """Returns other people's contact codes with their parameters: classes and the worst of each, in Markdown."""
+    """Return other people's contact codes with their parameters: classes and worst values of each, in Markdown."""
     return _codes_table(data.codes)
 
 
 def marches(data: FullRun) -> str:
-    """Returns the same table for codes that went through time by the midpoint rule."""
+    """Return the table of ``codes`` for codes that solved the problem in time by the midpoint rule."""
     return _codes_table(data.marches)
 
 
@@ -484,7 +486,7 @@ def _codes_table(found: Codes | None) -> str:
 
 
 def windows(data: FullRun) -> str:
-    """Returns the windows that changed, in Markdown; DataError if a window changed without a stated reason."""
+    """Return the tolerance windows that changed, in Markdown; DataError if a window changed without a stated reason."""
     alike: dict[tuple[str, str, str], list[str]] = {}
     for change in changes(_earlier(data), data.claims):
         ends = ("lower end 0", "lower end 1e-20") if change.why == NOT_NOTHING else (change.before, change.today)
@@ -494,7 +496,7 @@ def windows(data: FullRun) -> str:
 
 
 def new_windows(data: FullRun) -> str:
-    """Returns rows that are claimed today and were not known then, in Markdown."""
+    """Return the checks that are claimed today and did not exist at the first round, in Markdown."""
     lines = [[_changed(one), _literal(one.today), _literal(one.why)] for one in added(_earlier(data), data.claims)]
     return markdown(["rows", "window", "why"], lines)
 
@@ -510,7 +512,7 @@ def _earlier(data: FullRun) -> pd.DataFrame:
 
 
 def _literal(text: str) -> str:
-    """Returns a text with its scripts raised and lowered, and nothing in it that Markdown takes for emphasis."""
+    """Return a text with its scripts raised and lowered, and with emphasis characters of Markdown escaped."""
     return re.sub(r"([*_])", r"\\\1", typeset(text))
 
 
@@ -519,14 +521,14 @@ def _literal(text: str) -> str:
 
 @dataclass(frozen=True)
 class Badge:
-    """A small picture above the README: a name, a text, and the colour behind the text."""
+    """A small picture at the top of the README: a name, a text, and the colour behind the text."""
 
     name: str
     says: str
     colour: str
 
     def svg(self) -> str:
-        """Returns the badge as a picture; letters are fitted into the width that they have on average."""
+        """Return the badge as SVG; letters are fitted into their average width."""
         margin, height = 6, 20
         left, right = (round(6.4 * len(text)) + 2 * margin for text in (self.name, self.says))
         name, says = escape(self.name), escape(self.says)
@@ -544,7 +546,7 @@ class Badge:
 
 
 def badges(data: FullRun, project: Path) -> dict[str, Badge]:
-    """Returns file name ↦ badge: verdicts of the ledger, caught defects, and what ``pyproject.toml`` states."""
+    """Return the badges by file name: verdicts of the ledger, noticed defects, and entries of ``pyproject.toml``."""
     stated = tomllib.loads(project.read_text(encoding="utf-8"))["project"]
     count, (found, injected) = count_verdicts(data.claims), count_caught(data.controls)
     ledger = VERMILLION if count[FAILS] else ORANGE if count[UNDECIDED] else GREEN
@@ -559,7 +561,7 @@ def badges(data: FullRun, project: Path) -> dict[str, Badge]:
 
 
 def write_badges(directory: Path, data: FullRun, project: Path) -> list[Path]:
-    """Writes all badges into a directory; returns their files."""
+    """Write all badges into a directory; return their files."""
     return [write_text(directory / name, badge.svg()) for name, badge in badges(data, project).items()]
 
 
