@@ -1,11 +1,12 @@
-"""The false-alarm rate: how often chance alone turns a row of the ledger red, from the record of seeds.
+"""The false-alarm rate: how often chance alone makes a check of the ledger fail, from the record of seeds.
 
-A row is judged by the seeds that were drawn since the last change to its rule, levels or window. Earlier seeds stay in
-the record and do not count. ``data/seeds.csv`` has a line for each row, after two lines for all claimed rows together:
-``every`` counts the seeds on which all rows were measured, ``light`` counts all seeds, with the cheap rows that are
-measured on each of them. Both counts start again after the last change to one of their rows. ``every`` also starts
-again when a row leaves the ledger: otherwise a row that was removed for its alarms would remove these alarms from the
-record.
+A check is judged by the seeds that were drawn since the last change to its rule, levels or window. Earlier seeds remain
+in the record but are not counted. ``data/seeds.csv`` has a line for each check, after two lines for all claimed checks
+together: ``every`` counts the seeds on which all checks were measured; ``light`` counts all seeds, with the cheap
+checks
+that are measured on each of them. Both counts start again after the last change to one of their checks. ``every`` also
+starts again when a check leaves the ledger: otherwise removing a check because of its alarms would remove these alarms
+from the count.
 """
 
 from __future__ import annotations
@@ -26,24 +27,25 @@ from study.ledger.datafiles import ALL_ROWS, alarm_summary, write_csv
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
-"""Columns of ``seeds.csv``: the row; the number of the first seed that counts, and how many seeds count; alarms with
-the 95 % interval of their rate, the extreme places in the window, and the model of the tail with the p-value of its
-test and the rate that follows from it."""
+"""Columns of ``seeds.csv``: the check; the number of the first seed that counts, and how many seeds count; alarms with
+the
+95 % interval of their rate; the extreme positions in the window; and the model of the tail with the p-value of its test
+and the rate that follows from it."""
 NAMED = PROMISE / 10
-"""A row is listed if its tail alone gives a rate above a tenth of the rate that is promised for all rows."""
+"""A check is listed if its tail alone gives a rate above a tenth of the rate that is promised for all checks."""
 FOLDED = [25, 14]
-"""Widths of the columns row and case that make a line 80 characters wide."""
+"""Widths of the columns for check and case, so that a line has 80 characters."""
 
 
 @dataclass(frozen=True)
 class Seen:
-    """A row with its places in its window on the seeds that count.
+    """A check with its positions in its window on the seeds that count.
 
     Attributes:
         key: (label, key, case).
         rule: the fingerprint of the rule.
-        places: one for every seed that was drawn, (seeds,); NaN for seeds that this rule did not judge.
-        both: whether its window is two-sided.
+        places: the position for every seed that was drawn, (seeds,); NaN for seeds that this rule did not judge.
+        both: whether the window is two-sided.
     """
 
     key: RowKey
@@ -53,9 +55,9 @@ class Seen:
 
     @classmethod
     def of(cls, record: Record) -> list[Seen]:
-        """Return the rows of a record, each with the rule that judged it last.
+        """Return the checks of a record, each with the rule that judged it last.
 
-        A row is no longer in the ledger if neither the last seed with all rows nor a later seed has it.
+        A check is no longer in the ledger if neither the last seed with all checks nor a later seed has it.
         """
         latest: dict[RowKey, tuple[str, Line]] = {}
         for (*row, rule), line in record.lines.items():
@@ -74,7 +76,7 @@ class Seen:
         return claimed(self.key[0])
 
     def line(self, part: str) -> dict[str, object]:
-        """Its line of ``seeds.csv``; ``part`` is the least part of the plan that has it."""
+        """Return the line of ``seeds.csv`` for this check; ``part`` is the smallest part of the plan that has it."""
         where = np.flatnonzero(np.isfinite(self.places))
         places = self.places[where]
         alarms = int((abs(places) > 1).sum())
@@ -86,12 +88,12 @@ class Seen:
 
 
 def newest(record: Record) -> int:
-    """Return the position of the last seed on which all rows were judged; 0 without one."""
+    """Return the number of the last seed on which all checks were judged; 0 without one."""
     return max((n for n, draw in enumerate(record.draws) if draw.part == WHOLE and draw.judged >= 0), default=0)
 
 
 def tally(record: Record) -> pd.DataFrame:
-    """Return the lines of ``seeds.csv``: two for all rows together, then one for each row."""
+    """Return the lines of ``seeds.csv``: two for all checks together, then one for each check."""
     rows = Seen.of(record)
     whole = np.array([draw.part == WHOLE for draw in record.draws])
     in_force = np.array([draw.rules == record.draws[newest(record)].rules for draw in record.draws])
@@ -107,9 +109,11 @@ def tally(record: Record) -> pd.DataFrame:
 
 
 def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
-    """Return the line that counts the seeds on which one or more of some rows raised an alarm; tails are summed.
+    """Return the line that counts the seeds on which at least one of the given checks raised an alarm; tails are
+    summed.
 
-    ``places`` has shape (rows, seeds).
+    Args:
+        places: positions of the checks in their windows, (checks, seeds).
     """
     counted = np.flatnonzero(np.isfinite(places).all(axis=0)) if len(places) else np.empty(0, dtype=int)
     places, judged = places[:, counted], len(counted)
@@ -117,14 +121,14 @@ def _together(key: str, rows: pd.DataFrame, places: Array) -> dict[str, object]:
     red = int((abs(places) > 1).any(axis=0).sum())
     low, high = interval(red, judged)
     ends = (float(np.nanmin(places)), float(np.nanmax(places))) if judged else (math.nan, math.nan)
-    # Without a model of a tail, or without a seed, nothing is known about the rate.
+    # Without a model of a tail, or without a seed, the rate is unknown.
     rate = float(rows["rate_tail"].sum(skipna=False)) if judged else math.nan
     known = ALL_ROWS, key, f"{len(rows)} rows", "", "", "yes", since, judged
     return dict(zip(COLUMNS, (*known, red, low, high, *ends, "sum", math.nan, rate), strict=True))
 
 
 def newer(table: pd.DataFrame) -> pd.DataFrame:
-    """Return the claimed rows whose rule is newer than the first seed of their part of the plan."""
+    """Return the claimed checks whose rule is newer than the first seed of their part of the plan."""
     first = table.groupby("part")["since"].transform("min")
     return table[(table["claimed"] == "yes") & (table["label"] != ALL_ROWS) & (table["since"] > first)]
 
@@ -135,7 +139,7 @@ def verdict(table: pd.DataFrame) -> str:
 
 
 def text(table: pd.DataFrame) -> str:
-    """Return a text with the rates of all rows together, every alarm, and the rows with large tails."""
+    """Return text with the rates of all checks together, every alarm, and the checks with large tails."""
     ledger, rows = table[table["label"] == ALL_ROWS], table[table["label"] != ALL_ROWS]
     lines = [
         (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}", _tails(one.rate_tail))
@@ -167,7 +171,7 @@ def _tails(rate: float) -> str:
 
 
 def write_seeds(directory: Path, table: pd.DataFrame) -> Path:
-    """``data/seeds.csv``."""
+    """Write ``data/seeds.csv``; return its path."""
     path = directory / "data" / "seeds.csv"
     write_csv(path, table)
     return path

@@ -1,4 +1,4 @@
-"""Where a control is measured: the smallest sweep, or check of Theorem 4.2, that exposes its defect."""
+"""The settings in which controls are measured: each is the smallest that exposes the defects measured in it."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ S = TypeVar("S")
 
 
 class Baseline(Protocol[S]):
-    """A place of measurement: what would be measured there is an S, which a defect may change.
+    """A setting for controls. S is the type of the object that is measured and that a defect may change.
 
     Settings are compared by value, so that controls share their baseline.
     """
@@ -40,7 +40,7 @@ class Baseline(Protocol[S]):
     def __hash__(self) -> int: ...
 
     def verdicts(self, defect: Callable[[S], S]) -> list[Verdict]:
-        """The rows of the ledger, had the study the defect."""
+        """Return the checks of the ledger for the study with the given defect."""
         ...
 
 
@@ -49,11 +49,11 @@ OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation()
 
 @dataclass(frozen=True)
 class Sweep:
-    """Prop. 5.3 or 5.4 for a case of the catalogue on a few levels of one mesh family.
+    """Prop. 5.3 or 5.4 for a case of the catalogue on a few levels.
 
     Attributes:
-        case: its name.
-        angle: by which the body is turned, in radians.
+        case: name of the case.
+        angle: angle by which the body is turned, in radians.
         families: names of the mesh families.
         levels: coarse to fine.
     """
@@ -86,7 +86,7 @@ class ContactSweep:
     """The contact force of a case of the catalogue on a few levels of one mesh family.
 
     Attributes:
-        case: its name.
+        case: name of the case.
         family: name of the mesh family.
         levels: coarse to fine.
     """
@@ -114,10 +114,10 @@ class Equivalence:
     """Theorem 4.2 for a case of the catalogue on one mesh.
 
     Attributes:
-        case: its name.
+        case: name of the case.
         family: name of the mesh family.
         level: n.
-        steps: of backward Euler.
+        steps: number of steps of backward Euler.
     """
 
     case: str
@@ -142,10 +142,10 @@ class Equivalence:
 
 @dataclass(frozen=True)
 class StressSweep:
-    """Theorem 4.2 on its own stress space for a case of the catalogue on a few levels of one mesh family.
+    """Theorem 4.2 with a separate stress space for a case of the catalogue on a few levels of one mesh family.
 
     Attributes:
-        case: its name.
+        case: name of the case.
         family: name of the mesh family.
         levels: coarse to fine.
     """
@@ -168,16 +168,16 @@ class StressSweep:
 
 
 Measure = Callable[[Setting], Mapping[str, Any]]
-"""A place of measurement ↦ named numbers."""
+"""Function from a setting to named numbers."""
 
 
 @dataclass(frozen=True)
 class Listing:
-    """Another statement on the levels of one case and mesh family.
+    """A statement that lists numbers, on given levels of one case and mesh family.
 
     Attributes:
-        statement: whose numbers are listed one by one.
-        case, family: their names.
+        statement: the statement.
+        case, family: names of the case and of the mesh family.
         levels: coarse to fine.
     """
 
@@ -197,7 +197,7 @@ class Listing:
 
 
 def turned(solution: ExactSolution, angle: float) -> ExactSolution:
-    """The same contact data on the body turned by an angle, for a plane body and an isotropic law."""
+    """Return the solution with the same contact data on a turned body, for a plane body and an isotropic law."""
     body = solution.body
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     corners = [(float(x), float(y)) for x, y in (turn @ body.vertices).T]

@@ -1,4 +1,4 @@
-"""Whether the record of seeds, the counts in it and its table ``seeds.csv`` agree with each other."""
+"""Check that the record of seeds, the counts in it and its table ``seeds.csv`` agree."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from study.ledger.compare import difference
 from study.ledger.datafiles import DataError, table_text
 
 FITTED = frozenset({"rate_low", "rate_high", "rate_tail", "fit"})
-"""Columns of ``seeds.csv`` whose last digits depend on the machine, as they are found by iteration."""
+"""Columns of ``seeds.csv`` whose last digits depend on the machine, because they are computed by iteration."""
 
 
 def compare_record(directory: Path) -> set[Path]:
-    """Compares the record of seeds with itself and with ``seeds.csv``; returns the files that were compared.
+    """Check that the record of seeds agrees with itself and with ``seeds.csv``; return the files that were compared.
 
-    Every row of ``drawn.csv`` must have the number of rows, the number of alarms and the rules that the places in
-    ``places.csv.gz`` have for this seed, and ``seeds.csv`` must be the table that follows from both.
+    Every row of ``drawn.csv`` must have the number of checks, the number of alarms and the rules that follow from
+    ``places.csv.gz``, and ``seeds.csv`` must be the table that follows from both.
 
     Raises:
         DataError: a line of one of the three files is missing, was added or was changed.
@@ -47,7 +47,7 @@ def compare_record(directory: Path) -> set[Path]:
 
 
 def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
-    """Compare the counts of every seed in ``drawn.csv`` with its places."""
+    """Check that the counts of every seed in ``drawn.csv`` follow from its positions."""
     known = list(record.lines)
     wide = 2 * len(record.draws)
     values = np.array([unpacked(record.lines[row].places.ljust(wide, ".")) for row in known])
@@ -58,7 +58,7 @@ def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
     for n, draw in enumerate(record.draws):
         rows, alarms = int(judged[:, n].sum()), int(beyond[counts, n].sum())
         rules = fingerprint(sorted(row for row, is_judged in zip(known, judged[:, n], strict=True) if is_judged))
-        # Which labels are claimed may have changed since: older seeds were counted by the labels of their time.
+        # The set of claimed labels may have changed; older seeds were counted with the labels of their time.
         alarms_agree = draw.alarms == alarms if draw.rules == in_force else draw.alarms <= int(beyond[:, n].sum())
         agrees = draw.judged == rows and draw.rules == rules and alarms_agree
         if not agrees and (rows or draw.judged >= 0):

@@ -1,4 +1,4 @@
-"""Settings of controls whose rows compare two results: a body and its twin, two solvers, an error and its bounds."""
+"""Settings of controls whose checks compare two results: a body and its twin, two solvers, an error and its bounds."""
 
 from __future__ import annotations
 
@@ -38,7 +38,8 @@ def row_of(setup: Experiment, case: str, level: int) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Twins:
-    """A case with a rotated body and its twin, on several meshes: on a single mesh their digits may agree by chance."""
+    """A case with a rotated body and its twin, on several meshes, because on a single mesh their digits may agree by
+    chance."""
 
     case: str
     levels: tuple[int, ...]
@@ -75,7 +76,7 @@ class TwoWays:
 
 @dataclass(frozen=True)
 class Bounding:
-    """Bounds of errors on some meshes, judged by one of the statements about bounds."""
+    """Error bounds on given meshes, judged by one of the statements about bounds."""
 
     statement: Bounds
     settings: tuple[BoundSetting, ...]
