@@ -37,8 +37,7 @@ from study.solve.evolution import Scheme
 PART = 0.5
 """Fraction of the sum of all cell shares that the refined cells have together."""
 IN_TIME = 0.25
-"""Fraction of the bound due to time above which the steps are halved. If the cells have at most this fraction, the mesh
-is not refined."""
+"""Fraction of the bound due to time above which steps are halved; if cells have less, the mesh is not refined."""
 TOUCHING = 1e-9
 """Gap, relative to the largest displacement, up to which a vertex of Γ3 counts as in contact."""
 SHOWN = 4
@@ -233,8 +232,7 @@ def stage_file(directory: Path, number: int) -> Path:
 
 
 def write_stage(directory: Path, number: int, found: Adapted) -> Path:
-    """Write the displacement (as ``write_displacement`` does), the shares (cells,) and the share of time; return the
-    path."""
+    """Write the displacement as ``write_displacement`` does, with the shares of cells and time; return the path."""
     shares = {"shares": found.shares.cells, "in_time": np.array(found.shares.time)}
     return write_displacement(stage_file(directory, number), found.computed, **shares)
 

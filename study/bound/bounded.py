@@ -72,8 +72,7 @@ def check_bound(data: Data, family: MeshFamily, levels: Sequence[int], steps: in
 
     Raises:
         BoundError: invalid levels, steps or refinements; T, a body or a law of extreme size; a mesh family that cannot
-            mesh
-            the body; a body in 3D; or a law without a usable monotonicity constant.
+            mesh the body; a body in 3D; or a law without a usable monotonicity constant.
         LoadError: no solution can exist for the data.
         MeshError: a mesh does not fit the parts of the body.
     """
@@ -160,8 +159,7 @@ def record(level: int, found: BoundedSolution) -> dict[str, Any]:
     """Return the results on one level as a dict, from which tables and text are made.
 
     Keys: ``row`` of ``levels.csv`` without orders; ``series``, the level's rows of ``enclosure.csv``; ``inside``,
-    whether
-    a known error lies in the enclosure; ``sentences`` on the evidence for the bounds.
+    whether a known error lies in the enclosure; ``sentences`` on the evidence for the bounds.
     """
     enclosure = found.enclosure
     row = {
@@ -248,8 +246,7 @@ def _over_time(over_time: pd.DataFrame, known: bool) -> list[str]:
 
 
 def _intervals(table: pd.DataFrame, known: bool, moving: bool = True) -> list[str]:
-    """Return lines with the intervals of the error on each level, and of the orders from the first and the previous
-    level."""
+    """Return lines with the intervals of the error and of both orders on each level."""
     several, since = len(table) > 2, f"order since {table['level'].iloc[0]}"
     largest = "max error in" if moving else "error in"
     head = f"{'level':>5} {largest:>19} {'% of u':>15} {'error':>7} {'from u_h alone':>14} {since:>15}"

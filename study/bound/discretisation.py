@@ -44,8 +44,7 @@ class Discretisation:
 
     Raises:
         BoundError: the body is not plane; T, the body or the law has an extreme size; A or G jumps inside a cell; or
-            the
-            law has no usable monotonicity constant.
+            the law has no usable monotonicity constant.
     """
 
     data: Data
@@ -79,8 +78,7 @@ class Discretisation:
 
     @cached_property
     def equilibrium(self) -> Equilibrium:
-        """The minimisation over Σ^h of the residual, in the norm of ``Moduli.compliance``, in which it enters the
-        bound."""
+        """The minimisation of the residual over Σ^h, in the norm of ``Moduli.compliance``."""
         compliance = self.moduli.compliance(self.data.body.T)
         if self.data.law.A.factor is not UNIFORM:
             compliance = np.multiply.outer(self.inverse_viscosity, compliance)
@@ -88,8 +86,7 @@ class Discretisation:
 
     @cached_property
     def snapshot(self) -> Callable[[float], Snapshot]:
-        """Function from a time to the data at that time. Recent times are cached, because loads and bounds use the same
-        times."""
+        """Function from a time to the data at that time, cached because loads and bounds use the same times."""
         # One snapshot stores about as many numbers as there are quadrature points.
         times = max(LEAST_TIMES, CACHED_NUMBERS // self.stresses.weights.size)
         return lru_cache(maxsize=times)(ProjectedLoads(self.data, self.stresses).at)
@@ -123,8 +120,7 @@ class Discretisation:
 
     @cached_property
     def _moments(self) -> Array:
-        """Integrals ∫ B_β b_α/|T| of the basis B_β of displacements times the basis b_α of P f_0, (6, 3 thirds ·
-        lower)."""
+        """Integrals ∫ B_β b_α/|T| of basis functions of displacements and of P f_0, (6, 3 thirds · lower)."""
         space = self.stresses
         thirds = np.kron(np.eye(3), space.force_shapes)
         return self.displacements.shapes(space.barycentric) * space.shares @ thirds.T

@@ -26,8 +26,7 @@ from study.fem.error_norm import ErrorNorm
 from study.fem.quadrature import Line, cell_rules
 
 POOR = 0.5
-"""If the remainder of the data is more than this fraction of y, the output says where the data are sampled too
-coarsely."""
+"""Fraction of y due to remainders of data above which the output says where the samples are too coarse."""
 SAME_TIME = 1e-9
 """Difference of two times, relative to the length of a piece, up to which they count as equal."""
 INITIAL_DEGREE = 6
@@ -134,8 +133,7 @@ def enclose(
 
     Raises:
         BoundError: the nodes of ũ are not equally spaced in time; its mesh is not a refinement of the mesh of u_h; or
-            the
-            data are so large or so small that their squares overflow or underflow.
+            the data are so large or so small that their squares overflow or underflow.
     """
     fine = trajectory.discretisation(coarse)
     u_h, pieces = computed.on(fine), spline(trajectory.nodes(fine, computed))

@@ -27,8 +27,7 @@ IGNORED = ("vertex", "line", "line3")
 
 @dataclass(frozen=True)
 class Field:
-    """A displacement from a file, as arguments of ``study.bound.given.given``; ``times`` is None for a field without
-    time."""
+    """A displacement from a file, as arguments of ``study.bound.given.given``; ``times`` may be None."""
 
     points: Array
     triangles: Array
@@ -41,8 +40,7 @@ def read(path: Path | str, name: str | None = None) -> Field:
 
     Args:
         path: .npz with ``points``, ``triangles``, ``times`` and ``u``, or as ``study bound`` writes it; .pvd; .xdmf
-            with a
-            time series; or one mesh, such as .vtu, for a static problem.
+            with a time series; or one mesh, such as .vtu, for a static problem.
         name: name of the displacement field in a mesh file; by default a name in ``DISPLACEMENT``, or the only vector
             field.
 

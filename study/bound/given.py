@@ -91,8 +91,7 @@ class GivenDisplacement:
         return np.asarray((1 - share) * self.nodes[low] + share * self.nodes[low + 1])
 
     def on(self, fine: Discretisation) -> Callable[[float], Array]:
-        """Return the function t ↦ u_h(t) in degree 2 on the same mesh or a refinement of it, by coefficients
-        (dofs,)."""
+        """Return the function t ↦ u_h(t) by coefficients of degree 2 on the mesh or a refinement of it, (dofs,)."""
         J = sps.csr_array(sps.kron(on_refinement(self.mesh, self.degree, fine.mesh), sps.eye_array(2)))
         J = sps.csr_array(J[fine.displacements.free])
         return lambda time: J @ self.at(time)
@@ -307,7 +306,7 @@ def _joined(points: Points, triangles: Array, u: Array) -> tuple[Points, Array, 
 
 
 def _mesh(body: Body, points: Points, triangles: Array) -> tuple[Mesh, Array, int]:
-    """Return the mesh, the numbers of its nodes among the points (ordered as in ``GivenDisplacement``), and the
+    """Return the mesh, the numbers of its nodes among the points, in the order of ``GivenDisplacement``, and the
     degree."""
     corners, local = np.unique(triangles[:, :3], return_inverse=True)
     p = _on_boundary(body, points[corners].T)

@@ -91,8 +91,7 @@ def _bounds(y: float, moduli: Array, theta: float, step: Step) -> Iterator[tuple
     """Yield bounds for several weights w_i = g/(g + β), g = g_i − θ, starting from w = 0 and from w close to 1.
 
     Each iteration computes β from the condition that the bound is stationary, then the weights from β. Any β ≥ 0 gives
-    a
-    valid bound. If y = c = 0, the best weights are w = 1, but the iteration from w = 0 does not leave 0.
+    a valid bound. If y = c = 0, the best weights are w = 1, but the iteration from w = 0 does not leave 0.
     """
     k, mean, largest = step.k, step.mean, step.largest
     g = np.maximum(moduli - theta, 0.0)

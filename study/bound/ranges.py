@@ -43,8 +43,8 @@ class RangeError(ValueError):
 
 
 def enclosed(low: Array, high: Array) -> Pair:
-    """Return the ends of a range after overflow: +∞ as a lower end becomes the largest number, −∞ as an upper end its
-    negative."""
+    """Return the ends of a range after overflow: an end that is infinite on the wrong side becomes the largest
+    number."""
     return np.minimum(low, LARGEST), np.maximum(high, -LARGEST)
 
 

@@ -218,8 +218,7 @@ class Sampling:
         return load_constants(self.data.body, self.data.law.A)
 
     def missed(self, oscillation: Oscillation, a: float, b: float) -> Missed:
-        """Return bounds of the difference between f_0, f_2 and their samples for a ≤ t ≤ b; zeros if the bound is
-        estimated."""
+        """Return bounds of f_0 and f_2 minus their samples for a ≤ t ≤ b; zeros if the bound is only estimated."""
         if self.reasons:
             return Missed(np.zeros(self.space.cells), 0.0, np.zeros(self.space.cells))
         (e, p, q), (e_Γ, p_Γ, q_Γ) = self._remainders(a, b)
@@ -260,8 +259,7 @@ class Sampling:
 
     @cached_property
     def _loaded(self) -> list[tuple[Array, Regions, list[sp.Expr]]]:
-        """For each loaded part: its edges, their subintervals with separate quadrature rules, and f_2 as a function of
-        arc length."""
+        """For each loaded part: its edges, their subintervals with separate rules, and f_2 over arc length."""
         space, found, loads = self.space, [], dict(self._expressions.loads)
         for part, edges in space.on(Kind.LOADED):
             corners = space.mesh.p[:, space.mesh.facets[:, edges]]

@@ -64,8 +64,7 @@ from study.stresses.loads import Loads, Snapshot, together
 QUADRATIC = np.array([[6.0, 3.0, 1.0], [3.0, 4.0, 3.0], [1.0, 3.0, 6.0]]) / 30
 """Integrals ∫_0^1 B_i B_j of the Bernstein polynomials of degree 2."""
 CURVED, BENT = 1.5, 1.027
-"""Ratio of the largest θ(1 − θ) to its mean, and of the largest |θ(θ − ½)(θ − 1)| to its value at θ = ¼, for 0 ≤ θ ≤ 1.
-"""
+"""Ratio of max θ(1 − θ) to its mean, and of max |θ(θ − ½)(θ − 1)| to its value at θ = ¼, for 0 ≤ θ ≤ 1."""
 LEAST, MOST, VALUES = 4, 16, 1 << 20
 """The least and the largest number of pieces in a block, and the number of stress values to aim at in between."""
 ROUNDING = 1e-6
@@ -102,8 +101,7 @@ class Terms:
     Attributes:
         piece: ũ.
         residual: Σ ∫_T (v_i·ρ_a)(v_i·ρ_b)/α over points, for two Bernstein coefficients of ρ in time and each direction
-            v_i
-            of ``study.bound.problem``, (3, 3, directions, cells); the sum over directions is ∫_T A⁻¹ρ_a·ρ_b.
+            v_i of ``study.bound.problem``, (3, 3, directions, cells); the sum over directions is ∫_T A⁻¹ρ_a·ρ_b.
         curvature: the mean of ‖Gε(ũ) − parabola‖_{A⁻¹}.
         contact: ∫_e σ̃_ν ũ_ν for two Bernstein coefficients, (3, 3, edges of Γ3).
         oscillation: η_T at both ends and in the middle, (3, cells).
@@ -207,8 +205,8 @@ class Knots:
 
 
 class Majorant:
-    """Computes the bound along a displacement ũ on one mesh, for blocks of pieces whose data fit into the
-    processor's cache."""
+    """Computes the bound along a displacement ũ on one mesh, in blocks of pieces that fit into the processor's
+    cache."""
 
     def __init__(self, discretisation: Discretisation) -> None:
         self.discretisation = discretisation
@@ -280,22 +278,19 @@ class Majorant:
             )
 
     def _residual(self, loads: Loads, target: Tensors, u: Array) -> tuple[Array, Array]:
-        """Return the residual v_i·ρ times root weights, (directions, times, cells, Q), and σ̃_ν on Γ3, (times, edges of
-        Γ3, n)."""
+        """Return v_i·ρ times root weights, (directions, times, cells, Q), and σ̃_ν on Γ3, (times, edges of Γ3, n)."""
         d = self.discretisation
         nearest = d.nearest_stress(loads, target, u)
         return self._in_directions(nearest.values), -d.equilibrium.pressure(nearest)
 
     def _in_directions(self, stress: Tensors) -> Array:
-        """Return v_i·τ times the square roots of the weights, so that sums of products over points are ∫_T
-        (v_i·σ)(v_i·τ)/α."""
+        """Return v_i·τ times root weights, so that sums of products over points are ∫_T (v_i·σ)(v_i·τ)/α."""
         found = mapped(self._directions, stress)
         found *= self._roots
         return found
 
     def products(self, stresses: Sequence[Array]) -> Array:
-        """Return the products of all pairs of n stresses, summed over quadrature points, (n, n, directions, ...,
-        cells)."""
+        """Return products of all pairs of n stresses, summed over quadrature points, (n, n, directions, ..., cells)."""
         n = len(stresses)
         found = np.empty((n, n, *stresses[0].shape[:-1]))
         for a, b in combinations_with_replacement(range(n), 2):
@@ -312,8 +307,7 @@ class Majorant:
         return np.asarray(np.sqrt(self.products([stress])[0, 0].sum(axis=(0, -1))))
 
     def _elastic(self, pieces: list[Parabola], control: Array, knots: Knots) -> tuple[Tensors, Array]:
-        """Return the middle Bernstein coefficient of Gε(ũ) as a parabola in time, and the means of ‖Gε(ũ) −
-        parabola‖_{A⁻¹}."""
+        """Return the middle coefficient of the parabola through Gε(ũ), and the means of ‖Gε(ũ) − parabola‖_{A⁻¹}."""
         d, elastic = self.discretisation, self.discretisation.elastic(control)
         A, G = d.data.law.A, d.data.law.G
         if isinstance(G, Linear):

@@ -72,8 +72,7 @@ class DiscreteSolution:
         return (1 - share) * self.nodes[low] + share * self.nodes[low + 1]
 
     def on(self, fine: Discretisation) -> Callable[[float], Array]:
-        """Return the function t ↦ u_h(t) in degree 2 on the same mesh or a refinement of it, by coefficients
-        (dofs,)."""
+        """Return the function t ↦ u_h(t) by coefficients of degree 2 on the mesh or a refinement of it, (dofs,)."""
         J = prolongation(self.space, fine)
         return lambda time: J @ self.at(time)
 
@@ -122,8 +121,7 @@ def on_refinement(mesh: Mesh, degree: int, fine: Mesh) -> sps.csr_array:
 
     Nodes are the vertices and, for degree 2, the midpoints of the edges. A uniform refinement lists the children of all
     cells in the order of the cells, four times for each refinement. Barycentric coordinates of its nodes are multiples
-    of a
-    power of 1/2, so that the weights are exact.
+    of a power of 1/2, so that the weights are exact.
 
     Args:
         degree: degree of the function on ``mesh``, 1 or 2.

@@ -57,8 +57,7 @@ class Making:
     def certificate(
         self, level: int, steps: int, progress: Callable[[float], object] = lambda time: None
     ) -> dict[str, Any]:
-        """Return the certificate of one level; ``progress`` is called with each time up to which stresses are
-        computed."""
+        """Return the certificate of one level; ``progress`` is called with each finished time."""
         stated = statement(self.data)
         problem = checker.Problem(stated)
         mesh = rational_mesh(self.family(self.data.body, level), self.data.body)

@@ -135,8 +135,8 @@ def conform(value: Any, form: Any, name: str) -> None:
 
     A format is one of these: a dict for an object with exactly these keys (or with any keys, if its only key is "");
     ``Many`` for a list; a tuple for a list of values with one format each; a range for an integer; a set for one of
-    several
-    texts; ``FRACTION`` for the text of a fraction; ``float`` for a finite number that has a point or an exponent.
+    several texts; ``FRACTION`` for the text of a fraction; ``float`` for a finite number that has a point or an
+    exponent.
     """
     given = f"{name} is {shown(value)}, but has to be"
     match form:
@@ -205,8 +205,7 @@ def logarithm_near_1(x: Q) -> tuple[Q, Q]:
     """Return the ends of an interval that contains log x, 1/2 ≤ x ≤ 2.
 
     The series of log x = 2 artanh z is used; its terms after the 20th are at most 2 |z|^41/41 times a geometric series
-    in
-    z².
+    in z².
     """
     z = (x - 1) / (x + 1)  # lies between −1/3 and 1/3
     partial = sum((2 * z ** (2 * i + 1) / (2 * i + 1) for i in range(20)), Q(0))
@@ -323,8 +322,7 @@ class Poly(dict[tuple[int, int, int], Q]):
         return Poly.of(((i + l, j + m, k + n), x * y) for ((i, j, k), x), ((l, m, n), y) in pairs)
 
     def __call__(self, *images: Poly) -> Poly:
-        """Return the polynomial after substituting the given polynomials for X, Y and S, or for the first of these
-        only."""
+        """Return the polynomial after substituting polynomials for X, Y and S, or for the first of these only."""
         every = (*images, *(X, Y, S)[len(images) :])
         powers = ((x, [p for p, e in zip(every, key, strict=True) for _ in range(e)]) for key, x in self.items())
         return total(reduce(mul, factors, ONE * x) for x, factors in powers)
@@ -453,8 +451,10 @@ class Side:
         return self.along[1], -self.along[0]
 
     def is_apart(self, other: Side) -> bool:
-        """Return whether a line separates two closed segments; a line parallel or orthogonal to one of them
-        suffices."""
+        """Return whether a line parallel or orthogonal to one of two closed segments separates them.
+
+        If no such line exists, no line separates them.
+        """
         for axis in (self.normal, other.normal, self.along):
             (a, b), (c, d) = (sorted((dot(axis, side.start), dot(axis, side.end))) for side in (self, other))
             if b < c or d < a:
@@ -502,8 +502,7 @@ class Problem:
         """Refuse a polygon that is not simple, not counter-clockwise or has no clamped side.
 
         Comparing sides that are not neighbours suffices: if a side folds back on its neighbour or has no length, it
-        touches
-        the side after its neighbour.
+        touches the side after its neighbour.
         """
         sides = self.sides
         require(any(side.kind == "clamped" for side in sides), "no part is clamped")
@@ -541,8 +540,7 @@ class Mesh:
     """A conforming mesh of triangles. Vertices are pairs of integers, to be divided by h.
 
     Nodes are the vertices, then the midpoints of the edges. ``boundary`` maps the edges of ∂Ω, counter-clockwise, to
-    the
-    sides of the polygon on which they lie.
+    the sides of the polygon on which they lie.
     """
 
     def __init__(
@@ -560,10 +558,8 @@ class Mesh:
         """Return the mesh of a certificate; refuse it unless its cells tile Ω.
 
         All cells must be counter-clockwise. Edges that are traversed only once must follow each other along the sides
-        of the
-        polygon. Then the sum of the winding numbers of the cells, which are their indicator functions, equals the
-        winding
-        number of ∂Ω, so that the cells cover each point of Ω exactly once.
+        of the polygon. Then the sum of the winding numbers of the cells, which are their indicator functions, equals
+        the winding number of ∂Ω, so that the cells cover each point of Ω exactly once.
         """
         h, points, cells, lines = (data[name] for name in ("denominator", "points", "cells", "sides"))
         require(all(0 <= v < len(points) for some in cells + lines for v in some), "a mesh has no such vertex")
@@ -606,8 +602,7 @@ class Mesh:
         return [*(2 * x for x in values), *sums]
 
     def refined(self) -> Mesh:
-        """Return the mesh in which every cell is divided into four at the midpoints of its edges; nodes become
-        vertices."""
+        """Return the mesh with every cell divided into four at the midpoints of its edges; nodes become vertices."""
         flat = self.middles([x for point in self.points for x in point], 2)
         cells = []
         for cell in self.cells:
@@ -634,9 +629,8 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
     """Return the constants C_Ω and C_Γ with ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V.
 
     A totally symmetric tensor field Φ, continuous and linear on the cells of a separate mesh, proves them. At every
-    vertex
-    of a cell div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|² must hold. On edges outside Γ1, −Φ(ν, v, v) must be at least 0, and at
-    least κ |v|² if there is a load. Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
+    vertex of a cell div Φ(v, v) − A⁻¹(Φv)·(Φv) ≥ μ |v|² must hold. On edges outside Γ1, −Φ(ν, v, v) must be at least 0,
+    and at least κ |v|² if there is a load. Then C_Ω = μ^{−1/2} and C_Γ = κ^{−1/2}.
     """
     mesh, mu, kappa, field = Mesh.of(data["mesh"], problem), Q(data["volume"]), Q(data["surface"]), data["field"]
     require(mu > 0 and kappa > 0, "a constant of the body is not positive")
@@ -668,12 +662,10 @@ class Element:
     """Composite stresses of degree 3 on the reference triangle, as a linear function of 45 inputs.
 
     Inputs are tractions on three sides (4 Bernstein coefficients, 2 components each), a force of degree 2 (6 monomials,
-    2
-    components) and 9 free numbers. The columns in the certificate state the stress for each input: three components,
-    each a
-    cubic on every third, whose third corner is the centre. This class checks that tractions are continuous inside and
-    equal
-    to the inputs on the boundary, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all thirds.
+    2 components) and 9 free numbers. The columns in the certificate state the stress for each input: three components,
+    each a cubic on every third, whose third corner is the centre. This class checks that tractions are continuous
+    inside and equal to the inputs on the boundary, and that Div σ̂ + f̂ is the same polynomial of degree 1 on all
+    thirds.
     """
 
     def __init__(self, over: int, columns: Sequence[Sequence[int]]) -> None:
@@ -689,8 +681,7 @@ class Element:
         return checked(data["over"], tuple(map(tuple, data["columns"])))
 
     def _divergence(self, number: int, column: Sequence[int]) -> list[int]:
-        """Check the stress of one input, and return both components of Div σ̂ + f̂ by their coefficients in
-        ``LINEAR``."""
+        """Check the stress of one input; return both components of Div σ̂ + f̂ by coefficients in ``LINEAR``."""
         side, place, d = number // 8, number // 2 % 4, number % 2
         stress = [[column[30 * c + 10 * i :][:10] for c in range(3)] for i in range(3)]
         given, force = bernstein(3, X)[place] * self.over, [Poly(), Poly()]
@@ -754,8 +745,7 @@ class Loads:
     """The approximate loads f̃, and bounds of their difference from f.
 
     In time f̃_0 is the parabola through f_0 at the ends and in the middle of a piece; on a cell it has the terms of
-    degree
-    at most 2. Twice the area times f̃_0 is rounded to multiples of 1/unit.
+    degree at most 2. Twice the area times f̃_0 is rounded to multiples of 1/unit.
     """
 
     def __init__(self, problem: Problem, mesh: Mesh, bits: int) -> None:
@@ -824,8 +814,7 @@ def missed(terms: list[Term], halvings: int) -> Q:
     """Return an upper bound of the mean square of a sum of terms over |X|, |S| ≤ 1.
 
     The mean square is exact where no term has a kink. Squares with a kink are divided into four, ``halvings`` times,
-    and
-    then bounded.
+    and then bounded.
     """
     plain = [term.plain() for term in terms]
     smooth = total(p for p in plain if p is not None)
@@ -865,8 +854,7 @@ class Stresses:
         """Return the Bernstein coefficients of h σ̃N on all edges and of σ̃_ν on Γ3; refuse σ̃_ν > 0.
 
         N points to the right of an edge and has its length. On Γ3 σ̃N = σ̃_ν N is given by four numbers for an edge. A
-        loaded
-        edge of Γ2 has eight numbers. Other edges have eight numbers for ``MODES``, of which the last four are in
+        loaded edge of Γ2 has eight numbers. Other edges have eight numbers for ``MODES``, of which the last four are in
         coarser units.
         """
         contact, loaded, free = 4 * len(self.contact), 8 * len(self.loaded), 8 * len(self.free)
@@ -1117,9 +1105,8 @@ class Certificate:
         """Return an upper bound of the matrix ∫∫ ρ ρᵀ with ρ = σ̃ − Aε(ũ̇) − Gε(ũ), in the order of symmetric matrices.
 
         On a cell ρ = F R Fᵀ h/(unit (det F)³) with R in polynomials on the reference triangle. The entries of each cell
-        are
-        rounded down by less than 1. The 3 × 3 matrix of these rounding errors is at most 3 times the identity, which is
-        added.
+        are rounded down by less than 1. The 3 × 3 matrix of these rounding errors is at most 3 times the identity,
+        which is added.
         """
         k, total = piece.b - piece.a, [[0] * 3 for _ in range(3)]
         below = (k.numerator * self.over) << self.bits + 2
@@ -1178,8 +1165,7 @@ class Certificate:
         """Yield bounds of ‖ũ − u_h‖²_V at the five control points of the halves of a piece; the last one is its end.
 
         Inside a half the square is at most its largest value at a control point, because it is convex in ũ − u_h. Nodes
-        of u_h
-        inside a piece must be its middle.
+        of u_h inside a piece must be its middle.
         """
         quarter = (piece.b - piece.a) / 4
         for t in (piece.a, piece.a + 2 * quarter):
@@ -1215,8 +1201,7 @@ def summed(rows: list[list[int]]) -> list[list[int]]:
 
 
 def order(coarse: Enclosure, fine: Enclosure) -> tuple[Q, Q] | None:
-    """Return the ends of an interval that contains log(E/E')/log(h/h'), or None if an error may be 0 or h is no
-    smaller."""
+    """Return an interval that contains log(E/E')/log(h/h'), or None if an error may be 0 or h is no smaller."""
     if coarse.low <= 0 or fine.low <= 0 or fine.cells <= coarse.cells:
         return None
     sizes = logarithm(Q(fine.cells, coarse.cells))  # equals 2 log(h/h'), which is positive
@@ -1242,8 +1227,7 @@ def verified(data: Any) -> Enclosure:
 
 
 def load(path: Path) -> Any:
-    """Return the content of a file; raise RefusedError unless it is JSON within the limits, OSError if it cannot be
-    read."""
+    """Return the content of a file; RefusedError unless it is JSON within the limits, OSError if it is unreadable."""
     size = path.stat().st_size
     require(size <= PACKED, f"the file has more than {PACKED} bytes")
     with path.open("rb") as file:

@@ -3,8 +3,7 @@
 **The reference element** is the composite element of degree 3 on the reference triangle with exact coefficients. The
 unknowns are 90 Bernstein coefficients of a stress and three of a rigid motion q̂. The equations are: tractions are
 continuous inside and prescribed on the boundary, and Div σ̂ − q̂ = −f̂. Row reduction over the rationals solves them
-for
-all inputs at once.
+for all inputs at once.
 
 **Constants of loads.** A tensor field Φ proves ∫ g·v ≤ C_Ω ‖g‖ ‖v‖_V and ∫_{Γ2} g·v ≤ C_Γ ‖g‖ ‖v‖_V. For a totally
 symmetric Φ, continuous and linear on cells, and v = 0 on Γ1,

@@ -1,8 +1,7 @@
 """The witnesses of a certificate: ũ and σ̃ as ``study.bound`` computes them, rounded so that signs hold exactly.
 
 There are two differences to the bound. The stress balances the loads f̃ of the checker, not projections. And σ̃ is
-given
-by its tractions on edges and nine inner numbers for each cell, from which the checker makes a stress with exactly
+given by its tractions on edges and nine inner numbers for each cell, from which the checker makes a stress with exactly
 continuous tractions. Rounding must preserve signs only, because the checker adds the unbalanced loads to the bound.
 """
 
@@ -76,8 +75,7 @@ class AdmissibleRounding:
 
     @staticmethod
     def _admissible(value: list[int], normals: list[tuple[int, int]]) -> list[int]:
-        """Return a nearby integer vector with value·N ≤ 0 for one or two normals N; return 0 if there are no
-        normals."""
+        """Return a nearby integer vector with value·N ≤ 0 for one or two normals N; 0 without normals."""
         if not normals:
             return [0, 0]
         x, y = normals[0]
@@ -108,8 +106,7 @@ class Load:
     """The loads f̃ at one time: twice the area times f̃_0, and |e| f̃_2 on the loaded edges.
 
     ``force`` has six monomials for each cell, (cells, 6, 2); ``surface`` has four Bernstein coefficients of a cubic,
-    (loaded
-    edges, 4, 2).
+    (loaded edges, 4, 2).
     """
 
     force: Array
@@ -205,8 +202,8 @@ class StressEncoder:
         return [self.number[min(edge), max(edge)] for edge in edges]
 
     def _turned(self, T: Array, edges: list[Edge]) -> Array:
-        """Return σN of the given edges, seen from their first vertices with N to the right, from σN seen from the
-        lower vertices."""
+        """Return σN of the given edges, seen from their first vertex, from σN of all edges seen from the lower
+        vertex."""
         return self._flipped(T[self._numbers(edges)], edges)
 
     @staticmethod
@@ -216,8 +213,7 @@ class StressEncoder:
         return np.where(flip, -values[:, ::-1], values)
 
     def bernstein(self, values: Tensors) -> Array:
-        """Return Voigt's components in Bernstein form, (cells, 3 thirds, 10, 3), from values at the study's
-        quadrature points."""
+        """Return Voigt's components in Bernstein form, (cells, 3 thirds, 10, 3), from values at quadrature points."""
         coefficients = np.moveaxis(self.fine.stresses.coefficients(values).reshape(3, -1, 3, 10), 0, 3)
         coefficients = coefficients / np.array([1, 1, np.sqrt(2)])
         of_cells = coefficients[self.twins.cells]
@@ -294,8 +290,7 @@ def _square(place: tuple[float, float]) -> Array:
 
 
 def _polar_forms() -> Array:
-    """Return the matrices from six nodal values to Bernstein coefficients of degree 2 on the thirds, (3 thirds, 6,
-    6)."""
+    """Return the matrices from six nodal values to Bernstein coefficients of degree 2 on the thirds, (3, 6, 6)."""
     found, to_monomials = np.zeros((3, 6, 6)), np.linalg.inv([_square(place) for place in PLACES])
     corners, centre = np.array(PLACES[:3]), np.array([1 / 3, 1 / 3])
     for third in range(3):

@@ -31,8 +31,7 @@ from study.statements.shared import estimates
 
 
 def do_adapt(options: argparse.Namespace) -> int:
-    """Compute, bound and refine, and write each mesh; return 0 if the tolerance is reached, 1 if a limit is reached
-    first."""
+    """Compute, bound and refine, and write each mesh; return 0 if the tolerance is reached, otherwise 1."""
     name, data, case = resolve_data(options.problem)
     scheme, family = choose("scheme", options.scheme, SCHEMES), family_named(options.family)
     level = min(options.levels)

@@ -34,14 +34,11 @@ IN_PART = (
     *(f"{folder}/{name}.csv" for folder in (FOLDER, MARCHES) for name in ("classes", "errors")),
 )
 """Files that are checked in part: relations between columns, or the tables made from these files, show some edits only.
-The
-tables of a run whose provenance has no checksums are among them."""
+The tables of a run whose provenance has no checksums are among them."""
 
 
 def do_check(options: argparse.Namespace) -> int:
-    """Check a result directory; return 0 if everything agrees, 1 if a check of the ledger fails, 2 if a file differs, 3
-    if
-    undecided."""
+    """Check a result directory; return 0 if all agrees, 1 if a check fails, 2 if a file differs, 3 if undecided."""
     _require_sample(options)
     with Store(options.out).steady():
         verified = verify(options.out)

@@ -48,8 +48,7 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
     """Return the exit code of a judged run: 1 if a check fails, else 3 if checks are undecided, else 0.
 
     With a table of checks that are known to be undecided, the code is 0 if exactly these are undecided, and 3
-    otherwise;
-    differences are printed.
+    otherwise; differences are printed.
     """
     code, known = exit_code(verdicts), known_undecided(file)
     if file is None or code == FAILED:

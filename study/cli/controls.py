@@ -1,5 +1,4 @@
-"""``study controls``: deliberate defects that criteria must notice; ``study sensitivity``: the smallest noticed
-defects."""
+"""``study controls``: deliberate defects that must be noticed; ``study sensitivity``: the smallest of them."""
 
 from __future__ import annotations
 
@@ -15,8 +14,7 @@ from study.run.store import Store
 
 
 def do_controls(options: argparse.Namespace) -> int:
-    """Measure with each defect and without any, and write which criteria failed; return 0 if every defect is
-    noticed."""
+    """Measure with each defect and without any, and write the outcomes; return 0 if every defect is noticed."""
     check_jobs(options.jobs)
     store = Store(options.out)
     store.check()

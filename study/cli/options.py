@@ -19,8 +19,7 @@ TOLERANCE = 1e-12
 """Relative difference that ``study compare`` permits by default."""
 AGAIN_TOLERANCE, AGAIN_ABSOLUTE = 1e-5, 1e-9
 """Differences that ``study check --again`` permits by default. With 1e-12 every file differs on another processor,
-because
-numbers near round-off differ and quotients of small numbers have fewer digits."""
+because numbers near round-off differ and quotients of small numbers have fewer digits."""
 CELLS = 20_000
 """Largest number of cells of ``study bound --adapt`` by default."""
 RESUMES = ("run", "controls", "seeds", "bound")

@@ -20,7 +20,7 @@ from study.orders.sequences import OrderResult, grid_convergence
 
 
 def do_rates(options: argparse.Namespace) -> int:
-    """Run ``study rates``; return 0 if all orders hold or none is expected, 1 if one fails, 2 for invalid input, 3
+    """Run ``study rates``; return 0 if all orders hold or none is expected, 1 if one fails, 2 for bad input, 3
     undecided."""
     try:
         return _rates(options)
@@ -78,8 +78,7 @@ def _judged(tables: list[Series], options: argparse.Namespace) -> Judged:
 
 
 def _values(tables: list[Series], as_json: bool) -> str:
-    """Return text with order, extrapolated value and grid convergence index of each quantity, and how the table was
-    read."""
+    """Return text with order, extrapolated value and grid convergence index of each quantity."""
     found = {
         f"{name} ({series.label})" if series.label else name: grid_convergence(series.h, values)
         for series in tables

@@ -49,7 +49,7 @@ class Watch:
 
 
 def do_seeds(options: argparse.Namespace) -> int:
-    """Judge as many fresh seeds as the time permits, or one seed again; return 0 if the false-alarm rate is small
+    """Judge as many fresh seeds as time permits, or one seed again; return 0 if the false-alarm rate is small
     enough."""
     check_jobs(options.jobs)
     if options.minutes < 0:

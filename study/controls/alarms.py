@@ -28,9 +28,8 @@ from study.ledger.datafiles import ALL_ROWS, alarm_summary, write_csv
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
 """Columns of ``seeds.csv``: the check; the number of the first seed that counts, and how many seeds count; alarms with
-the
-95 % interval of their rate; the extreme positions in the window; and the model of the tail with the p-value of its test
-and the rate that follows from it."""
+the 95 % interval of their rate; the extreme positions in the window; and the model of the tail with the p-value of its
+test and the rate that follows from it."""
 NAMED = PROMISE / 10
 """A check is listed if its tail alone gives a rate above a tenth of the rate that is promised for all checks."""
 FOLDED = [25, 14]

@@ -1,10 +1,9 @@
 """The record of random seeds: for each seed, the position of every check in its window. Lines are only added.
 
 ``data/seeds/drawn.csv`` has one line for each seed in the order in which the seeds were drawn: the seed, the part of
-the
-plan that was measured, a hash of the rules, the number of checks judged and the number of alarms. The last two are −1
-while the seed is being measured. A seed is entered before anything is measured, so that a seed with a bad result cannot
-be left out.
+the plan that was measured, a hash of the rules, the number of checks judged and the number of alarms. The last two are
+−1 while the seed is being measured. A seed is entered before anything is measured, so that a seed with a bad result
+cannot be left out.
 
 ``data/seeds/places.csv.gz`` has one line for each check of the ledger and each rule that judged it: two characters for
 each seed, in the same order. They encode the position in the window, −2 … 2, in 1/1024ths, as two digits of base 64.

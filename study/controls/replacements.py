@@ -178,8 +178,7 @@ def in_places(right: Any) -> Any:
 
 
 def springs(right: Any) -> Any:
-    """Deliberate defect: springs instead of v_ν ≤ 0, in pressure and tension, with a stiffness that does not grow
-    with n."""
+    """Deliberate defect: springs instead of v_ν ≤ 0, in pressure and tension, with a fixed stiffness."""
     return lambda S, N: freed(right)(sps.csc_array(S + 100.0 / N.shape[0] * (N.T @ N)), N)
 
 
@@ -263,8 +262,7 @@ def _times_parts(state: Any, factors: dict[str, float]) -> Any:
 
 
 def rival_off(which: str) -> Replacement:
-    """Deliberate defect: the displacement is wrong by a thousandth at one node, in all problems but the
-    experiment's."""
+    """Deliberate defect: the displacement is wrong by a thousandth at one node, except in the experiment."""
 
     def change(setup: Any) -> Any:
         def march(scheme: Any, problem: Any, steps: int) -> Iterator[Any]:
@@ -280,8 +278,7 @@ def rival_off(which: str) -> Replacement:
 
 
 def displacement_off(which: str, right_first: int) -> Replacement:
-    """Deliberate defect: the scheme reports ten times the displacement at one node, after ``right_first`` correct
-    calls."""
+    """Deliberate defect: the scheme reports ten times the displacement at one node, after some correct calls."""
 
     def change(scheme: Any) -> Any:
         calls = count()
@@ -972,6 +969,5 @@ def always_steps(most: int) -> Replacement:
 
 
 def near_vertices(spikes: Function) -> Function:
-    """Deliberate defect: the field is shifted from the vertices of a grid by an eighth of the radius of its
-    narrowest spikes."""
+    """Deliberate defect: the field is shifted by an eighth of the radius of its narrowest spikes."""
     return lambda x, last: spikes(x + 4.0**-last / 8, last)

@@ -1,13 +1,10 @@
 """Fingerprints of the rules by which checks of the ledger are judged: window, levels and statistic.
 
 Seeds count for a check only if they were drawn after the last change to its rule. A change is detected by its effect.
-All
-measured numbers are replaced by pseudo-random numbers near h, which depend only on the names of the file, the row and
-the
-column, and these are judged. The fingerprint is a hash of the words, windows and values of the verdict and of the
-levels
-of its measurements. Another window, level or statistic changes the fingerprint of this check and of no other check; a
-rewritten rule with the same effect does not.
+All measured numbers are replaced by pseudo-random numbers near h, which depend only on the names of the file, the row
+and the column, and these are judged. The fingerprint is a hash of the words, windows and values of the verdict and of
+the levels of its measurements. Another window, level or statistic changes the fingerprint of this check and of no other
+check; a rewritten rule with the same effect does not.
 """
 
 from __future__ import annotations
@@ -79,8 +76,7 @@ def _chance(name: str) -> float:
 
 
 def _said(verdict: Verdict) -> list[str]:
-    """Return the texts of a verdict without the name of the mesh family; numbers have six digits, equal on all
-    machines."""
+    """Return the texts of a verdict without the mesh family; numbers have six digits, equal on all machines."""
     words = [*row_of(verdict), verdict.quantity.removesuffix(f", {verdict.family} meshes"), verdict.expected]
     numbers = verdict.observed, verdict.low, verdict.high, verdict.window_low, verdict.window_high
     return [*words, verdict.verdict, *(f"{number:.6g}" for number in numbers)]

@@ -28,8 +28,7 @@ from study.run.store import Store
 NO_DEFECT = "none"
 SAME = 1e-3
 """Two defects count as the same mistake if their numbers in a setting agree to this relative tolerance. In checks that
-hold,
-some of which measure round-off, absolute differences of this size are ignored as well."""
+hold, some of which measure round-off, absolute differences of this size are ignored as well."""
 
 
 @dataclass(frozen=True)
@@ -41,8 +40,7 @@ class Outcome:
         what: a description of the defect, in one line.
         setting: name of the setting.
         row: for a control, the first of its checks that does not fail, or else its first check; for a baseline, the
-            first
-            check that does not hold, or else its first check.
+            first check that does not hold, or else its first check.
         caught: whether every check that the control names fails; None for a baseline.
         other_faults: other faults: a check that no control names, or a defect that equals another one.
     """
@@ -157,8 +155,7 @@ def work_by_name(setting: Baseline[Any], name: str) -> list[Verdict]:
     """Return the checks of a setting with the defect of this name in the table; without a defect if the name is empty.
 
     The name is passed, because functions in the table cannot be sent to another process. One thread is used, because
-    the
-    processes already use all cores.
+    the processes already use all cores.
     """
     named = [one for one in table.CONTROLS if one.name == name and one.setting == setting]
     with threadpool_limits(1):

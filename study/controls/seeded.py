@@ -1,9 +1,8 @@
 """The plan of a seed: everything that the study judges on shaken meshes, measured on the shaken meshes of this seed.
 
 Some measurements take most of the time: stresses on a separate space, rough solutions (which need the levels of the
-full
-study), errors computed by the second solver, and cases in 3D. They are measured on every ``EVERY``-th seed only. Each
-check has the number of seeds by which it was judged.
+full study), errors computed by the second solver, and cases in 3D. They are measured on every ``EVERY``-th seed only.
+Each check has the number of seeds by which it was judged.
 """
 
 from __future__ import annotations
@@ -67,8 +66,7 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
     """Return the plan of the quick study with a seed; rough cases have the levels of the full study.
 
     Left out are pictures, bounds (proved for every mesh, and tested with random ones), and errors of other codes, which
-    ran
-    on the meshes of one seed.
+    ran on the meshes of one seed.
     """
     base = replace(quick(), rough=full().rough, command="study seeds")
     scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
@@ -91,10 +89,8 @@ def on_shaken(statement: Statement, scope: SeededScope) -> list[Setting]:
     """Return the settings of a statement on the shaken meshes of a seed.
 
     They are the settings of the quick study or, if it has no shaken meshes, of the full study on the levels of the
-    quick
-    one. Problem 3.2 on composite stresses has all settings of the full study. The traces of (5.24) are measured
-    although
-    nothing is claimed about them on shaken meshes.
+    quick one. Problem 3.2 on composite stresses has all settings of the full study. The traces of (5.24) are measured
+    although nothing is claimed about them on shaken meshes.
     """
     if isinstance(statement, InterpolationOnContact):
         return grid(TRACES, (scope.family,), (16, 32, 64))

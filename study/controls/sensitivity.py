@@ -1,8 +1,7 @@
 """Sensitivity: the smallest defect that makes a check fail; the command ``study sensitivity``.
 
 One part of Problem 5.1 is changed by a relative amount δ. Bisection on a logarithmic scale finds the smallest δ at
-which
-a check fails. Errors change by δ² for small δ, which orders and sizes hardly show. The checks of
+which a check fails. Errors change by δ² for small δ, which orders and sizes hardly show. The checks of
 ``study.statements.recomputed`` compare trajectories, which change by δ. Only these checks are used here, so the amounts
 are upper bounds for the whole ledger, and a coarse mesh suffices.
 """
@@ -75,8 +74,7 @@ class Place:
         return [verdict.key for verdict in verdicts if verdict.verdict == FAILS]
 
     def smallest(self, defect: SmallDefect) -> tuple[float, str]:
-        """Return the smallest amount at which a check fails, up to the factor ``CLOSE``, and the check; ∞ if none
-        fails."""
+        """Return the smallest amount at which a check fails, up to ``CLOSE``, and the check; ∞ if none fails."""
         holds, fails = LEAST, MOST
         if not (seen := self.failing(defect.apply(self.setup, fails))):
             return float("inf"), ""
@@ -90,8 +88,7 @@ class Place:
 
 
 def lines(setting: Setting) -> list[Row]:
-    """Return the rows of ``sensitivity.csv`` for one mesh; a zero start is skipped, because it has no relative
-    defects."""
+    """Return the rows of ``sensitivity.csv`` for one mesh; a zero start has no relative defect and is skipped."""
     with threadpool_limits(1):
         place = Place.of(setting)
         chosen = [defect for defect in DEFECTS if defect is not START or place.setup.problem.u0.any()]

@@ -38,8 +38,7 @@ def row_of(setup: Experiment, case: str, level: int) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Twins:
-    """A case with a rotated body and its twin, on several meshes, because on a single mesh their digits may agree by
-    chance."""
+    """A case with a rotated body and its twin; several meshes, because on one mesh digits may agree by chance."""
 
     case: str
     levels: tuple[int, ...]

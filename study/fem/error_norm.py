@@ -5,8 +5,7 @@ The strain of a P1 function is constant on every cell, so with the cell means ε
     ‖u(t) − v‖_V² = ∫ Aε(u)·ε(u) − Σ_T |T| Aε̄·ε̄ + Σ_T |T| A(ε̄ − ε(v))·(ε̄ − ε(v)).
 
 The difference of the first two terms, the oscillation, does not depend on v. It is evaluated once per time and is a
-lower
-bound for every v ∈ V^h. Cancellation makes its relative accuracy ε_machine/h², which is 1e-10 at h = 1e-3.
+lower bound for every v ∈ V^h. Cancellation makes its relative accuracy ε_machine/h², which is 1e-10 at h = 1e-3.
 """
 
 from __future__ import annotations
@@ -28,15 +27,12 @@ from study.fem.space import Space
 
 DEGREE, SOLID_DEGREE = 4, 2
 """Degrees of the standard cell rule in 2D and in 3D. In 2D the degree is two more than the square of a linear strain
-error
-needs, because kinks may cross cells and points that share coordinates lower the degree. In 3D the evaluation of exact
-fields dominates the cost. Every row of a rate table records the effect of raising the degree by two."""
+error needs, because kinks may cross cells and points that share coordinates lower the degree. In 3D the evaluation of
+exact fields dominates the cost. Every row of a rate table records the effect of raising the degree by two."""
 FACET_POINTS, SOLID_FACET_POINTS = 8, 4
-"""Gauss points on a contact facet: in 2D, on each side of a point where the solution is not smooth; in 3D, per
-direction."""
+"""Gauss points on a contact facet: in 2D on each side of a point of low regularity, in 3D per direction."""
 PARALLEL = 0.1
-"""Sine of the angle below which two lines count as nearly parallel, so that points cannot share coordinates along
-both."""
+"""Sine of the angle below which two lines are too close to parallel for points to share coordinates along both."""
 
 
 class NormError(ArithmeticError):
@@ -68,8 +64,7 @@ class ErrorNorm:
     Args:
         raised: added to the degree of the cell rules and to the number of points of the facet rules.
         along: lines to which many quadrature points have the same distance (``study.fem.quadrature``), which makes
-            formulas
-            cheap but lowers the degree of rules; by default ``shared_lines``, () for the standard rules.
+            formulas cheap but lowers the degree of rules; by default ``shared_lines``, () for the standard rules.
     """
 
     def __init__(
@@ -131,8 +126,7 @@ class ErrorNorm:
         """Return the load (f(t), v)_V = (σ(t), ε(v))_Q − ∫_{Γ3} σ_ν v_ν for v ∈ V^h, (n_dofs,).
 
         This is Green's formula (2.14) with (2.2), (2.4) and σ_τ = 0. It needs no derivative of σ, so it also holds for
-        solutions
-        whose f_0 is not in L².
+        solutions whose f_0 is not in L².
         """
         strains, rates = self._amplitudes(time, False), self._amplitudes(time, True)
         return self.space.tested(self._cells(strains, rates)) + self._contact_work(strains, rates)

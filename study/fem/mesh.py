@@ -24,8 +24,7 @@ from manufactured.body import Body, Kind, Part
 from manufactured.tensors import Array, Points
 
 TOLERANCE = 1e-8
-"""Distance, relative to |Ω|^{1/d}, above which a vertex counts as not on a part; also the tolerance for areas and
-lengths."""
+"""Distance, relative to |Ω|^{1/d}, above which a vertex is not on a part; also for areas and lengths."""
 
 
 class MeshError(ValueError):
@@ -64,8 +63,7 @@ def size(mesh: Mesh) -> float:
     """Return the mesh size h = (d! |Ω| / number of cells)^{1/d}, which is 1/n on one-diagonal meshes of the unit cube.
 
     In a quasi-uniform family h is equivalent to the largest diameter. The diameter has a random part on shaken meshes,
-    which
-    would disturb every observed order.
+    which would disturb every observed order.
     """
     return float((factorial(mesh.dim()) * cell_volumes(mesh).sum() / mesh.t.shape[1]) ** (1 / mesh.dim()))
 
@@ -112,8 +110,7 @@ def with_midpoints(mesh: Mesh) -> sps.csr_array:
 
 
 def nearest(points: Points, segment: Array) -> Array:
-    """Return the parameters in [0, 1] of the points of a segment (d, 2) that are nearest to given points (d, n),
-    (n,)."""
+    """Return the parameters in [0, 1] of the points of a segment (d, 2) nearest to given points (d, n), (n,)."""
     along = segment[:, 1] - segment[:, 0]
     return np.clip(along @ (points - segment[:, :1]) / (along @ along), 0, 1)
 
@@ -191,10 +188,8 @@ class Shaken:
     """One-diagonal meshes with every vertex moved at random by up to 2/d ``amplitude`` cells in each direction.
 
     Vertices move only within the faces, edges between parts and interfaces on which they lie; corners of parts do not
-    move.
-    Levels are independent of each other, so the meshes are neither nested nor symmetric. A simplex of the grid on the
-    unit
-    cube keeps at least 1 − 4 ``amplitude`` of its volume, in every dimension.
+    move. Levels are independent of each other, so the meshes are neither nested nor symmetric. A simplex of the grid on
+    the unit cube keeps at least 1 − 4 ``amplitude`` of its volume, in every dimension.
     """
 
     seed: int = 2002
@@ -284,8 +279,7 @@ def mapped(body: Body, reference: Points) -> Points:
 
 
 def _images(body: Body) -> Points | None:
-    """Return the images (d, 2^d) of the corners of the unit cube, the first axis fastest; None if there is no such
-    map."""
+    """Return the images (d, 2^d) of the corners of the unit cube, the first axis fastest; None without such a map."""
     corners = body.corners
     if corners.shape[1] != 2**body.dim:
         return None
@@ -339,8 +333,7 @@ class Unstructured:
 
     Points start on a jittered triangular lattice and are moved to the area-weighted mean of the centroids of the cells
     around them, ``sweeps`` times (Lloyd's iteration in the form of Du, Faber, Gunzburger, SIAM Review 41 (1999)
-    637–676,
-    with centroids of the star). Points on the boundary and on interfaces are evenly spaced and do not move.
+    637–676, with centroids of the star). Points on the boundary and on interfaces are evenly spaced and do not move.
     """
 
     seed: int = 2002
@@ -360,8 +353,8 @@ class Unstructured:
         return simplicial_mesh(points, _delaunay(body, points))
 
     def points(self, body: Body, n: int) -> tuple[Array, Array, Array]:
-        """Return the points on the boundary, on interfaces inside, and in the interior before the first sweep, (2,
-        n) each."""
+        """Return points on the boundary, on interfaces inside, and in the interior before the first sweep, (2, n)
+        each."""
         require_plane(self, body)
         spacing = 1.15 * np.sqrt(body.measure) / n
         boundary = [_divide(part, spacing, _stops(part, body)) for part in body.parts]
@@ -376,10 +369,8 @@ class Graded:
     """Unstructured meshes that are refined towards the points c of ``body.refine``.
 
     The map x ↦ c + (x − c)(|x − c|/R)^{e−1} for |x − c| < R makes cells of the size h ϱ^{1−1/e} at the distance ϱ from
-    c and
-    h^e at c. P1 functions then approximate |x − c|^λ in H¹ with the order 1 if 1/e < λ. The exponent e = 5/2 is
-    sufficient
-    for λ ≥ 1/2, which covers re-entrant corners and changes of the boundary condition.
+    c and h^e at c. P1 functions then approximate |x − c|^λ in H¹ with the order 1 if 1/e < λ. The exponent e = 5/2 is
+    sufficient for λ ≥ 1/2, which covers re-entrant corners and changes of the boundary condition.
 
     Sources: I. Babuška, R. B. Kellogg, J. Pitkäranta, Direct and inverse error estimates for finite elements with mesh
     refinements, Numer. Math. 33 (1979) 447–471; T. Apel, Anisotropic finite elements: local estimates and applications,
@@ -411,8 +402,7 @@ class Graded:
         return simplicial_mesh(points, mesh.t)
 
     def radius(self, body: Body, point: tuple[float, ...]) -> float:
-        """Return R = ``reach`` × the distance to other points of ``refine`` and to parts and interfaces that do not
-        contain c."""
+        """Return R = ``reach`` × the distance to other points of ``refine`` and to parts and interfaces without c."""
         centre = np.array(point)
         tolerance = 1e-8 * np.sqrt(body.measure)
         lines = [part for part in (*body.parts, *body.interfaces) if not part.contains(centre, tolerance)]

@@ -44,8 +44,7 @@ class QuadraturePoints:
     """The points x of a quadrature, (d, n), with their weights (n,).
 
     Each point contributes to the sum of a cell or a vertex. ``sums`` has the numbers of these sums, (n,), and ``count``
-    is
-    how many sums there are.
+    is how many sums there are.
     """
 
     x: Array
@@ -65,8 +64,7 @@ class QuadraturePoints:
 
     @classmethod
     def on_facets(cls, rule: FacetRule, part: Part, mesh: Mesh) -> tuple[QuadraturePoints, Array]:
-        """Return the points with one sum for each vertex of the facets, weighted with its shape function; and these
-        vertices."""
+        """Return the points, with one sum per vertex of the facets weighted by its shape function, and the vertices."""
         vertices, sums = np.unique(mesh.facets[:, rule.facets], return_inverse=True)
         x, weights = part.point(rule.s), rule.shapes * rule.weights
         copies = np.repeat(x[:, None], len(weights), axis=1).reshape(len(x), -1)
@@ -85,8 +83,7 @@ def shapes_at_points(modes: Sequence[Modes], count: int) -> Iterator[sps.csr_arr
 
 
 def strain_matrix(modes: Sequence[Modes], count: int) -> sps.csr_array:
-    """Return the matrix from amplitudes to the strain at ``count`` points, component by component, (D · count, Σ K
-    J)."""
+    """Return the matrix from amplitudes to the strain at ``count`` points, by components, (D · count, Σ K J)."""
     tensors = np.concatenate([part.tensors for part in modes])
     shapes = shapes_at_points(modes, count)
     columns = [sps.kron(sps.csr_array(E[:, None]), shape) for E, shape in zip(tensors, shapes, strict=True)]
@@ -174,9 +171,8 @@ class StrainEnergy:
     """Computes the energy ∫_Ω α C ε·ε dx from the amplitudes.
 
     If many points share a coordinate along the face, the energy is stored as a quadratic form of the amplitudes. If
-    hardly
-    any do, the matrix of this form would be many times larger than the modes, and the strain at the points is computed
-    first.
+    hardly any do, the matrix of this form would be many times larger than the modes, and the strain at the points is
+    computed first.
 
     Args:
         modes: the terms of ε at the points.

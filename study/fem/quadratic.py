@@ -24,8 +24,7 @@ EDGES = ((0, 1), (1, 2), (0, 2))
 
 
 class Quadratic(Displacements):
-    """Displacements of degree 2 on a mesh of triangles; coefficients of vertices come first, then coefficients of
-    edges."""
+    """Displacements of degree 2 on a triangular mesh; coefficients of vertices come first, then of edges."""
 
     @cached_property
     def numbers(self) -> Array:
@@ -69,8 +68,7 @@ class Quadratic(Displacements):
         return np.array([*(x * x for x in barycentric), *(2 * barycentric[a] * barycentric[b] for a, b in EDGES)])
 
     def strains(self, barycentric: Array) -> sps.csr_array:
-        """Return the matrix from v to ε(v) in Mandel form at the same points (3, q) of every cell, (3 · cells · q,
-        dofs)."""
+        """Return the matrix from v to ε(v) in Mandel form at points (3, q) of every cell, (3 · cells · q, dofs)."""
         slopes, outer = barycentric_gradients(self.mesh), np.multiply.outer
         gradients = np.stack(
             [

@@ -1,9 +1,8 @@
 """Quadrature on the cells and facets of a mesh, adapted to where the solution is not smooth.
 
 Cells on a line along which the exact strain is singular or kinked for all times are cut along it, and the rule is
-graded
-towards the line. Cells with a vertex at a singular point have Duffy's rule, graded towards the point. All other cells
-have a standard rule. Cells that are met by the contact fronts of one time can be cut along these fronts
+graded towards the line. Cells with a vertex at a singular point have Duffy's rule, graded towards the point. All other
+cells have a standard rule. Cells that are met by the contact fronts of one time can be cut along these fronts
 (``sliced_rules``).
 """
 
@@ -49,8 +48,7 @@ class FacetRule:
     """Quadrature on the facets (n,) of one part, with weights (n, q).
 
     Points are given by their local coordinates s along the part, (d−1, n, q), and by the values of the P1 functions of
-    the
-    facet's vertices, ``shapes``, (d, n, q).
+    the facet's vertices, ``shapes``, (d, n, q).
     """
 
     facets: Array
@@ -73,8 +71,7 @@ def simplex_rule(dim: int, degree: int) -> tuple[Array, Array]:
     """Return barycentric points (d+1, q) and weights (q,) with sum 1 of a rule of the given degree with few points.
 
     Triangles have rules up to degree 19, tetrahedra up to 8. From degree 5 on the rules of scikit-fem 12 on tetrahedra
-    are
-    exact to one degree less than requested (a test verifies this), and its rule of degree 4 has negative weights.
+    are exact to one degree less than requested (a test verifies this), and its rule of degree 4 has negative weights.
     """
     reference, weights = get_quadrature(RefTri, degree) if dim == 2 else get_quadrature(RefTet, degree + (degree > 3))
     return np.vstack([1 - reference.sum(axis=0), reference]), weights / weights.sum()
@@ -88,8 +85,7 @@ def duffy(along: int, across: int, grading: int = 1) -> tuple[Array, Array]:
     η.
 
     Source: M. G. Duffy, Quadrature over a pyramid or cube of integrands with a singularity at a vertex, SIAM J. Numer.
-    Anal.
-    19 (1982) 1260–1262.
+    Anal. 19 (1982) 1260–1262.
     """
     (xi, wx), (eta, we) = gauss(along), gauss(across)
     far = xi[:, None] ** grading * np.ones_like(eta)
@@ -243,8 +239,7 @@ def sliced_rules(mesh: Mesh, fronts: Sequence[Line], but: Array, degree: int) ->
     """Yield rules for the cells that fronts meet, cut along the fronts; the cells ``but`` (n,) are left out.
 
     A cell that meets two fronts of one direction is cut along both. If it meets fronts of two faces, it is cut along
-    the
-    front of the first face.
+    the front of the first face.
     """
     left = np.ones(mesh.t.shape[1], dtype=bool)
     left[but] = False
@@ -290,8 +285,8 @@ class _Frame:
         return cls(line, np.take_along_axis(s, order, 0), np.take_along_axis(r, order, 0))
 
     def ends(self, parallels: Sequence[float]) -> Array:
-        """Return the ends of slabs: vertices and parallels to the line at given distances, (3 + parallels, n),
-        sorted."""
+        """Return the ends of slabs, sorted: vertices, and parallels to the line at given distances, (3 + parallels,
+        n)."""
         low, high = self.s[0], self.s[2]
         return np.sort(np.vstack([self.s, *(np.clip(np.full_like(low, s), low, high) for s in parallels)]), axis=0)
 
@@ -350,8 +345,7 @@ def cell_rules(
     Args:
         mesh: in 2D or, without lines and points, in 3D.
         degree: degree of the rule on ordinary cells, up to 19 in 2D and 8 in 3D; cells at a line or at a point have
-            enough
-            points for the same accuracy away from it.
+            enough points for the same accuracy away from it.
         lines: lines at which the integrand is not smooth.
         points: vertices of the mesh at which the integrand is singular.
         along: at most two lines, not parallel; points of ordinary cells are moved so that many have equal distances to

@@ -1,9 +1,8 @@
 """Meshes that are refined where a field has small details, and the inclusion of V^h in the P1 functions on them.
 
 A solution with details of many sizes needs fine quadrature in a few places. Cells are divided there (red, green and
-blue
-refinement, in which every cell is a union of finer cells), so that V^h is contained in the P1 functions on the finer
-mesh. Loads and errors of V^h are computed on the finer mesh without approximation except for the quadrature.
+blue refinement, in which every cell is a union of finer cells), so that V^h is contained in the P1 functions on the
+finer mesh. Loads and errors of V^h are computed on the finer mesh without approximation except for the quadrature.
 """
 
 from __future__ import annotations
@@ -60,6 +59,5 @@ def midpoint_values(mesh: Mesh, finer: Mesh) -> sps.csr_array:
 
 
 def inclusion_of(space: Space, finer: Space, nodal: sps.csr_array) -> sps.csr_array:
-    """Return the matrix of V^h on a mesh into V^h on a finer mesh, for free values, from the matrix for nodal
-    values."""
+    """Return the inclusion matrix of V^h on a mesh into V^h on a finer mesh, for free values, from nodal values."""
     return sps.csr_array(sps.kron(nodal, sps.eye_array(space.dim), format="csr")[finer.free][:, space.free])

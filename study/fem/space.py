@@ -84,8 +84,7 @@ class Displacements(MeshedBody, ABC):
         return full.reshape(-1, self.dim)
 
     def strain(self, v: Array) -> Tensors:
-        """Return ε(v), (D, cells) or (D, cells, points); for several functions (dofs, n) the result has n as last
-        axis."""
+        """Return ε(v), (D, cells) or (D, cells, points); several functions (dofs, n) give n as last axis."""
         return (self.E @ v).reshape(-1, *self.weights.shape, *v.shape[1:])
 
     def functional(self, stress: Tensors) -> Array:
@@ -97,8 +96,7 @@ class Displacements(MeshedBody, ABC):
         return self.tested(self.weights.reshape(*self.weights.shape, *(1,) * (stress.ndim - inner - 1)) * stress)
 
     def tested(self, integrals: Tensors) -> Array:
-        """Return the functional (σ, ε(·))_Q from the integrals of a stress over the cells, or from its values times
-        w."""
+        """Return (σ, ε(·))_Q from the integrals of a stress over the cells, or from its values times w."""
         return self._transposed @ integrals.reshape(self.E.shape[0], *integrals.shape[self.weights.ndim + 1 :])
 
     @cached_property
@@ -134,8 +132,7 @@ class Displacements(MeshedBody, ABC):
         return self.normal_components(self.contact)
 
     def normal_components(self, on: Sequence[tuple[Part, Array]]) -> sps.csr_array:
-        """Return the matrix from v to ν·c for coefficients of functions (n,) on given parts, part by part, (Σ n,
-        dofs)."""
+        """Return the matrix from v to ν·c for coefficients of functions (n,) on given parts, (Σ n, dofs)."""
         normals = np.concatenate([np.tile(part.normal, (len(numbers), 1)) for part, numbers in on])
         numbers = np.concatenate([numbers for _, numbers in on])
         return sps.csr_array(self._rows(normals[:, None], numbers[:, None])[:, self.free])
@@ -204,8 +201,7 @@ class Space(Displacements):
         return np.array([np.bincount(vertices.ravel(), component.ravel(), self.count) for component in values])
 
     def interpolate(self, values: Vectors) -> Array:
-        """Return the interpolant Π^h: nodal values (d, vertices) → free values (n_dofs,); (d, vertices, n) →
-        (n_dofs, n)."""
+        """Return Π^h: nodal values (d, vertices) → free values (n_dofs,), or (d, vertices, n) → (n_dofs, n)."""
         return np.moveaxis(values, 0, 1).reshape(-1, *values.shape[2:])[self.free]
 
     def nodal(self, v: Array) -> Vectors:

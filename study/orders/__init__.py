@@ -24,8 +24,7 @@ def check_orders(h: ArrayLike | str, errors: Any, expected: Wish = None, at_leas
 
     Raises:
         OrderError: as ``observed_orders``, or ``errors`` has no names, or an order is expected of a column that does
-            not
-            exist.
+            not exist.
     """
     if not hasattr(errors, "keys"):
         raise OrderError("errors must be a dictionary or a DataFrame, name ↦ errors; for one list use observed_orders")

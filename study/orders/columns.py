@@ -289,8 +289,7 @@ def _from_ratio(ratio: float, rows: int) -> list[float]:
 
 
 def _split_by_case(columns: Columns) -> list[Columns]:
-    """Return one table for each value of a column, such as the degree, if sizes repeat but are distinct for each
-    value."""
+    """Return one table per value of a column, such as the degree, if sizes repeat but are distinct for each value."""
     table, size, rows = columns.table, columns.size, range(len(columns.table.rows))
     numbers = columns.values.get(size or "", [])
     if size is None or len(set(numbers)) == len(numbers):

@@ -1,8 +1,8 @@
 """Read tables of errors from text: find rows, columns and names in the form in which people paste a table.
 
 Forms that are read: values separated by commas, semicolons, tabs, pipes (Markdown, pytools, box drawing), ``&`` (LaTeX)
-or blanks; headers that are comments or have two rows; transposed tables; ``name = value`` lines; lists
-``name = [1, 2, 3]``; ``label 51: 0.1, 101: 0.02`` lines. The meaning of a column is decided in ``columns.py``.
+or blanks; headers that are comments or have two rows; transposed tables; ``name = value`` lines; lists ``name = [1, 2,
+3]``; ``label 51: 0.1, 101: 0.02`` lines. The meaning of a column is decided in ``columns.py``.
 """
 
 from __future__ import annotations
@@ -286,8 +286,7 @@ class _Grid:
         return tables + (self._table(above, block, tables) if block else [])
 
     def _is_row(self, i: int, width: int) -> bool:
-        """Return whether a line is a row of a table: half of its cells are numbers, or one if the number of cells is
-        right."""
+        """Return whether a line is a row of a table: half of its cells are numbers, or one if their number is right."""
         texts = self.texts[i]
         numbers = sum(map(_is_number, texts))
         if self.lines[i].is_comment or not numbers or _SUMMARY.match(texts[0]):
@@ -307,8 +306,7 @@ class _Grid:
         return len(self.split[following]) == width == len(self.split[block[0]]) > 1
 
     def _table(self, above: list[int], block: list[int], before: list[RawTable]) -> list[RawTable]:
-        """Return the table of a block of rows; its header is the nearest line above that has a name for every
-        column."""
+        """Return the table of a block of rows; its header is the nearest line above with a name for every column."""
         rows, width = self._aligned(block)
         names, used = self._header(above, rows, width)
         if not names and before and len(before[-1].names) == width:
@@ -329,8 +327,7 @@ class _Grid:
         return [RawTable(_FORMS[self.separator], names, rows, numbers, _short(caption, 100))]
 
     def _aligned(self, block: list[int]) -> tuple[list[list[str]], int]:
-        """Return rows with equally many cells; missing cells between blanks are recognised by their position in the
-        line."""
+        """Return rows with equally many cells; missing cells between blanks are recognised by position."""
         lengths = [len(self.split[i]) for i in block]
         width = max(lengths) if self.separator == " " else Counter(lengths).most_common(1)[0][0]
         model = self.split[block[lengths.index(width)]]
@@ -396,8 +393,7 @@ class _Grid:
         return None
 
     def _grouped(self, group: int, i: int, names: list[str]) -> list[str] | None:
-        """Return the names from two header rows if each heading of the upper row spans several columns, otherwise
-        None."""
+        """Return the names from two header rows if headings of the upper row span several columns, otherwise None."""
         if self.separator == " ":
             upper, wide = _phrases(self.lines[group].text), _phrases(self.lines[i].text)
             lower = wide if len(wide) == len(names) else self.split[i]
@@ -421,8 +417,7 @@ class _Grid:
         return combined
 
     def transposed(self) -> list[RawTable]:
-        """Return tables with a line for each quantity and a column for each mesh, if labels or header show this
-        form."""
+        """Return tables with a line per quantity and a column per mesh, if labels or header show this form."""
         runs: list[list[int]] = []
         labelled = {i: parts for i in range(len(self.lines)) if (parts := self._labelled(i))}
         for i in range(len(self.lines)):
@@ -510,8 +505,7 @@ def _labels_of_repeated(upper: Split, lower: Split) -> list[str] | None:
 
 
 def _labels_from_left(upper: Split, lower: Split) -> list[str] | None:
-    """Return the last heading that begins at a name or left of it; None unless every heading begins where a name
-    begins."""
+    """Return the last heading that begins at or left of each name; None unless every heading begins at a name."""
     if any(all(abs(begin - start) > 1 for _, start, _ in lower) for _, begin, _ in upper):
         return None
     near = 0 if all(end - start == 1 for _, start, end in lower) else 1

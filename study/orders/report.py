@@ -22,8 +22,8 @@ Judged = list[tuple[Series, list[OrderResult]]]
 
 
 def exit_code(judged: Judged) -> int:
-    """Return 1 if an order fails or is higher than expected, else 3 if one is undecided, else 0; 0 without an
-    expectation."""
+    """Return 1 if an order fails or is higher than expected, else 3 if one is undecided, else 0 (also if none is
+    expected)."""
     results = [result for _, results in judged for result in results if result.expectation.window]
     verdicts = {result.verdict for result in results} - {SKIPPED}
     if verdicts & {FAILS, HIGHER}:
@@ -32,8 +32,7 @@ def exit_code(judged: Judged) -> int:
 
 
 def as_text(judged: Judged) -> str:
-    """Return the conclusion with one line for each column, then how the table was read and all orders; 80 columns
-    wide."""
+    """Return one line with the conclusion for each column, then how the table was read and all orders."""
     lines: list[str] = []
     every = [result for _, results in judged for result in results]
     for result in every[:MOST_COLUMNS]:

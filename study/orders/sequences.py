@@ -26,8 +26,7 @@ SAME_SIZE = 1e-6
 
 
 class OrderError(ValueError):
-    """Raised if a table or a sequence of errors cannot be used; the message names the problem and the smallest
-    remedy."""
+    """Raised if a table or a sequence of errors cannot be used; the message names the smallest remedy."""
 
 
 @dataclass(frozen=True)
@@ -278,7 +277,7 @@ def _stalled(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
 
 
 def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis | None:
-    """Return the diagnosis of errors a + C h^p with a > 0, if the last two triples of levels agree on a and p; else
+    """Return the diagnosis of errors a + C h^p, a > 0, if the last two triples of levels agree on a and p; else
     None."""
     n, orders = len(e), consecutive_orders(h, e)
     if n < 4 or not orders[-1] < orders[-2] < orders[-3]:
@@ -293,8 +292,7 @@ def _tends_to_limit(h: Array, e: Array, expectation: Expectation) -> Diagnosis |
 
 
 def _above(h: Array, e: Array, stall: int, floor: float, kind: str, words: str, expectation: Expectation) -> Diagnosis:
-    """Return the diagnosis from the levels whose errors are clearly above a floor, if they have at least three
-    orders."""
+    """Return the diagnosis from the levels with errors clearly above a floor, if they have three orders or more."""
     low = np.flatnonzero(e[:stall] < CLEAR * floor)
     stop = int(low[0]) if low.size else stall
     if stop < 4:

@@ -1,8 +1,8 @@
 """The inputs of ``paper/`` from the data files: its tables, and macros for every measured number in its text.
 
 They are written to ``article/``, only for a full run with its controls, because the article describes such a run.
-Ranges
-are rounded outwards (the smallest value down, the largest value up), so that no sentence claims more than was observed.
+Ranges are rounded outwards (the smallest value down, the largest value up), so that no sentence claims more than was
+observed.
 """
 
 from __future__ import annotations
@@ -221,8 +221,7 @@ def _time(data: FullRun) -> Named:
 
 
 def _laws(data: FullRun) -> Named:
-    """Yield the growth rates of differences of solutions if G softens, with eigenvalues and the bound of Theorem
-    2.2."""
+    """Yield growth rates of differences of solutions if G softens, with eigenvalues and the bound of Theorem 2.2."""
     label, soft, wells = "Thm 2.2, (4.4)", "softening", "double-well"
     rates = pd.concat([data.rows(label, key) for key in ("rate", "rate-even")])
     yield "lawsRate", _power((rates[["low", "high"]] - 1).abs().max(axis=None))
@@ -236,8 +235,7 @@ def _laws(data: FullRun) -> Named:
 
 
 def _discrete(data: FullRun) -> Named:
-    """Yield how many predictions about the fully discrete error agree, and how far the constants are from their
-    bounds."""
+    """Yield how many predictions about the fully discrete error agree, and how sharp the constants are."""
     claims = data.claims[data.claims["label"] == "beyond: fully discrete"]
     predicted = claims["key"].str.endswith(DISCRETE)
     for name, total, rows in (
@@ -287,8 +285,7 @@ def _power(value: float) -> str:
 
 
 def ledger(data: FullRun) -> str:
-    """Return one row per statement: the number of verdicts of each kind, and the check that is nearest to its
-    window's end."""
+    """Return one row per statement: verdicts of each kind, and the check that is nearest to its window's end."""
     body = []
     for label, claim, rows in by_claim(data.claims):
         count, judged = count_verdicts(rows), rows[~rows["verdict"].isin(UNCLAIMED)]
@@ -332,8 +329,7 @@ def smooth(data: FullRun) -> str:
 
 
 def rough(data: FullRun) -> str:
-    """Return Prop. 5.3, one row per case: the predicted order, the order that the proof of 5.4 gives, and the
-    observations."""
+    """Return Prop. 5.3, one row per case: the predicted order, the order proved as for 5.4, and the observations."""
     label, body = "Prop. 5.3", []
     for case in data.rates.loc[data.rates["claim"] == label, "case"].drop_duplicates():
         orders = [f"{data.cases.loc[case, name]:.3g}" for name in ("expected_order", "proved_order")]
@@ -349,8 +345,7 @@ def rough(data: FullRun) -> str:
 
 
 def stresses(data: FullRun) -> str:
-    """Return Theorem 4.2 with a separate stress space, one row per case and mesh family (not shaken): orders and
-    windows."""
+    """Return Theorem 4.2 with a separate stress space, one row per case and mesh family (not shaken)."""
     rows = data.claims[(data.claims["label"] == "Thm 4.2, own space") & (data.claims["family"] != "shaken")]
     body = []
     for (case, family), part in rows.groupby(["case", "family"], sort=False):

@@ -29,8 +29,7 @@ ARROW = 0.2
 THICKNESS = 0.05
 """The thickness of the foundation, as a fraction of the longest side."""
 BRIGHTEST = 0.95
-"""Stresses above this quantile share the last colour; otherwise peaks at fronts and corners would hide other
-differences."""
+"""Stresses above this quantile share the last colour; peaks would otherwise hide all other differences."""
 OBLIQUE = np.array([0.35, 0.55, 0.25])
 """Added to the direction of view of a solid, so that three sides of a box are visible."""
 ROUND_OFF = 1e-9
@@ -84,8 +83,7 @@ class View:
         """Return the identity in 2D; a solid is seen obliquely, from above and from outside its contact faces.
 
         The direction towards the eye is the sum of the normals with every component increased in absolute value. The
-        third axis
-        is vertical. A body on a floor is turned upside down, because a body seen from below looks hollow.
+        third axis is vertical. A body on a floor is turned upside down, because a body seen from below looks hollow.
         """
         if len(picture.vertices) == 2:
             return cls(np.eye(2))
@@ -298,10 +296,8 @@ def draw_body(picture: Picture) -> Figure:
     """Draw the magnified deformed mesh at the times of the shapes, coloured by its von Mises stress.
 
     In 2D the foundation of each face is the undeformed line of its nodes, with the outer side grey. Arrows show the
-    pressure
-    of the foundation on the body, and the gap is drawn below, each with one scale. A solid is seen through its
-    foundation,
-    and the colour of its contact faces shows the pressure.
+    pressure of the foundation on the body, and the gap is drawn below, each with one scale. A solid is seen through its
+    foundation, and the colour of its contact faces shows the pressure.
     """
     count, bars = len(picture.shapes), 2 if picture.polygons else 1
     aspect = BodyScale.of(picture).aspect

@@ -44,8 +44,7 @@ class Axis:
     least: int = 3
 
     def position(self, value: float) -> float:
-        """Return the position of a value, 0 at the lower end and 1 at the upper end; values without a logarithm are
-        far below 0."""
+        """Return the position of a value, from 0 to 1 on the axis; values without a logarithm are far below 0."""
         if self.scale == "linear":
             return (value - self.low) / (self.high - self.low)
         return math.log10(max(value / self.low, 1e-9)) / math.log10(self.high / self.low)

@@ -56,8 +56,7 @@ def finest_orders(rates: pd.DataFrame, refinements: int) -> dict[str, float]:
     """Return for each mesh family the order of ``error`` over the last refinements, or over as many as there are.
 
     Families with a single level, or with errors that have no order, are left out. Over two refinements a fixed front,
-    or a
-    jump of the material, has the same position in the cells of both meshes.
+    or a jump of the material, has the same position in the cells of both meshes.
     """
     found = {}
     for family, rows in by_family(rates):

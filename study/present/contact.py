@@ -52,8 +52,7 @@ def draw_zone(picture: Picture) -> Figure:
     """Draw the contact zone of each face in 2D, with s to the right and t upwards, and the error of the zone.
 
     The filled region is the exact zone; a dot is a node in contact, hollow outside the exact zone. If there are many
-    times,
-    only some evenly spaced ones are shown. The last panel shows ``misplaced_length``.
+    times, only some evenly spaced ones are shown. The last panel shows ``misplaced_length``.
     """
     count = len(picture.segments)
     figure = Figure(figsize=(COLUMN + 0.8 * (count - 1), 3.2))
@@ -312,8 +311,7 @@ def draw_map(axes: Axes, face: Polygon, instant: int, paint: Paint) -> None:
 
 
 def paint_values(face: Polygon, name: str, top: float) -> Paint:
-    """Return the function that paints gap or pressure: exact values as a surface, computed values as dots, from 0 to
-    ``top``."""
+    """Return the function that paints gap or pressure from 0 to ``top``: exact as a surface, computed as dots."""
     exact, computed = getattr(face, f"{name}_exact"), getattr(face, name)
     levels = np.linspace(0, top, MAP_LEVELS + 1)
     style: dict[str, Any] = {"cmap": ramp(name), "norm": BoundaryNorm(levels, 256)}

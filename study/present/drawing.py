@@ -36,8 +36,7 @@ _METADATA: dict[str, dict[str, None]] = {
 """Dates and versions are left out, so that equal data give equal files."""
 
 Progress = Callable[[int, int, str], None]
-"""Function that is called after each figure with the number of finished figures, the total number, and the figure's
-name."""
+"""Function that is called after each figure with the number of finished figures, their total, and the name."""
 
 
 @dataclass(frozen=True)

@@ -18,8 +18,7 @@ def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
     """Return for each file of a run that follows from its data alone the text and the command that writes it.
 
     These files are tables, inputs of the article and captions of figures; for a full run also the badges and the README
-    of
-    the repository to which the run belongs. Files that do not exist are left out.
+    of the repository to which the run belongs. Files that do not exist are left out.
 
     Raises:
         DataError: a data file is missing or damaged.

@@ -36,8 +36,7 @@ def drawings(directory: Path) -> list[Drawing]:
     case.
 
     A case has the figures ``convergence-CASE`` if it is in ``rates.csv``, ``enclosure-CASE`` if there is an enclosure,
-    and
-    ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` if it has a file in ``pictures``.
+    and ``zone-CASE``, ``profiles-CASE``, ``body-CASE`` and ``energy-CASE`` if it has a file in ``pictures``.
 
     Raises:
         DataError: a data file is missing or damaged.
@@ -71,8 +70,8 @@ def overview(directory: Path) -> list[Drawing]:
 
     The figures are ``problem``, a sketch; ``collapsed`` and ``convergence`` for the cases of Prop. 5.4 and
     ``convergence-prop-5-3`` for the rough cases; ``contact-work`` and ``rollers`` if they were measured;
-    ``effectivity`` from
-    ``bounds.csv``; ``growth`` from ``benchmarks/growth.csv`` and ``codes`` from ``codes/`` if these exist.
+    ``effectivity`` from ``bounds.csv``; ``growth`` from ``benchmarks/growth.csv`` and ``codes`` from ``codes/`` if
+    these exist.
     """
     found: dict[str, Chart | None] = {}
     rates = read_rates(directory)

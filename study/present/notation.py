@@ -140,8 +140,7 @@ def _row(cells: Sequence[str]) -> str:
 
 
 def _kinds(words: Sequence[str]) -> list[bool]:
-    """Return for each word whether it is mathematics: it looks like mathematics, or it is short and next to
-    mathematics."""
+    """Return for each word whether it is mathematics: it looks so, or it is short and next to mathematics."""
     kinds = [_is_mathematics(word) for word in words]
     short = [bool(_SHORT.fullmatch(word)) for word in words]
     for i in range(1, len(words)):

@@ -22,8 +22,7 @@ def rates_text(directory: Path) -> str:
     """Return one row per case and mesh family from ``rates.csv``, as wide as the terminal, at most 110 columns.
 
     A row has the finest level n and its error, the order of the discrete error between the two finest levels, the
-    largest
-    time share of all levels, and the orders from level to level; only the last orders if not all fit.
+    largest time share of all levels, and the orders from level to level; only the last orders if not all fit.
     """
     rates = read_rates(directory)
     schemes = rates["scheme"].nunique() > 1
@@ -41,8 +40,7 @@ def ledger_text(claims: pd.DataFrame) -> str:
     """Return one row per statement of the ledger, then every check that does not hold, and a summary.
 
     A row has the number of cases, and the numbers of checks by verdict. The summary counts the checks that hold by the
-    kind
-    of their evidence, and ends with a conclusion.
+    kind of their evidence, and ends with a conclusion.
     """
     rows = [
         [label, claim, str(judged["case"].nunique()), *(str(n or "") for n in count_verdicts(judged).values())]

@@ -194,8 +194,7 @@ def headline(data: FullRun) -> str:
 
 
 def results(data: FullRun) -> str:
-    """Return claims, predictions, observations rounded outwards, and verdicts, in Markdown; DataError as in
-    ``headline``."""
+    """Return claims, predictions, observations rounded outwards, and verdicts, in Markdown."""
     beyond = _regularity, _work, _rollers, _time
     rows = (_prop_5_4, _prop_5_3, _same_mesh, _own_space, _bound, *beyond, _defects, _seeds)
     lines = [[_literal(cell) for cell in astuple(row(data))] for row in rows]
@@ -435,8 +434,7 @@ def numbered_lines(claims: pd.DataFrame) -> Iterator[tuple[str, str, str]]:
 
 
 def numbered_entries(claims: pd.DataFrame) -> dict[str, list[tuple[str, str]]]:
-    """Return for each number the content and the checks (or the reason for none) of each statement that names the
-    number."""
+    """Return for each number the content and the checks, or the reason for none, of statements that name it."""
     found: dict[str, list[tuple[str, str]]] = {number: [] for number in NUMBERED}
     without = claims["label"].isin((NO_ROW, NOT_TESTED))
     entries = [

@@ -312,8 +312,7 @@ def misplaced_length(face: Segment, times: Array) -> Array:
     1,).
 
     Z^h is ``Segment.computed_zone``. The measure of the symmetric difference is defined even during events, and it
-    includes
-    every node on the wrong side. Clamped ends of a face, which have no node, do not count.
+    includes every node on the wrong side. Clamped ends of a face, which have no node, do not count.
     """
     low, high = float(face.s.min()), float(face.s.max())
     lengths = []

@@ -1,5 +1,4 @@
-"""One HTML page from the data files, which loads nothing else: ledger, tables, charts, and an animation of every
-case."""
+"""One HTML page from the data files, without external files: ledger, tables, charts, and animated cases."""
 
 from __future__ import annotations
 
@@ -129,8 +128,7 @@ class CasePage:
     """One case: facts, verdicts, orders, charts, animation and tables.
 
     ``strip`` has the horizontal positions of the predicted order and of the observed orders, with the colours of the
-    mesh
-    families.
+    mesh families.
     """
 
     name: str
@@ -253,14 +251,10 @@ def read_film(directory: Path, case: str) -> dict[str, Any]:
     """Return the picture of a case in the form that the script of the page reads.
 
     ``displacement``: multiples of ``unit``, 16 bit, time by time all x, then all y, then all z. ``shades``: of the
-    stress τ
-    of each cell, 8 bit, 255 (τ/brightest)^½. Both are in base64. ``magnification`` is the factor of displacements;
-    ``size``
-    is the longest side of the body, and ``arrow`` and ``foundation`` are fractions of it. ``room`` has the limits of
-    the
-    drawing, ``highest`` and ``widest`` are the largest pressure and gap, and ``view`` has the rows of the projection,
-    two in
-    2D and three in 3D.
+    stress τ of each cell, 8 bit, 255 (τ/brightest)^½. Both are in base64. ``magnification`` is the factor of
+    displacements; ``size`` is the longest side of the body, and ``arrow`` and ``foundation`` are fractions of it.
+    ``room`` has the limits of the drawing, ``highest`` and ``widest`` are the largest pressure and gap, and ``view``
+    has the rows of the projection, two in 2D and three in 3D.
 
     Raises:
         DataError: there is no such file, it is not a picture, or it was written by an older version, without motion.

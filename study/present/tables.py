@@ -206,8 +206,7 @@ def controls_table(directory: Path) -> Table | None:
 
 
 def sensitivity_table(directory: Path) -> Table | None:
-    """Return the smallest defects that a check notices, in per cent, from ``sensitivity.csv``; None without the
-    file."""
+    """Return the smallest noticed defects in per cent, from ``sensitivity.csv``; None without the file."""
     if not (directory / "data" / "sensitivity.csv").is_file():
         return None
     columns = [*names(case="case", family="meshes"), *words(defect="what is wrong"), *numbers(level="level")]

@@ -1,8 +1,7 @@
 """The tolerance windows of the ledger that changed since the end of the first round, and why.
 
 ``results/history/windows.csv`` has the windows of the checks that were claimed then. If a window changed without a
-reason
-in ``WHY``, or a check is no longer claimed, an error is raised, so that no window is widened unnoticed.
+reason in ``WHY``, or a check is no longer claimed, an error is raised, so that no window is widened unnoticed.
 """
 
 from __future__ import annotations
@@ -57,8 +56,7 @@ class Change:
 
 
 def earlier(directory: Path) -> pd.DataFrame | None:
-    """Return the checks that were claimed then: label, key, case, family, then_low, then_high; None without a
-    record."""
+    """Return the checks claimed then: label, key, case, family, then_low, then_high; None without a record."""
     path = directory / "history" / "windows.csv"
     if not path.is_file():
         return None

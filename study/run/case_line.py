@@ -1,5 +1,4 @@
-"""The line of a case in ``cases.csv`` and in ``study cases``. No solver is imported, so that the command starts
-fast."""
+"""The line of a case in ``cases.csv`` and in ``study cases``, without importing solvers, which is slow."""
 
 from __future__ import annotations
 

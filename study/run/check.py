@@ -84,8 +84,7 @@ def verify(directory: Path) -> Verified:
 
 
 def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, again: str) -> set[tuple[str, ...]]:
-    """Return the recorded plan; DataError if it is empty, has repeated entries, or differs from the plan of its
-    scope."""
+    """Return the recorded plan; DataError if it is empty, has repeated entries, or differs from its scope's plan."""
     recorded = [tuple(key) for key in record["planned"]]
     where = f"{directory}/data/provenance.json"
     if not recorded:
@@ -118,9 +117,7 @@ def _refuse_unplanned(
 # Measuring again.
 
 LEAST_COST = 0.3e6
-"""Least cost in µs with which a measurement is weighted; without it the few cheapest measurements would be drawn again
-and
-again."""
+"""Least cost in µs with which a measurement is weighted; otherwise the cheapest few would be drawn too often."""
 
 
 def planned_jobs(directory: Path) -> tuple[Job, ...]:
@@ -143,8 +140,7 @@ def draw_jobs(jobs: Sequence[Job], count: int, seed: int) -> list[Job]:
     """Return a random sample of measurements without repetition; the same seed gives the same sample.
 
     A measurement is drawn with probability proportional to 1 / cost. The expected time of one draw is then the harmonic
-    mean
-    of all costs, about 0.4 s for the full study, however long the most expensive measurement takes.
+    mean of all costs, about 0.4 s for the full study, however long the most expensive measurement takes.
 
     Args:
         jobs: all measurements of the plan.

@@ -1,9 +1,8 @@
 """Run the jobs whose results are not stored, on local processes or on any other executor, within the available memory.
 
 Every job states how many bytes it takes at most (``study.statements.shared.estimates``). It starts only if its bytes
-and
-those of all running jobs are available. If a job needs more memory than is available, the run ends before it starts. If
-a worker is killed nevertheless, no other job loses its result.
+and those of all running jobs are available. If a job needs more memory than is available, the run ends before it
+starts. If a worker is killed nevertheless, no other job loses its result.
 """
 
 from __future__ import annotations
@@ -44,8 +43,7 @@ class Processes(Executor):
     """Worker processes on this machine.
 
     A standard ``ProcessPoolExecutor`` refuses all work once a worker has been killed; this class starts new workers for
-    the
-    next job. When this process ends for any reason, its workers end, too.
+    the next job. When this process ends for any reason, its workers end, too.
     """
 
     def __init__(self, workers: int) -> None:
@@ -128,8 +126,7 @@ def execute(jobs: Sequence[Job], store: Store, pool: Pool, notify: Notify) -> No
     """Run the jobs whose results are not stored, most expensive first, and store each result as its job ends.
 
     When a worker is killed, it is unknown which of the running jobs took too much memory. These jobs wait until all
-    others
-    have ended. Then they run one by one, so that a second killed worker identifies the job.
+    others have ended. Then they run one by one, so that a second killed worker identifies the job.
 
     Raises:
         UsageError: a job needs more memory than is available; no job has started.
@@ -222,8 +219,7 @@ def available(root: Path = Path("/")) -> float:
     """Return the number of bytes that can be used without swapping, on the machine and in all control groups.
 
     On Linux the control groups of this process and their limits are read from /proc and /sys below ``root``; page cache
-    that
-    can be dropped counts as free. Other systems have no control groups.
+    that can be dropped counts as free. Other systems have no control groups.
     """
     return min([float(psutil.virtual_memory().available), *_free_in_control_groups(root)])
 
@@ -325,8 +321,7 @@ def _pool(client: Any, address: str, references: Sequence[str]) -> Pool:
 
 
 def identity(references: Sequence[str]) -> dict[str, str]:
-    """Return the data on which results depend: versions, the code, and the problems of the cases as this process
-    reads them."""
+    """Return what results depend on: versions, the code, and the problems of the cases as this process reads them."""
     for cached in (resolve, resolve_problem, problem):
         cached.cache_clear()
     problems = {reference: _problem(reference) for reference in references}

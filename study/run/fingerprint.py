@@ -1,9 +1,8 @@
 """Cache key of a result: a hash of the code that computes it, of library versions, of the problem and the setting.
 
 The code consists of all modules in ``COMPUTING``, without docstrings, comments and tolerance windows. So a change of
-code
-makes every result be computed anew, and a change of words or of a window does not. The BLAS kernels for a processor are
-not part of the key, so last digits may differ between processors.
+code makes every result be computed anew, and a change of words or of a window does not. The BLAS kernels for a
+processor are not part of the key, so last digits may differ between processors.
 """
 
 from __future__ import annotations
@@ -56,8 +55,7 @@ def of_everything() -> str:
 
 @cache
 def problem(reference: str) -> str:
-    """Return the name of a problem of the project, or for FILE.py:NAME the hash of the file and of the problem's
-    value."""
+    """Return the name of a problem of the project; for FILE.py:NAME, a hash of the file and of the problem's value."""
     file, colon, _ = reference.rpartition(":")
     if not colon:
         return reference

@@ -132,8 +132,7 @@ def verdicts(directory: Path) -> list[Verdict]:
 
 
 def predicted(table: pd.DataFrame, cases: pd.DataFrame) -> pd.DataFrame:
-    """Return a table with the predictions for its cases, and the column ``known``: whether the exact solution is
-    known."""
+    """Return a table with its predictions, and a column ``known``: whether the exact solution is known."""
     new = [name for name in PREDICTED if name not in table or name == "case"]
     return table.merge(cases[new], on="case", how="left").assign(known=table["case"].isin(cases["case"]).to_numpy())
 

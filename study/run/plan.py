@@ -89,8 +89,7 @@ class Plan:
             UsageError: the scope is refused by ``Scope.check``, or a user's case has the name of a catalogue case.
             SelfProofError: a case is not an exact solution.
             MeshError: a mesh does not fit the boundary parts of a body, or no cell rule exists for the places where a
-                solution
-                is not smooth.
+                solution is not smooth.
         """
         self.scope.check()
         # Solids first, because they take longest and would otherwise delay the end.
@@ -108,8 +107,7 @@ class Plan:
                 raise UsageError(f"{reference} is called {name}, as a case of the catalogue is; give it another name")
 
     def _check_meshes(self) -> None:
-        """Refuse meshes that do not fit a body, or whose cells do not fit the lines at which a solution is not
-        smooth."""
+        """Refuse meshes that do not fit a body, or whose cells do not fit lines at which a solution is not smooth."""
         groups: dict[Hashable, list[tuple[Case, str, int]]] = {}
         for case, family, level in self.meshes():
             body = case.solution.body
@@ -139,16 +137,14 @@ def violations(reference: str) -> list[Finding]:
 
 NARROW = ("merging-patches", "layered")
 """Cases with contact zones or layers that are three or four cells wide at n = 8. There the observed order depends on
-the
-mesh, so these cases start at a finer level. Solids start at n = 9 for the same reason: at n = 6 a disc is three cells
-wide, and the observed order misses its tolerance window on one random mesh in twenty."""
+the mesh, so these cases start at a finer level. Solids start at n = 9 for the same reason: at n = 6 a disc is three
+cells wide, and the observed order misses its tolerance window on one random mesh in twenty."""
 FINEST = ("fixed-front-off-vertex", "advance-recede")
 """Cases that are measured on one level more."""
 
 
 def quick() -> Scope:
-    """Return the scope of the quick study, about a minute: enough levels for every verdict, one mesh family for each
-    case."""
+    """Return the scope of the quick study, about a minute: all verdicts, one mesh family for each case."""
     return Scope(
         name="quick",
         cases=tuple(case.name for case in catalogue()),

@@ -153,8 +153,7 @@ class Expectation:
         return {str(line["case"]) for line in self.lines} - set(self.cases)
 
     def proposition(self, case: str) -> str:
-        """Return the proposition whose hypotheses a case satisfies; an empty text for a case that is not part of the
-        run."""
+        """Return the proposition whose hypotheses a case satisfies; an empty text if the case is not in the run."""
         statements = [line["statements"] for line in self.lines if line["case"] == case]
         return str(statements[0]).partition(", ")[0] if statements else ""
 
@@ -166,8 +165,7 @@ def relative_reference(reference: str, directory: Path) -> str:
 
 
 def resolve_path(reference: str, directory: Path) -> str | None:
-    """Return a recorded reference with its full path, or None if its file no longer exists; catalogue names are
-    unchanged."""
+    """Return a recorded reference with its full path; None if its file is gone; catalogue names are unchanged."""
     file, colon, name = reference.rpartition(":")
     if not colon:
         return reference

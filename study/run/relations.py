@@ -119,8 +119,7 @@ def shares(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
 
 
 def triangles(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check the triangle inequality of the three errors, and that the error at t = 0 is at most the maximum over
-    time."""
+    """Check the triangle inequality of the three errors, and that the initial error is at most the maximum."""
     rates, sides = tables[RATES], ["error", "interpolation_error", "discrete_error"]
     for side in sides:
         others = rates[[other for other in sides if other != side]].sum(axis=1)
@@ -174,8 +173,7 @@ def _size(
 
 
 def families(tables: Tables, expectation: Expectation) -> Iterator[Breach]:
-    """Check that errors on meshes of two families differ. Graded meshes are skipped: a coarse one may equal a
-    uniform mesh."""
+    """Check that errors on two mesh families differ. Graded meshes are skipped: a coarse one may be uniform."""
     rates = tables[RATES]
     place, uniform = [rates[name] for name in ("case", "scheme", "level")], rates["family"] != GRADED
     for column in ("error", "discrete_error"):
@@ -250,8 +248,7 @@ def same_best(codes: Codes, folder: str) -> Iterator[Breach]:
 
 
 def code_triangle(codes: Codes, folder: str) -> Iterator[Breach]:
-    """Check that the errors of a code and of the discrete solution in K^h differ by at most the distance of the
-    solutions."""
+    """Check that the errors of a code and of the solution in K^h differ by at most the distance of the solutions."""
     errors = codes.errors
     room = CODE_RTOL * (errors["best"] + errors["distance"])
     holds = abs(errors["error"] - errors["best"]) <= errors["distance"] + room

@@ -29,8 +29,7 @@ LEVELS = {2: pictures.LEVEL, 3: 9}
 
 @dataclass(frozen=True, eq=False)
 class Showcase:
-    """The results of a case for display: its picture in the form of ``pictures/CASE.json``, and fields on the whole
-    mesh."""
+    """A case for display: its picture in the form of ``pictures/CASE.json``, and fields on the whole mesh."""
 
     picture: dict[str, Any]
     series: MeshSeries
@@ -66,8 +65,7 @@ def mesh_series(motion: Motion, every: int) -> MeshSeries:
     """Return every ``every``-th frame of a motion as fields on the mesh.
 
     Fields at the vertices are ``displacement``, ``velocity``, and on Γ3 ``gap`` and ``pressure`` (``gap_1``, ``gap_2``,
-    … if
-    Γ3 has several faces). Fields on the cells, constant on each, are ``stress`` and ``von_mises``.
+    … if Γ3 has several faces). Fields on the cells, constant on each, are ``stress`` and ``von_mises``.
     """
     weights, mesh = pictures.contact_weights(motion.space), motion.space.mesh
     return MeshSeries(mesh.p, mesh.t, [_fields(motion, frame, weights) for frame in motion.frames[::every]])

@@ -63,8 +63,7 @@ class Store:
         return self.data / "jobs" / f"{key}.json"
 
     def refuse_foreign(self) -> None:
-        """Raise StoreError if the directory contains files that the study did not write; the message names the first
-        one."""
+        """Raise StoreError if the directory contains files that the study did not write."""
         if any(mark.exists() for mark in self.marks):
             return
         for place in self.written:
@@ -96,8 +95,7 @@ class Store:
         """Lock the directory against other runs, and remove temporary files of killed runs.
 
         The system releases the lock when this process ends for any reason, and its child processes do not inherit it.
-        Windows has
-        no such locks: there, two runs on one directory are not noticed.
+        Windows has no such locks: there, two runs on one directory are not noticed.
 
         Raises:
             StoreError: another run works on the directory, or it cannot be written.

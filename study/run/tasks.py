@@ -61,8 +61,7 @@ def require_scale(scale: float) -> None:
 
 
 def march(task: Task, steps: int, scale: float = 1.0) -> Data:
-    """Return the evolution by the midpoint rule with equal steps: the load at t_{n−1/2}, the reference solution at
-    t_n."""
+    """Return the evolution by the midpoint rule with equal steps: loads at t_{n−1/2}, solutions at t_n."""
     problem, states = task.march(steps)
     k, judge, loads = problem.T / steps, [], []
     for n, state in enumerate(states):
@@ -182,8 +181,7 @@ def slab(face: Array, normal: Array, segments: int) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class TaskStore(Store):
-    """A directory that contains only tasks and their checksums, for people to copy; so the lock is removed at the
-    end."""
+    """A directory with tasks and their checksums only, for people to copy; so the lock is removed at the end."""
 
     written: tuple[str, ...] = (".",)
 

@@ -53,10 +53,8 @@ def balance(times: Array, powers: Sequence[Power]) -> dict[str, Array]:
 
     Keys: ``stored``; the energy changes since the first time due to dissipation, contact and load, ``dissipated``,
     ``contact`` and ``work``; and ``defect`` = stored − stored(0) + dissipated + contact − work. Powers are integrated
-    by the
-    trapezoidal rule, so the defect is of second order in the time step and nonzero; the time scheme does not conserve
-    energy
-    exactly.
+    by the trapezoidal rule, so the defect is of second order in the time step and nonzero; the time scheme does not
+    conserve energy exactly.
     """
 
     def since_start(name: str) -> Array:

@@ -103,7 +103,7 @@ def remainder(space: Displacements, G: Elasticity, factor: Array) -> Callable[[A
 
 
 def velocities(problem: SemiDiscrete, scheme: Tableau, steps: int) -> Iterator[tuple[State, Array]]:
-    """Yield the states at t_0, …, t_steps with their velocities δu_n; δu_0 is undefined in the scheme and set to
+    """Yield the states at t_0, …, t_steps with velocities δu_n; δu_0, which the scheme does not define, is set to
     δu_1."""
     k = step_size(problem.T, steps)
     states = scheme.march(problem, steps)
@@ -132,8 +132,7 @@ class Scheme(Protocol):
 
 FIXED_POINT = ROUNDING / 10
 """Relative distance in ‖·‖_M to the fixed point of a nonlinear law at which its iteration stops. The residual is
-measured
-in another norm and was up to five times as large in the parameter sweeps, half of the permitted residual."""
+measured in another norm and was up to five times as large in the parameter sweeps, half of the permitted residual."""
 ITERATIONS = 60
 TINY = 1e-150
 """Replaces zero in denominators; its square is still positive."""
@@ -170,8 +169,7 @@ class ContactStep:
     Attributes:
         S: the matrix that is factorised.
         known: the matrices w_j M/k that multiply u_{n−1}, u_{n−2}, … on the right-hand side; (1 − θ) G_ref is
-            subtracted
-            from the first.
+            subtracted from the first.
 
     Raises:
         StepsError: a step of this length may have several solutions, because G is not monotone.

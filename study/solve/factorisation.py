@@ -23,10 +23,8 @@ class Cholesky:
     The trailing block of L is the Cholesky factor of the Schur complement of S on the unknowns ``last``.
 
     Without pivoting SuperLU computes S = L₁ U with U = D L₁ᵀ, so that L = L₁ D^{1/2}. SuperLU has no function for a
-    single
-    triangular solve with L₁. Given L itself, however, it computes the trivial factors L and D^{1/2}, and its solves
-    with
-    this matrix and with its transpose are the forward and the backward substitution.
+    single triangular solve with L₁. Given L itself, however, it computes the trivial factors L and D^{1/2}, and its
+    solves with this matrix and with its transpose are the forward and the backward substitution.
 
     Args:
         S: symmetric positive definite, (n, n).
@@ -77,8 +75,7 @@ class Cholesky:
 
 
 def superlu(matrix: sps.csc_array, permc_spec: str = "NATURAL") -> SuperLU:
-    """Return the factors of a matrix with a symmetric pattern, without pivoting, by default in the given order of
-    unknowns."""
+    """Return the factors of a matrix with a symmetric pattern, without pivoting, by default in the given order."""
     # ``relax`` must keep SciPy's default: with 40, SciPy 1.17 writes beyond its arrays.
     try:
         options = {"SymmetricMode": True}
@@ -96,14 +93,12 @@ def nested_dissection(S: sps.csc_array, x: Points) -> Integers:
     """Return the unknowns in an order of elimination with little fill, by geometric nested dissection, (n,).
 
     A part is divided at the median of its longest coordinate axis. In each half, the points that are coupled to the
-    other
-    half separate the halves. The smaller of these two sets is eliminated after both halves. The halves are divided in
-    the
-    same way (A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973) 345–363).
+    other half separate the halves. The smaller of these two sets is eliminated after both halves. The halves are
+    divided in the same way (A. George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10
+    (1973) 345–363).
 
     Each point gets a key with one ternary digit for each division: 0 for the lower half, 1 for the upper half, 2 for
-    the
-    separator, which is not divided again. Points with equal keys form a part, and sorting the keys gives the order.
+    the separator, which is not divided again. Points with equal keys form a part, and sorting the keys gives the order.
 
     Args:
         S: a matrix with a symmetric pattern, (n, n).

@@ -1,14 +1,11 @@
 """Fixed-point iteration u = g(v) for a contraction g, with Anderson acceleration.
 
 The next v is the image of the combination of the last inputs for which the residual f(v) = g(v) − v would be smallest
-if
-g were affine (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547–560).
+if g were affine (D. G. Anderson, Iterative procedures for nonlinear integral equations, J. ACM 12 (1965) 547–560).
 
 Two inputs and their images give a lower bound of the contraction number ρ of g. The distance from u to the fixed point
-is
-at most ρ/(1 − ρ) ‖u − v‖. The largest quotient so far is used as ρ; for ρ > 1/2 the residual itself is compared with
-the
-tolerance. Both are estimates, so a caller that needs a bound has to measure the remaining error.
+is at most ρ/(1 − ρ) ‖u − v‖. The largest quotient so far is used as ρ; for ρ > 1/2 the residual itself is compared with
+the tolerance. Both are estimates, so a caller that needs a bound has to measure the remaining error.
 
 Vectors w are stored with their duals M w, (2, n). Sums and multiples of pairs are pairs, so that each image needs only
 one product with M.
@@ -100,8 +97,7 @@ def _per_residual(contraction: float) -> float:
 
 
 def _accelerated(residual: Array, memory: Sequence[tuple[Array, Array]]) -> Array:
-    """Return the step residual − Σ γ_i Δu_i that minimises ‖residual − Σ γ_i Δf_i‖; ``memory`` has pairs (Δf_i,
-    Δu_i)."""
+    """Return residual − Σ γ_i Δu_i with the least ‖residual − Σ γ_i Δf_i‖; ``memory`` has pairs (Δf_i, Δu_i)."""
     if not memory:
         return residual
     changes, of_images = (np.array(parts) for parts in zip(*memory, strict=True))

@@ -11,8 +11,7 @@ from typing import NamedTuple
 import clarabel
 
 REFINEMENT = 1e-16
-"""Tolerance of the linear systems inside the solver. It cannot be reached, so they are refined as far as rounding
-permits."""
+"""Unreachable tolerance of linear systems in the solver, so that they are refined as far as rounding permits."""
 SOLVED = (clarabel.SolverStatus.Solved, clarabel.SolverStatus.AlmostSolved)
 
 

@@ -105,8 +105,7 @@ def von_mises(stress: Tensors) -> Array:
     """Return the von Mises stress √(3/2) |dev σ| with dev σ = σ − (tr σ/d) I, (D, ...) → (...).
 
     The plane problem has no σ_33. Here σ_33 = (σ_11 + σ_22)/2, so that the deviator is the deviator of S² in the sets K
-    of
-    (3.3). The value is (√3/2) ((σ_11 − σ_22)² + 4 σ_12²)^½, the smallest for any σ_33.
+    of (3.3). The value is (√3/2) ((σ_11 − σ_22)² + 4 σ_12²)^½, the smallest for any σ_33.
     """
     dim = {3: 2, 6: 3}[len(stress)]
     unit = identity(dim)

@@ -5,8 +5,7 @@ orthonormal basis of the orthogonal complement, all scaled so that the matrix A 
 ones. Then K^h is {w : w_i ≤ 0 for the bounded i}, whatever the normals are.
 
 As in ``signorini``, a primal–dual active set contains the unknowns that are held at their bound. A correction, with f
-for
-b in the new coordinates,
+for b in the new coordinates,
 
 1. solves A z ≈ f − A w for z on the unknowns that are not held, z = 0 on the others, by conjugate gradients;
 2. selects the held unknowns without contact pressure, (f − A(w + z))_i ≤ 0, and the other unknowns that exceed their
@@ -14,17 +13,15 @@ b in the new coordinates,
 3. projects w + z on K^h, releases the former unknowns and holds the latter.
 
 Active sets may repeat in a cycle. If this is suspected, z is computed accurately and the set is changed by one unknown
-at
-a time, the last selected one. This ends after finitely many corrections (J. J. Júdice, F. M. Pires, A block principal
-pivoting algorithm for large-scale strictly monotone linear complementarity problems, Comput. Oper. Res. 21 (1994)
-587–596).
+at a time, the last selected one. This ends after finitely many corrections (J. J. Júdice, F. M. Pires, A block
+principal pivoting algorithm for large-scale strictly monotone linear complementarity problems, Comput. Oper. Res. 21
+(1994) 587–596).
 
 The preconditioner is a V-cycle of smoothed aggregation, with the rigid motions as near kernel (P. Vaněk, J. Mandel, M.
 Brezina, Algebraic multigrid by smoothed aggregation for second and fourth order elliptic problems, Computing 56 (1996)
 179–196), by pyamg. It is constructed once: held unknowns are removed from the finest matrix and from the results of the
 coarse levels. Coarse matrices for every active set would halve the number of iterations, but constructing them takes
-the
-time that they save.
+the time that they save.
 """
 
 from __future__ import annotations
@@ -46,8 +43,7 @@ REDUCTION = 0.02
 CORRECTIONS, ITERATIONS = 200, 300
 """Largest number of corrections in a solve and of conjugate gradient iterations in a correction."""
 PATIENCE = 5
-"""Number of corrections without a new minimum of unknowns to change, after which a cycle of active sets is
-suspected."""
+"""Corrections without a new minimum of unknowns to change, after which a cycle of sets is suspected."""
 SMOOTHER = ("chebyshev", {"degree": 2, "lower_bound": 1 / 20})
 """The Chebyshev smoother for the spectrum above λ_max/20; a higher degree costs more time than it saves."""
 COARSEST = 100
@@ -139,8 +135,7 @@ class Multigrid:
         return w, np.where(self.held, (r - self.A @ z)[self.bounded] <= 0, values > 0)
 
     def cycle(self, r: Array) -> Array:
-        """Apply a symmetric V-cycle B ≈ A⁻¹ on the unknowns that are not held, to an r that vanishes on the held
-        unknowns."""
+        """Apply a symmetric V-cycle B ≈ A⁻¹ to an r that vanishes on the held unknowns."""
         if self.coarse is None:
             return r
         x = np.zeros_like(r)

@@ -1,8 +1,7 @@
 """One contact solve: minimise ½ vᵀSv − bᵀv over K^h = {v : Nv ≤ 0}, by condensation on the contact unknowns.
 
 The optimality conditions are S u + Nᵀλ = b, N u ≤ 0, λ ≥ 0 and λ·N u = 0. Only the m rows of N are constrained. With
-the
-compliance W = N S⁻¹ Nᵀ, computed once, the multipliers therefore solve the small complementarity problem
+the compliance W = N S⁻¹ Nᵀ, computed once, the multipliers therefore solve the small complementarity problem
 
     g = N S⁻¹ b − W λ ≤ 0,   λ ≥ 0,   λ·g = 0,
 
@@ -10,11 +9,9 @@ by a primal–dual active set method (M. Hintermüller, K. Ito, K. Kunisch, The 
 semismooth Newton method, SIAM J. Optim. 13 (2003) 865–888). Then u = S⁻¹(b − Nᵀλ).
 
 The contact unknowns, which have entries in N, are eliminated last. With S = LLᵀ in this order, Y = L⁻¹Nᵀ has nonzero
-rows
-only for the contact unknowns, and there Y solves a system with the trailing block of L, the Cholesky factor of the
-Schur
-complement. A step computes y = L⁻¹b, N S⁻¹ b = Yᵀy, the multipliers, and u = L⁻ᵀ(y − Yλ): one forward and one backward
-substitution. W = YᵀY.
+rows only for the contact unknowns, and there Y solves a system with the trailing block of L, the Cholesky factor of the
+Schur complement. A step computes y = L⁻¹b, N S⁻¹ b = Yᵀy, the multipliers, and u = L⁻ᵀ(y − Yλ): one forward and one
+backward substitution. W = YᵀY.
 
 Large problems in 3D are solved by multigrid instead (``study.solve.solver_choice``).
 """
@@ -63,8 +60,7 @@ class Signorini:
         self._factored: tuple[bytes, Array, Array] | None = None
 
     def __call__(self, b: Array) -> tuple[Array, Array]:
-        """Return u ∈ K^h and the multipliers λ ≥ 0 (nodal contact forces), (n,) and (m,); for several b, (k, n) and
-        (k, m)."""
+        """Return u ∈ K^h and the nodal contact forces λ ≥ 0, (n,) and (m,); for several b, (k, n) and (k, m)."""
         y = self.factor.forward(b)
         gaps = y[..., self.contact] @ self.Y
         single = b.ndim == 1
@@ -96,7 +92,7 @@ class Signorini:
         return self.multipliers_on(self.active, gap)
 
     def multipliers_on(self, active: Array, gap: Array) -> Array:
-        """Return λ with gap − Wλ = 0 on the active set and λ = 0 elsewhere, (m,); W is factorised only for a new
+        """Return λ, (m,), with gap − Wλ = 0 on the active set and λ = 0 elsewhere; W is factorised only for a new
         set."""
         if self._factored is None or self._factored[0] != active.tobytes():
             where = np.flatnonzero(active)

@@ -36,8 +36,7 @@ def longest_step(growth: float, newest: float = 1.0, theta: float = 1.0) -> floa
     """Return the k below which a step has a unique solution; ∞ if ``growth`` is 0.
 
     Differences of solutions may grow at the rate ω = ``growth`` ≤ L_G/m_A. (w/k) A + θ G is strongly monotone for θ k ω
-    < w,
-    in particular for k L_G < m_A; w = θ = 1 is backward Euler.
+    < w, in particular for k L_G < m_A; w = θ = 1 is backward Euler.
     """
     return newest / (theta * growth) if growth else math.inf
 

@@ -5,18 +5,15 @@ Stresses are constant on cells. The admissible stresses, (3.9) with V^h for V, a
     Σ^h(t) = {τ : (τ, ε(v))_Q ≥ (f(t), v)_V for all v ∈ K^h},      K^h = {v : N v ≤ 0},
 
 and by Farkas' lemma τ ∈ Σ^h(t) if and only if Eᵀ W τ + Nᵀ λ = F(t) for some λ ≥ 0, where E takes nodal values to
-strains
-and W contains the volumes |T|. A step of backward Euler minimises a convex potential over Σ^h(t_n).
+strains and W contains the volumes |T|. A step of backward Euler minimises a convex potential over Σ^h(t_n).
 
 The Lagrange multiplier of the equation Eᵀ W τ + Nᵀ λ = F is u_n: stationarity in τ is ε_n = ε(u_n), stationarity in λ
-is
-N u_n ≤ 0, λ·N u_n = 0. Neither is imposed here: the history ε_{n−1} is computed from the stresses, and Theorem 4.2
-states
-that u_n ∈ K^h solves Problem 3.1. This module shares no code with the contact solver or time schemes of Problem 3.1.
+is N u_n ≤ 0, λ·N u_n = 0. Neither is imposed here: the history ε_{n−1} is computed from the stresses, and Theorem 4.2
+states that u_n ∈ K^h solves Problem 3.1. This module shares no code with the contact solver or time schemes of Problem
+3.1.
 
 The potential of a step. By (3.12) and (3.15), σ_n minimises over Σ^h(t_n) the potential Φ whose derivative is the
-inverse
-of the law of the step, ε_n ↦ σ_n = A (ε_n − ε_{n−1})/k + G ε_n, so that DΦ(σ_n) = ε_n:
+inverse of the law of the step, ε_n ↦ σ_n = A (ε_n − ε_{n−1})/k + G ε_n, so that DΦ(σ_n) = ε_n:
 
 * for linear G, with C = A/k + G:
 
@@ -54,11 +51,9 @@ from study.solve.interior_point import SOLVED, Accuracy, settings
 from study.solve.steps import longest_step, require_unique, step_size
 
 AIM = Accuracy(gap=1e-15, feasibility=1e-11)
-"""As accurate as rounding permits: where a vertex touches with almost no force the error is the square root of the
-gap."""
+"""As accurate as rounding permits: where a vertex touches with almost no force the error is the root of the gap."""
 ENOUGH = Accuracy(gap=1e-12, feasibility=1e-9)
-"""Accepted if rounding stops the solver before AIM. The verdict compares two problems and does not depend on this
-value."""
+"""Accepted if rounding stops the solver before AIM; the verdict does not depend on this value."""
 
 
 class StressError(RuntimeError):
@@ -100,8 +95,7 @@ class YieldPotential:
     """The potential ½ k A⁻¹s₁·s₁ + s₁·ε_{n−1} + |z|²/(2β) + r ρ in the unknown y = (s₁, ρ, z), ρ ≥ |z|.
 
     z are the coordinates of s₂ in an orthonormal basis R of the range of P, so that |s₂| = |z|. The attributes are
-    those of
-    ``LinearPotential``.
+    those of ``LinearPotential``.
     """
 
     def __init__(self, space: Space, A: Linear, G: Yield, k: float) -> None:
@@ -183,8 +177,7 @@ class StressState:
         multipliers: λ_n ≥ 0, nodal contact forces, (m,); NaN at t_0.
         gap: the duality gap at which the solver stopped, 0 at t_0. If ε_n and u_n have the same ε_{n−1}, it bounds
             ‖σ_n − σ*‖² in the norm of C⁻¹ and ‖ε_n − ε*‖² in the norm of C, where σ* and ε* are exact: for two points
-            of
-            the optimality conditions (P(x − x*), x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
+            of the optimality conditions (P(x − x*), x − x*) = −(λ − λ*)·N(u − u*) ≤ −λ·Nu.
     """
 
     time: float
@@ -204,8 +197,7 @@ class Programme:
         min Σ_T ½ Q x_T·x_T + q_T·x_T   subject to   Bᵀ x + Nᵀλ = F,   λ ≥ 0,   x_T in its cone,
 
     B = (√|T| stressᵀ E)_T. Stresses are measured in units in which the data of the step are of order one, strains in
-    these
-    units times the norm of the compliance (C⁻¹, or k A⁻¹ for law (3.3)), so that tolerances are relative.
+    these units times the norm of the compliance (C⁻¹, or k A⁻¹ for law (3.3)), so that tolerances are relative.
     """
 
     def __init__(self, space: Space, N: sps.csr_array, potential: LinearPotential | YieldPotential) -> None:

@@ -68,8 +68,7 @@ class Tableau:
         return reduce(sub, (w * v for w, v in zip(self.past, reversed(before), strict=False)), self.newest * u) / k
 
     def of_step(self, n: int) -> Tableau:
-        """Return the scheme for the step to t_n: this scheme if enough earlier values exist, otherwise the starting
-        scheme."""
+        """Return the scheme for the step to t_n: this scheme, or the starting scheme as long as values are missing."""
         return self.starting if self.starting and n < len(self.past) else self
 
     def balanced(self, n: int, k: float) -> float:
@@ -119,7 +118,6 @@ The order is 2 as long as no vertex comes into contact, and 1 if this relieves a
 """
 
 BDF2 = Tableau("bdf2", 2.0, 1.5, (2.0, -0.5), starting=BACKWARD_EULER, kept=2)
-"""The second-order BDF: M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_{K^h}(u_n) ∋ F(t_n), first step backward
-Euler."""
+"""Second-order BDF: M (3u_n − 4u_{n−1} + u_{n−2})/(2k) + G(u_n) + N_{K^h}(u_n) ∋ F(t_n), first step backward Euler."""
 
 SCHEMES = (BACKWARD_EULER, BDF2, MIDPOINT)

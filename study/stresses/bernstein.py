@@ -18,8 +18,7 @@ def indices(degree: int, variables: int = 3) -> list[tuple[int, ...]]:
 
 
 def bernstein(degree: int, barycentric: Array) -> Array:
-    """Return the Bernstein polynomials at barycentric coordinates, (v, ...) → (polynomials, ...), ordered as
-    ``indices``."""
+    """Return the Bernstein polynomials at barycentric coordinates, (v, ...) → (polynomials, ...), as in ``indices``."""
     return np.array(
         [
             factorial(degree)

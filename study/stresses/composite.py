@@ -2,12 +2,10 @@
 
 A triangle is divided from its barycentre into three thirds (Alfeld split). The element of degree k consists of the
 symmetric stresses that are polynomials of degree k on every third and whose tractions σν are continuous across the
-three
-inner edges. Div maps it onto all vector fields that are polynomials of degree k − 1 on every third. The tractions on
-the
-three sides are any polynomials of degree k in equilibrium with the divergence, so that elements can be joined with
-continuous tractions. k = 1 gives the element of Johnson and Mercier with 15 degrees of freedom, k ≥ 2 the elements of
-Arnold, Douglas and Gupta.
+three inner edges. Div maps it onto all vector fields that are polynomials of degree k − 1 on every third. The tractions
+on the three sides are any polynomials of degree k in equilibrium with the divergence, so that elements can be joined
+with continuous tractions. k = 1 gives the element of Johnson and Mercier with 15 degrees of freedom, k ≥ 2 the elements
+of Arnold, Douglas and Gupta.
 
 All polynomials are in Bernstein form on the thirds. Restriction to an edge then selects coefficients, and a polynomial
 with coefficients ≤ 0 is ≤ 0. On another triangle x = F x̂ + b the stresses are the Piola transforms of the stresses on
@@ -19,8 +17,7 @@ The transform preserves symmetry, continuity of tractions and Div σ = 0, so one
 
 Sources: C. Johnson, B. Mercier, Some equilibrium finite element methods for two-dimensional elasticity problems, Numer.
 Math. 30 (1978) 103–116; D. N. Arnold, J. Douglas, C. P. Gupta, A family of higher order mixed finite element methods
-for
-plane elasticity, Numer. Math. 45 (1984) 1–22.
+for plane elasticity, Numer. Math. 45 (1984) 1–22.
 """
 
 from __future__ import annotations
@@ -98,8 +95,8 @@ class CompositeElement:
 
     @cached_property
     def tractions(self) -> Array:
-        """The tractions |ê| σ̂ν̂ on the sides in Bernstein form, from a to b of SIDES, (3 sides, k + 1, 2; 3,
-        polynomials, 3)."""
+        """Tractions |ê| σ̂ν̂ on the sides in Bernstein form, from a to b of SIDES, (3 sides, k + 1, 2; 3, polynomials,
+        3)."""
         return np.array([self._on_edge(i, 0, 1, CORNERS[:, b] - CORNERS[:, a]) for i, (a, b) in enumerate(SIDES)])
 
     @cached_property
@@ -116,8 +113,7 @@ class CompositeElement:
 
     @cached_property
     def lift(self) -> Array:
-        """The stresses σ̂ of least coefficient norm with a given divergence, (3, polynomials, 3; 3 thirds, lower,
-        2)."""
+        """Stresses of least coefficient norm with a given divergence, (3, polynomials, 3; 3 thirds, lower, 2)."""
         space = self.space.reshape(-1, self.space.shape[-1])
         inverse = space @ np.linalg.pinv(self._flat_divergence @ space)
         return inverse.reshape(*self.space.shape[:-1], *self.divergence.shape[:3])

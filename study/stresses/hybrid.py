@@ -105,16 +105,14 @@ class Equilibrium:
             loads: P f_0 and P f_2.
             strain: ε* at the points, (3, ..., cells, Q).
             normal: the moments ∫_e v B_i ≤ 0 on the edges ``contact`` of a function v, (..., edges of Γ3, n); ∫_{Γ3}
-                τ_ν v is
-                then added to the functional.
+                τ_ν v is then added to the functional.
         """
         values, tractions = self.space.lift(loads.force)
         known = self._released(values) + self.space.tested(strain)
         return self._corrected(loads, values, tractions, known, normal)
 
     def nearest(self, loads: Loads, target: Tensors, normal: Array) -> EquilibratedStress:
-        """Return the minimiser for ε* = −C⁻¹ target, (3, ..., cells, Q); its ``values`` are the stress minus the
-        target."""
+        """Return the minimiser for ε* = −C⁻¹ target, (3, ..., cells, Q); its ``values`` are τ − target."""
         values, tractions = self.space.lift(loads.force)
         values -= target
         return self._corrected(loads, values, tractions, self._released(values), normal)
@@ -146,8 +144,7 @@ class Equilibrium:
         return self.space.tested(act(self.compliance, values))
 
     def _condensed(self, loads: Loads, tractions: Array, known: Array) -> tuple[Array, Array]:
-        """Return the parts of c and R c due to a functional on the basis, (..., cells, p), and g: static
-        condensation."""
+        """Return, by static condensation, the parts of c and R c due to a functional (..., cells, p), and g."""
         joined = _times(known, self._of_strains)
         of_cells = tractions.reshape(*joined.shape[:-1], -1) - joined[..., self._tractions]
         numbers, several = self.numbers.ravel(), of_cells.shape[:-2]
@@ -184,7 +181,6 @@ def act(C: Array, strain: Tensors) -> Tensors:
 
 
 def _times(vectors: Array, matrices: Array) -> Array:
-    """Multiply a row vector for every cell by a matrix for every cell: (..., cells, p), (cells, p, r) → (..., cells,
-    r)."""
+    """Multiply a row vector by a matrix for every cell: (..., cells, p), (cells, p, r) → (..., cells, r)."""
     rows = np.moveaxis(vectors.reshape(-1, *vectors.shape[-2:]), 0, 1)
     return np.moveaxis(rows @ matrices, 1, 0).reshape(*vectors.shape[:-1], -1)

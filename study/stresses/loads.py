@@ -2,12 +2,10 @@
 data.
 
 P is the L² projection: of f_0 onto polynomials of degree k − 1 on the thirds of cells, of f_2 onto polynomials of
-degree
-k on the edges of Γ2, for stresses of degree k. Thirds and edges are cut along the lines at which the data are not
-smooth
-(``study.fem.quadrature``), and thirds also along the contact fronts of the time. f_0 jumps at moving fronts. Rules that
-are not cut there make an error of order h on whole columns of cells: with them ‖σ − σ^h‖_Q on one-diagonal meshes was
-2.4 times as large at n = 64, and the error of the pressure 19 times.
+degree k on the edges of Γ2, for stresses of degree k. Thirds and edges are cut along the lines at which the data are
+not smooth (``study.fem.quadrature``), and thirds also along the contact fronts of the time. f_0 jumps at moving fronts.
+Rules that are not cut there make an error of order h on whole columns of cells: with them ‖σ − σ^h‖_Q on one-diagonal
+meshes was 2.4 times as large at n = 64, and the error of the pressure 19 times.
 """
 
 from __future__ import annotations
@@ -32,8 +30,7 @@ DEGREE = 4
 EDGE_POINTS, EDGE_PARTS = 6, 4
 """Gauss points for f_2 on each part of an edge, and the number of parts; kinks of f_2 then affect small parts only."""
 GRADED_POINTS = 28
-"""Gauss points on an edge that is cut, with rules graded by the power 8: exact to degree 6, for products of two
-cubics."""
+"""Gauss points on cut edges, whose rules are graded by the power 8: exact to degree 6, for products of cubics."""
 TOGETHER = 512
 """Thirds in a block, so that f_0 at the points of their rules stays in the processor's cache for many times."""
 PARALLEL = 1e-9
@@ -165,8 +162,7 @@ class _Block:
     """Several thirds with one quadrature rule.
 
     ``shapes`` are the Bernstein polynomials of degree k − 1 of the thirds at the points, (lower, n, q). ``whole``
-    returns
-    the Bernstein polynomials of degree k of their cells, (more, n, q).
+    returns the Bernstein polynomials of degree k of their cells, (more, n, q).
     """
 
     def __init__(self, rule: CellRule, shapes: Array, whole: Callable[[], Array]) -> None:

@@ -8,19 +8,16 @@ By Korn's inequality there is a smallest C_{T,q} with
 which is proportional to the size of T for fixed shape and A. Divide T into four similar triangles T' of half the size
 and let P' be the projection onto P_q(T')² on each of them. P'g is still orthogonal to the rigid motions of T, so it is
 balanced by stresses τ with τν = 0 on ∂T, and ∫ P'g·v = (τ, ε(v)). The least ‖τ‖_{A⁻¹} over composite stresses is at
-most
-√λ ‖P'g‖ with an eigenvalue λ of a small matrix. The rest g − P'g is orthogonal to every P_q(T')², and its constant is
-C_{T,q}/2. Hence
+most √λ ‖P'g‖ with an eigenvalue λ of a small matrix. The rest g − P'g is orthogonal to every P_q(T')², and its constant
+is C_{T,q}/2. Hence
 
     C_{T,q}² ≤ λ + C_{T,q}²/4,   that is   C_{T,q}² ≤ 4λ/3.
 
 The same argument holds for a load on one side e of T that is orthogonal to P1(e)². There T' are the halves of e, and
-the
-constant grows like the square root of the size:  C_e² ≤ λ_e + C_e²/2,  that is  C_e² ≤ 2 λ_e.
+the constant grows like the square root of the size:  C_e² ≤ λ_e + C_e²/2,  that is  C_e² ≤ 2 λ_e.
 
 No constant from the literature is used. λ is computed by dense eigenvalue solvers in floating point, without an
-interval
-enclosure.
+interval enclosure.
 
 λ is the least number with min ‖τ‖²_{A⁻¹} ≤ λ ‖load‖² for all loads. The loads are piecewise polynomials on a triangle
 divided into four similar ones, orthogonal to the polynomials of the whole triangle. τ are composite stresses on the
@@ -81,8 +78,7 @@ class DividedTriangle:
 
 
 def _tractions(degree: int, of_child: Array) -> tuple[Array, Array]:
-    """Return the jumps and the outer tractions of four children, from the tractions of one, (3, degree + 1, 2,
-    size)."""
+    """Return the jumps and outer tractions of four children, from the tractions of one, (3, degree + 1, 2, size)."""
     inner, outer = [], []
     size = of_child.shape[-1]
     for side in range(3):
@@ -242,8 +238,7 @@ class Oscillation:
     """Computes η_T with (f_0 − P f_0, v)_T + Σ_e (f_2 − P f_2, v)_e ≤ η_T ‖ε(v)‖_{A,T} for the sides e of T on Γ2.
 
     η_T = C_{T,k−1} ‖Π g‖_T + C_{T,k} ‖g − Π g‖_T + Σ_e C_e ‖f_2 − P f_2‖_e, where g = f_0 − P f_0 is orthogonal to
-    P_{k−1},
-    Π g is its projection onto P_k, and k is the degree of the stresses.
+    P_{k−1}, Π g is its projection onto P_k, and k is the degree of the stresses.
 
     Args:
         space: the stresses for which P is defined, of degree 2 or more.

@@ -77,8 +77,7 @@ class StressSpace(MeshedBody):
         return found
 
     def boundary_tractions(self, edges: Array, tractions: Array) -> Array:
-        """Return tractions on edges of the boundary, with the outward normal: (..., cells, 3, n, 2) → (..., edges,
-        n, 2)."""
+        """Return tractions on boundary edges, with the outward normal: (..., cells, 3, n, 2) → (..., edges, n, 2)."""
         found = np.empty((*tractions.shape[:-4], len(self.lengths), *tractions.shape[-2:]))
         found[..., self.edges, :, :] = tractions
         return found[..., edges, :, :]
@@ -101,7 +100,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _values(self) -> Array:
-        """The matrix from coefficients to Mandel values at the points of the reference triangle, (Q, 3 thirds,
+        """The matrix from coefficients to values at the points of the reference triangle, (Q, 3 thirds,
         polynomials)."""
         at = bernstein(self.degree, self._rule[0]).T
         return np.kron(np.eye(3), at).reshape(-1, 3, at.shape[1])
@@ -148,8 +147,8 @@ class StressSpace(MeshedBody):
         return self.weights[0] / self.volumes[0]
 
     def tested(self, values: Tensors, C: Array | None = None) -> Array:
-        """Return ∫_T σ·ε, or ∫_T σ·Cε for C (3, 3), for the stresses with Div σ = 0: (3, ..., cells, Q) → (...,
-        cells, p)."""
+        """Return ∫_T σ·ε, or ∫_T σ·Cε, C (3, 3), for stresses σ with Div σ = 0: (3, ..., cells, Q) → (..., cells,
+        p)."""
         back = self.volumes[:, None, None] * self._piola.swapaxes(1, 2)
         pulled = (back if C is None else back @ C) @ np.moveaxis(values, 0, -2)
         return pulled.reshape(*pulled.shape[:-2], -1) @ (np.tile(self.shares, 3)[:, None] * self._reference)
@@ -191,7 +190,7 @@ class StressSpace(MeshedBody):
         return pushed
 
     def coefficients(self, values: Tensors) -> Array:
-        """Return the Bernstein coefficients of polynomials of degree k from values at the points, (3, thirds,
+        """Return Bernstein coefficients of polynomials of degree k from values at the points, (3, thirds,
         polynomials)."""
         inverse = np.linalg.pinv(bernstein(self.degree, self._rule[0]))
         return values.reshape(3, 3 * self.cells, -1) @ inverse
@@ -218,8 +217,7 @@ class StressSpace(MeshedBody):
 
     @cached_property
     def _pulled(self) -> Array:
-        """The matrices from P f_0 to the divergence on the reference triangle: −det F F⁻¹, transposed, (cells, 2,
-        2)."""
+        """Matrices from P f_0 to the divergence on the reference triangle: −det F F⁻¹, transposed, (cells, 2, 2)."""
         return -self.determinant[:, None, None] * np.linalg.inv(self.map).swapaxes(1, 2)
 
     @cached_property
