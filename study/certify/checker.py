@@ -138,7 +138,7 @@ def conform(value: Any, form: Any, name: str) -> None:
     several texts; ``FRACTION`` for the text of a fraction; ``float`` for a finite number that has a point or an
     exponent.
     """
-    given = f"{name} is {shown(value)}, but has to be"
+    given = f"{name} is {shown(value)}, but must be"
     match form:
         case dict():
             require(type(value) is dict, f"{given} an object")
@@ -154,7 +154,7 @@ def conform(value: Any, form: Any, name: str) -> None:
                 conform(one, of_one, f"{name}[{i}]")
         case Many(of_one, least, most):
             require(type(value) is list, f"{given} a list")
-            require(least <= len(value) <= most, f"{name} has {len(value)} values, but has to have {least} to {most}")
+            require(least <= len(value) <= most, f"{name} has {len(value)} values, but must have {least} to {most}")
             kind, end = (float, math.inf) if of_one is float else (int, 10**DIGITS)
             if of_one in (INTEGER, float) and all(type(x) is kind and -end < x < end for x in value):
                 return  # Long lists of numbers are checked as a whole, because value by value would be slow.
@@ -472,8 +472,8 @@ class Problem:
         corners, loads = [(Q(x), Q(y)) for x, y in data["vertices"]], data["loads"]
         ends, names = [*corners[1:], *corners[:1]], list(map(str, range(len(corners))))
         given = [[formula(f) for f in loads.get(name, [])] for name in names]
-        require(set(loads) <= set(names), "f_2 is given on parts that there are not")
-        require(len(data["kinds"]) == len(corners), "the polygon has not one kind for every side")
+        require(set(loads) <= set(names), "f_2 is given on a side that does not exist")
+        require(len(data["kinds"]) == len(corners), "the polygon must have one kind for every side")
         self.sides = [Side(*one) for one in zip(corners, ends, data["kinds"], given, strict=True)]
         self.T, self.start = Q(data["T"]), [polynomial(p) for p in data["start"]]
         require(all(sum(key) <= DEGREE for p in self.start for key in p), f"u_0 has a degree above {DEGREE}")
@@ -517,7 +517,7 @@ class Problem:
         require(side.kind != "clamped" or not any(u), "u_0 does not vanish on Γ1")
         if side.kind == "contact":
             normal = u[0] * side.normal[0] + u[1] * side.normal[1]
-            require(never_positive(normal), "u_0ν ≤ 0 on Γ3 is not seen")
+            require(never_positive(normal), "u_0ν ≤ 0 on Γ3 cannot be shown")
 
 
 # Meshes
@@ -562,8 +562,11 @@ class Mesh:
         the winding number of ∂Ω, so that the cells cover each point of Ω exactly once.
         """
         h, points, cells, lines = (data[name] for name in ("denominator", "points", "cells", "sides"))
-        require(all(0 <= v < len(points) for some in cells + lines for v in some), "a mesh has no such vertex")
-        require(len(lines) == len(problem.sides), "a mesh has not one line of vertices for every side of the polygon")
+        require(
+            all(0 <= v < len(points) for some in cells + lines for v in some),
+            "a vertex does not exist",
+        )
+        require(len(lines) == len(problem.sides), "a mesh must have one line of vertices for every side of the polygon")
         mesh = cls(h, points, cells, list(zip(problem.sides, lines, strict=True)))
         require(all(cell.det > 0 for cell in mesh.cells), "a cell is not counter-clockwise")
         directed = [edge for a, b, c in cells for edge in ((a, b), (b, c), (c, a))]
@@ -575,7 +578,7 @@ class Mesh:
             fits = all(cross(side.along, step) == 0 < dot(side.along, step) for step in steps)
             fits = fits and (places[:1], places[-1:]) == ([side.start], [side.end])
             require(fits and once >= set(pairwise(line)), f"the mesh does not fit side {part} of the polygon")
-        require(len(mesh.boundary) == len(once), "the mesh has a boundary inside the polygon, or outside")
+        require(len(mesh.boundary) == len(once), "the mesh has a boundary inside or outside the polygon")
         return mesh
 
     def place(self, vertex: int) -> Vector:
@@ -634,7 +637,7 @@ def load_constants(data: Any, problem: Problem) -> tuple[Q, Q]:
     """
     mesh, mu, kappa, field = Mesh.of(data["mesh"], problem), Q(data["volume"]), Q(data["surface"]), data["field"]
     require(mu > 0 and kappa > 0, "a constant of the body is not positive")
-    require(len(field) == len(mesh.points), "the tensor field has another size")
+    require(len(field) == len(mesh.points), "the tensor field must have one value for every vertex")
     unit, compliance = Q(1, 1 << data["bits"]), inverse(problem.A)
     for cell in mesh.cells:
         (a, b, c, d), scale = cell.F, unit * mesh.h / cell.det
@@ -1064,7 +1067,7 @@ class Certificate:
         self.stresses = Stresses(mesh, data["stress"], self.element)
         numbers = [summed(data["stress"][name]) for name in ("tractions", "inner")]
         sizes = {len(rows) for rows in numbers}
-        require(sizes == {2 * len(self.nodes) + 1}, "there is not one stress for every coefficient in time")
+        require(sizes == {2 * len(self.nodes) + 1}, "there must be one stress for every coefficient in time")
         self.numbers = list(zip(*numbers, strict=True))
         self.volume, self.surface = load_constants(data["constants"], problem)
 
@@ -1093,7 +1096,7 @@ class Certificate:
             distances = list(self._distances(piece))
             low = max(low, root(distances[-1][0], above=False) - y)
             high = max(high, largest + root(max(above for _, above in distances)))
-        require(high < 10**DIGITS, "the error has no bound that is worth printing")
+        require(high < 10**DIGITS, "the bound of the error is too large to be printed")
         return Enclosure(self.cells, root(self.problem.twice_area / self.cells), low, high, y)
 
     def _stress(self, numbers: tuple[list[int], list[int]], control: list[Poly], loads: Loads) -> tuple[Any, ...]:
@@ -1195,7 +1198,7 @@ def voigt(a: int, b: int, c: int, d: int) -> list[list[int]]:
 
 def summed(rows: list[list[int]]) -> list[list[int]]:
     """Return the rows whose second differences in time are given."""
-    require(all(len(row) == len(rows[0]) for row in rows), "rows in time are not as long as each other")
+    require(all(len(row) == len(rows[0]) for row in rows), "rows in time must have equal lengths")
     columns = [accumulate(accumulate(column)) for column in zip(*rows, strict=True)]
     return [list(row) for row in zip(*columns, strict=True)]
 
@@ -1237,13 +1240,13 @@ def load(path: Path) -> Any:
         text = unpacking.decompress(packed, limit).decode("ascii")
         require(not unpacking.unconsumed_tail, f"the file unpacks to more than {limit} bytes")
         require(unpacking.eof, "the file ends too early")
-        require(not unpacking.unused_data, "the file has something behind its certificate")
+        require(not unpacking.unused_data, "the file has data after its certificate")
         require(text.count("[") <= LISTS and text.count("{") <= LISTS, f"the file has more than {LISTS} lists")
         return json.loads(text, object_pairs_hook=distinct, parse_constant=distinct)
     except RefusedError:
         raise
     except (ValueError, zlib.error) as error:
-        raise RefusedError(f"the file is no gzip file with JSON in ASCII: {shown(str(error))}") from error
+        raise RefusedError(f"the file is not a gzip file with JSON in ASCII: {shown(str(error))}") from error
     except RecursionError as error:
         raise RefusedError("the file nests lists too deeply") from error
 
@@ -1274,19 +1277,19 @@ def main(paths: Sequence[str]) -> int:
     names = [path if path.isascii() and path.isprintable() else ascii(path) for path in paths]
     absent = [name for name, path in zip(names, paths, strict=True) if not isfile(path)]
     if absent or not paths:
-        reasons = [f"{name} is no file" for name in absent] or ["no file is named"]
+        reasons = [f"{name} is not a file" for name in absent] or ["no file was given"]
         print(*reasons, "usage: python checker.py CERTIFICATE.json.gz ...", sep="\n", file=sys.stderr)
         return 2
     for name, path in zip(names, paths, strict=True):
         try:
             data = load(Path(path))
             found = verified(data)
-            require(not proved or stated == data["problem"], "another problem than that of the first")
+            require(not proved or stated == data["problem"], "its problem differs from the problem of the first file")
         except OSError as error:
             print(f"{name} cannot be read: {error.strerror}", file=sys.stderr)
             return 2
         except (RefusedError, MemoryError) as refusal:
-            print(f"{name}: REFUSED: {refusal if str(refusal) else 'it needs more memory than there is'}")
+            print(f"{name}: REFUSED: {refusal if str(refusal) else 'it needs more memory than is available'}")
             return 1
         stated = data["problem"]
         proved.append(found)

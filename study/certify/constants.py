@@ -126,7 +126,7 @@ def columns() -> dict[str, Any]:
     solved, unknowns = reduced.to_list(), len(fields) + len(motions)
     free = [n for n in range(len(fields)) if n not in pivots]
     if len(free) != INNER or max(pivots) >= unknowns:
-        raise ArithmeticError("the reference element has another dimension than it has to have")
+        raise ArithmeticError("the reference element has the wrong dimension")
     found = []
     for column in [*range(unknowns, unknowns + GIVEN), *free]:
         sign = 1 if column >= unknowns else -1
@@ -166,7 +166,7 @@ def constants(mesh: dict[str, Any], problem: checker.Problem) -> dict[str, Any]:
         except checker.RefusedError:
             continue
         return found
-    raise BoundError("no constant of the loads was found for this body: its mesh may have cells that are too flat")
+    raise BoundError("no constant of the loads could be proved for this body: its mesh may have very flat cells")
 
 
 def _solve(mesh: checker.Mesh, problem: checker.Problem, inside: float) -> tuple[Array, float]:

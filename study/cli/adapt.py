@@ -5,7 +5,6 @@ from __future__ import annotations
 import argparse
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -61,7 +60,10 @@ def do_adapt(options: argparse.Namespace) -> int:
             if reached or stopped:
                 break
             stage = following
-        shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, _uniform(store.directory))
+        # ``study bound`` for the same problem on uniform meshes may have written this file before.
+        levels = store.directory / "levels.csv"
+        uniform = pd.read_csv(levels) if levels.is_file() else pd.DataFrame()
+        shown = AdaptedMesh(stage.p, stage.t, edges, closed, rows, uniform)
         written = [table, *(adaptive.stage_file(store.directory, number) for number in range(len(kept)))]
         written += draw_one(store.directory, adapted_mesh(name, shown))
     print(folded(f"written: {listed(written)}"))
@@ -87,9 +89,9 @@ def _stage(store: Store, number: int, made_by: str, compute: Callable[[], Adapte
 def _limit(stage: Stage, cells: int) -> str:
     """Return why the next mesh is not computed; an empty text if it is."""
     if stage.cells > cells:
-        return f"the next mesh has {stage.cells} cells, and {cells} are allowed: raise --cells or the tolerance"
+        return f"the next mesh has {stage.cells} cells, and {cells} are permitted: raise --cells or the tolerance"
     if stage.steps > MOST:
-        return f"{stage.steps} time steps would follow, and {MOST} are taken at most: raise the tolerance"
+        return f"the next mesh needs {stage.steps} time steps, and at most {MOST} are permitted: raise the tolerance"
     need, room = estimates.adapted(stage.cells), available()
     if need > room:
         return (
@@ -97,9 +99,3 @@ def _limit(stage: Stage, cells: int) -> str:
             "GiB are available: raise the tolerance, or take a machine with more"
         )
     return ""
-
-
-def _uniform(directory: Path) -> pd.DataFrame:
-    """Return ``levels.csv`` of ``study bound`` for the same problem; an empty table if there is none."""
-    file = directory / "levels.csv"
-    return pd.read_csv(file) if file.is_file() else pd.DataFrame()

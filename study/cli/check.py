@@ -17,8 +17,8 @@ from study.ledger.datafiles import CsvFile, DataError, read_claims, table_text
 from study.ledger.files import UsageError
 from study.ledger.text import folded
 from study.ledger.verdict import Verdict
-from study.present.expected import expected_texts
 from study.present.outcome import ledger_text, write_junit
+from study.present.pages import expected_texts
 from study.run.check import compare_again, draw_jobs, expected_seconds, planned_jobs, verify
 from study.run.executor import Pool, Processes
 from study.run.judgement import claims, claims_file, data_files, verdicts
@@ -53,7 +53,7 @@ def do_check(options: argparse.Namespace) -> int:
         compared = compare_sums(options.out) | compare_record(options.out) | as_written(options.out, found)
     compared |= {options.out / "data" / "cases.csv"}
     inside = len([path for path in compared if options.out in path.parents])
-    print(folded(f"{verified}; {len(found)} verdicts and {inside} files stand as they would be written"))
+    print(folded(f"{verified}; {len(found)} verdicts and {inside} files agree with what would be written now"))
     in_part, unchecked = not_compared(options.out, compared)
     for what, paths in (("checked in part", in_part), ("not checked", unchecked)):
         if paths:
@@ -93,7 +93,7 @@ def _again(options: argparse.Namespace) -> int:
     if not found.differs:
         print(f"all numbers agree within {options.tolerance:g} relative + {options.absolute:g}")
         return OK
-    print(f"numbers differ; old is what stands in {options.out}/data, new is what was measured now\n")
+    print(f"numbers differ; old is the value in {options.out}/data, new is measured now\n")
     print(as_text(found))
     return FAILED
 

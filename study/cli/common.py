@@ -54,7 +54,7 @@ def code_of(verdicts: Sequence[Verdict], file: Path | None) -> int:
     if file is None or code == FAILED:
         return code
     found = {verdict.identity for verdict in verdicts if verdict.verdict == UNDECIDED}
-    for text, rows in (("undecided, and not listed", found - known), ("listed, and not undecided", known - found)):
+    for text, rows in (("undecided but not listed", found - known), ("listed but not undecided", known - found)):
         for row in sorted(rows):
             print(f"{text} in {file}: {', '.join(filter(None, row))}", file=sys.stderr)
     return OK if verdicts and found == known else UNCLEAR

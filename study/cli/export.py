@@ -75,9 +75,9 @@ def _check(options: argparse.Namespace, case: Case) -> None:
     if min(options.levels) < 2:
         raise UsageError(f"--levels must be 2 or more, got {min(options.levels)}")
     if options.mode == "march" and options.instants:
-        raise UsageError("--instants are those of --mode frozen; a march has equal steps, say how many with --steps")
+        raise UsageError("--instants belong to --mode frozen; for --mode march give the number of --steps")
     if options.mode == "frozen" and options.steps is not None:
-        raise UsageError("--steps are those of --mode march; give the --instants of frozen problems")
+        raise UsageError("--steps belong to --mode march; for --mode frozen give --instants")
     if options.steps is not None:
         if options.steps < 1:
             raise UsageError(f"--steps must be 1 or more, got {options.steps}")

@@ -6,7 +6,7 @@ import argparse
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -45,7 +45,7 @@ def do_run(options: argparse.Namespace) -> int:
     # More processes than jobs and cases would be idle.
     with (
         Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
-        _pool(options.cluster, plan, processes) as pool,
+        connected(options.cluster, plan.scope.cases) if options.cluster else nullcontext(Pool.of(processes)) as pool,
     ):
         refuse_too_large(unfinished(plan.jobs, store), pool)
         plan.check(processes.map)
@@ -120,7 +120,7 @@ def warn_of_few_levels(scope: Scope) -> None:
         needed, given = least_levels(case.proposition), scope.levels_of(case).all
         if len(given) < needed:
             print(
-                f"study: {case.name}: an order takes {needed} levels, nothing is decided about it with "
+                f"study: {case.name}: a verdict on an order needs {needed} levels, not only "
                 f"{' '.join(map(str, given))}; give {needed} or more, such as --levels "
                 f"{' '.join(map(str, enough(given, needed, case.solution.body.dim)))}",
                 file=sys.stderr,
@@ -159,7 +159,3 @@ def command_line(options: argparse.Namespace, levels: Sequence[int] | None = Non
     words += ["--step", f"{options.step:g}"] if options.step is not None else []
     words += ["--out", str(out)] if out else []
     return shlex.join(words)
-
-
-def _pool(cluster: str | None, plan: Plan, processes: Processes) -> AbstractContextManager[Pool]:
-    return connected(cluster, plan.scope.cases) if cluster else nullcontext(Pool.of(processes))

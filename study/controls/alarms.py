@@ -141,32 +141,26 @@ def text(table: pd.DataFrame) -> str:
     """Return text with the rates of all checks together, every alarm, and the checks with large tails."""
     ledger, rows = table[table["label"] == ALL_ROWS], table[table["label"] != ALL_ROWS]
     lines = [
-        (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}", _tails(one.rate_tail))
+        (one.key, one.case, one.seeds, one.alarms, f"{one.rate_low:.2%} … {one.rate_high:.2%}")
+        + ("unknown" if math.isnan(one.rate_tail) else f"{one.rate_tail:.2%}",)
         for one in ledger.itertuples()
     ]
     named = rows[(rows["alarms"] > 0) | ((rows["rate_tail"] > NAMED) & (rows["claimed"] == "yes"))]
     weak = [
-        (f"{one.label}, {one.key}", one.case, _of(one.alarms, one.seeds), one.tail, f"{one.rate_tail:.1g}", one.claimed)
+        (f"{one.label}, {one.key}", one.case, f"{one.alarms} of {one.seeds}")
+        + (one.tail, f"{one.rate_tail:.1g}", one.claimed)
         for one in named.sort_values("rate_tail", ascending=False).itertuples()
     ]
     return "\n".join(
         [
-            tabulate(lines, ["seeds with", "", "seeds", "red", "rate, 95 %", "by the tails"], "simple"),
+            tabulate(lines, ["checks", "", "seeds", "alarms", "rate, 95 %", "from tails"], "simple"),
             "",
-            tabulate(weak, ["row", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
+            tabulate(weak, ["check", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
-            f"{len(newer(table))} rows have a rule that is newer than the first seed: seeds count since then",
-            f"at most {PROMISE:.0%} of fresh seeds may turn the ledger red: {verdict(table)}",
+            f"{len(newer(table))} checks have a rule newer than the first seed; only later seeds count for them",
+            f"at most {PROMISE:.0%} of fresh seeds may raise an alarm: {verdict(table)}",
         ]
     )
-
-
-def _of(some: object, every: object) -> str:
-    return f"{some} of {every}"
-
-
-def _tails(rate: float) -> str:
-    return "unknown" if math.isnan(rate) else f"{rate:.2%}"
 
 
 def write_seeds(directory: Path, table: pd.DataFrame) -> Path:

@@ -135,8 +135,8 @@ class Record:
             damaged += [] if _sound(text, len(draws)) else [(label, key, case, rule)]
             found[label, key, case, rule] = Line(low, high, text.rstrip(NONE[0]))
         if damaged or len({draw.seed for draw in draws}) < len(draws) or len(found) < len(lines):
-            what = " ".join(damaged[0]) if damaged else "a seed or a row that stands twice"
-            raise DataError(f"{places.parent} is damaged: {what}; restore it, as it is only ever added to")
+            what = " ".join(damaged[0]) if damaged else "a repeated seed or row"
+            raise DataError(f"{places.parent} is damaged: {what}; restore it, because lines are only added to it")
         return cls(draws, found)
 
     def write(self, directory: Path) -> None:
@@ -154,7 +154,7 @@ class Record:
     def drawn(self, seed: int, part: str) -> Record:
         """Return the record with a new seed that is to be measured."""
         if any(draw.seed == seed for draw in self.draws):
-            raise DataError(f"seed {seed} is in the record already, and nothing in it is replaced: draw another one")
+            raise DataError(f"seed {seed} is already in the record, in which nothing is replaced: draw another seed")
         return replace(self, draws=(*self.draws, Draw(seed, part)))
 
     def pending(self) -> Draw | None:
@@ -171,7 +171,7 @@ class Record:
         """
         position = [draw.seed for draw in self.draws].index(seed)
         if self.draws[position].judged >= 0:
-            raise DataError(f"seed {seed} was judged already, and nothing in the record is replaced")
+            raise DataError(f"seed {seed} was already judged, and nothing in the record is replaced")
         lines, alarms = dict(self.lines), 0
         for verdict in verdicts:
             row = verdict.label, verdict.key, verdict.case

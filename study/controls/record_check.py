@@ -32,7 +32,7 @@ def compare_record(directory: Path) -> set[Path]:
     record = Record.read(directory)
     if not drawn.is_file() or (record.draws and not places.is_file()):
         missing = places if drawn.is_file() else drawn
-        raise DataError(f"{missing} is missing: restore it, as it is only ever added to")
+        raise DataError(f"{missing} is missing: restore it, because lines are only added to it")
     _compare_counts(record, drawn, places)
     again = f"`study seeds --minutes 0 --out {directory}` makes it again from the record"
     if not any(draw.judged >= 0 for draw in record.draws):
@@ -65,5 +65,5 @@ def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
             raise DataError(
                 f"{drawn}, line {n + 2}: seed {draw.seed} has {draw.judged} rows, {draw.alarms} alarms and the rules "
                 f"{draw.rules}, {places.name} has {rows} rows, {alarms} alarms and the rules {rules}: restore both "
-                "files, as they are only ever added to"
+                "files, because lines are only added to them"
             )

@@ -77,8 +77,8 @@ class Outcome:
         """
         row = next((verdict for verdict in verdicts if verdict.verdict != HOLDS), verdicts[0])
         keys = [verdict.key for verdict in verdicts]
-        twice = [f"two rows are called {key}" for key in dict.fromkeys(keys) if keys.count(key) > 1]
-        unnamed = [f"no control names the row {key}" for key in dict.fromkeys(keys) if key not in named]
+        twice = [f"two checks are called {key}" for key in dict.fromkeys(keys) if keys.count(key) > 1]
+        unnamed = [f"no control names the check {key}" for key in dict.fromkeys(keys) if key not in named]
         other_faults = "; ".join(twice + unnamed)
         return cls(NO_DEFECT, f"all {len(verdicts)} rows must hold", str(setting), row, None, other_faults)
 
@@ -196,12 +196,12 @@ def controls_text(findings: Sequence[Outcome]) -> str:
     controls = [finding for finding in findings if finding.caught is not None]
     return "\n".join(
         [
-            _table(["without a defect", "rows", "verdict"], [_baseline_line(finding) for finding in baselines]),
+            _table(["without a defect", "checks", "verdict"], [_baseline_line(finding) for finding in baselines]),
             "",
-            _table(["defect", "caught by", "expected", "observed"], [_control_line(finding) for finding in controls]),
+            _table(["defect", "noticed by", "expected", "observed"], [_control_line(finding) for finding in controls]),
             "",
-            f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every row holds",
-            f"{len(controls)} defects: {sum(f.passes for f in controls)} caught",
+            f"{len(baselines)} settings without a defect: in {sum(f.passes for f in baselines)} every check holds",
+            f"{len(controls)} defects: {sum(f.passes for f in controls)} noticed",
             *(f"NOT IN ORDER: {f.setting}, {f.defect}: {f.other_faults}" for f in findings if f.other_faults),
         ]
     )
@@ -221,5 +221,5 @@ def _baseline_line(finding: Outcome) -> tuple[str, ...]:
 
 def _control_line(finding: Outcome) -> tuple[str, ...]:
     row = finding.row
-    by = f"{row.label}: {row.quantity}" if finding.caught else f"NOT CAUGHT by {row.label}: {row.quantity}"
+    by = f"{row.label}: {row.quantity}" if finding.caught else f"NOT NOTICED by {row.label}: {row.quantity}"
     return f"{finding.defect}: {finding.what}\n({finding.setting})", by, row.expected, cell(row.observed)

@@ -236,7 +236,7 @@ class Columns:
                 first, second = sorted((i, j))
                 cell, lines = self.cells[self.size or ""][second], self.table.lines
                 raise OrderError(
-                    f"line {lines[second]}: {self.size or 'n'} = {cell} stands in line {lines[first]} already, "
+                    f"line {lines[second]}: {self.size or 'n'} = {cell} is already in line {lines[first]}, "
                     "expected another size on every mesh: remove one of the rows"
                 )
 

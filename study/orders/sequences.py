@@ -222,7 +222,7 @@ def _coarse_first(h: ArrayLike, errors: ArrayLike, name: str) -> tuple[Array, Ar
     sizes, e = sizes[coarse_first], e[coarse_first]
     repeated = np.flatnonzero(-np.diff(sizes) < SAME_SIZE * sizes[1:])
     if repeated.size:
-        raise OrderError(f"the mesh size {sizes[repeated[0]]:.12g} stands there twice: give one error for each mesh")
+        raise OrderError(f"the mesh size {sizes[repeated[0]]:.12g} occurs twice: give one error for each mesh")
     return sizes, e
 
 

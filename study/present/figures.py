@@ -22,7 +22,7 @@ from study.ledger.codes import Codes
 from study.ledger.datafiles import DataError, made_by, read_csv, read_rates, read_table
 from study.present import body, charts, contact
 from study.present.body import GAP
-from study.present.chart import Array, Chart, draw_chart
+from study.present.charts import Array, Chart, draw_chart
 from study.present.drawing import COLUMN, PAGE, Drawing, dots, draw_figures, draw_one, entry, legend
 from study.present.notation import counted
 from study.present.palette import BLACK, BLUE, DARK, FOUNDATION, FOUNDATION_EDGE, GREEN, GREY, RAMPS, VERMILLION, Style

@@ -53,7 +53,7 @@ def ledger_text(claims: pd.DataFrame) -> str:
             lines += _finding(row)
     count = count_verdicts(claims)
     counts = (
-        f"{counted(len(claims), 'row')}: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
+        f"{counted(len(claims), 'check')}: {count[HOLDS]} hold, {count[FAILS]} fail, {count[UNDECIDED]} undecided, "
         f"{count[MISSED]} missed (our own prediction was wrong), {count[REPORTED]} reported without a claim"
     )
     for text in (counts, *([kinds_text(claims)] if count[HOLDS] else []), conclusion(count)):
@@ -64,17 +64,17 @@ def ledger_text(claims: pd.DataFrame) -> str:
 def kinds_text(claims: pd.DataFrame) -> str:
     """Return a sentence that counts the checks that hold by the kind of their evidence."""
     counts = ", ".join(f"{count} {name}" for name, count in count_kinds(claims).items())
-    return f"evidence of the rows that hold: {counts} ({IDENTITY} fail only if the code is broken)"
+    return f"evidence of the checks that hold: {counts} ({IDENTITY} fail only if the code is broken)"
 
 
 def conclusion(count: Mapping[str, int]) -> str:
     """Return one sentence on whether the statements are confirmed."""
     if count[FAILS]:
-        return f"Conclusion: {counted(count[FAILS], 'row')} contradicted what a statement claims."
+        return f"Conclusion: {counted(count[FAILS], 'check')} contradicted a statement."
     if not count[HOLDS]:
         return "Conclusion: nothing was decided."
-    rest = f"; {counted(count[UNDECIDED], 'row')} could not be decided" if count[UNDECIDED] else ""
-    return f"Conclusion: no statement was contradicted, {counted(count[HOLDS], 'row')} confirmed their claims{rest}."
+    rest = f"; {counted(count[UNDECIDED], 'check')} could not be decided" if count[UNDECIDED] else ""
+    return f"Conclusion: no statement was contradicted, {counted(count[HOLDS], 'check')} confirmed their claims{rest}."
 
 
 def write_junit(path: Path, verdicts: list[Verdict]) -> None:

@@ -10,7 +10,7 @@ import math
 import re
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import astuple, dataclass
 from itertools import groupby
 from pathlib import Path
@@ -39,16 +39,19 @@ from study.ledger.verdict import (
 )
 from study.ledger.window import STEEPER
 from study.present.article import two_digits_up
-from study.present.drawing import in_style
+from study.present.drawing import caption_text, in_style
+from study.present.figures import drawings
 from study.present.full_run import FullRun
-from study.present.marks import END, markdown, put
 from study.present.missed import missed_rows
 from study.present.notation import counted, typeset
 from study.present.palette import BLUE, DARK, GREEN, ORANGE, VERMILLION
 from study.present.picture import with_every_shape
 from study.present.show import write_gif
+from study.present.tables import texts
 from study.present.windows import NOT_NOTHING, Change, added, changes
 
+TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "make pages"
+"""The commands that write tables and article, figures with their captions, and the README with its badges."""
 FILM, FILM_DPI = "hexagon", 75
 """The case shown at the top of the README, and dots per inch of its animation."""
 ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
@@ -58,6 +61,7 @@ MISPRINTS = "slips"
 CLAIMED = (FAILS, UNDECIDED, HOLDS)
 """Verdicts on claims, from worst to best."""
 PLURAL = {HOLDS: "hold", FAILS: "fail"}
+END = "<!-- end -->"
 
 
 def main() -> None:
@@ -112,6 +116,44 @@ def refreshed(page: Path, data: FullRun) -> str:
     if END not in text:
         raise DataError(f"{page} has no <!-- NAME --> … {END} with NAME headline, results, statements, cases, codes, …")
     return text
+
+
+def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
+    """Return for each file of a run that follows from its data alone the text and the command that writes it.
+
+    These files are tables, inputs of the article and captions of figures; for a full run also the badges and the README
+    of the repository to which the run belongs. Files that do not exist are left out.
+
+    Raises:
+        DataError: a data file is missing or damaged.
+    """
+    found = {path: (text, TABLES) for path, text in texts(directory).items()}
+    for drawing in drawings(directory):
+        found[directory / "figures" / f"{drawing.name}.txt"] = caption_text(drawing), FIGURES
+    data, root = FullRun.read(directory), directory.resolve().parent
+    if data and (root / "pyproject.toml").is_file():
+        for name, badge in badges(data, root / "pyproject.toml").items():
+            found[directory / "badges" / name] = badge.svg(), PAGES
+        if (root / "README.md").is_file():
+            found[root / "README.md"] = refreshed(root / "README.md", data), PAGES
+    return {path: (text, made_by.format(directory)) for path, (text, made_by) in found.items() if path.is_file()}
+
+
+def put(text: str, name: str, table: str) -> str:
+    """Return a page with a table, or a few words, inserted between the marks of a name; unchanged without such marks.
+
+    A table begins on a new line; words stay in their sentence.
+    """
+    head, mark, rest = text.partition(f"<!-- {name} -->")
+    _, end, tail = rest.partition(END)
+    start = "\n" if "\n" in table else ""
+    return f"{head}{mark}{start}{table}{end}{tail}" if mark and end else text
+
+
+def markdown(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    """Return a table in Markdown."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |\n" for line in lines)
 
 
 # Answer and results: claim, prediction, observation, verdict

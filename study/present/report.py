@@ -21,8 +21,16 @@ from study.ledger.text import significant
 from study.ledger.verdict import FAILS, HOLDS, MISSED, REPORTED, UNDECIDED
 from study.present import palette
 from study.present.body import ARROW, THICKNESS, BodyScale, shade
-from study.present.chart import Array, Axis, Chart, Subplot
-from study.present.charts import collapsed_chart, convergence_chart, enclosure_charts, finest_orders
+from study.present.charts import (
+    Array,
+    Axis,
+    Chart,
+    Subplot,
+    collapsed_chart,
+    convergence_chart,
+    enclosure_charts,
+    finest_orders,
+)
 from study.present.notation import typeset, typeset_svg
 from study.present.palette import BLACK, DARK, Style, family_styles
 from study.present.picture import FaceHistory, Polygon, Segment, over_time, with_every_shape

@@ -45,9 +45,9 @@ class Verified:
     gone: tuple[str, ...]
 
     def __str__(self) -> str:
-        rest = f"; not looked up, as their files are gone: {', '.join(self.gone)}" if self.gone else ""
+        rest = f"; not compared, because their files no longer exist: {', '.join(self.gone)}" if self.gone else ""
         return (
-            f"{self.rows} rows in {self.files} files are those of the {self.planned} measurements planned; "
+            f"{self.rows} rows in {self.files} files belong to the {self.planned} planned measurements; "
             f"{self.relations} relations hold in all of them; predictions of {self.cases} cases{rest}"
         )
 
@@ -61,7 +61,7 @@ def verify(directory: Path) -> Verified:
             column, the value and the expected value.
     """
     record = read_provenance(directory)
-    again = f"make them again with `{made_by(directory)}`; what is measured is kept"
+    again = f"make them again with `{made_by(directory)}`; finished measurements are kept"
     expectation = Expectation.of(record, directory)
     planned = _plan(directory, record, expectation, again)
     tables = read_tables(directory)
@@ -72,7 +72,7 @@ def verify(directory: Path) -> Verified:
     path = directory / "data" / "cases.csv"
     read_csv(directory, path.name, PREDICTED)
     if found := difference(path, table_text(pd.DataFrame(expectation.lines))):
-        raise DataError(f"{found}: the catalogue, or the file of the case, predicts the latter; {again}")
+        raise DataError(f"{found}: the second is the prediction of the catalogue or of the case's file; {again}")
     broken = [[*map(str, relation(tables, expectation))] for relation in RELATIONS]
     of_codes = [(codes, folder) for folder in FOLDERS if (codes := Codes.read(directory, folder))]
     broken += [[*map(str, relation(*data))] for data in of_codes for relation in CODE_RELATIONS]
@@ -88,7 +88,7 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
     recorded = [tuple(key) for key in record["planned"]]
     where = f"{directory}/data/provenance.json"
     if not recorded:
-        raise DataError(f"{where} plans nothing, so that nothing could be missing: {again}")
+        raise DataError(f"{where} has an empty plan: {again}")
     if repeated := [key for key, count in Counter(recorded).items() if count > 1]:
         raise DataError(f"{where} plans {' '.join(repeated[0])} twice: {again}")
     if expectation.plan and (other := set(recorded) ^ set(expectation.plan.keys())):
@@ -132,7 +132,7 @@ def planned_jobs(directory: Path) -> tuple[Job, ...]:
     expectation = Expectation.of(read_provenance(directory), directory)
     if expectation.plan is None:
         gone = ", ".join(sorted(expectation.gone))
-        raise UsageError(f"--again needs the files of all cases, and those of {gone} are gone; put them back")
+        raise UsageError(f"--again needs the files of all cases; the files of {gone} no longer exist: put them back")
     return tuple(job for job in expectation.plan.jobs if isinstance(job.statement.file, CsvFile))
 
 

@@ -189,7 +189,7 @@ def run_job(job: Job) -> Mapping[str, Any]:
 def _finish(job: Job, future: Future[Mapping[str, Any]], store: Store, notify: Notify) -> list[str]:
     """Store the result of a job that has ended, or return a list with the reason why it has none."""
     if future.cancelled():
-        return [f"{job.key}: its cluster is gone; the same command does it"]
+        return [f"{job.key}: its cluster no longer answers; run the same command again"]
     error = future.exception()
     if error is None:
         store.save(job.key, job.fingerprint(), future.result())

@@ -104,7 +104,7 @@ class Plan:
         known = {case.name for case in catalogue()}
         for reference in self.scope.cases:
             if reference not in known and (name := resolve(reference).name) in known:
-                raise UsageError(f"{reference} is called {name}, as a case of the catalogue is; give it another name")
+                raise UsageError(f"{reference} has the name {name} of a case of the catalogue; give it another name")
 
     def _check_meshes(self) -> None:
         """Refuse meshes that do not fit a body, or whose cells do not fit lines at which a solution is not smooth."""

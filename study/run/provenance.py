@@ -137,8 +137,8 @@ class Expectation:
         """
         if not {"scope", "own_cases"} <= set(record):
             raise DataError(
-                f"{directory}/data/provenance.json does not say what the run was about, as an older version wrote it: "
-                f"`{made_by(directory)}` with the options of then writes it again; what is measured is kept"
+                f"{directory}/data/provenance.json has no scope, because an older version wrote it: "
+                f"`{made_by(directory)}` with the same options writes it again; finished measurements are kept"
             )
         scope, own = record["scope"], record["own_cases"]
         references = [resolve_path(reference, directory) for reference in scope["cases"]]

@@ -72,7 +72,7 @@ class Store:
             foreign = next((path for path in files if not path.name.startswith(".")), None)
             if foreign:
                 raise StoreError(
-                    f"{foreign} was not written by a study, and might be overwritten: give a directory of its own with "
+                    f"{foreign} was not written by a study, and might be overwritten: give another directory with "
                     "--out, such as --out build/study"
                 )
 

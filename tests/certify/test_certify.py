@@ -124,7 +124,7 @@ def test_what_is_not_served_is_refused_in_words(name: str) -> None:
         (formulas((0, x1**11)), "integer from 0 to 10"),
         (formulas((0, x1**6 * t**5)), "degree above 10"),
         (formulas(f2={1: (pos(x2 - t, 11), 0)}), "integer from 0 to 10"),
-        (formulas(u0=(0, (x2 - 1) * x1)), "u_0ν ≤ 0 on Γ3 is not seen"),
+        (formulas(u0=(0, (x2 - 1) * x1)), "u_0ν ≤ 0 on Γ3 cannot be shown"),
     ],
     ids=["degree", "total degree", "power", "u_0 in the foundation"],
 )

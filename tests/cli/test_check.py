@@ -24,7 +24,7 @@ from study.fem.naming import resolve
 from study.ledger.datafiles import DataError, write_csv
 from study.ledger.files import write_text
 from study.present import tables
-from study.present.expected import expected_texts
+from study.present.pages import expected_texts
 from study.run import relations
 from study.run.check import verify
 from study.run.judgement import verdicts
@@ -225,7 +225,7 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "a row of the other formulation twice": (twice(EQUIVALENCE), r"equivalence.csv, line \d+: .* in line 3 already"),
     "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: stands 'pocket', would be nothing"),
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
-    "tables and plan emptied": (emptied, r"provenance.json plans nothing"),
+    "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),
     "a smaller plan": (planned(lambda keys: keys[1:]), r"provenance.json does not plan .*, its scope does otherwise"),
     "a row planned twice": (planned(lambda keys: [*keys, keys[0]]), r"provenance.json plans .* twice"),
     "a verdict": (
@@ -410,7 +410,7 @@ def test_the_committed_run_passes_and_every_file_is_compared_or_named(
     told = " ".join(refusal(committed, capsys, code=0).split())
     assert re.search(
         r"\d+ rows in \d files are those of the \d+ measurements planned; \d+ relations hold in all of them; "
-        r"predictions of 30 cases; \d+ verdicts and \d+ files stand as they would be written",
+        r"predictions of 30 cases; \d+ verdicts and \d+ files agree with what would be written now",
         told,
     )
     named = {word.rstrip(";") for word in told.partition("not checked")[2].split()}
@@ -455,7 +455,7 @@ def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(
     own: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (own.parent / "pocket.py").unlink()
-    assert "not looked up, as their files are gone: pocket" in refusal(own, capsys, code=0)
+    assert "not compared, because their files no longer exist: pocket" in refusal(own, capsys, code=0)
     edit(CASES, "expected_order", to("0.9"))(own)
     assert "column expected_order: stands '0.9', would be '1'" in refusal(own, capsys)
 

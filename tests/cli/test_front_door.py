@@ -198,7 +198,7 @@ def test_an_own_case_with_the_name_of_another_is_refused(
 ) -> None:
     out = tmp_path / "out"
     told = refused(capsys, "run", "--case", f"{file}:front", "--levels", "2", "4", "8", "--out", str(out))
-    assert "cases.py:front is called advance-recede, as a case of the catalogue is; give it another name" in told
+    assert "cases.py:front has the name advance-recede of a case of the catalogue; give it another name" in told
     assert not out.exists()
 
 
