@@ -180,7 +180,7 @@ TAMPERED: dict[str, tuple[Callable[[Any], None], str]] = {
         "one stress for every",
     ),
     "a traction is missing": (edit("stress", "tractions", by=shorter), "tractions have another size"),
-    "a traction of one time is missing": (edit("stress", "tractions", 0, by=lambda x: x[:-1]), "must have equal lengths"),
+    "a traction of one time is missing": (edit("stress", "tractions", 0, by=lambda x: x[:-1]), "equal lengths"),
     "an inner number is missing": (edit("stress", "inner", by=shorter), "the inner numbers have another size"),
     "a traction is not finite": (edit("stress", "tractions", 3, 20, to=math.nan), "is nan, but must be an integer"),
     "ũ has too few numbers": (edit("displacement", "nodes", by=shorter), "ũ has another size"),
