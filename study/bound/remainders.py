@@ -45,7 +45,7 @@ from study.stresses.oscillation import Oscillation
 from study.stresses.stress_space import StressSpace
 
 ORDER = 4
-"""One more than the degree of F."""
+"""Order of the Taylor expansions: one more than the degree of F."""
 ARC = sp.Symbol("arc", real=True)
 """Arc length along a boundary part."""
 CACHED = 64
@@ -286,8 +286,7 @@ class Sampling:
         force = self._cells.all(self._expressions.force, a, b)
         surface = np.zeros((3, len(self.space.lengths)))
         for edges, regions, formulas in self._loaded:
-            # Root mean squares over the subintervals of an edge; the last line multiplies by the root of the edge
-            # length.
+            # Root mean squares over the subintervals of an edge, to be multiplied by the root of its length.
             of_parts = regions.all(formulas, a, b).reshape(3, EDGE_PARTS, -1)
             surface[:, edges] = np.sqrt(np.mean(of_parts**2, axis=1))
         for name, (e, p, q) in (("f_0", force), ("f_2", surface)):

@@ -35,8 +35,7 @@ GRID = 100
 ELEVATED, HALVINGS = 40, 4
 """The degree to which a polynomial is raised to determine its sign; how often an edge with a kink of f_2 is halved."""
 
-# A file that exceeds a limit is refused before work or memory is spent on it. The limits are far above the needs of
-# real certificates; the approximate need of level 16 with 64 steps stands in brackets.
+# Limits: a larger file is refused before work is spent on it. In brackets: the need of level 16 with 64 steps.
 DIGITS = 100  # decimal digits of an integer, of a numerator and of a denominator (30: doubles read as fractions)
 BITS = 512  # binary digits after the point of ũ, σ̃ and Φ (41)
 DEGREE = 10  # total degree of p · g_+^q in x1, x2 and t (7): the cost grows like its sixth power
@@ -774,8 +773,8 @@ class Loads:
 
     def missed_inside(self, a: Q, b: Q) -> Q:
         """Return an upper bound of the root mean square of ‖f_0 − f̃_0‖ over a ≤ t ≤ b."""
-        # Each of six coefficients of a component is rounded by at most 1/2, so a component by at most 3 and both by
-        # 18^{1/2}, on half of twice the area.
+        # Rounding six coefficients by 1/2 changes a component by at most 3 and both by 18^{1/2}, on half of twice the
+        # area.
         rounded = root(sum((up(Q(9 * self.mesh.h**2, cell.det)) for cell, _ in self.cells), Q(0))) / self.unit
         if all(i + j <= 2 >= k for f in self.problem.force for i, j, k in f):
             return rounded

@@ -1,8 +1,9 @@
 """The witnesses of a certificate: ũ and σ̃ as ``study.bound`` computes them, rounded so that signs hold exactly.
 
-There are two differences to the bound. The stress balances the loads f̃ of the checker, not projections. And σ̃ is
-given by its tractions on edges and nine inner numbers for each cell, from which the checker makes a stress with exactly
-continuous tractions. Rounding must preserve signs only, because the checker adds the unbalanced loads to the bound.
+The stress differs from the stress of the bound in two ways. It balances the loads f̃ of the checker, not projections.
+And it is given by its tractions on edges and nine inner numbers for each cell, from which the checker makes a stress
+with exactly continuous tractions. Rounding must preserve signs only, because the checker adds the unbalanced loads to
+the bound.
 """
 
 from __future__ import annotations

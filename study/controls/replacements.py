@@ -853,12 +853,12 @@ def _changed(solution: Any, method: str, time: float | None, change: Function) -
 
 
 def interpolant_late(sample: Function) -> Function:
-    """Deliberate defect: Π^h u of an earlier time."""
+    """Deliberate defect: the interpolant is Π^h u(0.9 t) instead of Π^h u(t)."""
     return lambda v_norm, time: replace(sample(v_norm, time), interpolant=sample(v_norm, 0.9 * time).interpolant)
 
 
 def times_width(right: Function) -> Function:
-    """Deliberate defect: the value is multiplied by the extent of the mesh along the first axis."""
+    """Deliberate defect: the result is multiplied by the extent of the mesh along the first axis."""
     return lambda self, *given: float(np.ptp(self.space.mesh.p[0])) * right(self, *given)
 
 

@@ -3,6 +3,11 @@
 
 Each line has the name and the description of a defect, the setting, the part that is replaced (``Control.place``), the
 function of ``study.controls.replacements`` that returns the wrong part, and the check of the ledger that must fail.
+
+Some controls test diagnostics. A residual that ignores the sign of the contact forces, or a supremum over every second
+time, is too small, and no window for the correct solution can reveal it. So the computation is made inaccurate in one
+respect, for example at one time node. If a diagnostic ignores this node, its check holds and the control is reported as
+not noticed.
 """
 
 from __future__ import annotations
@@ -346,10 +351,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("enclosure: half the norm", "½ ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(0.5), "above"),
     Control("enclosure: twice the norm", "2 ‖·‖_V for ‖·‖_V on V^h", ENCLOSURE, "bound.discretisation:Discretisation.norm", wrong.times(2.0), "below"),
 
-    # Diagnostics. A residual that ignores the sign of the contact forces, or a supremum over every second time, is too
-    # small, and no window for the correct solution can reveal it. So the computation is made inaccurate in one respect,
-    # for example at one time node. If a diagnostic ignores this node, its check holds and the control is reported as
-    # not noticed.
+    # Controls that test diagnostics.
     Control("residual: sign", "v_ν = 0: forces that pull, all else solved", MOVING, SOLVER, wrong.held, "residual"),
     Control("residual: complementarity", "forces where a gap is open, all else solved", MOVING, SOLVER, wrong.shifted_gap(-0.03), "residual"),
     Control("residual: gap", "v_ν ≤ 0 at every other vertex, all else solved", MOVING, SOLVER, wrong.in_places, "residual"),
@@ -370,8 +372,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("quadrature: degree", "rules of degree 1 for 4", MERGING, "fem.error_norm:DEGREE", wrong.instead(1), "quadrature"),
     Control("ten defects at once", "evidence too small in ten ways, forces that pull, a late load", MOVING, "solve.evolution:ContactStep._residual", wrong.balance_alone,
             ("order", "order-extrapolated", "size", DISCRETE, "discrete-share"),
-            # Ignored are: sign, complementarity and gap in the residual; all but the last step; every second time; time
-            # share and parallelogram law except at the last time; the value on Γ1; and quadrature.
+            # The residual, the supremum, the shares and the quadrature ignore all but a part of their evidence.
             (("controls.baselines:measure", wrong.hastily), (f"{MEASURE}.parallelogram", wrong.at_the_last_time),
              (f"{MEASURE}.clamped", wrong.returns(1e-12)), (f"{MEASURE}.quadrature_change", wrong.returns(1e-9)),
              (SOLVER, wrong.held), ("", wrong.load_late))),

@@ -81,8 +81,7 @@ class LeadingTerm:
 
     def __call__(self, time: float) -> float:
         strains = self.fields.strain_gradient(time)
-        # ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, with (i, j) as a Mandel vector, from ∂_k ε; both are (D, d,
-        # ...).
+        # ∂_i ∂_j u_k = ∂_j ε_ki + ∂_i ε_kj − ∂_k ε_ij, (i, j) as a Mandel vector; both arrays are (D, d, ...).
         gradient = np.stack([full(along) for along in np.moveaxis(strains, 1, 0)], axis=1)
         hessian = 2 * mandel(gradient) - strains
         V = np.zeros((*self.slopes.shape[:2], *hessian.shape[1:]))

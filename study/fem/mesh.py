@@ -55,8 +55,7 @@ def simplicial_mesh(points: Points, cells: Array) -> Mesh:
     return kind(np.ascontiguousarray(points), np.ascontiguousarray(cells))
 
 
-# A new mapping is made for every use. scikit-fem would store ``mesh.mapping()`` in the mesh, and the mapping refers to
-# the mesh; the memory of such a cycle is released late.
+# ``mesh.mapping()`` is avoided: scikit-fem would store it in the mesh, and such a cycle is released from memory late.
 
 
 def size(mesh: Mesh) -> float:
@@ -126,8 +125,7 @@ def on_segment(points: Points, segment: Array) -> Array:
     return distance(points, segment) <= 1e-9 * np.linalg.norm(segment[:, 1] - segment[:, 0])
 
 
-# Structured meshes: a grid of n^d cubes on the unit cube, divided into simplices and mapped onto the body, which is a
-# convex quadrilateral or a parallelepiped. The map is linear in every coordinate.
+# Structured meshes: a grid of n^d cubes, divided into simplices and mapped onto the body, linearly in every coordinate.
 
 
 @dataclass(frozen=True)

@@ -51,7 +51,7 @@ class Quadratic(Displacements):
 
     @cached_property
     def points(self) -> Array:
-        """The points of the rule, (2, cells, 3)."""
+        """The quadrature points, (2, cells, 3)."""
         return np.einsum("dvc,vq->dcq", self.mesh.p[:, self.mesh.t], self.rule[0])
 
     @cached_property

@@ -322,12 +322,7 @@ def _graded(left: Array, right: Array, degree: int) -> tuple[Array, Array]:
     return near + (far - near) * xi**GRADING, abs(far - near) * GRADING * xi ** (GRADING - 1) * wx
 
 
-# Rules that cover every cell of a mesh once, with points that share coordinates along a contact face. The evaluation of
-# an exact solution is dominated by its formulas in (s, t), and on an unstructured mesh no two quadrature points have
-# the same s. Here the points are moved to the lines s = jδ, where δ is a power of two and 16 to 32 times smaller than
-# the cell (half of that with two faces), so that cells have coordinates in common. The weights are changed as little as
-# possible so that the rule stays exact for polynomials. Its degree is the highest possible for this number of weights,
-# 2 for six points.
+# Rules that cover every cell of a mesh once, with points that share coordinates along a contact face.
 
 BLOCK = 4096
 """Largest number of ordinary cells in one rule, so that its points fit into the processor's cache."""
@@ -377,6 +372,11 @@ def shared(
 ) -> tuple[Array, Array]:
     """Return a rule on triangles whose points have few different distances to given lines: (2, n, q), (n, q) with sum
     1.
+
+    The evaluation of an exact solution is dominated by its formulas in (s, t), and on an unstructured mesh no two
+    quadrature points have the same s. So the points are moved to the lines s = jδ, where δ is a power of two and 16 to
+    32 times smaller than the cell (half of that with two faces). The weights are changed as little as possible so that
+    the rule stays exact for polynomials of the highest degree that this number of weights permits, 2 for six points.
 
     Args:
         corners: (2, 3, n).

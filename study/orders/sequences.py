@@ -363,8 +363,7 @@ def _trend(h: Array, e: Array, expectation: Expectation) -> Diagnosis:
     return Diagnosis(first, len(e), kind, sentence, verdict)
 
 
-# Without an exact solution: order from differences, extrapolated value, grid convergence index (Celik et al. 2008, V&V
-# 20).
+# Without an exact solution: grid convergence index (Celik et al. 2008, V&V 20).
 
 SAFETY = 1.25
 """The safety factor of the grid convergence index."""

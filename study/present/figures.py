@@ -148,7 +148,7 @@ def draw_effectivity(known: pd.DataFrame) -> Figure:
     for axes, trajectory, columns in ((left, "bound", ("upper",)), (right, "enclosure", ("lower", "upper"))):
         for scheme, style in used.items():
             rows = known[(known["trajectory"] == trajectory) & (known["scheme"] == scheme)]
-            # Schemes are shifted, because their markers would hide each other.
+            # The markers of each scheme are shifted vertically, because they would hide each other.
             y = rows["case"].map(row) + 0.22 * (list(SCHEMES).index(scheme) - 1)
             for column in columns:
                 look: dict[str, Any] = {"s": _marker_area(rows["level"]), "marker": style.marker, "linewidth": 0.6}

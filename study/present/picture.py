@@ -300,11 +300,14 @@ def with_every_shape(record: Mapping[str, Any]) -> Picture:
     return replace(picture, shapes=[Shape(float(time), u, stress) for time, u, stress in every])
 
 
-# The exact contact zone in 2D over time. At every time the zone is a union of intervals. The number of intervals
-# changes in events: an interval appears or disappears, two intervals merge, or one splits.
+# The exact contact zone in 2D over time.
 
 Strand = list[tuple[float, float, float]]
-"""One interval of a zone from event to event: (t, s0, s1) in increasing time."""
+"""One interval of a zone from event to event: (t, s0, s1) in increasing time.
+
+At every time the zone is a union of intervals. Their number changes in events: an interval appears or disappears, two
+intervals merge, or one splits.
+"""
 
 
 def misplaced_length(face: Segment, times: Array) -> Array:
@@ -371,8 +374,7 @@ def caps(pieces: Sequence[Strand]) -> list[tuple[float, float, float]]:
     for t in sorted({tip[0] for tip in tips}):
         here = [(left, right) for time, left, right in tips if time == t]
         for left, right in pairwise(sorted({end for interval in here for end in interval})):
-            # Strands before an event do not overlap, nor do strands after it, so an interval covered by two lies inside
-            # the zone.
+            # No two strands on the same side of an event overlap, so an interval covered by two lies inside the zone.
             if sum(a <= left and right <= b for a, b in here) == 1:
                 found.append((t, left, right))
     return found

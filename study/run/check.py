@@ -67,8 +67,7 @@ def verify(directory: Path) -> Verified:
     tables = read_tables(directory)
     for file, table in tables.items():
         _refuse_unplanned(directory, file, table, planned, again)
-    # Predictions come from the catalogue or the file of a case; if the file no longer exists, from the record of the
-    # run.
+    # Predictions come from the catalogue or the file of a case, or from the record of the run if that file is gone.
     path = directory / "data" / "cases.csv"
     read_csv(directory, path.name, PREDICTED)
     if found := difference(path, table_text(pd.DataFrame(expectation.lines))):

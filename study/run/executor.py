@@ -249,10 +249,7 @@ def _read(path: Path) -> str:
     return path.read_text() if path.is_file() else ""
 
 
-# Jobs on several machines: the workers of a running Dask cluster. Functions and results are exchanged as pickles.
-# Anybody who can reach the port of the scheduler or of a worker can run any code there, and a hostile scheduler can run
-# any code in this process. The only protection is Dask's TLS certificates, or a network in which every machine is
-# trusted.
+# Jobs on several machines: the workers of a running Dask cluster.
 
 PATIENCE = 10
 """Seconds within which a scheduler must answer and have a worker."""
@@ -262,6 +259,10 @@ START = "dask worker {address} --nworkers 2 --nthreads 1"
 @contextmanager
 def connected(address: str, references: Sequence[str]) -> Iterator[Pool]:
     """Yield the workers of the cluster at an address, after checking that each of them would compute the same results.
+
+    Functions and results are exchanged as pickles. Anybody who can reach the port of the scheduler or of a worker can
+    run any code there, and a hostile scheduler can run any code in this process. The only protection is Dask's TLS
+    certificates, or a network in which every machine is trusted.
 
     Args:
         address: address of the scheduler, tcp://HOST:PORT.

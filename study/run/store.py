@@ -177,8 +177,7 @@ class Store:
         """
         try:
             content = json.loads(path.read_text(encoding="utf-8"))
-        # Invalid JSON or UTF-8, numbers with too many digits, or brackets nested too deeply; or the file does not
-        # exist.
+        # The file is not JSON in UTF-8, has too many digits or nested brackets, or does not exist.
         except (ValueError, RecursionError, FileNotFoundError, IsADirectoryError, NotADirectoryError):
             return None
         except OSError as error:

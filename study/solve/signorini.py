@@ -84,8 +84,7 @@ class Signorini:
                 self.active = active
                 return multipliers
             active = following
-        # The active sets repeat in a cycle. The method of Lawson and Hanson for the equivalent least squares problem is
-        # always finite.
+        # The active sets repeat in a cycle; the method of Lawson and Hanson for least squares is always finite.
         L = cholesky(self.W, lower=True)
         multipliers, _ = nnls(L.T, solve_triangular(L, gap, lower=True))
         self.active = multipliers > 0

@@ -231,8 +231,7 @@ class Programme:
             return clarabel.DefaultSolver(P, self.q, A, self.b, cones, settings(aim, ENOUGH))
 
         self.solver = solver(AIM)
-        # If rounding stops the iteration before AIM, its last iterate is not its best; solving again for ENOUGH is
-        # better.
+        # If rounding stops the iteration before AIM, its last iterate is not its best, so ENOUGH is tried.
         self.retry = partial(solver, ENOUGH)
 
     def __call__(self, time: float, load: Array, old: Tensors) -> StressState:

@@ -64,8 +64,8 @@ class Equilibrium:
         stiffness = np.linalg.inv(space.gram(compliance))
         # shape (cells, 3 sides · n · 2, p)
         R = space.tractions.reshape(space.cells, -1, stiffness.shape[-1])
-        # The coefficients c and tractions R c of the stresses with Div τ = 0: from the right-hand side of c, and from
-        # moments m through Rᵀm.
+        # Coefficients c and tractions R c of stresses with Div τ = 0, from the right-hand side and from moments m
+        # (Rᵀm).
         self._of_strains = np.concatenate([stiffness, stiffness @ R.swapaxes(1, 2)], axis=2)
         self._of_moments = R @ self._of_strains
         self._tractions = slice(stiffness.shape[-1], None)

@@ -184,8 +184,7 @@ def balancing_on_side(side: int) -> BalancingStresses:
     zero = np.vstack([divided.inner, others, divided.divergence])
     # A linear function with the end values c_0, c_1 has the Bernstein coefficients c_0, (c_0 + c_1)/2, c_1.
     raised = np.array([[1.0, 0.0], [0.5, 0.5], [0.0, 1.0]])
-    # Functions are given by values at the ends of the halves; ``rest`` is orthogonal to the linear functions on the
-    # side.
+    # Functions are given by end values on the halves; ``rest`` is orthogonal to linear functions on the side.
     mass = np.kron(np.eye(2), (np.ones((2, 2)) + np.eye(2)) / 6 / 2)
     linear = np.array([[1.0, 0.0], [0.5, 0.5], [0.5, 0.5], [0.0, 1.0]])
     rest = null_space(linear.T @ mass, rcond=ROUNDING)
