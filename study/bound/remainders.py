@@ -12,8 +12,7 @@ cell T with centre z and half widths r let F be the Taylor polynomial of f(·, t
 The least of these over j is used; if f has kinks, a low j is best. Every step of the computation is exact for F: the
 rules integrate products of degree 6, and their weights are positive. So for each norm of the samples a term
 |T|^{1/2} e_T bounds the effect of the difference f − F. The remainder (f − F) − P(f − F) need not be orthogonal to
-rigid
-motions and is bounded by 2 C_Ω |T|^{1/2} e_T, with C_Ω of ``study.bound.problem``. In time
+rigid motions and is bounded by 2 C_Ω |T|^{1/2} e_T, with C_Ω of ``study.bound.problem``. In time
 
     |f − (parabola through a, a + k/2 and b)|       ≤ (1 + Λ₃) min_j (k/2)^j |∂_t^j f|/j! =: p_T,   j ≤ 3,
     |f − (cubic through a, a + k/4, a + k/2 and b)| ≤ (1 + Λ₄) min_j (k/2)^j |∂_t^j f|/j! =: q_T,   j ≤ 4,

@@ -10,7 +10,7 @@ from pathlib import Path
 from study.cli.common import check_jobs, code_of, known_undecided, progress_bar
 from study.cli.compare import tolerance_from
 from study.cli.options import FAILED, OK
-from study.controls.record_check import compare_record
+from study.controls.alarms import compare_record
 from study.ledger.codes import FOLDER, MARCHES
 from study.ledger.compare import ROUNDED, as_text, difference
 from study.ledger.datafiles import CsvFile, DataError, read_claims, table_text

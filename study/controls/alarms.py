@@ -3,10 +3,9 @@
 A check is judged by the seeds that were drawn since the last change to its rule, levels or window. Earlier seeds remain
 in the record but are not counted. ``data/seeds.csv`` has a line for each check, after two lines for all claimed checks
 together: ``every`` counts the seeds on which all checks were measured; ``light`` counts all seeds, with the cheap
-checks
-that are measured on each of them. Both counts start again after the last change to one of their checks. ``every`` also
-starts again when a check leaves the ledger: otherwise removing a check because of its alarms would remove these alarms
-from the count.
+checks that are measured on each of them. Both counts start again after the last change to one of their checks.
+``every`` also starts again when a check leaves the ledger: otherwise removing a check because of its alarms would
+remove these alarms from the count.
 """
 
 from __future__ import annotations
@@ -20,10 +19,11 @@ import pandas as pd
 from tabulate import tabulate
 
 from manufactured.tensors import Array
-from study.controls.record import Line, Record, RowKey, two_sided, unpacked
+from study.controls.record import Line, Record, RowKey, fingerprint, two_sided, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
 from study.ledger.chance import PROMISE, interval, tail
-from study.ledger.datafiles import ALL_ROWS, alarm_summary, write_csv
+from study.ledger.compare import difference
+from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text, write_csv
 
 COLUMNS = ["label", "key", "case", "rule", "part", "claimed", "since", "seeds"]
 COLUMNS += ["alarms", "rate_low", "rate_high", "lowest", "highest", "tail", "fit", "rate_tail"]
@@ -32,6 +32,8 @@ the 95 % interval of their rate; the extreme positions in the window; and the mo
 test and the rate that follows from it."""
 NAMED = PROMISE / 10
 """A check is listed if its tail alone gives a rate above a tenth of the rate that is promised for all checks."""
+FITTED = frozenset({"rate_low", "rate_high", "rate_tail", "fit"})
+"""Columns of ``seeds.csv`` whose last digits depend on the machine, because they are computed by iteration."""
 FOLDED = [25, 14]
 """Widths of the columns for check and case, so that a line has 80 characters."""
 
@@ -168,3 +170,56 @@ def write_seeds(directory: Path, table: pd.DataFrame) -> Path:
     path = directory / "data" / "seeds.csv"
     write_csv(path, table)
     return path
+
+
+def compare_record(directory: Path) -> set[Path]:
+    """Check that the record of seeds agrees with itself and with ``seeds.csv``; return the files that were compared.
+
+    Every row of ``drawn.csv`` must have the number of checks, the number of alarms and the rules that follow from
+    ``places.csv.gz``, and ``seeds.csv`` must be the table that follows from both.
+
+    Raises:
+        DataError: a line of one of the three files is missing, was added or was changed.
+    """
+    table, folder = directory / "data" / "seeds.csv", directory / "data" / "seeds"
+    drawn, places = folder / "drawn.csv", folder / "places.csv.gz"
+    if not table.exists() and not drawn.exists() and not places.exists():
+        return set()
+    record = Record.read(directory)
+    if not drawn.is_file() or (record.draws and not places.is_file()):
+        missing = places if drawn.is_file() else drawn
+        raise DataError(f"{missing} is missing: restore it, because lines are only added to it")
+    _compare_counts(record, drawn, places)
+    again = f"`study seeds --minutes 0 --out {directory}` makes it again from the record"
+    if not any(draw.judged >= 0 for draw in record.draws):
+        if table.exists():
+            raise DataError(f"{table} has no record in {folder}: restore the record")
+        return {drawn, places}
+    if not table.is_file():
+        raise DataError(f"{table} is missing: {again}")
+    if found := difference(table, table_text(tally(record)), FITTED):
+        raise DataError(f"{found}: {again}; restore the record, if that was changed")
+    return {table, drawn, places}
+
+
+def _compare_counts(record: Record, drawn: Path, places: Path) -> None:
+    """Check that the counts of every seed in ``drawn.csv`` follow from its positions."""
+    known = list(record.lines)
+    wide = 2 * len(record.draws)
+    values = np.array([unpacked(record.lines[row].places.ljust(wide, ".")) for row in known])
+    values = values.reshape(len(known), len(record.draws))
+    judged, beyond = np.isfinite(values), abs(values) > 1
+    counts = np.array([claimed(row[0]) for row in known], dtype=bool)
+    in_force = record.draws[newest(record)].rules if record.draws else ""
+    for n, draw in enumerate(record.draws):
+        rows, alarms = int(judged[:, n].sum()), int(beyond[counts, n].sum())
+        rules = fingerprint(sorted(row for row, is_judged in zip(known, judged[:, n], strict=True) if is_judged))
+        # The set of claimed labels may have changed; older seeds were counted with the labels of their time.
+        alarms_agree = draw.alarms == alarms if draw.rules == in_force else draw.alarms <= int(beyond[:, n].sum())
+        agrees = draw.judged == rows and draw.rules == rules and alarms_agree
+        if not agrees and (rows or draw.judged >= 0):
+            raise DataError(
+                f"{drawn}, line {n + 2}: seed {draw.seed} has {draw.judged} rows, {draw.alarms} alarms and the rules "
+                f"{draw.rules}, {places.name} has {rows} rows, {alarms} alarms and the rules {rules}: restore both "
+                "files, because lines are only added to them"
+            )

@@ -17,9 +17,8 @@ from typing import Any
 from manufactured.data import no_fronts
 from study.bound.trajectory import Refined, SmoothedInTime
 from study.controls import replacements as wrong
-from study.controls.baselines import ContactSweep, Equivalence, Listing, StressSweep, Sweep
+from study.controls.baselines import Bounding, ContactSweep, Equivalence, Listing, StressSweep, Sweep, Twins, TwoWays
 from study.controls.control import Control, within
-from study.controls.side_by_side import Bounding, Twins, TwoWays
 from study.controls.small_defects import by_amount
 from study.solve.interior_point import Accuracy
 from study.solve.signorini import Signorini

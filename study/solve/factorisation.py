@@ -30,10 +30,8 @@ class Cholesky:
         S: symmetric positive definite, (n, n).
         last: unknowns to be eliminated last, (c,).
         x: coordinates of the points to which the unknowns belong, n/p consecutive unknowns for each, (d, p). They give
-            an
-            order by nested dissection. Without them S is factorised twice, first in a minimum degree order to obtain
-            this
-            order: for small matrices only.
+            an order by nested dissection. Without them S is factorised twice, first in a minimum degree order to
+            obtain this order: for small matrices only.
 
     Attributes:
         order: the unknowns in the order of elimination, (n,).

@@ -185,8 +185,7 @@ class _Block:
 
         Returns:
             P f_0, (n, lower, 2); ‖g‖² on the thirds, (n,); and ∫ g B_α for the Bernstein polynomials B_α of degree k of
-            the
-            cells, (n, more, 2).
+            the cells, (n, more, 2).
         """
         values = force.transpose(1, 2, 0)
         coefficients = self.projection @ values

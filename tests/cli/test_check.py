@@ -18,7 +18,7 @@ import pytest
 
 from study.cli import check
 from study.cli.main import main
-from study.controls.record_check import compare_record
+from study.controls.alarms import compare_record
 from study.fem.mesh import FAMILIES, MeshFamily, cell_count, size, size_of
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError, write_csv
