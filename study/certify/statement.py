@@ -36,7 +36,7 @@ SIMPLE = 10**6
 FINENESS = 64
 """Cell size divided by lattice width, at least."""
 NAMES = {Kind.CLAMPED: "clamped", Kind.LOADED: "loaded", Kind.CONTACT: "contact"}
-SERVED = "certificates serve polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
+SERVED = "certificates support polynomials in x1, x2 and t with rational coefficients, times pos(polynomial, q) in f_2"
 
 
 def rational(x: float) -> Fraction:
@@ -52,16 +52,16 @@ def statement(data: Data) -> dict[str, Any]:
         BoundError: body, law or data are not supported; the message gives the reason.
     """
     if data.body.dim != 2 or data.body.interfaces:
-        raise BoundError("certificates serve plane bodies without interfaces")
+        raise BoundError("certificates support plane bodies without interfaces")
     expressions = data.formulas_of
     if not isinstance(expressions, Expressions):
         raise BoundError(
-            "certificates serve data that are formulas, made by Data.formulas; these are values of an exact solution "
+            "certificates support data that are formulas, made by Data.formulas; these are values of an exact solution "
             "or functions of Python, which `study bound` serves"
         )
     force = [_terms("f_0", formula) for formula in expressions.force]
     if any(q for component in force for _, _, q in component):
-        raise BoundError("f_0 has a kink, pos(…); certificates serve kinks in f_2 only")
+        raise BoundError("f_0 has a kink, pos(…); certificates support kinks in f_2 only")
     loads = {number: [_terms("f_2", formula) for formula in load] for number, load in expressions.loads}
     return {
         "vertices": [[str(c) for c in corner] for corner in corners(data.body)],

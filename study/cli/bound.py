@@ -33,9 +33,9 @@ from study.statements.shared import estimates
 def do_bound(options: argparse.Namespace) -> int:
     """Enclose the error at each level; return 0 if the solution is unknown or every error lies in its enclosure."""
     if options.displacement and options.adapt is not None:
-        raise UsageError("--adapt computes displacements of its own: give --adapt or --displacement, not both")
+        raise UsageError("--adapt computes the displacements itself: give --adapt or --displacement, not both")
     if not options.displacement and (options.field or options.nearest):
-        raise UsageError("--field and --nearest are about a file: give it with --displacement FILE")
+        raise UsageError("--field and --nearest need a file: give it with --displacement FILE")
     if options.displacement:
         return do_displacement(options)
     if options.adapt is not None:

@@ -71,7 +71,7 @@ def _read(data: Data, path: Path, options: argparse.Namespace, refined: Refined)
         served = max(0, int((room - estimates.BASE) / per_cell))
         raise UsageError(
             f"{path} has {len(field.triangles)} triangles, which with --refine {refined.refinements} need about "
-            f"{need / GIB:.1f} GiB of memory; {room / GIB:.1f} GiB are available, which serve {served} triangles: take "
+            f"{need / GIB:.1f} GiB of memory; {room / GIB:.1f} GiB are available, enough for {served} triangles: take "
             "a coarser mesh, --refine 0, or a machine with more memory"
         )
     return path, given(data, **vars(field), steps=options.steps, nearest=options.nearest)

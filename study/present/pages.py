@@ -69,7 +69,7 @@ def main() -> None:
     directory, *pages = map(Path, sys.argv[1:])
     data = FullRun.read(directory)
     if data is None:
-        raise DataError(f"{directory} is not that of a full run: `make full`, `make controls` and `make seeds` make it")
+        raise DataError(f"{directory} has no full run: `make full`, `make controls` and `make seeds` make it")
     film, picture = directory / "figures" / f"{FILM}.gif", directory / "data" / "pictures" / f"{FILM}.json"
     with in_style():
         write_gif(film, with_every_shape(json.loads(picture.read_text(encoding="utf-8"))), lambda: None, FILM_DPI)

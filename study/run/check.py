@@ -93,7 +93,7 @@ def _plan(directory: Path, record: dict[str, Any], expectation: Expectation, aga
     if expectation.plan and (other := set(recorded) ^ set(expectation.plan.keys())):
         first, plans = min(other), "plans" if min(other) in recorded else "does not plan"
         raise DataError(
-            f"{where} {plans} {' '.join(first)}, its scope does otherwise ({len(recorded)} rows are recorded, "
+            f"{where} {plans} {' '.join(first)}, which disagrees with its scope ({len(recorded)} rows are recorded, "
             f"{len(expectation.plan.keys())} follow from the scope): {again}"
         )
     return set(recorded)
