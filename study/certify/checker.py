@@ -41,15 +41,10 @@ BITS = 512  # binary digits after the point of ũ, σ̃ and Φ (41)
 DEGREE = 10  # total degree of p · g_+^q in x1, x2 and t (7): the cost grows like its sixth power
 TERMS = 300  # monomials of a polynomial, summands of a load (6): all 286 monomials of degree 10 fit
 VERTICES = 100  # vertices of the polygon (6): every two of its sides are compared
-REFINEMENTS = (
-    8  # number of refinements from the mesh of u_h to the mesh of ũ (2); ũ must have as many nodes as the refined mesh
-)
+REFINEMENTS = 8  # refinements from the mesh of u_h to the mesh of ũ (2)
 LISTS = 1 << 20  # number of lists in a file (10 000); an empty list takes 20 times the memory of its two characters
 PACKED, UNPACKED = 1 << 28, 1 << 30  # bytes of a file (35 million), characters of its text (80 million)
-PACKING, SMALL = (
-    20,
-    1 << 24,
-)  # characters per byte of the file (2.3), except for small texts; malicious files reach 1000
+PACKING, SMALL = 20, 1 << 24  # characters per byte (2.3), unless the text is small; malicious files have 1000
 
 Vector = tuple[Q, Q]
 Matrix = list[list[Q]]
@@ -561,10 +556,7 @@ class Mesh:
         the winding number of ∂Ω, so that the cells cover each point of Ω exactly once.
         """
         h, points, cells, lines = (data[name] for name in ("denominator", "points", "cells", "sides"))
-        require(
-            all(0 <= v < len(points) for some in cells + lines for v in some),
-            "a vertex does not exist",
-        )
+        require(all(0 <= v < len(points) for some in cells + lines for v in some), "a vertex does not exist")
         require(len(lines) == len(problem.sides), "a mesh must have one line of vertices for every side of the polygon")
         mesh = cls(h, points, cells, list(zip(problem.sides, lines, strict=True)))
         require(all(cell.det > 0 for cell in mesh.cells), "a cell is not counter-clockwise")
@@ -798,9 +790,7 @@ class Loads:
             stress = combination(shapes, coefficients) * Q(-1, self.unit * self.mesh.h)
             line = [p(UNIT_X) for p in between(*map(self.mesh.place, edge))]
             load = [term(*line, clock(a, b)) for term in self.mesh.boundary[edge].load[d]]
-            slack = sum((term.size() for term in load), Q(0)) / (
-                1 << GRID
-            )  # compensates the length, which is rounded down
+            slack = sum((term.size() for term in load), Q(0)) / (1 << GRID)  # because the length is rounded down
             longer = [Term(term.p * length, term.g, term.q) for term in load]
             mean_square = missed([*longer, Term(stress, Poly(), 0)], HALVINGS)
             found += up((root(mean_square) + slack) ** 2 / length)
@@ -912,11 +902,7 @@ def strains(cell: Cell, v: Sequence[int]) -> list[list[int]]:
     """Return ε(v) at the three vertices of a cell, times det F over 2h, from Bernstein coefficients at the nodes."""
     a, b, c, d = cell.F
     n, found = cell.nodes, []
-    for o, e, m in (
-        (n[0], n[5], n[4]),
-        (n[5], n[1], n[3]),
-        (n[4], n[3], n[2]),
-    ):  # the vertex and the nodes of the two edges at it
+    for o, e, m in ((n[0], n[5], n[4]), (n[5], n[1], n[3]), (n[4], n[3], n[2])):  # nodes around a vertex
         p, q = v[2 * e] - v[2 * o], v[2 * m] - v[2 * o]
         r, s = v[2 * e + 1] - v[2 * o + 1], v[2 * m + 1] - v[2 * o + 1]
         found.append([d * p - c * q, a * s - b * r, a * q - b * p + d * r - c * s])

@@ -85,9 +85,7 @@ def _law(law: KelvinVoigt) -> dict[str, list[list[str]]]:
         if not isinstance(operator, Linear) or operator.factor is not UNIFORM:
             raise BoundError(f"{name} is not linear and uniform; certificates need this, `study bound` does not")
         if isinstance(operator, Indefinite):
-            raise BoundError(
-                f"{name} need not be positive; certificates need positive operators, `study bound` does not"
-            )
+            raise BoundError(f"{name} need not be positive; certificates need positive ones, `study bound` does not")
         found[name] = [[str(c) for c in row] for row in voigt(operator.matrix)]
     return found
 

@@ -46,13 +46,7 @@ def parser() -> argparse.ArgumentParser:
 
     _json(add("cases", "cases", "list the exact solutions"))
     _run(add("run", "run", "measure, judge, write tables and figures; resumes where it was stopped"))
-    _check(
-        add(
-            "check",
-            "check",
-            "compare data, verdicts and tables on disk with their expected contents",
-        )
-    )
+    _check(add("check", "check", "compare data, verdicts and tables on disk with their expected contents"))
     _compare(add("compare", "compare", "show how numbers and verdicts of two result directories differ"))
     _spread(add("controls", "controls", "test that deliberate defects are noticed; exit code 0 if all are"))
     _spread(add("sensitivity", "controls", "find the smallest relative defect of each part that makes a check fail"))
@@ -83,13 +77,7 @@ def _rates(rates: argparse.ArgumentParser) -> None:
     rates.add_argument("file", type=Path, metavar="FILE", help="a table in nearly any form; - is standard input")
     rates.add_argument("--expected", type=_orders, metavar=orders, help="expected order; higher orders fail, too")
     rates.add_argument("--at-least", type=_orders, metavar=orders, help="least order that is accepted")
-    rates.add_argument(
-        "--tolerance",
-        type=_finite,
-        default=0.15,
-        metavar="T",
-        help="for --expected (default 0.15)",
-    )
+    rates.add_argument("--tolerance", type=_finite, default=0.15, metavar="T", help="for --expected (default 0.15)")
     rates.add_argument("--columns", metavar="NAME,...", help="columns of errors (default: all that are recognised)")
     rates.add_argument("--in", dest="size", metavar="NAME", help="column of sizes, for example dt")
     rates.add_argument("--dim", type=int, metavar="D", help="dimension, where sizes are counts of cells or unknowns")
@@ -184,9 +172,7 @@ def _export(export: argparse.ArgumentParser) -> None:
     meshes = f"meshes: {', '.join(FAMILIES)} (default: those on which `study run` measures the case)"
     export.add_argument("--family", nargs="+", metavar="NAME", help=meshes)
     export.add_argument("--mode", choices=MODES, default="frozen", help="static problems, or steps in time")
-    export.add_argument(
-        "--instants", nargs="+", type=_finite, metavar="T", help="times of static problems (default: three)"
-    )
+    export.add_argument("--instants", nargs="+", type=_finite, metavar="T", help="for static problems (default: three)")
     export.add_argument("--steps", type=int, metavar="N", help="steps of --mode march (default: the level)")
     export.add_argument("--scale", type=_finite, default=1.0, metavar="S", help="factor of all loads (default 1)")
     slab = "also mesh the foundation, with this number of segments"

@@ -226,7 +226,10 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: stands 'pocket', would be nothing"),
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
     "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),
-    "a smaller plan": (planned(lambda keys: keys[1:]), r"provenance.json does not plan .*, which disagrees with its scope"),
+    "a smaller plan": (
+        planned(lambda keys: keys[1:]),
+        r"provenance.json does not plan .*, which disagrees with its scope",
+    ),
     "a row planned twice": (planned(lambda keys: [*keys, keys[0]]), r"provenance.json plans .* twice"),
     "a verdict": (
         edit("claims.csv", "verdict", to("reported"), rows=1),

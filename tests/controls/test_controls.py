@@ -218,7 +218,7 @@ def test_the_command_prints_and_writes_what_caught_each_defect(monkeypatch, tmp_
     chosen = [c for c in CONTROLS if c.setting in (ELASTICITY, MEMBERS)]
     assert run(monkeypatch, tmp_path, *chosen) == 0
     text = capsys.readouterr().out
-    assert "5 defects: 5 caught" in text
+    assert "5 defects: 5 noticed" in text
     assert "2 settings without a defect: in 2 every check holds" in text
     assert len(re.findall(r" all \d+ rows must hold +holds$", text, re.MULTILINE)) == 2
     assert max(map(len, text.splitlines())) <= 110
