@@ -21,7 +21,7 @@ from tabulate import tabulate
 from manufactured.tensors import Array
 from study.controls.record import Line, Record, RowKey, fingerprint, two_sided, unpacked
 from study.controls.seeded import LIGHT, WHOLE, claimed
-from study.ledger.chance import PROMISE, interval, tail
+from study.ledger.chance import PROMISE, interval, seeds_needed, tail
 from study.ledger.compare import difference
 from study.ledger.datafiles import ALL_ROWS, DataError, alarm_summary, table_text, write_csv
 
@@ -160,7 +160,8 @@ def text(table: pd.DataFrame) -> str:
             tabulate(weak, ["check", "case", "alarms", "tail", "rate", "claimed"], "simple", maxcolwidths=FOLDED),
             "",
             f"{len(newer(table))} checks have a rule newer than the first seed; only later seeds count for them",
-            f"at most {PROMISE:.0%} of fresh seeds may raise an alarm: {verdict(table)}",
+            f"at most {PROMISE:.0%} of fresh seeds may raise an alarm: {verdict(table)} by the count alone "
+            f"({seeds_needed()} seeds without an alarm are enough; the tails judge nothing)",
         ]
     )
 

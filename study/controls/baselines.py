@@ -23,6 +23,7 @@ from study.statements.contact_force import ContactForce, measure_contact
 from study.statements.enclosure import Bounds, BoundSetting, resolve_problem
 from study.statements.enclosure import measure as bounded
 from study.statements.from_rates import SizeOfInterpolation, Turned
+from study.statements.initial_gap import InitialGap
 from study.statements.prop_5_3 import Convergence
 from study.statements.prop_5_4 import RATES, FirstOrder, measure
 from study.statements.recomputed import Recomputed, recompute
@@ -48,7 +49,7 @@ class Baseline(Protocol[S]):
         ...
 
 
-OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation()
+OF_RATES = FirstOrder(), Convergence(), SizeOfInterpolation(), InitialGap()
 
 
 @dataclass(frozen=True)

@@ -126,9 +126,14 @@ def _case_names() -> list[str]:
     return [*NAMES, *(case.name for case in _outside_the_catalogue(""))]
 
 
+def is_own(reference: str) -> bool:
+    """Return whether a reference is FILE.py:NAME, a user's own case, and not a name of the catalogue."""
+    return ":" in reference
+
+
 def name_of(reference: str) -> str:
     """Return the name of a reference in data files: for FILE.py:NAME the name of the case, otherwise the reference."""
-    return resolve(reference).name if ":" in reference else reference
+    return resolve(reference).name if is_own(reference) else reference
 
 
 def absolute(reference: str) -> str:

@@ -112,7 +112,7 @@ def folding(width: float) -> str:
 
 
 def tabular(headings: Sequence[str], alignment: str, rows: Iterable[Sequence[str]]) -> str:
-    """Return a table to \\input into a float, from cells in LaTeX; it needs the packages booktabs and array."""
+    r"""Return a table to \\input into a float, from cells in LaTeX; it needs the packages booktabs and array."""
     lines = [rf"\begin{{tabular}}{{@{{}}{alignment}@{{}}}}", r"\toprule", _row(headings), r"\midrule"]
     return "\n".join([*lines, *map(_row, rows), r"\bottomrule", r"\end{tabular}", ""])
 

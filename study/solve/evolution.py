@@ -1,7 +1,7 @@
 """Problem 5.1, continuous in time on one mesh: M u̇ + G(u) + N_{K^h}(u) ∋ F.
 
-G is bounded relative to M uniformly in h, (5.5), so the system is not stiff, and the step k need not be small relative
-to h.
+K^h = {v : N v ≤ g} has the initial gap g at the vertices of Γ3, which is 0 in the paper. G is bounded relative to M
+uniformly in h, (5.5), so the system is not stiff, and the step k need not be small relative to h.
 
 One time step of Problem 5.1 is (w/k) M u + G(θu + (1 − θ)u_{n−1}) + N_{K^h}(u) ∋ b for u = u_n.
 
@@ -41,12 +41,13 @@ class SemiDiscrete:
         M: matrix of (·,·)_V on V^h, (n, n).
         reference: matrix of G_ref, (n, n).
         remainder: v ↦ (G ε(v) − G_ref ε(v), ε(·))_Q, (n,); None for a linear law.
-        N: K^h = {v : Nv ≤ 0}, (m, n).
+        N: K^h = {v : Nv ≤ g}, (m, n).
         load: t ↦ F(t), (n,).
         u0: u_0^h ∈ K^h, (n,).
         T: final time.
-        solver: function from S and N to the contact solver of one step.
+        solver: function from S and N to the contact solver of one step; an initial gap is passed as ``gap=g``.
         growth: max(−m, 0)/m_A of the law, 0 for a monotone G; it limits the length of steps.
+        gap: the initial gap g ≥ 0 at the contact vertices, (m,), or the number 0 as in the paper.
     """
 
     M: sps.csc_array
@@ -56,12 +57,20 @@ class SemiDiscrete:
     load: Callable[[float], Array]
     u0: Array
     T: float
-    solver: Callable[[sps.csc_array, sps.csr_array], ContactSolver] = Signorini
+    solver: Callable[..., ContactSolver] = Signorini
     growth: float = 0.0
+    gap: Array | float = 0.0
 
     @classmethod
-    def of(cls, space: Space, law: KelvinVoigt, load: Callable[[float], Array], u0: Array) -> SemiDiscrete:
-        """Return the problem on a space for a law, a load and an initial value."""
+    def of(
+        cls,
+        space: Space,
+        law: KelvinVoigt,
+        load: Callable[[float], Array],
+        u0: Array,
+        gap: Array | float = 0.0,
+    ) -> SemiDiscrete:
+        """Return the problem on a space for a law, a load, an initial value and an initial gap."""
         factor = means(space, law.G.factor)
         return cls(
             M=form(space, law.A),
@@ -73,7 +82,12 @@ class SemiDiscrete:
             T=space.body.T,
             solver=contact_solver(space),
             growth=law.growth,
+            gap=gap,
         )
+
+    def contact(self, S: sps.csc_array) -> ContactSolver:
+        """Return the contact solver in K^h for a matrix."""
+        return self.solver(S, self.N, gap=self.gap) if np.any(self.gap) else self.solver(S, self.N)
 
     def initial(self) -> State:
         """Return the initial state u_0^h with zero contact forces, which are unknown at t_0."""
@@ -151,8 +165,10 @@ class State:
         u: u_n ∈ K^h, (n,).
         multipliers: λ_n ≥ 0, nodal contact forces, (m,).
         iterations: number of contact solves.
-        residual: function that returns the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u)_+, |λ·N u| and λ_−, relative to the
-            size of u and λ: zero for an exact contact solve. It is a function because computing it takes as long as a
+        residual: function that returns the largest of ‖S u + Nᵀλ − b‖/‖b‖, (N u − g)_+, |λ·(N u − g)| and λ_−, relative
+            to
+            the size of u and λ: zero for an exact contact solve. It is a function because computing it takes as long as
+            a
             step on a coarse mesh.
     """
 
@@ -179,7 +195,7 @@ class ContactStep:
         scheme.require_unique(k, problem.growth)
         self.problem, self.scheme, self.k = problem, scheme, k
         self.S = sps.csc_array(scheme.newest / k * problem.M + scheme.theta * problem.reference)
-        self.solve, self.forces = problem.solver(self.S, problem.N), problem.N.T
+        self.solve, self.forces = problem.contact(self.S), problem.N.T
         self.known = [sps.csc_array(weight / k * problem.M) for weight in scheme.past]
         if scheme.theta < 1:
             self.known[0] = sps.csc_array(self.known[0] - (1 - scheme.theta) * problem.reference)
@@ -227,7 +243,7 @@ class ContactStep:
     def _residual(self, u: Array, multipliers: Array, b: Array) -> float:
         """Return the residual that ``State`` describes."""
         defect = self.S @ u + self.forces @ multipliers - b
-        normal = self.problem.N @ u
+        normal = self.problem.N @ u - self.problem.gap
         size, force = _largest(u), _largest(multipliers)
         parts = (
             math.sqrt(defect @ defect) / max(math.sqrt(b @ b), TINY),

@@ -6,8 +6,6 @@ import math
 from collections.abc import Callable
 from functools import partial
 
-import scipy.sparse as sps
-
 from study.fem.space import Displacements
 from study.solve.multigrid import Multigrid
 from study.solve.signorini import ContactSolver, Signorini
@@ -21,8 +19,8 @@ SHARE = 0.01
 """Error of multigrid, relative to the discretisation error, that the estimate in ``residual`` permits."""
 
 
-def contact_solver(space: Displacements) -> Callable[[sps.csc_array, sps.csr_array], ContactSolver]:
-    """Return the function from S and N to the contact solver for a space."""
+def contact_solver(space: Displacements) -> Callable[..., ContactSolver]:
+    """Return the function from S, N and optionally the initial gap to the contact solver for a space."""
     if space.dofs <= FACTORED[space.dim]:
         return partial(Signorini, x=space.free_points)
     return partial(Multigrid, x=space.free_points, tolerance=multigrid_tolerance(space.dim, space.dofs))
