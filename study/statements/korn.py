@@ -64,7 +64,7 @@ class Korn(ListedNumbers):
 
 
 class Norms(ListedNumbers):
-    """Measures the extremes of ‖v‖_V² / ‖v‖_{H_1}² over V^h, as eigenvalues, for each pair of a body and a viscosity."""
+    """Measures the extremes of ‖v‖_V² / ‖v‖_{H_1}² over V^h, as eigenvalues, for each body and viscosity."""
 
     label = "(3.6)"
     claim = "‖·‖_V and ‖·‖_{H_1} are equivalent, uniformly on V^h, by (2.17) and (3.1)"

@@ -100,7 +100,7 @@ class Operator:
 
 
 def quotients(space: Space, operator: Operator) -> Iterator[tuple[float, float]]:
-    """Yield pairs of a Lipschitz and a monotonicity quotient, for random pairs and in the search for large quotients."""
+    """Yield pairs of a Lipschitz and a monotonicity quotient, for random pairs and in the search for large values."""
     rng = np.random.default_rng(SEED)
 
     def function(strain: float) -> Array:

@@ -13,9 +13,10 @@ W^{1,1} the increments become small. Predicted:
   cent where a patch is three cells wide (n = 8, not judged for moving fronts) and a quarter of that on each finer mesh,
   within 5 % from n = 16 on. A load that is not in V would let the norm grow.
 
-At first ``moving-rough`` was judged as well; there the variation grew by 0.8, 1 and 1.3 % at n = 8, 16 and 32. Its ε(u̇)
-~ (s − c)^{1/4} moves with the front, so u̇, and with it f = u̇ + Bu + R, has increments of the size k^{3/4} in V, whose sum is not bounded: (3.8) does not hold. Theorem 4.1 does not apply to this load; u ∈
-W^{1,∞}(0,T;V) is known since u was constructed. The case is reported.
+At first ``moving-rough`` was judged as well; there the variation grew by 0.8, 1 and 1.3 % at n = 8, 16 and 32. Its
+ε(u̇) ~ (s − c)^{1/4} moves with the front, so u̇, and with it f = u̇ + Bu + R, has increments of the size k^{3/4} in V,
+whose sum is not bounded: (3.8) does not hold. Theorem 4.1 does not apply to this load; u ∈ W^{1,∞}(0,T;V) is known
+because u was constructed. The case is reported.
 
 **(4.12).** The norm of the exact traction on Γ is computed by quadrature rules that are not adapted to singularities,
 on finer and finer meshes. Its maximum is taken over twice as many times as there are cells along a side. Predicted:
