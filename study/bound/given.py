@@ -381,7 +381,7 @@ def _check_fit(mesh: Mesh, body: Body) -> None:
 
 
 def _penetration(found: GivenDisplacement) -> list[str]:
-    """Return a sentence on how far u_h penetrates the foundation, or an empty list if it does not."""
+    """Return a list with a sentence on how far u_h penetrates the foundation; the list is empty if it does not."""
     values, worst = found.nodes.reshape(len(found.times), -1, 2), (0.0, 0, 0)
     for part, edges in zip(found.body.parts, boundary_parts(found.mesh, found.body), strict=True):
         if part.kind is Kind.CONTACT:

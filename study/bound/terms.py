@@ -340,7 +340,7 @@ class Majorant:
         )
 
     def _shares(self, terms: Terms, step: Step, y: float) -> Shares:
-        """Return the shares of the increase of y on a piece, before damping."""
+        """Return the part of each cell in the increase of the bound y over a time interval, before the decay factor."""
         d, k, mean, missed = self.discretisation, step.k, step.mean, terms.missed
         weights = d.moduli.weights(d.data.body.T)
         squares = weights @ mean.residual

@@ -35,16 +35,19 @@ GRID = 100
 ELEVATED, HALVINGS = 40, 4
 """The degree to which a polynomial is raised to determine its sign; how often an edge with a kink of f_2 is halved."""
 
-# Limits: a larger file is refused before work is spent on it. In brackets: the need of level 16 with 64 steps.
-DIGITS = 100  # decimal digits of an integer, of a numerator and of a denominator (30: doubles read as fractions)
-BITS = 512  # binary digits after the point of ũ, σ̃ and Φ (41)
-DEGREE = 10  # total degree of p · g_+^q in x1, x2 and t (7): the cost grows like its sixth power
-TERMS = 300  # monomials of a polynomial, summands of a load (6): all 286 monomials of degree 10 fit
-VERTICES = 100  # vertices of the polygon (6): every two of its sides are compared
-REFINEMENTS = 8  # refinements from the mesh of u_h to the mesh of ũ (2)
-LISTS = 1 << 20  # number of lists in a file (10 000); an empty list takes 20 times the memory of its two characters
-PACKED, UNPACKED = 1 << 28, 1 << 30  # bytes of a file (35 million), characters of its text (80 million)
-PACKING, SMALL = 20, 1 << 24  # characters per byte (2.3), unless the text is small; malicious files have 1000
+# Limits: a file beyond one of them is refused before any work. "Used": by a certificate of level 16 with 64 steps.
+DIGITS = 100  # decimal digits of an integer, numerator or denominator; used: 30
+BITS = 512  # binary digits after the point of ũ, σ̃ and Φ; used: 41
+DEGREE = 10  # total degree of p · g_+^q in x1, x2 and t; used: 7. The cost grows like degree⁶
+TERMS = 300  # monomials of a polynomial, summands of a load; used: 6. A polynomial of degree 10 has 286
+VERTICES = 100  # vertices of the polygon; used: 6. Every pair of sides is compared
+REFINEMENTS = 8  # refinements from the mesh of u_h to the mesh of ũ; used: 2
+LISTS = 1 << 20  # lists in a file; used: 10 000. An empty list takes 20 times the memory of its two characters
+PACKED, UNPACKED = 1 << 28, 1 << 30  # bytes of the packed file and characters of its text; used: 35 and 80 million
+PACKING, SMALL = (
+    20,
+    1 << 24,
+)  # characters of text per packed byte, for texts above SMALL; used: 2.3. A zip bomb has 1000
 
 Vector = tuple[Q, Q]
 Matrix = list[list[Q]]
@@ -396,7 +399,7 @@ class Term:
         return None if self.q and size > middle else reduce(mul, [self.g] * self.q, self.p)
 
     def size(self) -> Q:
-        """Return an upper bound of the absolute value for |X|, |S| ≤ 1."""
+        """Return an upper bound of |p · g_+^q| for |X|, |Y|, |S| ≤ 1."""
         middle = self.g.get((0, 0, 0), Q(0))
         return self.p.size() * (self.g.size() - abs(middle) + middle) ** self.q
 

@@ -125,7 +125,7 @@ def _split(name: str, summand: sp.Expr) -> tuple[sp.Expr, tuple[sp.Expr, int]]:
             plain *= factor
             continue
         base, power = factor.as_base_exp()
-        # The power 1/2 marks a factor that is not served; it is refused below.
+        # The exponent 1/2 marks a factor that is not supported. Such factors are refused below.
         truncated.append((base.args[0], base.args[1] * power) if isinstance(base, pos) else (base, sp.Rational(1, 2)))
     if not truncated:
         return plain, (sp.Integer(0), 0)

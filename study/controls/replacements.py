@@ -836,7 +836,7 @@ def exact_displacement(change: Function, time: float | None = None) -> Replaceme
 
 
 def exact_solution(method: str, time: float, change: Function) -> Replacement:
-    """Deliberate defect: the exact solution of cases is changed at ``time`` times T."""
+    """Deliberate defect: the exact solution of every case is changed at the time ``time`` · T."""
     return result(lambda case: SimpleNamespace(solution=_changed(case.solution, method, time, change)))
 
 

@@ -400,7 +400,10 @@ class Graded:
         return simplicial_mesh(points, mesh.t)
 
     def radius(self, body: Body, point: tuple[float, ...]) -> float:
-        """Return R = ``reach`` × the distance to other points of ``refine`` and to parts and interfaces without c."""
+        """Return ``reach`` times the distance from a point to the nearest part, interface or other point of ``refine``.
+
+        Parts and interfaces that contain the point are left out.
+        """
         centre = np.array(point)
         tolerance = 1e-8 * np.sqrt(body.measure)
         lines = [part for part in (*body.parts, *body.interfaces) if not part.contains(centre, tolerance)]

@@ -603,7 +603,7 @@ def work_chart(statements: pd.DataFrame) -> Chart | None:
 
 
 def rollers_chart(statements: pd.DataFrame) -> Chart | None:
-    """Return the excess of contact over the linear problem if a narrow patch rolls along Γ3.
+    """Return a chart of the error that contact adds to the linear problem if a narrow patch rolls along Γ3.
 
     There is a curve for every mesh family; for shaken meshes it is the mean, with the range. The data are rows of
     ``statements.csv``, and the width of the roller depends on the level. The result is None if there are no such rows.

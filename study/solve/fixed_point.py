@@ -65,7 +65,7 @@ def fixed_point(
         u = image(v)
         before, residual = residual, with_dual(u - v)
         change = residual - before
-        # Since u = v + f(v), this is the difference of two images.
+        # u = v + f(v) is the image of v, so step + change is the difference of the last two images.
         moved = step + change
         whole += moved
         left = _finite(_norm(residual), taken)

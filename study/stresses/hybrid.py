@@ -127,7 +127,7 @@ class Equilibrium:
     def _corrected(
         self, loads: Loads, values: Tensors, tractions: Array, known: Array, normal: Array | None
     ) -> EquilibratedStress:
-        """Return the stress that balances the loads, from values and tractions that balance P f_0 in the cells only."""
+        """Return the stress that balances all loads, from a stress that is in equilibrium inside each cell only."""
         known, g = self._condensed(loads, tractions, known)
         shift = np.zeros_like(g)
         if normal is not None:
