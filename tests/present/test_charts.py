@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pandas as pd
 import pytest
-from committed import RESULTS, ROUGH, SMOOTH
+from committed import RESULTS, SMOOTH
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import read_rates
@@ -19,7 +19,6 @@ from study.present.charts import (
     enclosure_chart,
     finest_orders,
     last_orders,
-    overview_chart,
     rollers_chart,
     slope_triangle,
 )
@@ -117,16 +116,6 @@ def test_the_last_orders_are_consecutive_ones_and_graded_meshes_are_kept_apart()
     expected = {family: orders(rows["h"], rows["error"])[-1] for family, rows in groups}
     assert plain == list(expected.values())
     assert on_graded == [expected["shaken"]]
-
-
-def test_subplots_of_a_row_share_their_vertical_axis_and_all_the_horizontal_one() -> None:
-    both = RATES[RATES["case"].isin([SMOOTH, ROUGH])].assign(claim="Prop. 5.4")
-    chart = overview_chart(both, {SMOOTH: 1.0, ROUGH: 0.25})
-    assert [subplot.title for subplot in chart.subplots] == list(both["case"].unique())
-    assert len({(one.x.low, one.x.high) for one in chart.subplots}) == 1
-    assert chart.columns == 2
-    assert len({(one.y.low, one.y.high) for one in chart.subplots}) == 1
-    assert all(one.triangle is not None and one.triangle.top <= one.y.high for one in chart.subplots)
 
 
 LOGARITHMIC = [(0.007, 0.15), (0.9, 1.1), (1e-6, 3.0), (2.0, 9e5)]

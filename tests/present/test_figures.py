@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import pickle
 import re
 from dataclasses import replace
 from functools import partial
@@ -18,7 +17,7 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from study.ledger.datafiles import DataError, read_rates
-from study.present.body import BRIGHTEST, SHADES, BodyScale, caption_body, cell_shades, draw_body
+from study.present.body import caption_body, draw_body
 from study.present.contact import caption_fronts, caption_maps, draw_fronts, draw_maps
 from study.present.drawing import COLUMN, PAGE, STYLE, Drawing, in_style
 from study.present.figures import caption_energy, drawings
@@ -131,20 +130,6 @@ def test_every_caption_says_what_to_see_with_numbers(measured: Path) -> None:
         assert "nan" not in caption, drawing.name
 
 
-def test_a_drawing_needs_nothing_but_what_it_carries(measured: Path, tmp_path: Path) -> None:
-    """It goes to another process, and draws after its data files are gone."""
-    directory = tmp_path / "moved"
-    directory.mkdir()
-    for folder in ("data", "benchmarks"):
-        (directory / folder).symlink_to(measured / folder)
-    sent = [pickle.dumps(drawing) for drawing in drawings(directory)]
-    for folder in ("data", "benchmarks"):
-        (directory / folder).unlink()
-    for drawing in map(pickle.loads, sent[::6]):
-        drawn(drawing)
-        assert drawing.caption
-
-
 @pytest.fixture(scope="module")
 def picture(measured: Path) -> Picture:
     return read_pictures(measured)[0]
@@ -159,20 +144,6 @@ def with_faces(picture: Picture, **change: Array | float) -> Picture:
     """A solid with other values on its contact faces."""
     values = {name: np.broadcast_to(value, getattr(picture.faces[0], name).shape) for name, value in change.items()}
     return replace(picture, faces=[replace(face, **values) for face in picture.faces])
-
-
-def test_contact_faces_of_a_solid_have_the_colours_of_the_pressure_and_the_others_of_the_stress(solid: Picture) -> None:
-    numbers = {}
-    for pressure in (0.0, 1.0):
-        shown = with_faces(solid, pressure=pressure)
-        numbers[pressure], colours = cell_shades(shown, shown.shapes[0], BodyScale.of(shown))
-        assert colours.shape == (2 * SHADES, 4)
-    on_faces = np.concatenate([face.facets.cells for face in solid.polygons])
-    assert set(numbers[0.0][on_faces]) == {SHADES}
-    assert set(numbers[1.0][on_faces]) == {2 * SHADES - 1}
-    others = np.setdiff1d(np.arange(solid.cells.shape[1]), on_faces)
-    np.testing.assert_array_equal(numbers[0.0][others], numbers[1.0][others])
-    assert numbers[0.0][others].max() < SHADES
 
 
 def test_nodes_of_a_solid_on_the_wrong_side_are_counted(solid: Picture) -> None:
@@ -202,16 +173,6 @@ def test_the_caption_of_a_map_states_the_largest_errors(solid: Picture) -> None:
     )
     assert "at most 20 % of the largest for the pressure, a nodal force" in caption_maps(exact)
     assert "at most 10 % of the largest for the gap" in caption_maps(exact)
-
-
-def test_the_colours_of_the_stress_end_where_all_but_a_few_cells_lie(picture: Picture) -> None:
-    scale = BodyScale.of(picture)
-    stresses = np.array([shape.von_mises for shape in picture.shapes])
-    # The scale interpolates between the stresses of two cells.
-    assert (stresses > scale.stress).sum() <= (1 - BRIGHTEST) * stresses.size + 1
-    assert scale.stress_colours.cmap.N == SHADES
-    lightness = np.array([0.299, 0.587, 0.114]) @ np.array(scale.stress_colours.cmap(np.arange(SHADES)))[:, :3].T
-    assert (np.diff(lightness) < 0).all(), "grey, too, shows which stress is larger"
 
 
 def test_the_caption_of_the_energy_states_its_largest_defect(picture: Picture) -> None:

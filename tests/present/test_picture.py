@@ -109,7 +109,3 @@ def test_the_triangles_of_a_cube_that_are_drawn_are_those_of_three_sides_from_fa
     assert np.diff(depth).min() >= -1e-12, "equal depths differ by round-off"
     normals = np.cross((corners[:, 1] - corners[:, 0]).T, (corners[:, 2] - corners[:, 0]).T)
     assert (normals @ view.axes[2] > 0).all()
-
-
-def test_in_the_plane_the_page_is_the_plane(picture: Picture) -> None:
-    np.testing.assert_array_equal(View.of(picture).flat(picture.vertices), picture.vertices)

@@ -227,15 +227,6 @@ def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Pa
         assert max(shown["quarters"]) + 1 == len(face["nodes"]) + len(shown["edges"]) / 2 == np.shape(shown["level"])[1]
 
 
-def test_shades_grow_with_the_stress_and_the_brightest_is_reached(directory: Path, page: Page) -> None:
-    film = json.loads(page.data[0])
-    record = json.loads((directory / "data" / "pictures" / f"{PLANE[0]}.json").read_text())
-    stress = Packed.read(record["von_mises"]).values.ravel()
-    shades = np.frombuffer(base64.b64decode(film["shades"]), dtype=np.uint8)
-    assert (np.diff(shades[np.argsort(stress, kind="stable")].astype(int)) >= 0).all()
-    assert ((shades == 255) == (stress >= film["brightest"] * (254.5 / 255) ** 2)).all()
-
-
 def test_a_second_run_gives_the_same_bytes(data: Path, text: str) -> None:
     assert report(data).read_text(encoding="utf-8") == text
 

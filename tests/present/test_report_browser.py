@@ -311,31 +311,6 @@ def test_a_map_of_a_solid_has_the_colours_of_its_values_and_the_exact_front(page
     np.testing.assert_allclose(np.linalg.norm(s - [0.4 + t / 5, 0.5], axis=1) ** 2, 0.1 + 0.6 * t * (1 - t), atol=4e-3)
 
 
-def test_a_solid_shows_pressure_where_there_is_some_and_its_exact_front_always(page: Browser) -> None:
-    page.section(f"case/{SOLID}")
-    slider = film(page, SOLID).find_element(By.CSS_SELECTOR, "input[type=range]")
-    red, blue = "r > 200 && g < 180 && b < 130", "r < 40 && g > 90 && b > 150"
-    assert pixels(page, SOLID, red) > 2000
-    assert pixels(page, SOLID, blue) > 200
-    slider.send_keys(Keys.HOME)
-    assert pixels(page, SOLID, red) == 0
-    assert pixels(page, SOLID, blue) > 200
-
-
-@pytest.mark.parametrize("case", [CASE, SOLID])
-def test_the_body_is_drawn_where_it_is(page: Browser, case: str) -> None:
-    """The middle of the canvas is inside the body, its upper left corner outside."""
-    page.section(f"case/{case}")
-    middle, corner = page.execute_script(
-        "const canvas = arguments[0].querySelector('canvas'), {width, height} = canvas;"
-        "const {data} = canvas.getContext('2d').getImageData(0, 0, width, height);"
-        "const opacity = (x, y) => data[4 * (Math.floor(y) * width + Math.floor(x)) + 3];"
-        "return [opacity(width / 2, height / 2), opacity(1, 1)];",
-        film(page, case),
-    )
-    assert (middle, corner) == (255, 0)
-
-
 PLAY_AND_PAUSE = """
 const [film, done] = arguments, button = film.querySelector("button"), shown = film.querySelector("output");
 const before = shown.textContent;
@@ -361,13 +336,6 @@ def test_play_runs_through_the_times_and_pauses(page: Browser) -> None:
     assert later == paused
 
 
-def test_the_space_bar_plays(page: Browser) -> None:
-    page.section(f"case/{CASE}")
-    before = time_shown(page)
-    film(page).find_element(By.TAG_NAME, "button").send_keys(Keys.SPACE)
-    WebDriverWait(page, 10).until(lambda _: time_shown(page) > before)
-
-
 @pytest.mark.parametrize("pixels", [360, 1280])
 def test_no_section_is_wider_than_the_screen(page: Browser, pixels: int) -> None:
     width(page, pixels)
@@ -383,15 +351,6 @@ def test_on_a_phone_a_row_of_the_ledger_shows_its_verdict_and_numbers_without_sc
     for cell in page.find_elements(By.CSS_SELECTOR, "#rows tbody:nth-of-type(2) tr:nth-child(2) td"):
         assert cell.rect["x"] >= 0
         assert cell.rect["x"] + cell.rect["width"] <= 360
-
-
-@pytest.mark.parametrize("pixels", [1400, 390])
-def test_bounds_fit_a_screen_and_a_phone_without_scrolling(page: Browser, pixels: int) -> None:
-    width(page, pixels)
-    page.section("bounds")
-    box = page.find_element(By.CSS_SELECTOR, "#bounds .scroll")
-    wide, room = (page.execute_script(f"return arguments[0].{name}", box) for name in ("scrollWidth", "clientWidth"))
-    assert wide <= room
 
 
 def test_tabs_reach_every_filter_in_order_and_show_where_they_are(page: Browser) -> None:

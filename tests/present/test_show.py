@@ -21,7 +21,7 @@ from study.ledger.pictures import STEPS
 from study.present.drawing import in_style
 from study.present.palette import VERMILLION
 from study.present.picture import Picture, with_every_shape
-from study.present.show import MOMENTS, Shown, count_images, draw_show, draw_storyboard, mesh_of, write_mp4
+from study.present.show import Shown, count_images, draw_show, mesh_of, write_mp4
 from study.run.showcase import EVERY, mesh_series, solve_showcase
 from study.solve.motion import Motion, von_mises
 from study.statements import pictures
@@ -127,16 +127,6 @@ def test_ffmpeg_is_asked_for_a_film_where_there_is_one(tmp_path: Path, monkeypat
     width, height = map(int, arguments.partition("-s ")[2].split()[0].split("x"))
     assert "-f mp4" in arguments
     assert int(count) == len(picture.shapes) * width * height * 4
-
-
-@pytest.mark.parametrize("case", ["advance-recede", "cube-disc"])
-def test_a_storyboard_goes_from_the_first_time_to_the_last(case: str) -> None:
-    with in_style():
-        figure = draw_storyboard(shapes_of(moved(case, 32)))
-    times = [float(axes.get_title()[3:-1]) for axes in figure.axes if axes.get_title()]
-    assert len(times) == MOMENTS
-    assert (times[0], times[-1]) == (0, 1)
-    assert times == sorted(times)
 
 
 def test_the_shapes_of_an_animation_are_those_of_the_motion() -> None:
