@@ -45,7 +45,8 @@ class Window:
             return f"{middle} ± {below}" if below == above else f"{middle}, − {below} + {above}"
         if math.isinf(self.high):
             return f"≥ {shown(self.low)}"
-        return f"{shown(self.low)} … {shown(self.high)}" if self.low > 0 else f"≤ {shown(self.high)}"
+        one_sided = self.low == 0 or math.isinf(self.low)
+        return f"≤ {shown(self.high)}" if one_sided else f"{shown(self.low)} … {shown(self.high)}"
 
     def contains(self, *values: float) -> bool:
         """Return whether all values lie inside; NaN does not."""
@@ -55,7 +56,7 @@ class Window:
         """Return the worst value: the farthest from the middle, or the largest or smallest of a one-sided window."""
         if math.isinf(self.high):
             distances = [-value for value in values]
-        elif self.low > SMALL * self.high or self.predicted:
+        elif self.low > SMALL * self.high or -math.inf < self.low < 0 or self.predicted:
             distances = [abs(value - (self.low + self.high) / 2) for value in values]
         else:
             distances = list(values)

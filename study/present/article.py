@@ -23,6 +23,7 @@ from study.ledger.verdict import (
     ORDER,
     REPORTED,
     SIZE,
+    THEOREM,
     UNCLAIMED,
     VERDICTS,
     agreement,
@@ -73,7 +74,8 @@ def _ledger(data: FullRun) -> Named:
     for verdict in VERDICTS:
         yield f"ledger{verdict.capitalize()}", counts[verdict]
     kinds = count_kinds(data.claims)
-    for name, one in (("Orders", ORDER), ("Sizes", SIZE), ("Bounds", ONE_SIDED), ("Identities", IDENTITY)):
+    names = {ORDER: "Orders", SIZE: "Sizes", ONE_SIDED: "Bounds", THEOREM: "Theorems", IDENTITY: "Identities"}
+    for one, name in names.items():
         yield f"kind{name}", kinds[one]
     found, injected = count_caught(data.controls)
     yield "controls", injected
@@ -125,7 +127,7 @@ def _smooth(data: FullRun) -> Named:
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
     yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
-    yield "supremumLater", f"{data.rows(label, 'after-start')['observed'].iloc[0]:.0f}"
+    yield "supremumLater", (data.rows(label, "start-share")["verdict"] == HOLDS).sum()
 
 
 def _rough(data: FullRun) -> Named:

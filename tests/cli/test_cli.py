@@ -168,7 +168,7 @@ def rising(table: pd.DataFrame) -> pd.DataFrame:
         (lambda data: (data / "rates.csv").unlink(), 2, "rates.csv is missing"),
         (lambda data: (data / "equivalence.csv").write_text(""), 2, "equivalence.csv is not a table"),
         (lambda data: spoil(data, lambda t: t.drop(columns="time_share")), 2, "lacks the columns time_share"),
-        (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), 2, "rows of the plan that are missing"),
+        (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), 2, "missing measurements"),
     ],
 )
 def test_damaged_or_incomplete_data_never_pass(finished: Path, tmp_path: Path, capsys, damage, code, message) -> None:
