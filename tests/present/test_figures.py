@@ -7,7 +7,6 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
 import pytest
@@ -19,15 +18,14 @@ from numpy.typing import NDArray
 from study.ledger.datafiles import DataError, read_rates
 from study.present.body import caption_body, draw_body
 from study.present.contact import caption_fronts, caption_maps, draw_fronts, draw_maps
-from study.present.drawing import COLUMN, PAGE, STYLE, Drawing, in_style
-from study.present.figures import caption_energy, drawings
+from study.present.drawing import COLUMN, PAGE, Drawing, in_style
+from study.present.figures import drawings
 from study.present.picture import Picture, read_pictures
 from study.present.tables import controls_table, write_tables
 
 Array = NDArray[np.float64]
 SMALLEST = 7.0
 """Points, of all text but scripts."""
-OKABE_ITO = {"#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000"}
 
 
 def controls(caught: str = "yes") -> pd.DataFrame:
@@ -95,15 +93,6 @@ def figures(measured: Path) -> list[tuple[Drawing, Figure]]:
     return [(drawing, drawn(drawing)) for drawing in drawings(measured)]
 
 
-def test_the_style_is_free_of_latex_in_serif_letters_and_colours_that_every_eye_tells_apart() -> None:
-    style = mpl.rc_params_from_file(STYLE, use_default_template=False)
-    assert not style.get("text.usetex", False)
-    assert (style["font.family"], style["mathtext.fontset"]) == (["STIXGeneral"], "stix")
-    with in_style():
-        assert {entry["color"] for entry in mpl.rcParams["axes.prop_cycle"]} == OKABE_ITO
-    assert min(value for name, value in style.items() if name.endswith("size") and "font" in name) >= SMALLEST
-
-
 def test_every_figure_fits_a_page_with_letters_large_enough_and_no_label_cut_off(
     figures: list[tuple[Drawing, Figure]],
 ) -> None:
@@ -146,16 +135,6 @@ def with_faces(picture: Picture, **change: Array | float) -> Picture:
     return replace(picture, faces=[replace(face, **values) for face in picture.faces])
 
 
-def test_nodes_of_a_solid_on_the_wrong_side_are_counted(solid: Picture) -> None:
-    exact = replace(solid, faces=[replace(face, pressure=face.inside.astype(float)) for face in solid.polygons])
-    nodes = [face.pressure.shape[1] for face in exact.polygons]
-    assert f"none of the {sum(nodes)} nodes is ever on the wrong side" in caption_fronts(exact)
-    wrong = [face.pressure.copy() for face in exact.polygons]
-    wrong[1][5, :3] = 1 - wrong[1][5, :3]
-    off = replace(exact, faces=[replace(face, pressure=p) for face, p in zip(exact.polygons, wrong, strict=True)])
-    assert f"3 of {nodes[1]} at most, on Γ3,2 at t = {off.times[5]:.3g}" in caption_fronts(off)
-
-
 @pytest.mark.filterwarnings("error::UserWarning")
 @pytest.mark.parametrize("level", [-1.0, 1.0])
 def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(solid: Picture, level: float) -> None:
@@ -164,26 +143,6 @@ def test_a_face_of_a_solid_without_or_wholly_in_contact_can_be_drawn(solid: Pict
     for draw, caption in ((draw_fronts, caption_fronts), (draw_maps, caption_maps), (draw_body, caption_body)):
         drawn(Drawing("extreme", partial(draw, shown), caption(shown)))
         assert "nan" not in caption(shown)
-
-
-def test_the_caption_of_a_map_states_the_largest_errors(solid: Picture) -> None:
-    exact = replace(
-        solid,
-        faces=[replace(face, gap=0.9 * face.gap_exact, pressure=1.2 * face.pressure_exact) for face in solid.polygons],
-    )
-    assert "at most 20 % of the largest for the pressure, a nodal force" in caption_maps(exact)
-    assert "at most 10 % of the largest for the gap" in caption_maps(exact)
-
-
-def test_the_caption_of_the_energy_states_its_largest_defect(picture: Picture) -> None:
-    def percent(shown: Picture) -> float:
-        return float(re.search(r"a defect of at most (\S+) % of the largest energy", caption_energy(shown))[1])
-
-    energy = picture.energy
-    largest = max(abs(getattr(energy, name)).max() for name in ("stored", "dissipated", "work"))
-    assert percent(picture) == pytest.approx(100 * abs(energy.defect).max() / largest, rel=0.1)
-    worse = replace(picture, energy=replace(energy, defect=30 * energy.defect))
-    assert percent(worse) == pytest.approx(30 * percent(picture), rel=0.1)
 
 
 def test_defects_are_a_table_and_one_that_nothing_caught_is_seen_in_it(alone: Path) -> None:

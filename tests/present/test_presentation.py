@@ -170,18 +170,6 @@ def test_unicode_becomes_mathematics(text: str, latex: str) -> None:
     assert encode(text) == latex
 
 
-@pytest.mark.parametrize("columns", [80, 110])
-def test_terminal_tables_fit_the_terminal(data: Path, monkeypatch: pytest.MonkeyPatch, columns: int) -> None:
-    monkeypatch.setenv("COLUMNS", str(columns))
-    path = data / "data" / "rates.csv"
-    replace(path, ROUGH, "a-very-long-case-name-that-says-everything-there-is-to-say")
-    two_schemes = pd.concat([pd.read_csv(path), pd.read_csv(path).assign(scheme="backward-euler")])
-    texts = [rates_text(data), ledger_text(data)]
-    two_schemes.to_csv(path, index=False)
-    for text in (*texts, rates_text(data)):
-        assert max(map(len, text.splitlines())) <= columns
-
-
 def test_the_rate_text_has_one_line_per_case_and_family(tables: Path) -> None:
     lines, rates = rates_text(tables).splitlines(), read_rates(tables)
     (line,) = (line for line in lines if line.startswith(SMOOTH) and "shaken" in line)
@@ -271,11 +259,3 @@ def test_a_file_is_written_whole_or_not_at_all(tmp_path: Path) -> None:
         write_whole(path, stumble)
     assert files(tmp_path) == ["table.md"]
     assert path.read_text() == "whole"
-
-
-def test_a_single_level_can_be_drawn(tmp_path: Path) -> None:
-    copy_results(tmp_path, cases=(SMOOTH,), pictures=())
-    rates = committed("rates", (SMOOTH,))
-    rates[rates["level"] == "16"].to_csv(tmp_path / "data" / "rates.csv", index=False)
-    names = {"problem", "collapsed", f"convergence-{SMOOTH}", "convergence", "effectivity", f"enclosure-{SMOOTH}"}
-    assert {path.stem for path in draw_all(tmp_path)} == names

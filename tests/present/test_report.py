@@ -19,8 +19,8 @@ from manufactured.catalogue import catalogue
 from study.cli.main import main
 from study.ledger.datafiles import DataError
 from study.ledger.pictures import FINE, STEPS, Packed
-from study.present.notation import typeset, typeset_svg
-from study.present.picture import Picture, read_values
+from study.present.notation import typeset
+from study.present.picture import Picture
 from study.present.report import LETTERS, write_report
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
 from study.run.fingerprint import ROOT
@@ -214,19 +214,6 @@ def test_the_motion_on_the_page_passes_through_the_shapes_of_the_picture(directo
         assert abs(raw).max() == STEPS
 
 
-def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Path, page: Page) -> None:
-    film = json.loads(page.data[-1])
-    record = json.loads((directory / "data" / "pictures" / f"{SOLID}.json").read_text())
-    for shown, face in zip(film["faces"], record["faces"], strict=True):
-        for name in ("s", "x", "gap", "gap_exact", "pressure", "pressure_exact"):
-            np.testing.assert_allclose(shown[name], read_values(face[name]), rtol=6e-4)
-        np.testing.assert_array_equal(np.sign(shown["level"]), np.sign(read_values(face["level_exact"])))
-        corners = np.reshape(film["cells"], (-1, 3))[shown["cells"]].ravel()
-        np.testing.assert_array_equal(np.array(face["nodes"])[shown["facets"]], corners)
-        assert max(shown["edges"]) < len(face["nodes"])
-        assert max(shown["quarters"]) + 1 == len(face["nodes"]) + len(shown["edges"]) / 2 == np.shape(shown["level"])[1]
-
-
 def test_a_second_run_gives_the_same_bytes(data: Path, text: str) -> None:
     assert report(data).read_text(encoding="utf-8") == text
 
@@ -289,12 +276,6 @@ def test_packed_values_are_kept_to_half_a_unit(steps: int) -> None:
     assert not Packed.of(np.zeros((3, 4))).values.any()
 
 
-@pytest.mark.parametrize("damage", [{"changes": "AAAA"}, {"changes": "?"}, {"shape": [2, 2]}])
-def test_damaged_packed_values_are_refused(damage: dict[str, Any]) -> None:
-    with pytest.raises(ValueError):  # noqa: PT011
-        Packed.read(Packed.of(np.ones((3, 4))).record() | damage)
-
-
 @pytest.mark.parametrize(
     ("plain_text", "html"),
     [
@@ -309,13 +290,6 @@ def test_damaged_packed_values_are_refused(damage: dict[str, Any]) -> None:
 )
 def test_scripts_are_raised_and_lowered_and_the_rest_is_escaped(plain_text: str, html: str) -> None:
     assert typeset(plain_text) == html
-
-
-def test_in_svg_the_line_goes_on_where_it_was_after_scripts() -> None:
-    pieces = re.findall(r'<tspan dy="([-.\d]+)em" font-size="([.\d]+)em">(.*?)</tspan>', typeset_svg("‖u^h − ũ_h‖ < 1"))
-    assert [text for *_, text in pieces] == ["‖u", "h", " − ũ", "h", "‖ &lt; 1"]
-    heights = np.cumsum([float(dy) * float(size) for dy, size, _ in pieces])
-    np.testing.assert_allclose(heights, [0, -0.35, 0, 0.2, 0], atol=0.005)
 
 
 @pytest.mark.slow
