@@ -8,7 +8,6 @@ import sys
 from importlib.metadata import version
 from pathlib import Path
 
-import numpy as np
 import pytest
 import sympy as sp
 
@@ -16,7 +15,6 @@ import manufactured
 from manufactured import Data, FormulaError, KelvinVoigt, LawError, isotropic, unit_square
 from manufactured.jet import Jet
 from manufactured.symbols import pos, s, t
-from study.bound.ranges import Boxes
 from study.cli.main import main
 from study.cli.options import FAMILIES as FAMILY_NAMES
 from study.cli.options import SCHEMES as SCHEME_NAMES
@@ -124,12 +122,6 @@ def test_a_kink_is_answered_with_pos_before_label_symbols_and_dimension(
     assert f"instead of {kink} write {instead}\n" in told
     assert "label" not in told
     assert len(told.splitlines()) == 1
-
-
-def test_a_kink_in_the_data_of_a_bound_has_the_ranges_of_pos() -> None:
-    ranges = [Boxes({s: (np.zeros(1), np.ones(1))}, (s,), 1)(kink) for kink in (2 * sp.Max(s, 0), 2 * pos(s, 1))]
-    assert (ranges[0].low == ranges[1].low).all()
-    assert (ranges[0].high == ranges[1].high).all()
 
 
 @pytest.mark.parametrize(

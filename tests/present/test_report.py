@@ -20,7 +20,7 @@ from study.cli.main import main
 from study.ledger.datafiles import DataError
 from study.ledger.pictures import FINE, STEPS, Packed
 from study.present.notation import typeset
-from study.present.picture import Picture
+from study.present.picture import Picture, read_values
 from study.present.report import LETTERS, write_report
 from study.present.tables import bounds_table, equivalence_table, ledger_table, rates_table, stress_table
 from study.run.fingerprint import ROOT
@@ -212,6 +212,19 @@ def test_the_motion_on_the_page_passes_through_the_shapes_of_the_picture(directo
         for shape in Picture.of(record).shapes:
             assert (abs(moving[film["times"].index(shape.time)] - shape.displacement) <= 0.51 * film["unit"]).all()
         assert abs(raw).max() == STEPS
+
+
+def test_the_faces_of_a_solid_on_the_page_are_those_of_its_picture(directory: Path, page: Page) -> None:
+    film = json.loads(page.data[-1])
+    record = json.loads((directory / "data" / "pictures" / f"{SOLID}.json").read_text())
+    for shown, face in zip(film["faces"], record["faces"], strict=True):
+        for name in ("s", "x", "gap", "gap_exact", "pressure", "pressure_exact"):
+            np.testing.assert_allclose(shown[name], read_values(face[name]), rtol=6e-4)
+        np.testing.assert_array_equal(np.sign(shown["level"]), np.sign(read_values(face["level_exact"])))
+        corners = np.reshape(film["cells"], (-1, 3))[shown["cells"]].ravel()
+        np.testing.assert_array_equal(np.array(face["nodes"])[shown["facets"]], corners)
+        assert max(shown["edges"]) < len(face["nodes"])
+        assert max(shown["quarters"]) + 1 == len(face["nodes"]) + len(shown["edges"]) / 2 == np.shape(shown["level"])[1]
 
 
 def test_a_second_run_gives_the_same_bytes(data: Path, text: str) -> None:

@@ -88,9 +88,7 @@ class AtOnce(Executor):
         return future
 
 
-@pytest.mark.parametrize(
-    "executor", [lambda: ThreadPoolExecutor(2), lambda: ProcessPoolExecutor(1), AtOnce], ids=["threads", "pool", "none"]
-)
+@pytest.mark.parametrize("executor", [lambda: ThreadPoolExecutor(2), AtOnce], ids=["threads", "none"])
 def test_every_executor_gives_the_same_files_byte_for_byte(tmp_path, by_processes, executor) -> None:
     with executor() as chosen:
         assert computed(SMALL, tmp_path, chosen) == by_processes
