@@ -160,13 +160,13 @@ def worst_value(row: pd.Series) -> float:
 
 
 def agreement(row: pd.Series) -> str:
-    """Return how a reported row meets its prediction: agrees, differs, or undecided."""
+    """Return whether the prediction of a reported row was met, wrong or undecided."""
     low, high, observed = (float(row[name]) for name in ("window_low", "window_high", "observed"))
     if math.isnan(observed):
         return "undecided"
     if not low <= observed <= high:
-        return "differs"
-    return "agrees" if low <= row["low"] and row["high"] <= high else "undecided"
+        return "wrong"
+    return "met" if low <= row["low"] and row["high"] <= high else "undecided"
 
 
 def _judged(row: pd.Series) -> list[float]:

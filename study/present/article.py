@@ -244,8 +244,8 @@ def _discrete(data: FullRun) -> Named:
     ):
         outcomes = rows.apply(agreement, axis=1)
         yield total, len(outcomes)
-        for outcome in ("agrees", "undecided", "differs"):
-            yield f"{name}{outcome.capitalize()}", outcomes.eq(outcome).sum()
+        for outcome, macro in (("met", "Agrees"), ("undecided", "Undecided"), ("wrong", "Differs")):
+            yield f"{name}{macro}", outcomes.eq(outcome).sum()
     label = "(5.20)–(5.21), (5.42)"
     constant = pd.concat([data.rows(label, key) for key in ("constant-5.21", "constant-5.42")])
     yield "roomLeast", below(1 / constant["high"].max(), 0)
@@ -389,7 +389,7 @@ def discrete(data: FullRun) -> str:
             for key in DISCRETE:
                 row = by_key.loc[f"{scheme}-{key}"]
                 interval = rf"\([{row['low']:.2f}, {row['high']:.2f}]\)" if row["low"] < row["high"] else _range(row)
-                mark = {"agrees": "", "undecided": "*", "differs": r"\dagger"}[agreement(row)]
+                mark = {"met": "", "undecided": "*", "wrong": r"\dagger"}[agreement(row)]
                 marked = interval + (rf"\rlap{{\(^{{{mark}}}\)}}" if mark else "")
                 cells.append("--" if pd.isna(row["observed"]) else marked)
             body.append([prose(str(case)), prose(scheme), *cells])

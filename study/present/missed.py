@@ -46,6 +46,6 @@ def missed_rows(claims: pd.DataFrame) -> list[list[str]]:
                 f"the prediction of {row['label']}, {row['key']} for {row['case']} was missed: say in {__name__}."
                 "LEARNED what was learned"
             )
-        predicted = str(row["expected"]).removeprefix("predicted ").partition("; no claim")[0]
+        predicted = str(row["expected"]).removeprefix("predicted ").partition(" (wrong)")[0]
         lines.append([row["label"], row["case"], row["quantity"], predicted, cell(row["observed"]), lessons[0]])
     return lines

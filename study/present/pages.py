@@ -156,7 +156,7 @@ def answer(data: FullRun) -> str:
         "are about theorems of this study, the contact force, and the program. ([All checks][ledger], "
         "[windows that were changed after a measurement][windows])",
         "Result": f"{holding}. Of {met.sum()} further predictions of this study, which no statement claims, "
-        f"{met['agrees']} were met, {met['undecided']} are undecided and {met['differs']} were wrong. "
+        f"{met['met']} were met, {met['undecided']} are undecided and {met['wrong']} were wrong. "
         "For smooth solutions "
         f"({counted(smooth['case'].nunique(), 'case')}) the observed order, extrapolated to h → 0, is "
         f"{_range(smooth)}; theory predicts 1. For solutions that are not smooth "

@@ -60,6 +60,7 @@ TRACES = (
     "natural-front",
     "rough-trace",
     "moving-rough",
+    "cube-rough",
     "rough-1.75",
     "rough-2",
     "rough-2.25",

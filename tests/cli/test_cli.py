@@ -145,7 +145,7 @@ def test_a_users_case_goes_through_the_same_line_to_a_judged_table(finished: Pat
 def test_a_run_that_would_drop_rows_of_a_finished_one_is_refused(capsys, finished: Path) -> None:
     source = finished.parent / "pocket.py"
     found = refused(capsys, "run", "--case", f"{source}:pocket", "--levels", "8", "16", "--out", str(finished))
-    assert "pocket criss-cross midpoint 32" in found
+    assert "pocket criss-cross 32" in found
     assert "--out" in found
 
 

@@ -6,6 +6,7 @@ import importlib.util
 import io
 import re
 import runpy
+import shutil
 import sys
 import warnings
 from collections.abc import Callable, Iterable
@@ -23,6 +24,7 @@ from study.statements.enclosure import resolve_problem
 CI = re.findall(r"^(?:make|\.venv/bin/study) .*$", (ROOT / ".ci" / "run").read_text(encoding="utf-8"), re.MULTILINE)
 ELSEWHERE = {
     "python examples/errors.py": "project/test_habits.py::test_the_example_prints_the_table_beside_it",
+    "python frd.py": "project/test_pages.py::test_the_commands_of_a_page_end_with_success",
     "python checker.py": "certify/test_checker.py::test_a_copy_of_the_file_checks_a_certificate_without_any_package",
     "python -m pip install .": "project/test_packaging.py::test_the_wheel_works_with_numpy_and_sympy_alone",
     "python solver.py": "orders/test_convergence_check.py::test_the_tutorial_turns_red_when_its_solver_breaks",
@@ -74,32 +76,37 @@ def is_one_of(line: str, commands: Iterable[str]) -> bool:
 
 @pytest.fixture(scope="module")
 def run(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Page, str], str]:
-    """Run a command of a page, or its Python where none is given, in the directory of the page's files, once.
+    """Run a command of a page once, in the directory of the page's files; its Python is ``session.py``.
 
     Returns what is printed. Everything runs in this process: an interpreter for each command takes four seconds.
     """
 
     @cache
     def directory(page: Page) -> Path:
-        for known in (resolve, resolve_data, resolve_problem):
-            known.cache_clear()
         place: Path = tmp_path_factory.mktemp("page")
         for name, text in {**page.files, "session.py": page.session}.items():
             (place / name).write_text(text, encoding="utf-8")
+        for path in page.downloads:
+            shutil.copy(path, place)
         return place
 
     @cache
     def printed(page: Page, line: str) -> str:
+        # Pages have files of the same name.
+        for known in (resolve, resolve_data, resolve_problem):
+            known.cache_clear()
         output, before = io.StringIO(), set(sys.modules)
         with pytest.MonkeyPatch.context() as patch, redirect_stdout(output), warnings.catch_warnings():
             warnings.simplefilter("default")
             patch.chdir(directory(page))
             # The judge, which a page tells to copy beside one's own program.
             patch.setattr(sys, "path", [str(directory(page)), str(ROOT / "examples" / "codes"), *sys.path])
-            if line:
-                assert main(words(line)[1:]) == 0, output.getvalue()
+            program, *arguments = words(line)
+            if program == "study":
+                assert main(arguments) == 0, output.getvalue()
             else:
-                runpy.run_path("session.py", run_name="__main__")
+                patch.setattr(sys, "argv", arguments)
+                runpy.run_path(arguments[0], run_name="__main__")
         for name in set(sys.modules) - before:
             if str(getattr(sys.modules[name], "__file__", "")).startswith(str(directory(page))):
                 del sys.modules[name]
@@ -127,7 +134,7 @@ def test_the_python_of_a_page_runs_from_top_to_bottom(page: Page, run: Callable[
         pytest.skip(f"{needed} is not installed")
     for line in page.prepared:
         run(page, line)
-    expect(page.printed("python"), run(page, ""))
+    expect(page.printed("python"), run(page, "python session.py"))
 
 
 TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for line in page.typed)]
@@ -139,7 +146,8 @@ TYPED = [page for page in [README, *SITE] if any(words(line)[0] == "study" for l
     ids=lambda page: page.name,
 )
 def test_the_commands_of_a_page_end_with_success(page: Page, run: Callable[[Page, str], str]) -> None:
-    typed = [line for line in page.typed if words(line)[0] == "study" and not is_one_of(line, CI)]
+    programs = [f"python {name}" for name in page.files]
+    typed = [line for line in page.typed if (words(line)[0] == "study" and not is_one_of(line, CI)) or line in programs]
     expect(page.printed("sh"), "".join(run(page, line) for line in typed))
 
 
