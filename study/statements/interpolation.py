@@ -54,6 +54,7 @@ TRACES = (
     "advance-recede",
     "rotated",
     "corner",
+    "contact-at-clamp",
     "hexagon",
     "cube-disc",
     "cube-two-faces",
