@@ -317,12 +317,12 @@ errors at every even time, again @ study.statements.recomputed:errors
 + np.max(found[::2], axis=0)
 = computed again: errors at one time; computed again: Π^h u at one time
 
-bound at the last time @ study.controls.side_by_side:bounded
+bound at the last time @ study.controls.baselines:bounded
 - (found.error / found.upper).max()
 + (found.error / found.upper)[-1]
 = bound: error at time 5
 
-lower bound at the last time @ study.controls.side_by_side:bounded
+lower bound at the last time @ study.controls.baselines:bounded
 - (found.lower / found.error).max()
 + (found.lower / found.error)[-1]
 = enclosure: small error at time 6
