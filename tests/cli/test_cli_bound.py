@@ -129,16 +129,10 @@ def test_the_trajectory_is_on_disk_with_its_mesh_and_times(finished) -> None:
         assert abs(u[-1]).max() > 0
 
 
-def test_the_figure_is_drawn(finished) -> None:
-    directory, _ = finished
-    for suffix in ("pdf", "svg", "png"):
-        assert (directory / f"enclosure.{suffix}").stat().st_size > 1000
-
-
 def test_a_users_problem_without_a_solution_goes_the_same_way(user: str, tmp_path: Path, capsys) -> None:
     """Written as formulas in some 15 lines; the interval gets narrower from level to level."""
     out = tmp_path / "out"
-    options = ["--levels", "4", "8", "--steps", "4", "--refine", "1", "--shorter", "2", "--out", str(out)]
+    options = ["--levels", "2", "4", "--steps", "4", "--refine", "1", "--shorter", "2", "--out", str(out)]
     assert main(["bound", f"{user}:press", *options]) == 0
     printed = capsys.readouterr().out
     assert "press: ‖u(t) − u_h(t)‖_V enclosed, solution unknown" in printed

@@ -248,20 +248,6 @@ def test_a_harmless_defect_is_not_caught_and_the_command_fails(monkeypatch, tmp_
     assert pd.read_csv(tmp_path / "data" / "controls.csv")["caught"].tolist()[1] == "no"
 
 
-def test_a_defect_that_is_caught_where_the_baseline_does_not_hold_proves_nothing(monkeypatch, tmp_path) -> None:
-    """Two levels leave an order undecided."""
-    short = replace(named("contact dropped"), name="short", setting=Sweep("full-contact", levels=(4, 8)))
-    assert run(monkeypatch, tmp_path, short) == 1
-
-
-def test_bad_options_are_refused(tmp_path, capsys) -> None:
-    assert main(["controls", "--jobs", "0", "--out", str(tmp_path)]) == 2
-    assert "--jobs must be 1 or more" in capsys.readouterr().err
-    occupied = tmp_path / "file"
-    occupied.write_text("")
-    assert main(["controls", "--out", str(occupied)]) == 2
-
-
 def modules_after(code: str) -> set[str]:
     """The modules that a fresh interpreter holds after some code."""
     found = subprocess.run(
