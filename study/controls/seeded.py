@@ -15,6 +15,7 @@ from study.fem.naming import family_named
 from study.run.plan import Job, Plan, full, quick
 from study.statements import STATEMENTS
 from study.statements.enclosure import Bounds
+from study.statements.initial_gap import InitialGap
 from study.statements.interpolation import InterpolationOnContact
 from study.statements.other_codes import OtherCodes
 from study.statements.pictures import Pictures
@@ -65,8 +66,8 @@ class SeededScope(Scope):
 def seeded(seed: int, part: str = WHOLE) -> Plan:
     """Return the plan of the quick study with a seed; rough cases have the levels of the full study.
 
-    Left out are pictures, bounds (proved for every mesh, and tested with random ones), and errors of other codes, which
-    ran on the meshes of one seed.
+    Left out are pictures, bounds (proved for every mesh, and tested with random ones), errors of other codes, which ran
+    on the meshes of one seed, and the cases that only the full study measures (``SLOW``).
     """
     base = replace(quick(), rough=full().rough, command="study seeds")
     scope = SeededScope(**{field.name: getattr(base, field.name) for field in fields(base)}, seed=seed)
@@ -81,7 +82,7 @@ def seeded(seed: int, part: str = WHOLE) -> Plan:
 
 def costly(job: Job) -> bool:
     """Return whether a job belongs only to the seeds on which all checks are measured."""
-    solid = isinstance(job.statement, FirstOrder) and job.setting.dim == 3
+    solid = isinstance(job.statement, FirstOrder | InitialGap) and job.setting.dim == 3
     return solid or isinstance(job.statement, OwnSpace | Convergence | InterpolationOnContact | Recomputed)
 
 

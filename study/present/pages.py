@@ -197,7 +197,7 @@ def answer(data: FullRun) -> str:
         "stresses, and that linear finite elements in space converge in the energy norm, uniformly in time, with order "
         "1 in the mesh size h if the solution is smooth. Their paper has no computations. ([Problem][problem])",
         "Tested": "Every statement of the paper that a computation can test, on "
-        f"{counted(len(data.cases), 'exact solution')} with known contact zones. A *check* compares a measured number "
+        f"{counted(len(data.cases), 'exact solution')} with known contact zones. A check compares a measured number "
         f"with a tolerance window. {len(of_paper)} checks are about the paper: {tests}, which a correct program can "
         f"fail if a claim is wrong, and {counts[THEOREM] + counts[IDENTITY]} relations, which fail only if the program "
         f"is wrong. {len(claimed) - len(of_paper)} further checks are about theorems of this study, contact forces, "
@@ -266,9 +266,9 @@ def _prop_5_3(data: FullRun) -> Result:
         f"error → 0; by regularity with orders {expected.min():.3g} to {expected.max():.3g}",
         f"{counted(seen['case'].nunique(), 'case')}: observed orders {_range(seen)} over two refinements, "
         f"{below(steps.min(), 2)} to {above(steps.max(), 2)} over single refinements. In a "
-        f"fit a + C h^p of the errors with the predicted order p, the limit a is {negative} % to {limit} % of the errors "
-        "on the two finest meshes; a negative limit means that errors fall faster than predicted. With p larger by "
-        f"{STEEPER:g}, a is at most {steeper} %",
+        f"fit a + C h^p of the errors with the predicted order p, the limit a is {negative} % to {limit} % of the "
+        "errors on the two finest meshes; a negative limit means that errors fall faster than predicted. With p larger "
+        f"by {STEEPER:g}, a is at most {steeper} %",
         _two_groups(data, "Prop. 5.3", CONVERGENCE, "checks of convergence"),
     )
 
