@@ -1,4 +1,4 @@
-"""A case: an exact solution with the order that is predicted for it, and why."""
+"""A case: an exact solution with the predicted order of convergence and the reason for this order."""
 
 from __future__ import annotations
 
@@ -24,15 +24,15 @@ from manufactured.symbols import t
 from manufactured.tensors import Array
 
 FIXED = 2.5
-"""m from which a fixed front in q, such as that of an elastic start, costs nothing in an upper layer."""
+"""The exponent m from which a fixed front in q, as in an elastic start, does not lower the regularity."""
 INITIAL_GAP = "beyond: initial gap"
 """The statement on cases with an initial gap, about which the paper says nothing."""
 UNSTATED: Any = None
-"""The order of a case that states none."""
+"""Default of ``Case.order``, which must be replaced: a case without a predicted order is refused."""
 
 
 class CaseError(ValueError):
-    """A case contradicts itself."""
+    """The attributes of a case contradict each other, or one of them is missing or invalid."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,20 +41,20 @@ class Case:
 
     Attributes:
         name: identifier in commands, files and tables.
-        summary: one line on what the zone does.
+        summary: one line on the motion of the contact zone.
         solution: the exact solution.
-        regularity: the exponents of the least smooth of its fronts, the ones that its formulas have.
+        regularity: the exponents of the least smooth front; they must agree with the formulas.
         order: the predicted order of ‖u − u^h‖_{L∞(0,T;V)}.
-        reason: regularity → order, in one sentence.
-        pace: time steps per n^{2/3} at level n that make the time error negligible; faster zones
-            need more, and every row of a rate table shows whether it was enough.
-        twin: name of a case whose errors this one must have to round-off on structured meshes, or "".
-        families: names of the mesh families on which the quick study measures this case; without names, the first
-            family that can mesh its body.
+        reason: why the regularity gives this order, in one sentence.
+        pace: number of time steps divided by n^{2/3} at level n. Fast fronts need a larger pace; the time share of the
+            error shows whether it is large enough.
+        twin: the name of a case whose errors on structured meshes must be the same up to round-off, or "".
+        families: the names of the mesh families on which the quick study measures this case; by default the first
+            family that can mesh the body.
 
     Raises:
-        CaseError: the regularity or the predicted order is not that of the formulas, the order or its reason is
-            missing, the pace is not positive, or the name cannot be part of a file name.
+        CaseError: the regularity or the predicted order contradicts the formulas, the order or the reason is missing,
+            the pace is not positive, or the name cannot be part of a file name.
     """
 
     name: str
@@ -89,12 +89,12 @@ class Case:
             )
 
     def _compare_with_formulas(self) -> None:
-        """Refuse a stated regularity other than that of the formulas."""
+        """Raise CaseError if the stated regularity differs from the regularity of the formulas."""
         label = self.regularity
         lifted = [face for face in self.solution.faces if not isinstance(face, SingularFace)]
         formulas = [_formulas(face, self.solution.body.T) for face in lifted]
         if any(piece.formula.has(sp.nan, sp.zoo, sp.oo) for gap, strain in formulas for piece in (gap, *strain)):
-            return  # No exponents can be read off; the self-proof refuses the values.
+            return  # The formulas show no exponents; invalid values are found by the self-proof.
         try:
             gaps = [*(gap for gap, _ in formulas), *(_initial_gap(face) for face in lifted if face.initial_gap != 0)]
             found = self._found(*read_off(gaps, [p for _, strain in formulas for p in strain]))
@@ -111,7 +111,7 @@ class Case:
             raise CaseError(f"case {self.name}: labelled {label}, but its formulas say {found}; {remedy}")
 
     def _found(self, alpha: float, m: float, moving: bool) -> Regularity:
-        """The regularity of the formulas, from the exponents of their fronts."""
+        """Return the regularity of the formulas, from the exponents of their fronts."""
         solution = self.solution
         if any(isinstance(face, ContactFace) and face.profile.e is not ZERO for face in solution.faces):
             # u_s ~ ∇_s q: for a fixed front as regular as ∇_s w for α = m, for a moving one q̇ ~ p gives α = m + 1.
@@ -133,17 +133,17 @@ class Case:
 
     @property
     def proposition(self) -> str:
-        """The numbered statement whose hypotheses the case satisfies; the paper has none for an initial gap."""
+        """The label of the statement whose assumptions the case satisfies; with an initial gap, one of this study."""
         return INITIAL_GAP if self.solution.has_initial_gap else self.regularity.proposition
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: name, summary, predicted order with its reason, and the solution."""
+        """Return HTML for notebooks, with name, summary, predicted order and its reason, and the solution."""
         rows = [("case", self.name), ("contact zone", self.summary), ("predicted order", f"{self.order:g}")]
         return table([*rows, ("reason", self.reason)]) + self.solution._repr_html_()
 
 
 def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
-    """The formula of the gap, and those that the strain on the face is made of, each with the times of its use."""
+    """Return the formula of the gap and the formulas of the strain on the face, with the times at which they apply."""
 
     def piece(formula: sp.Expr, begin: float = 0.0, end: float = T) -> FaceFormula:
         return FaceFormula(sp.sympify(formula), face.part, face.variables, begin, end)
@@ -152,21 +152,21 @@ def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:
     if isinstance(strain, Prescribed):
         ends = [*(min(end, T) for end, _ in strain.phases[:-1]), T]
         phases = zip(strain.phases, [0.0, *ends], ends, strict=False)
-        # p ~ a q̇ + g q: where a front of q moves, that of p has one power less.
+        # The rate of q is included because p ~ a q̇ + g q: at a moving front p has one power less than q.
         pieces = [piece(f, begin, end) for (_, q), begin, end in phases for f in (q, sp.sympify(q).diff(t))]
         return piece(face.gap), pieces
     if isinstance(strain, Memory):
-        # Not their sum, in which fronts may cancel.
+        # Separate formulas, because fronts may cancel in their sum.
         return piece(face.gap), [piece(f) for f in (strain.pressure, strain.initial) if f is not None]
     return piece(face.gap), [piece(face.exponents_in)]
 
 
 def _initial_gap(face: Face) -> FaceFormula:
-    """The formula of g, whose fronts rest: they are in u as those of w are."""
+    """Return the formula of g; its fronts rest and lower the regularity of u in the same way as fronts of w."""
     return FaceFormula(sp.sympify(face.initial_gap), face.part, face.variables, 0.0, 0.0)
 
 
 def _plane(normal: Array, point: Array) -> tuple[float, ...]:
-    """A line or plane by its unit normal and offset, rounded, in one of its two orientations."""
+    """Return unit normal and offset of a line or plane, rounded, with the same orientation for both unit normals."""
     values = np.round([*normal, normal @ point], 9) + 0.0
     return tuple(float(v) for v in (values if tuple(values) > tuple(-values) else -values + 0.0))

@@ -7,7 +7,7 @@ on the unit square with A = G: τ ↦ 2τ + (tr τ) I, so a = g = 3.
 Predicted order 1: the front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that Prop. 5.4
 applies.
 
-The front moves from 1/4 to 3/4 and back; where it has passed, q decays from what the pressure has left behind.
+The front moves from 1/4 to 3/4 and back. Where it has passed, the strain q that the pressure has caused decays.
 """
 
 from sympy import Rational

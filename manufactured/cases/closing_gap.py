@@ -3,7 +3,7 @@
     g = 1/2,   w = 2 (x − c)_+^4/(1/4 + (x − c)²),   p = 40 (c − x)_+²,   ψ = c − x,   q(0) = 0,
     c(t) = −1/6 + 5t/6
 
-on the unit square. Beyond the paper: the initial gap g is not zero, and w = g − u_ν is what is left of it.
+on the unit square. Beyond the paper: the initial gap g is not zero, and w = g − u_ν is the remaining gap.
 
 Predicted order 1: u_n = w − g on Γ3, and a constant g adds a smooth field. The front moves, and the exponents
 α = 4 > 7/2 and m = 2 > 3/2 give (5.36), with which the proof of Prop. 5.4 holds for u minus a lifting of g.

@@ -1,4 +1,4 @@
-"""Constants that the arguments of a case multiply, so that others make the same kind of solution."""
+"""Constants of the cases; arguments of a case multiply them, so that similar solutions can be made."""
 
 from sympy import Expr, Integer
 

@@ -9,8 +9,7 @@ Predicted order 1: p has the factor x, so w and q vanish at x = 0, for all times
 (2.3). It is smooth at the junction. The front moves, and the exponents α = 4 > 7/2 and m = 2 > 3/2 give (5.36), so that
 Prop. 5.4 applies.
 
-Contact that meets a clamp usually has a singularity there (``junction``), whatever the zone does; this load is one
-without.
+Where a contact zone meets a clamped side there is usually a singularity (``junction``), but not under this load.
 """
 
 from sympy import Rational

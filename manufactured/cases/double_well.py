@@ -12,8 +12,8 @@ The energy of G, without S, has its wells on a sphere around ε = 0, as a body h
 inside K and 3 far from it, so that L_G/m_A = 3/2, and differences may grow at the rate 1/2. G(·, 0) = S is not zero. S
 pulls along the face and loads neither its normal nor its tangent, so that it enters f_2 alone.
 
-The gap is largest while the front moves. At first the pressure made most of the error, beside a small gap, and the row
-on Pythagoras failed on criss-cross meshes: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} was up to 1.24 ‖u − Π^h u‖.
+The gap is largest while the front moves. In the first version the gap was small, the pressure caused most of the error,
+and the row on Pythagoras failed on criss-cross meshes: (‖u − u^h‖² + ‖Π^h u − u^h‖²)^{1/2} was up to 1.24 ‖u − Π^h u‖.
 """
 
 from sympy import Rational

@@ -29,7 +29,7 @@ LAW = proportional(2.0)
 
 
 def case(law: KelvinVoigt = LAW, mode: Expr = ONE) -> Case:
-    """The case with another law, A and G proportional, and a factor of its field."""
+    """Return the case with another law, with A and G proportional, and with a factor of its field."""
     kinds = [Kind.CLAMPED, Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED]
     body = polygon([(-1, 0), (0, 0), (1, 0), (1, 1), (-1, 1)], kinds, refine=((0.0, 0.0),))
     kappa = kolosov_constant(law.A)

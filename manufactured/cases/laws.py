@@ -96,8 +96,10 @@ def _turned(matrix: list[list[float]], angle: float) -> Array:
 
 
 def without_contraction(dim: int = 2) -> KelvinVoigt:
-    """Orthotropic tensors along the axes that do not couple normal strains: what one face does to the pressure on a
-    face at right angles to it is nothing, so that two of them may meet in a corner under pressure."""
+    """Return orthotropic tensors along the axes that do not couple normal strains.
+
+    So the lifting of one face does not change the pressure on a face at right angles to it, and two faces under
+    pressure may meet in a corner."""
     shear = dim * (dim - 1) // 2
     A = np.diag([2.0, 3.0, 2.5][:dim] + [1.5, 2.0, 1.8][:shear])
     G = np.diag([5.0, 4.0, 6.0][:dim] + [3.0, 2.5, 4.0][:shear])

@@ -8,7 +8,7 @@ has a kink there that keeps σν continuous (``profile.layered``).
 Predicted order 1/2: the strain jumps inside cells, so that u(t) ∈ H^{1+s} for s < 1/2 and interpolation has the order
 1/2; Prop. 5.3 claims no rate.
 
-All else is smooth, so that little but the kink makes the error.
+Everything else is smooth, so the kink causes most of the error.
 """
 
 from sympy import Integer

@@ -8,8 +8,8 @@ on the unit square, A without lateral contraction (λ_A = 0, a = 2).
 Predicted order 1: there is no front; w and q are smooth in space, and u̇ is bounded with one jump in time, so that u ∈
 W^{1,∞}(0,T;H²), which gives (5.36), so that Prop. 5.4 applies.
 
-At the landing u̇ jumps by −ẇ(t_2^−) (1 − y) n. For this A that is an elastic state with no forces but the pressure −a
-ẇ(t_2^−) on Γ3, by which p jumps: the loads f_0 and f_2 stay continuous, f ∈ W^{1,1}(0,T;V), and u ∈ W^{1,∞}(0,T;V)
+At the landing u̇ jumps by −ẇ(t_2^−) (1 − y) n. For this A the jump is an elastic state whose only force is the pressure
+−a ẇ(t_2^−) on Γ3, by which p jumps: the loads f_0 and f_2 stay continuous, f ∈ W^{1,1}(0,T;V), and u ∈ W^{1,∞}(0,T;V)
 only. The lifting with u_n = w (1 − y) + … (``profile.slab``) carries this state.
 """
 

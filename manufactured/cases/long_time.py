@@ -1,4 +1,4 @@
-"""Contact that comes and goes in four periods until T = 20, twenty times as long as the material remembers.
+"""Contact that comes and goes in four periods until T = 20, twenty times the relaxation time of the material.
 
     w = 20 (x − c)_+^4,   p = 20 (c − x)_+²,   ψ = c − x,   c(t) = 1/2 + cos(2πt/5)/4,   q(0) = −p(0)/3
 

@@ -30,7 +30,7 @@ LAW = proportional(2.0)
 
 
 def case(law: KelvinVoigt = LAW, mode: Expr = ONE, speed: Expr = ONE, place: Expr = ONE) -> Case:
-    """The case with another law, A and G proportional, and factors of its other constants."""
+    """Return the case with another law, with A and G proportional, and with factors of its other constants."""
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     front, theta = place * Rational(2, 5), mode * (Rational(1, 4) + 2 * speed * t)

@@ -49,7 +49,7 @@ def case(
     speed: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
-    """The case with another law, A and G proportional, and factors of its other constants."""
+    """Return the case with another law, with A and G proportional, and with factors of its other constants."""
     kinds = [Kind.CONTACT, Kind.LOADED, Kind.LOADED, Kind.LOADED, Kind.CLAMPED, Kind.LOADED]
     body = polygon([(0, 0), (2, 0), (2, 1), (1, 1), (1, 2), (0, 2)], kinds, refine=((1.0, 1.0),))
     (part,) = body.of(Kind.CONTACT)

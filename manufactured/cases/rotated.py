@@ -7,7 +7,7 @@ with s along the turned bottom; A = G: τ ↦ 2τ + (tr τ) I.
 Predicted order 1: nothing depends on the axes, and the exponents of ``advance_recede``, α = 4 > 7/2 and m = 2 > 3/2,
 give (5.36), so that Prop. 5.4 applies.
 
-On structured meshes every error must be that of ``advance_recede`` to round-off.
+On structured meshes every error must equal the error of ``advance_recede`` up to round-off.
 """
 
 from dataclasses import replace

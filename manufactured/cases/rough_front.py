@@ -31,7 +31,7 @@ def rough_front(
     pressure: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
-    """The case with α, a linear law and factors of its other constants."""
+    """Return the case with an exponent α, a linear law and factors of its other constants."""
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     c = place * Rational(1, 3)

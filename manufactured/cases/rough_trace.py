@@ -38,7 +38,7 @@ def case(
     speed: Expr = ONE,
     place: Expr = ONE,
 ) -> Case:
-    """The case with another isotropic law and factors of its other constants."""
+    """Return the case with another isotropic law and factors of its other constants."""
     body = unit_square()
     (part,) = body.of(Kind.CONTACT)
     front, theta = place * Rational(2, 5), Rational(1, 4) + 2 * speed * t

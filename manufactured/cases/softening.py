@@ -8,8 +8,8 @@ in volume, a = 5/2, g = −1/2.
 Predicted order 1: the front moves, and the exponents α = 5 > 7/2 and m = 3 > 3/2 give (5.36), so that Prop. 5.4
 applies, for which it is enough that G is Lipschitz. They satisfy (3.4) literally, too: α > 9/2, m > 5/2.
 
-G is not monotone: L_G/m_A = 1, and what the pressure has left behind does not fade, but grows like e^{t/5}; errors that
-have been made may grow like e^{2t/3}. Steps are known to be solvable for k < 1.
+G is not monotone: L_G/m_A = 1. The strain that the pressure has caused does not decay but grows like e^{t/5}; errors
+may grow like e^{2t/3}. The problem of a time step is known to have one solution for k < 1.
 
 An eigenvalue of −5 in volume was tried first, with a gap that does not grow. There ‖Π^h u − u^h‖ may grow like
 e^{5t/3}; it was 0.65 ‖u − Π^h u‖ at n = 8, and the row on Pythagoras failed with 1.15.
@@ -30,7 +30,7 @@ LAW = softening_in_volume()
 
 
 def softening(law: KelvinVoigt = LAW, T: float = 1.0) -> ExactSolution:
-    """The solution for another law with a > 0, in t/T for t."""
+    """Return the solution for another law with a > 0, with t replaced by t/T."""
     body, time = unit_square(T), t / Rational(T).limit_denominator(1000)
     (part,) = body.of(Kind.CONTACT)
     c = Rational(7, 24) + Rational(15, 8) * time * (1 - time)

@@ -1,4 +1,4 @@
-"""The contact data on one piece of Γ3."""
+"""The gap and the pressure on one piece of Γ3, and the displacement that is lifted from them into the body."""
 
 from __future__ import annotations
 
@@ -19,16 +19,17 @@ from manufactured.symbols import FormulaError, Index, Values, refuse_kinks, s, s
 from manufactured.tensors import Array, Points, Tensors, Vectors, mapped, pairs, rotation
 
 VARIABLES = {2: (s,), 3: (s1, s2)}
-"""The coordinates along a face of a body of dimension d."""
+"""The coordinates along a face, by the dimension of the body."""
 
 
 PLAIN = cutoff()
-"""The usual profile, φ = HERMITE down to depth 1."""
+"""The default profile, φ = HERMITE down to depth 1."""
 ZERO_GAP = sp.Integer(0)
 SIGNS, ROUNDED = {1: 1001, 2: 101}, 1e-12
-"""Places along every axis at which the sign of the initial gap is looked at, and its error of rounding."""
+"""Number of points along each axis at which the sign of the initial gap is tested, and the allowed round-off."""
 PLACES, DIVISIONS, PARTS = 1000, 11, 16
-"""Places at which signs are looked at, and how often the gap between two of them is divided: to 1e-16 of the face."""
+"""Number of points at which the sign of ψ is tested, and how often an interval with a change of sign is divided into
+PARTS parts: DIVISIONS times, down to 1e-16 of the face."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,18 +38,18 @@ class ContactFace:
 
     Attributes:
         part: the piece Γ3,i.
-        gap: w(s, t), a SymPy formula of ``symbols.s`` (of s1 and s2 in 3D) and ``symbols.t``.
-        strain: (q, r)(s, t).
-        level: ψ(s, t); the contact zone is stated to be {ψ ≥ 0}.
-        profile: how the data fade into the body.
-        rough: the coordinates s at which the strain is singular or kinked for all times, so that
-            quadrature can split cells there.
-        initial_gap: g(s), the distance of the undeformed body from the foundation; 0 in the paper. With it w is what
-            is left of the gap, g − u_ν.
+        gap: the gap w(s, t), a SymPy formula of ``symbols.s`` (``s1`` and ``s2`` in 3D) and ``symbols.t``.
+        strain: the strain (q, r) on the face as a function of s and t.
+        level: ψ(s, t); the contact zone is {ψ ≥ 0}.
+        profile: the functions of the depth that continue the data into the body.
+        rough: the coordinates s at which the strain is singular or has a kink at all times; quadrature splits cells
+            there.
+        initial_gap: g(s), the distance of the undeformed body from the foundation; 0 in the paper. The gap is then
+            w = g − u_ν.
 
     Raises:
-        FormulaError: a kink is not written with ``pos``, other symbols than those, a rough place is no number, or the
-            initial gap depends on t or is negative somewhere.
+        FormulaError: a kink is not written with ``pos``; a formula has symbols other than s, s1, s2 and t; an entry of
+            ``rough`` is not a finite number; or the initial gap depends on t or is negative somewhere.
     """
 
     part: Part
@@ -61,7 +62,7 @@ class ContactFace:
 
     def __post_init__(self) -> None:
         refuse_kinks(self.gap, self.strain.formula, self.level, self.initial_gap)
-        # Made here, so that a formula that cannot be used is refused where it is written.
+        # Evaluated here, so that an invalid formula raises an error when the face is made, not when it is used.
         self.gap_jet, self.level_jet, self.inward_jet  # noqa: B018
         if not np.isfinite(self.rough).all():
             raise FormulaError(f"the rough points {self.rough} are not all numbers")
@@ -81,9 +82,9 @@ class ContactFace:
         rough: tuple[float, ...] = (),
         initial_gap: sp.Expr = ZERO_GAP,
     ) -> ContactFace:
-        """The face for a linear law, where gap and pressure say everything (``face_strain.Memory``).
+        """Return the face for a linear law, for which gap and pressure determine the strain (``face_strain.Memory``).
 
-        A foundation under the unit square from which the left half never lifts, with p = t(½ − s)²₊:
+        In this example the left half of the lower side of the unit square stays in contact, with p = t(½ − s)²₊:
 
         >>> from sympy import Rational
         >>> from manufactured import ContactFace, ExactSolution, Kind, KelvinVoigt, isotropic, pos, s, t, unit_square
@@ -95,10 +96,10 @@ class ContactFace:
         ([0.16, 0.0], [0.0, 0.0256])
 
         Raises:
-            LawError: the law has another dimension than the part, G is not linear (give q with
-                ``face_strain.Prescribed`` instead), or a law that couples nn with sn has a G that is not symmetric or
-                is given ``initial``.
-            FormulaError: a kink is not written with ``pos``, or a part of the pressure is not known to be smooth in t.
+            LawError: the dimensions of law and part differ; G is not linear (prescribe q with
+                ``face_strain.Prescribed`` instead); or the law couples the components nn and sn, and G is not symmetric
+                or ``initial`` is not None.
+            FormulaError: a kink is not written with ``pos``, or a part of the pressure may not be smooth in t.
         """
         refuse_kinks(gap, pressure, level, initial, initial_gap)
         law.require_dimension(part.dim)
@@ -149,39 +150,39 @@ class ContactFace:
 
     @cached_property
     def pressure_jet(self) -> Jet | None:
-        """The jet of p as it was prescribed, None if it follows from the law."""
+        """The jet of the prescribed pressure p; None if p is not prescribed but follows from the law."""
         stated = getattr(self.strain, "pressure", None)
         return None if stated is None else Jet(stated, self.variables)
 
     @property
     def exponents_in(self) -> sp.Expr:
-        """The formula with the truncated powers of the pressure side."""
+        """The formula whose truncated powers show how smooth the strain is on the contact side of a front."""
         return self.strain.formula
 
     def fronts(self, time: float) -> tuple[float, ...]:
-        """The s at which the contact zone of a face of a plane body begins or ends: where ψ(·, t) changes its sign.
+        """Return the s at which ψ(·, t) changes its sign on a face of a plane body: the ends of the contact zone.
 
-        Two that are nearer than a thousandth of the face are not seen.
+        Two fronts are missed if their distance is less than a thousandth of the face.
         """
 
         def contact(s: Array) -> Array:
             return np.broadcast_to(self.level_jet(s[None], time)[(0,)] > 0, s.shape)
 
-        # An irregular grid, so that no front lies on it.
+        # The grid is not uniform, so that fronts at simple fractions of the face do not lie on it.
         grid = self.part.measure * np.linspace(0, 1, PLACES) ** 1.01
         inside = contact(grid)
         here = np.flatnonzero(inside[:-1] != inside[1:])
         low, high, left = grid[here], grid[here + 1], inside[here]
         parts = np.arange(1, PARTS)[:, None] / PARTS
         for _ in range(DIVISIONS if here.size else 0):
-            # A formula costs as much at many places as at one.
+            # PARTS parts instead of bisection, because a formula takes about as long for many points as for one.
             places = np.vstack([low, low + (high - low) * parts, high])
             before = (contact(places[1:-1]) == left).cumprod(axis=0).sum(axis=0)
             low, high = np.take_along_axis(places, before + np.array([[0], [1]]), axis=0)
         return tuple(map(float, (low + high) / 2))
 
     def _refuse_wrong_initial_gap(self) -> None:
-        """The initial gap has to be a formula of the face alone that is not negative on it."""
+        """Raise FormulaError if the initial gap depends on t or is negative somewhere on the face."""
         if sp.sympify(self.initial_gap).has(t):
             raise FormulaError(
                 f"the initial gap {self.initial_gap} depends on t, but it is the distance of the undeformed body from "
@@ -200,12 +201,15 @@ class ContactFace:
             )
 
     def at(self, x: Points) -> Lifting:
-        """The lifted fields at fixed points of Ω̄, (d, ...)."""
+        """Return the lifted fields at fixed points of the closed body, (d, ...)."""
         return Lifting(self, x)
 
 
 class _Traces:
-    """(u_n, (q, r)) at fixed places along a face, or its rate, with derivatives: u_n to order + 1, (q, r) to order."""
+    """Evaluates u_n and (q, r), or their rates, at fixed points of a face, with derivatives along the face.
+
+    The derivatives of u_n are up to order + 1, the derivatives of (q, r) up to the given order.
+    """
 
     def __init__(self, face: ContactFace, s: Array) -> None:
         self.face, self.s, self.strain = face, s, face.strain.at(s)
@@ -217,10 +221,10 @@ class _Traces:
 
 
 class Lifting:
-    """u, u̇, ε, ε̇ and their gradients at fixed points, at one time or at n, the last axis; what time leaves is kept.
+    """Evaluates u, u̇, ε, ε̇ and their gradients at fixed points, for one time or n times (the last axis).
 
-    Structured meshes have far fewer coordinates s than points: formulas are evaluated once for each. Points
-    deeper than the profile are left out.
+    Factors that do not depend on time are computed once. Many points have the same coordinates s on structured meshes,
+    so formulas are evaluated once for each distinct s. Points deeper than the profile are left out.
     """
 
     def __init__(self, face: ContactFace, x: Points) -> None:
@@ -237,7 +241,7 @@ class Lifting:
         self._functions: dict[tuple[str, int], Array] = {}
 
     def _profile(self, name: str, derivative: int) -> Array:
-        """The derivative of a function of y at the points, computed once."""
+        """Return the given derivative of a combination of profile functions at the points; computed once."""
         if (name, derivative) not in self._functions:
             self._functions[name, derivative] = sum(
                 getattr(self.face.profile, f)(self.y, derivative + k) for f, k in COMBINATIONS[name]
@@ -245,7 +249,7 @@ class Lifting:
         return self._functions[name, derivative]
 
     def traces(self, time: Array | complex, rate: bool, order: int) -> tuple[Values, Components]:
-        """(u_n, (q, r)), or its rate, with derivatives along the face: u_n up to order+1, (q, r) up to order."""
+        """Return u_n and (q, r), or their rates, with derivatives along the face up to order + 1 and ``order``."""
         w, strain = self.on_face(time, rate, order)
         return self._spread(w), tuple(self._spread(values) for values in strain)
 
@@ -253,7 +257,7 @@ class Lifting:
         return values if self.where is None else {index: v[self.where] for index, v in values.items()}
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors:
-        """u (or u̇) in global axes, (d, ...)."""
+        """Return u, or u̇ if ``rate``, in global axes, (d, ...)."""
         deep = self.deep
         w, (q, *shear) = self.traces(time, rate, int(deep))
         zero, first = first_indices(len(self.s))
@@ -269,7 +273,10 @@ class Lifting:
         return self._everywhere(mapped(self.frame, np.array(local)), 1)
 
     def _everywhere(self, values: Array, inner: int) -> Array:
-        """Values at the points within reach → at all points, zero beyond; points come behind ``inner`` axes."""
+        """Return values at all points from values at the points within the depth of the profile; 0 elsewhere.
+
+        The axes of the points follow the first ``inner`` axes.
+        """
         if self.y.shape == self.reach.shape:
             return values
         shape = (*values.shape[:inner], *self.reach.shape, *values.shape[inner + self.y.ndim :])
@@ -278,13 +285,16 @@ class Lifting:
         return found
 
     def strain(self, time: Array | complex, rate: bool = False) -> Tensors:
-        """ε(u) (or ε(u̇)) in global axes, Mandel (D, ...)."""
+        """Return ε(u), or ε(u̇) if ``rate``, in global axes, as Mandel vectors (D, ...)."""
         w, strain = self.traces(time, rate, 1 + self.deep)
         local = self._local(w, strain, (0,) * len(self.s), 0, time)
         return self._everywhere(local if self.rotation is None else mapped(self.rotation, local), 1)
 
     def strain_gradient(self, time: Array | complex, rate: bool = False) -> Array:
-        """∂_j ε(u) (or of u̇) in global axes, (D, d, ...); exists almost everywhere."""
+        """Return the derivatives ∂_j ε(u), or ∂_j ε(u̇) if ``rate``, in global axes, (D, d, ...).
+
+        They exist almost everywhere.
+        """
         w, strain = self.traces(time, rate, 2 + self.deep)
         zero, first = first_indices(len(self.s))
         places = [(i, 0) for i in first] + [(zero, 1)]
@@ -294,8 +304,8 @@ class Lifting:
         return self._everywhere(np.moveaxis(mapped(self.frame, local), 0, 1), 2)
 
     def modes(self) -> Modes:
-        """ε(u) as a sum of products, one for each term of the local strain."""
-        # The amplitudes keep what they need, not the points.
+        """Return ε(u) as a sum of products of functions of x and of (s, t), one for each term of the local strain."""
+        # Local variables, so that the function below does not keep ``self`` with all points in memory.
         on_face, order, count = self.on_face, 1 + self.deep, self.s[0].size
         terms = strain_terms(len(self.s), self.deep, len(on_face(0.0, False, 0)[1]) - 1)
         axes = np.eye(len(pairs(len(self.frame)))) if self.rotation is None else self.rotation
@@ -316,18 +326,18 @@ class Lifting:
 
     @property
     def deep(self) -> bool:
-        """Whether the profile has an e, and so the strain second derivatives of q."""
+        """Whether the profile has a function e, so that the strain contains second derivatives of q."""
         return self.face.profile.e is not ZERO
 
     def _local(self, w: Values, strain: Components, along: Index, into: int, time: Array | complex) -> Tensors:
-        """∂_s^along ∂_y^into of the local strain, for into ∈ {0, 1}, in the axes (s, n)."""
+        """Return the derivative ∂_s^along ∂_y^into of the local strain in the axes (s, n), for into ∈ {0, 1}."""
         n, traces = len(self.s), (w, *strain)
         dtype = np.result_type(w[along], strain[0][along], self.y)
         components = np.empty((len(pairs(n + 1)), *self.y.shape, *np.shape(time)), dtype=dtype)
         begun: set[int] = set()
         for term in strain_terms(n, self.deep, len(strain) - 1):
             trace, shape = traces[term.source][plus(term.along, along)], self._shape(term.profile, into, time)
-            # Every row has a term, the first of which is written where it stays.
+            # The first term of each row initialises the row, which saves the addition to zeros.
             first = term.row not in begun
             part = np.multiply(trace, shape, out=components[term.row] if first else None)
             if term.factor != 1:
@@ -338,19 +348,19 @@ class Lifting:
         return components
 
     def _shape(self, name: str, derivative: int, time: Array | complex) -> Array:
-        """``_profile``, to be multiplied with traces at one time or at many."""
+        """Return ``_profile`` with an additional axis if there are several times."""
         return self._profile(name, derivative).reshape(*self.y.shape, *(1,) * np.ndim(time))
 
 
 def distinct(places: Array) -> tuple[Array, Array | None]:
-    """Different coordinates and where each point finds its own; (places, None) if few repeat.
+    """Return the distinct coordinates, and for each point the index of its coordinates among them.
 
-    Coordinates that differ by rounding count as one.
+    Coordinates that differ only by round-off count as equal. If few are equal, the result is (places, None).
     """
     if np.iscomplexobj(places) or places[0].size < 64:
         return places, None
     rounded = np.round(places.reshape(len(places), -1), 13)
-    # A pair of coordinates is ordered as one complex number is.
+    # Two coordinates are combined to a complex number, because ``numpy.unique`` sorts numbers faster than rows.
     keys = rounded[0] if len(rounded) == 1 else rounded[0] + 1j * rounded[1]
     distinct = np.unique(keys)
     if 2 * len(distinct) > len(keys):

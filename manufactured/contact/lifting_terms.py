@@ -1,6 +1,7 @@
-"""The strain of a lifting, term by term: derivatives of w, q and r along the face times functions of the depth.
+"""The terms of the strain of a lifting, which are derivatives of w, q and r along the face times functions of the
+depth.
 
-Where there is an initial gap g, w − g stands for w.
+If there is an initial gap g, w − g replaces w.
 """
 
 from __future__ import annotations
@@ -19,18 +20,18 @@ COMBINATIONS: dict[str, tuple[tuple[str, int], ...]] = {
     "a'+b": (("a", 1), ("b", 0)),
     "e'+d": (("e", 1), ("d", 0)),
 }
-"""Combinations of the profile's functions and derivatives that make strains."""
+"""The combinations of profile functions and their derivatives that occur in strains."""
 
 
 class StrainTerm(NamedTuple):
-    """factor · ∂^along (w, q or r) · (function of y) in one component of the local strain.
+    """One term of a component of the local strain, factor · ∂^along (w, q or r) · (function of y).
 
     Attributes:
-        row: of the Mandel vector in the axes (s, n).
-        factor: √2 or √½ for components off the diagonal.
+        row: the row of the Mandel vector in the axes (s, n).
+        factor: the factor, which contains √2 or √½ for off-diagonal components.
         source: 0 for w, 1 for q, 2 + i for r_i.
-        along: derivatives along the face.
-        profile: a name in ``COMBINATIONS``.
+        along: the multi-index of the derivative along the face.
+        profile: the name of the function of y in ``COMBINATIONS``.
     """
 
     row: int
@@ -42,9 +43,12 @@ class StrainTerm(NamedTuple):
 
 @lru_cache
 def strain_terms(n: int, deep: bool, shear: int) -> tuple[StrainTerm, ...]:
-    """The terms of the strain of a lifting, n coordinates along the face.
+    """Return the terms of the strain of a lifting.
 
-    ``deep`` is whether the profile has an e, and so the strain second derivatives of q; ``shear`` the number of r_i.
+    Args:
+        n: the number of coordinates along the face.
+        deep: whether the profile has a function e, so that the strain contains second derivatives of q.
+        shear: the number of components r_i.
     """
     zero, first = first_indices(n)
     found = []
@@ -65,11 +69,11 @@ def strain_terms(n: int, deep: bool, shear: int) -> tuple[StrainTerm, ...]:
 
 
 def plus(*indices: tuple[int, ...]) -> tuple[int, ...]:
-    """The sum of multi-indices."""
+    """Return the sum of multi-indices."""
     return tuple(map(sum, zip(*indices, strict=True)))
 
 
 def first_indices(variables: int) -> tuple[tuple[int, ...], list[tuple[int, ...]]]:
-    """The multi-index of the value and those of the first derivatives, coordinate by coordinate."""
+    """Return the multi-index 0 of the value, and the multi-indices of the first derivatives."""
     unit = np.eye(variables, dtype=int)
     return (0,) * variables, [tuple(int(i) for i in row) for row in unit]

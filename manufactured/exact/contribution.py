@@ -1,4 +1,4 @@
-"""The displacement fields whose sum is a solution."""
+"""Interfaces of the displacement fields whose sum is an exact solution."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ from manufactured.tensors import Array, Points, Tensors, Vectors
 
 
 class ContributionAtPoints(Protocol):
-    """A displacement field at fixed points, as a function of time; with ``rate`` its time derivative.
+    """A displacement field at fixed points as a function of time, or its time derivative if ``rate``.
 
-    Times (n,) give arrays with one axis more, the last one.
+    If n times (n,) are given, the results have an additional last axis.
     """
 
     def displacement(self, time: Array | complex, rate: bool = False) -> Vectors: ...
@@ -25,18 +25,20 @@ class ContributionAtPoints(Protocol):
 
 
 class Contribution(Protocol):
-    """A displacement field; ``at`` fixes the points."""
+    """A displacement field; the method ``at`` returns the field at fixed points."""
 
     def at(self, x: Points) -> ContributionAtPoints: ...
 
 
 class Face(Contribution, Protocol):
-    """A displacement field that makes contact on one piece of Γ3: ``ContactFace`` or ``SingularFace``.
+    """A displacement field with contact on one piece of Γ3, such as ``ContactFace`` or ``SingularFace``.
 
-    ``gap``, ``level`` are formulas with the jets below; ``initial_gap`` is that of g, 0 in the paper;
-    ``pressure_jet`` is that of p as it was stated, None if it follows from the law; ``exponents_in`` has
-    the truncated powers of the pressure side; ``rough`` the coordinates s at which the strain is singular
-    for all times.
+    Attributes:
+        gap, level: the formulas of w and ψ; ``gap_jet`` and ``level_jet`` evaluate them with their derivatives.
+        initial_gap: the formula of g; 0 in the paper.
+        pressure_jet: evaluates the prescribed pressure; None if the pressure follows from the law.
+        exponents_in: a formula whose truncated powers show how smooth the strain is on the contact side of a front.
+        rough: the coordinates s at which the strain is singular at all times.
     """
 
     @property

@@ -1,4 +1,4 @@
-"""Refuse points and times at which an exact solution is not defined, though its formulas have values there."""
+"""Raises errors for points and times outside the domain of an exact solution, where its formulas still have values."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from manufactured.body import Body
 from manufactured.tensors import Array, Points
 
 ROUNDING = 1e-9
-"""Distance from the body, relative to its extent, and from [0, T], relative to T, that counts as a rounding error."""
+"""The distance from the body, relative to its extent, and from [0, T], relative to T, that counts as round-off."""
 
 
 def coordinates(values: ArrayLike, count: int, what: str) -> Array:
     """Return the coordinates of points as an array (count, ...).
 
     Raises:
-        ValueError: the array has another shape; says which one is wanted.
+        ValueError: the array has another shape.
     """
     wanted = f"{what} need the shape ({count}, n), one row for each coordinate"
     try:
@@ -35,13 +35,13 @@ def coordinates(values: ArrayLike, count: int, what: str) -> Array:
 
 
 def require_inside(body: Body, x: Points) -> None:
-    """Raise ValueError, with the first point that lies outside the body by more than rounding; x is (d, ...).
+    """Raise ValueError, naming the first point, if a point of x (d, ...) lies outside the body by more than round-off.
 
     For a convex body this takes one product of x with each normal.
     """
     points = np.real(x).reshape(body.dim, -1)
     reach = ROUNDING * float(np.ptp(body.vertices, axis=1).max())
-    # Negated, so that coordinates that are not numbers are refused.
+    # The condition is negated, so that NaN coordinates are refused.
     with np.errstate(invalid="ignore"):
         within = [part.normal @ points <= part.normal @ part.start + reach for part in body.parts]
         left = points[:, ~np.all(within, axis=0)]
@@ -58,9 +58,9 @@ def require_inside(body: Body, x: Points) -> None:
 
 
 def require_times(T: float, time: Array | complex) -> None:
-    """Raise ValueError if a time lies outside [0, T] by more than rounding."""
+    """Raise ValueError if a time lies outside [0, T] by more than round-off."""
     times = np.asarray(time).real.reshape(-1)
-    # Negated, so that a time that is not a number is refused.
+    # The condition is negated, so that NaN is refused.
     outside = ~(abs(times - T / 2) <= (0.5 + ROUNDING) * T)
     if outside.any():
         first = times[outside][0]

@@ -1,7 +1,8 @@
-"""The body force f_0 for a linear law, as a sum of products of a fixed field and a function of s and time.
+"""The body force f_0 of a linear law as a sum of products, fields that do not depend on time times functions of (s, t).
 
-−Div(α C ε(u)) is linear in u, and the lifting of a contact face is linear in the derivatives along the face of w and of
-(q, r): each of these has a field of its own. Other contributions to u are taken at every point for itself.
+−Div(α C ε(u)) is linear in u, and the lifting of a contact face is linear in the derivatives of w and (q, r) along the
+face. So f_0 is the sum over these derivatives of a fixed field times the derivative. Other contributions to u are
+evaluated point by point.
 """
 
 from __future__ import annotations
@@ -21,10 +22,10 @@ from manufactured.tensors import Array, basis, rotation
 
 @dataclass(frozen=True, eq=False)
 class ForceModes:
-    """f_0 = −Div(A ε(u̇)) − Div(G ε(u)), each as sums of products, one for each contribution to u.
+    """The body force f_0 = −Div(A ε(u̇)) − Div(G ε(u)) as sums of products, for each contribution to u.
 
     Attributes:
-        viscous: −Div(A ε(u)), whose rate is that of f_0.
+        viscous: −Div(A ε(u)), whose time derivative is the viscous part of f_0.
         elastic: −Div(G ε(u)).
     """
 
@@ -33,14 +34,14 @@ class ForceModes:
 
 
 Trace = tuple[int, Index]
-"""Whether of w (0), q (1) or r_i (2 + i), and its derivatives along the face."""
+"""A derivative along the face: the number of the function, w (0), q (1) or r_i (2 + i), and the multi-index."""
 
 
 def force_modes(of: AtPoints, part: ContributionAtPoints, count: int) -> Modes:
-    """−Div(α C ε) of a contribution at ``count`` points as a sum of products, with vectors (K, d) for tensors.
+    """Return −Div(α C ε) of a contribution at ``count`` points as a sum of products with K fixed vectors, (K, d).
 
     Raises:
-        LawError: an operator that is not linear.
+        LawError: the operator is not linear.
     """
     if not isinstance(of, Scaled):
         raise LawError("f_0 is a sum of products for linear A and G only; take body_force")
@@ -48,7 +49,7 @@ def force_modes(of: AtPoints, part: ContributionAtPoints, count: int) -> Modes:
 
 
 def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
-    """Every point is a place of its own."""
+    """Return the force with one amplitude for each point and component."""
     dim = 2 if len(of.matrix) == 3 else 3
 
     def amplitudes(time: Array | float, rate: bool) -> Array:
@@ -63,34 +64,34 @@ def _of_points(of: Scaled, part: ContributionAtPoints, count: int) -> Modes:
 
 @dataclass
 class _Fields:
-    """−Div(α C ε) for every trace that is 1 with all others 0, (d, n) each."""
+    """Collects −Div(α C ε), (d, n), for each trace; this trace is 1 and all other traces are 0."""
 
     of: Scaled
     reach: Array
     found: dict[Trace, Array] = field(default_factory=dict)
 
     def add(self, trace: Trace, vector: Array, values: Array) -> None:
-        """Adds −v(x) values(x) to the field of a trace, v (d,) or (d, n)."""
+        """Add −v(x) values(x) to the field of a trace, with v of shape (d,) or (d, n)."""
         product = -(vector if vector.ndim == 2 else vector[:, None]) * values
         self.found[trace] = self.found.get(trace, 0.0) + product
 
     @property
     def factor(self) -> Array | float:
-        """α at the points within reach, (n,)."""
+        """The factor α at the points within the depth of the lifting, (n,)."""
         return self.of.factor if isinstance(self.of.factor, float) else self.of.factor[self.reach]
 
     @property
     def slopes(self) -> Array | None:
-        """∂_j α there, (d, n)."""
+        """The derivatives ∂_j α at the points within the depth of the lifting, (d, n)."""
         return None if self.of.slopes is None else self.of.slopes[:, self.reach]
 
 
 def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
-    """One mode for each trace and component of its field that is not 0."""
+    """Return one product for each trace and each non-zero component of its field."""
     fields = _fields_of(of, lifting)
     dim = len(lifting.frame)
     chosen = [(trace, i) for trace, values in fields.items() for i in range(dim) if values[i].any()]
-    # The amplitudes keep what they need, not the points.
+    # Local variables, so that the function below does not keep the lifting with all points in memory.
     on_face, count = lifting.on_face, lifting.s[0].size
     order = 2 + lifting.deep
 
@@ -110,7 +111,7 @@ def _of_lifting(of: Scaled, lifting: Lifting) -> Modes:
 
 
 def _fields_of(of: Scaled, lifting: Lifting) -> dict[Trace, Array]:
-    """The fields of all traces at the points within reach."""
+    """Return the fields of all traces at the points within the depth of the lifting."""
     profile, frame, y = lifting.face.profile, lifting.frame, lifting.y.ravel()
     axes, (_, first) = rotation(frame), first_indices(len(lifting.s))
     shear = len(lifting.on_face(0.0, False, 0)[1]) - 1

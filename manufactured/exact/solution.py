@@ -25,18 +25,20 @@ from manufactured.tensors import Array, Hyperplane, Points, Tensors, Vectors, ba
 
 @dataclass(frozen=True, eq=False)
 class ExactSolution:
-    """u = Σ_i (field of Γ3,i) + others, σ = A ε(u̇) + G ε(u), f_0 = −Div σ, f_2 = σν.
+    """An exact solution, whose displacement u is the sum of fields, and the data that belong to it.
+
+    The stress is σ = A ε(u̇) + G ε(u), the loads are f_0 = −Div σ and f_2 = σν.
 
     Attributes:
-        body: Ω, Γ1, Γ2, Γ3, T.
+        body: Ω with Γ1, Γ2, Γ3 and the final time T.
         law: A and G.
-        faces: one entry per piece of Γ3, in the order of ``body.of(Kind.CONTACT)``; the field of one
-            face must not disturb the contact on the others and must vanish on Γ1.
-        others: fields that make no contact, such as the singularity of a corner.
+        faces: one field for each piece of Γ3, in the order of ``body.of(Kind.CONTACT)``. The field of one face must
+            not disturb the contact on other faces and must vanish on Γ1.
+        others: fields without contact, such as the singularity of a corner.
         singular: vertices of the body at which the strain is singular.
 
     Raises:
-        LawError: the law's dimension is not the body's.
+        LawError: law and body have different dimensions.
         ValueError: the faces are not the pieces of Γ3, or a lifting ends with a kink inside the body.
     """
 
@@ -63,24 +65,24 @@ class ExactSolution:
 
     @property
     def rough(self) -> tuple[Hyperplane, ...]:
-        """Where strains are rough for all times: {s = c} for the rough c of every lifting, and jumps of A and G."""
+        """The lines or planes on which strains are not smooth at all times: rough points of faces, jumps of A and G."""
         fronts = (face.part.line(c) for face in self.faces if isinstance(face, ContactFace) for c in face.rough)
         return (*fronts, *self.law.steps)
 
     @property
     def has_initial_gap(self) -> bool:
-        """Whether the undeformed body is away from its foundation somewhere on Γ3, unlike in the paper."""
+        """Whether there is an initial gap somewhere on Γ3; the paper has none."""
         return any(face.initial_gap != 0 for face in self.faces)
 
     def fronts(self, time: float) -> tuple[Hyperplane, ...]:
-        """Where f_0 jumps or has kinks at one time, in the plane: {s = c} for the fronts c of every lifting."""
+        """Return the lines {s = c} through the fronts c at one time; f_0 jumps or has kinks there. Empty in 3D."""
         faces = [face for face in self.faces if isinstance(face, ContactFace)] if self.body.dim == 2 else []
         return tuple(face.part.line(c) for face in faces for c in face.fronts(time))
 
     def at(self, x: ArrayLike) -> Fields:
-        """The solution at fixed points of Ω̄, (d, ...): evaluate it at as many times of [0, T] as needed.
+        """Return the solution at fixed points of the closed body, (d, ...), as functions of t ∈ [0, T].
 
-        Vertices and points of quadrature may lie outside by a rounding error.
+        Points may lie outside the body by round-off.
 
         >>> from manufactured import named
         >>> solution = named("full-contact").solution
@@ -99,7 +101,7 @@ class ExactSolution:
         return Fields(self, points)
 
     def on(self, face: Face, s: ArrayLike) -> FaceFields:
-        """The solution at fixed points of a contact face, (d − 1, ...).
+        """Return the solution at fixed points of a contact face, (d − 1, ...), as functions of t ∈ [0, T].
 
         Raises:
             ValueError: s has another shape, or a point lies outside the body; the methods of the result raise it for
@@ -108,7 +110,7 @@ class ExactSolution:
         return FaceFields(self, face, coordinates(s, self.body.dim - 1, "points of a face"))
 
     def _repr_html_(self) -> str:
-        """Return what a notebook shows: the body, the law, and the contact data of every piece of Γ3."""
+        """Return HTML for notebooks, with the body, the law and the contact data of every piece of Γ3."""
         rows: list[tuple[str, object]] = [("law", self.law.name)]
         for number, face in enumerate(self.faces, start=1):
             pressure = getattr(getattr(face, "strain", face), "pressure", None)
@@ -120,7 +122,7 @@ class ExactSolution:
 class Fields:
     """The fields of an exact solution at fixed points x (d, ...), as functions of time.
 
-    Times (n,) give arrays with one axis more, the last one.
+    If n times (n,) are given, the results have an additional last axis.
     """
 
     def __init__(self, solution: ExactSolution, x: Points) -> None:
@@ -129,7 +131,7 @@ class Fields:
 
     @cached_property
     def law(self) -> PointLaw:
-        """The law at the points."""
+        """The material law at the points."""
         return self.solution.law.at(self.x)
 
     @cached_property
@@ -140,40 +142,40 @@ class Fields:
         return self._law_at_times if np.ndim(time) else self.law
 
     def _total(self, field: Callable[[ContributionAtPoints], Array], time: Array | complex) -> Array:
-        """The sum of a field over all contributions, at times that the solution has."""
+        """Return the sum of a field over all contributions; the times must lie in [0, T]."""
         require_times(self.solution.body.T, time)
         return reduce(np.add, map(field, self._parts))
 
     def displacement(self, time: Array | complex) -> Vectors:
-        """u, (d, ...)."""
+        """Return the displacement u, (d, ...)."""
         return self._total(lambda part: part.displacement(time), time)
 
     def velocity(self, time: Array | complex) -> Vectors:
-        """u̇, (d, ...)."""
+        """Return the velocity u̇, (d, ...)."""
         return self._total(lambda part: part.displacement(time, rate=True), time)
 
     def strain(self, time: Array | complex) -> Tensors:
-        """ε(u), (D, ...)."""
+        """Return the strain ε(u), (D, ...)."""
         return self._total(lambda part: part.strain(time), time)
 
     def strain_rate(self, time: Array | complex) -> Tensors:
-        """ε(u̇), (D, ...)."""
+        """Return the strain rate ε(u̇), (D, ...)."""
         return self._total(lambda part: part.strain(time, rate=True), time)
 
     def modes(self) -> list[Modes]:
-        """ε(u) as sums of products, one for each contribution; points are counted through in the order of ``x``."""
+        """Return ε(u) as sums of products, one sum for each contribution; points are numbered in the order of ``x``."""
         return [part.modes() for part in self._parts]
 
     def strain_gradient(self, time: Array | complex) -> Array:
-        """∂_j ε(u), (D, d, ...)."""
+        """Return the derivatives ∂_j ε(u), (D, d, ...)."""
         return self._total(lambda part: part.strain_gradient(time), time)
 
     def stress(self, time: Array | complex) -> Tensors:
-        """σ = A ε(u̇) + G ε(u), (2.1), (D, ...)."""
+        """Return the stress σ = A ε(u̇) + G ε(u) of (2.1), (D, ...)."""
         return self._law(time).stress(self.strain_rate(time), self.strain(time))
 
     def body_force(self, time: Array | complex) -> Vectors:
-        """f_0 = −Div σ, (2.2): −∂_j σ_ij with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
+        """Return the body force f_0 = −Div σ of (2.2), with ∂_j σ = A ∂_j ε̇ + G'(ε)[∂_j ε], (d, ...)."""
         rate_gradient = self._total(lambda part: part.strain_gradient(time, rate=True), time)
         law = self._law(time)
         slope = law.A.gradient(lambda: self.strain_rate(time), rate_gradient)
@@ -181,21 +183,21 @@ class Fields:
         return -np.einsum("Iij,Ij...->i...", basis(slope.shape[1]), slope)
 
     def force_modes(self) -> ForceModes:
-        """f_0 as sums of products, for a law whose G is linear; points are counted through in the order of ``x``."""
+        """Return f_0 as sums of products, for a linear G; points are numbered in the order of ``x``."""
         viscous, elastic = (
             [force_modes(tensor, part, self.x[0].size) for part in self._parts] for tensor in (self.law.A, self.law.G)
         )
         return ForceModes(viscous, elastic)
 
     def surface_load(self, part: Part, time: Array | complex) -> Vectors:
-        """f_2 = σν, (2.4), for points on ``part``, (d, ...)."""
+        """Return the traction f_2 = σν of (2.4) at the points, which must lie on ``part``, (d, ...)."""
         return traction(self.stress(time), part.normal)
 
 
 class FaceFields:
-    """w, p and the contact zone at fixed points s (d−1, ...) of one face.
+    """Gap, pressure and contact zone at fixed points s (d − 1, ...) of one face, as functions of time.
 
-    Times (n,) give arrays with one axis more, the last one.
+    If n times (n,) are given, the results have an additional last axis.
     """
 
     def __init__(self, solution: ExactSolution, face: Face, s: Array) -> None:
@@ -203,28 +205,31 @@ class FaceFields:
         self._fields = solution.at(face.part.point(s))
 
     def _value(self, jet: Jet, time: Array | float) -> Array:
-        """A formula at the points."""
+        """Return the value of a formula at the points."""
         require_times(self.solution.body.T, time)
         return jet(self.s.reshape(*self.s.shape, *(1,) * np.ndim(time)), time)[(0,) * len(self.s)]
 
     def pressure(self, time: Array | float) -> Array:
-        """p = −σ_ν from the stress of all fields together, (...)."""
+        """Return the pressure p = −σ_ν, computed from the stress of the whole solution, (...)."""
         normal = self.face.part.normal
         return -np.tensordot(normal, traction(self._fields.stress(time), normal), axes=1)
 
     def stated_pressure(self, time: Array | float) -> Array:
-        """p as it was prescribed, where it was; else as the law gives it, (...)."""
+        """Return the prescribed pressure, or ``pressure`` if none was prescribed, (...)."""
         jet = self.face.pressure_jet
         return self.pressure(time) if jet is None else self._value(jet, time)
 
     def stress_scale(self) -> float:
-        """The size of stresses that the largest strains and gaps on the face would cause, for tolerances."""
+        """Return the size of stresses that the largest strains and gaps on the face would cause, for tolerances."""
         instants = np.linspace(0, self.solution.body.T, 9)
         sizes = [abs(part).max() for t in instants for part in (self._fields.strain(t), self.gap(t))]
         return (self.solution.law.A.lipschitz + self.solution.law.G.lipschitz) * float(max(sizes))
 
     def traces(self, time: float, axis: int = 0) -> dict[str, tuple[Array, Array]]:
-        """What must be continuous along a face, with its derivative along an axis: w, ∇_s w, (q, r), g of a lifting."""
+        """Return the functions that must be continuous along a face, each with its derivative along an axis.
+
+        They are w, ∇_s w and, for a lifting, (q, r) and g.
+        """
         unit = np.eye(len(self.s), dtype=int)
 
         def pair(values: Values, *index: int) -> tuple[Array, Array]:
@@ -243,13 +248,13 @@ class FaceFields:
         return found
 
     def gap(self, time: Array | float) -> Array:
-        """w = g − u_ν, the distance from the foundation, (...)."""
+        """Return the gap w = g − u_ν, the distance from the foundation, (...)."""
         return self._value(self.face.gap_jet, time)
 
     def initial_gap(self) -> Array:
-        """g, the distance of the undeformed body from the foundation, (...)."""
+        """Return the initial gap g, the distance of the undeformed body from the foundation, (...)."""
         return self._value(Jet(sp.sympify(self.face.initial_gap), self.face.variables), 0.0)
 
     def level(self, time: Array | float) -> Array:
-        """ψ, (...): the contact zone is {ψ ≥ 0}."""
+        """Return ψ, (...); the contact zone is {ψ ≥ 0}."""
         return self._value(self.face.level_jet, time)

@@ -3,8 +3,8 @@
 A value v has a *place* in its window: (2v − low − high)/(high − low) in a window with two ends, which are −1 and 1;
 v/high or low/v in a window with one end, which is 1. A place beyond an end is an alarm.
 
-By count, the confidence interval at 95 % is that of Clopper and Pearson. No alarm on 100 seeds only shows that the rate
-is at most 3.6 %, so that the tail is extrapolated as well:
+By count, the confidence interval at 95 % is the interval of Clopper and Pearson. No alarm on 100 seeds only shows that
+the rate is at most 3.6 %, so that the tail is extrapolated as well:
 
 * *normal*: for a sample with mean m and deviation s the place of one more seed lies beyond an end at the distance d
   from m with the probability P(t_{N−1} > d/(s √(1 + 1/N))), Student's, which counts that m and s are estimates. Taken
@@ -35,9 +35,9 @@ CONFIDENCE = 0.95
 PROMISE = 0.01
 """The largest false-alarm rate of the whole ledger on a fresh seed."""
 AGAINST = 0.01
-"""The least p-value of a fit that is accepted."""
+"""A fit is accepted if its p-value is at least this number."""
 UPPER = 0.25
-"""The fraction of a sample that is its tail."""
+"""The share of the largest values of a sample that counts as its tail."""
 FEWEST = 8
 """The least number of seeds for a model of the tail."""
 SAME = 2e-3

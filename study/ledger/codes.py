@@ -59,7 +59,7 @@ class Codes:
         """Return one row for each code, parameters, case and family: its class, and quotients on the finest mesh.
 
         ``share``: distance from the solution in K^h over the discretisation error. ``excess``: error of the pressure
-        over that of K^h.
+        over the error of the pressure of the solution in K^h.
         """
         finest = self.errors.sort_values("level").groupby(SERIES, sort=False).tail(1)
         judged = self.classes[self.classes["class"] != NOT_EXPRESSED]

@@ -42,11 +42,11 @@ KEYS = {
     "sensitivity.csv": ("defect", "case", "family"),
     "seeds.csv": ("label", "key", "case"),
 }
-"""Columns that tell rows apart. Rows of ``NUMBERS`` and enclosures may share them, and are compared in their order."""
+"""Columns that identify a row. Rows of ``NUMBERS`` and enclosures may share them, and are compared in their order."""
 MAGNITUDES = {"equivalence.csv": ("displacement_gap", "stress_gap", "displacement_bound", "stress_bound")}
 """Columns whose order of magnitude alone is compared, as it depends on where an iteration stops."""
 SAME_MAGNITUDE = 100.0
-"""Such numbers are equal up to this factor: between two tolerances of the solver they differed by at most 100."""
+"""These columns count as equal up to this factor: for two tolerances of the solver they differed by at most 100."""
 NUMBERS = {"claims.csv": ("observed", "low", "high"), "seeds.csv": ("seeds", "lowest", "highest")}
 """Columns by which a row is matched again if its words were changed."""
 OF_CONTROLS = "controls.csv", "seeds.csv", "sensitivity.csv"

@@ -92,7 +92,7 @@ def read_csv(directory: Path, name: str, columns: Collection[str]) -> pd.DataFra
 
 
 def made_by(directory: Path) -> str:
-    """Return the command that made a directory, from its provenance; ``study run`` without one."""
+    """Return the command that made a directory, from its provenance, or ``study run`` if there is no provenance."""
     try:
         content = json.loads((directory / "data" / "provenance.json").read_text(encoding="utf-8"))
         plain = "study run --full" if content.get("plan") == "full" else "study run"
@@ -157,7 +157,7 @@ def refuse_repeated(path: Path, table: pd.DataFrame, key: Sequence[str], mend: s
 
 
 def write_csv(path: Path, table: pd.DataFrame) -> None:
-    """Write a data file whole or not at all: 12 digits, Unix line ends."""
+    """Write a data file with 12 digits and Unix line ends; after an interruption the old file is unchanged."""
     write_text(path, table_text(table))
 
 
@@ -170,7 +170,7 @@ Row = Mapping[str, Any]
 
 
 class DataFile(Protocol):
-    """A file or folder of measurements: its name, and the columns that tell its rows apart."""
+    """A file or folder of measurements, with its name and the columns that identify a row."""
 
     @property
     def name(self) -> str: ...
@@ -185,8 +185,8 @@ class CsvFile:
     """A table of measurements.
 
     Attributes:
-        name: of the file in ``data``.
-        key: the columns that tell its rows apart.
+        name: the name of the file in ``data``.
+        key: the columns that identify a row.
         columns: all measured columns.
         derive: adds columns that are computed from the others.
     """

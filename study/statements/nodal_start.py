@@ -85,7 +85,7 @@ def interpolant(space: Space, level: int) -> Array:
 
 
 def spikes(x: Points, last: int) -> Array:
-    """Return v at points of the grid with 2^``last`` cells along a side, where finer spikes vanish, (...)."""
+    """Return v at points of the grid with 2^i cells along a side, (...); spikes with j > i = ``last`` vanish there."""
     total = np.zeros(x.shape[1:])
     for j in range(FIRST, last + 1):
         spacing = 2.0**-j

@@ -4,21 +4,22 @@ By (5.13) with (3.12) and (3.7)
 
     R(t; v) = (σ(t), ε(v))_Q − (f_0(t), v)_H − (f_2(t), v)_{L²(Γ2)},   v ∈ V,
 
-which does not contain σ_ν on Γ3. Prop. 5.4 rests on R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), and on the bound of this integral
-by Cauchy and Schwarz, (5.41). Here R is computed from its definition, so both can fail. They are measured at the times
-of (2.14) for
+which does not contain σ_ν on Γ3. Prop. 5.4 uses R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), and the bound of this integral by the
+Cauchy–Schwarz inequality, (5.41). Here R is computed from its definition, so both can fail. They are measured at the
+times of ``green`` for
 
 * smooth fields v that vanish on Γ1 and nowhere else: not in V^h, with v_ν of any sign on Γ3;
 * v = Π^h u − u, which (5.42) needs: all terms are small, and R is much smaller than each.
 
-The defect |R(t; v) − ∫_{Γ3} σ_ν v_ν| is relative to the smallest non-zero term of both sides; for v = Π^h u − u of the
-definition alone, since σ_ν v_ν is nearly zero there. So a term left out, or of the wrong sign, gives at least 1 or 2.
-With the fine rules of (2.14) only quadrature remains, so the windows are those of (2.14): round-off where f_0 is smooth
-off lines that cut cells, a tenth where it jumps along curves. For v = Π^h u − u rounding counts 1/h times as much:
-(σ, ε(v))_Q = O(h²) is a sum of terms O(h).
+The defect |R(t; v) − ∫_{Γ3} σ_ν v_ν| is relative to the smallest non-zero term of both sides. For v = Π^h u − u it is
+relative to the smallest term of the definition, because σ_ν v_ν is nearly zero. So a missing term gives at least 1, and
+a wrong sign at least 2. Only the quadrature error of the fine rules remains, so the windows are the windows of
+``green``: round-off if f_0 is smooth except on lines along which cells are cut, a tenth if f_0 jumps along curves. For
+v = Π^h u − u round-off is larger by 1/h, because (σ, ε(v))_Q = O(h²) is a sum of terms O(h).
 
-|R| over its bound is 0/0 where σ_ν = 0, so only times with σ_ν ≠ 0 count. Where nothing touches at any time (5.41) is
-0 ≤ 0 by (5.40), and has no row. The row is undecided if a case with contact has none at all of these times.
+The quotient of |R| and its bound is 0/0 if σ_ν = 0, so only times with σ_ν ≠ 0 are used. A case without contact at any
+time has no row on (5.41), which is then 0 ≤ 0. The row is undecided if a case with contact has no contact at these
+times.
 """
 
 from __future__ import annotations
@@ -65,13 +66,13 @@ FIELDS = 3
 POINTS = 20
 """Gauss points on a facet, exact to degree 39: p ~ (c − s)_+² on a facet graded to c has degree 31."""
 INSTANTS = 64
-"""Times at which contact is looked for."""
+"""Number of times at which contact is looked for."""
 CANCELLING = positive_at_most(1e-8, "with the fine quadrature rule: 1/h times 1e-10 for a smooth f_0")
 BOUND = positive_at_most(1 + 1e-9, "by the Cauchy–Schwarz inequality")
 
 
 class Residual(ListedNumbers):
-    """The definition of R against the integral over Γ3 and against its bound, for the cases with f_0(t) ∈ H."""
+    """Compares R, computed by its definition, with the integral over Γ3 and with its bound; cases with f_0(t) ∈ H."""
 
     label = "(5.40), (5.41)"
     claim = "R(t; v) = ∫_{Γ3} σ_ν v_ν for v ∈ V; then |R(t; v)| ≤ ‖σ_ν‖ ‖v_ν‖ by the Cauchy–Schwarz inequality"
@@ -96,7 +97,7 @@ class Residual(ListedNumbers):
 
 
 def share(group: pd.DataFrame) -> Measured | None:
-    """Return the largest |R| over its bound; None if a level has no time with contact."""
+    """Return the largest quotient of |R| and its bound; None if a level has no time with contact."""
     return greatest(group["bound"].to_numpy()) if group["bound"].notna().all() else None
 
 
@@ -113,7 +114,7 @@ def rules_for(window: Window, cancelling: Window) -> tuple[Criterion, ...]:
 
 
 def defects(solution: ExactSolution, space: Space) -> dict[str, float]:
-    """Return the largest defects over the times, and |R| over its bound unless nothing touches at any time."""
+    """Return the largest defects over the times, and the largest |R| / bound, which is NaN without contact."""
     found: dict[str, list[float]] = {"smooth v": [], "Π^hu − u": [], "bound": []}
     for time in (fraction * solution.body.T for fraction in TIMES):
         cut = cut_at_fronts(solution, time)
@@ -135,8 +136,8 @@ class FunctionOfV:
     """A function of V at one time.
 
     Attributes:
-        inside: values (d, cells, points) and strains (D, cells, points) by a cell rule.
-        on: values on a part of the boundary by a facet rule, (d, facets, points).
+        inside: returns values (d, cells, points) and strains (D, cells, points) at the points of a cell rule.
+        on: returns values at the points of a facet rule on a part of the boundary, (d, facets, points).
     """
 
     inside: Callable[[CellRule], tuple[Vectors, Tensors]]
@@ -196,13 +197,13 @@ class Terms:
 
     @property
     def shares(self) -> Array:
-        """|R| / bound for the v whose bound is not zero up to rounding; none of them where nothing touches."""
+        """Return |R| / bound for those v whose bound is not zero up to round-off; empty without contact."""
         given = ~(self.bound <= ROUND_OFF * norm(self.stress))
         return abs(self.residual[given]) / self.bound[given]
 
 
 def terms(solution: ExactSolution, space: Space, time: float, functions: Sequence[FunctionOfV]) -> Terms:
-    """Compute the terms of R for several v with the fine rules."""
+    """Return the terms of R for several v, integrated by the fine rules."""
     stress, body, loaded, contact, square, pressed = np.zeros((6, len(functions)))
     for rule in rules(solution, space.mesh, FINE[space.dim]):
         exact = solution.at(rule.points)

@@ -1,16 +1,16 @@
 """(5.27): |R(s; v)| ≤ (‖u̇‖_{L∞(V)} + L ‖u‖_{L∞(V)} + ‖G(·, 0)‖_Q/√m_A + ‖f‖_{L∞(V)}) ‖v‖_V, with L = L_G/m_A.
 
-This is (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The source prints it without
-G(·, 0), which (3.2) lets be any element of Q. Two things are measured.
+This follows from (5.13) term by term: |G ε(u)| ≤ |G(·, 0)| + L_G |ε(u)| and √m_A ‖ε(v)‖_Q ≤ ‖v‖_V. The paper prints the
+bound without G(·, 0), although (3.2) allows any G(·, 0) ∈ Q. **Measured and judged** are two cases:
 
 * *For exact solutions,* R(s; ·) is the functional on V^h of its definition, ‖R(s)‖² = RᵀM⁻¹R, and its largest norm over
   the times is compared with the bound. Predicted: a twentieth to a half, as the four norms are not attained together,
   and R is the work of the contact force, as large as the load where contact carries the load. In ``advance-recede`` it
-  is less, 0.009, since nearly all of the load bends the body away from the foundation. So no low end is claimed.
-  ``double-well`` has a G(·, 0) that is not zero.
+  is less, 0.009, because nearly all of the load bends the body away from the foundation. So the window has no lower
+  end. ``double-well`` has a G(·, 0) that is not zero.
 * *With G(x, ε) − G(x, 0) + A ε(z) for G,* z = −M⁻¹Nᵀμ with random μ > 0, without load or initial displacement. Then
   u^h ≡ 0 solves Problem 5.1 if R(s; v) = (A ε(z), ε(v))_Q ≥ 0 on K^h, that is, if −R lies in the cone {Nᵀλ : λ ≥ 0}.
-  R is not zero, while the printed bound is zero for every c: it is refuted. With the term of G(·, 0) the bound holds:
+  R is not zero, while the printed bound is zero for every c, so it is wrong. With the term of G(·, 0) the bound holds:
   ‖R‖ = ‖z‖_V over ‖A ε(z)‖_Q/√m_A lies between √(m_A/‖A‖), as ‖A ε‖_Q ≤ √‖A‖ ‖ε‖_V, and 1.
 """
 
@@ -35,7 +35,7 @@ from study.statements.shared.norms import Energies, dual_norm, midpoints
 from study.statements.thm_4_2 import beyond
 
 INSTANTS = 32
-"""Times at which the norms are taken."""
+"""Number of times at which the norms are computed."""
 TERM_BY_TERM = positive_at_most(1.0, "proved")
 AT_REST = positive_at_most(1e-10, "0 up to rounding: u^h ≡ 0 is the solution, although the printed bound is 0")
 ATTAINED = Window(1 - ROUNDING, np.inf, "over √(m_A/‖A‖)")
@@ -43,7 +43,7 @@ NEVER = at_most(1 + ROUNDING, "proved")
 
 
 class ResidualBound(ListedNumbers):
-    """R against its bound, for exact solutions, and for G(·, 0) ≠ 0 at rest, where the printed bound is 0."""
+    """Compares R with its bound, for exact solutions, and for G(·, 0) ≠ 0 at rest, where the printed bound is 0."""
 
     label = "(5.27)"
     claim = "|R(s; v)| ≤ c (‖u‖_{W^{1,∞}(0,T;V)} + ‖f‖_{L∞(0,T;V)} + ‖G(·, 0)‖_Q) ‖v‖_V, c and G(·, 0) explicit"
@@ -78,7 +78,7 @@ def share_of_bound(energies: Energies, v_norm: ErrorNorm, problem: SemiDiscrete,
 
 
 def at_rest(space: Space, problem: SemiDiscrete, law: KelvinVoigt) -> dict[str, float]:
-    """Return whether u^h ≡ 0 solves under G(·, 0) = A ε(z) alone, and ‖R‖ over its upper and lower bounds."""
+    """Return how far u^h ≡ 0 is from a solution for G(·, 0) = A ε(z), and ‖R‖ over its upper and its lower bound."""
     stress = prestress(space, problem, law)
     R = space.functional(stress)
     share = dual_norm(R, Cholesky(problem.M)) / np.sqrt(np.sum(space.volumes * stress**2) / law.A.ellipticity)

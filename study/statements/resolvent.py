@@ -1,7 +1,7 @@
-"""(4.4), (4.5), (5.6): ∂ψ_K + B + (L_G/m_A) I is maximal monotone, on V^h, for G and for −G.
+"""(4.4), (4.5), (5.6): the operator ∂ψ_K + B + (L_G/m_A) I is maximal monotone, so that Theorem 2.2 applies to it.
 
-Theorem 2.2 is applied to this operator. Only a law whose G is as little monotone as (3.2) allows needs (L_G/m_A) I.
-Therefore each law of the catalogue is used with G and with −G, which (3.2) allows as well. Let L = L_G/m_A.
+It is tested on V^h. The term (L_G/m_A) I is needed only if G is not monotone. Therefore each law of the catalogue is
+used with G and with −G, which satisfies (3.2) as well. Let L = L_G/m_A.
 
 * *Monotone.* Pairs of points of the graph are made without a solver: u ∈ K^h with v_ν = 0 at some vertices of Γ3, and
   g = M⁻¹Nᵀμ ∈ ∂ψ_K(u), (4.8), with random μ ≥ 0 at these vertices. ∂ψ_K alone is monotone, and with B or −B
@@ -49,7 +49,7 @@ from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
 PAIRS, CLIMBS = 8, 20
-"""Random pairs of each size of strains, and steps of the search for large quotients of J."""
+"""Number of random pairs for each size of strains, and number of steps of the search for large quotients of J."""
 SETTLED, MOST = 1e-12, 80
 """Relative distance at which the iteration for J stops, and its largest number of steps: 2⁻⁴⁰ = 1e-12."""
 INSIDE = 1e3
@@ -62,7 +62,7 @@ SHRINKING = Window(0.6, 1 + ROUNDING, "B ≤ L leaves 2/3 at least")
 
 
 class Resolvent(ListedNumbers):
-    """The operator for G and −G, once for each law."""
+    """Tests the operator for G and −G, for each law of the catalogue."""
 
     label = "(4.4), (4.5), (5.6)"
     claim = "∂ψ_K + B + (L_G/m_A) I is a maximal monotone operator"
@@ -104,13 +104,16 @@ def random_functions(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 
 def monotonicity(space: Space, problem: SemiDiscrete, L: float) -> tuple[float, float]:
-    """Return the largest −(g − g', u − u')_V over its sizes and −(g − g' ± Bu ∓ Bu', u − u')_V / (L ‖u − u'‖_V²)."""
+    """Return the largest violations of monotonicity over random pairs of points of the graph.
+
+    They are −(g − g', u − u')_V relative to the norms, and −(g − g' ± Bu ∓ Bu', u − u')_V / (L ‖u − u'‖_V²).
+    """
     rng, normal, used = np.random.default_rng(SEED), [], []
     points = zip(random_functions(space, rng), random_functions(space, rng), strict=True)
     for one, other in points:
         (u, force), (v, reaction) = in_graph(space, one, rng), in_graph(space, other, rng)
         step, change = u - v, force - reaction
-        # A functional has a representative in V^h: products with it are values of the functional.
+        # Products in V are computed as values of functionals, so no representative in V^h is needed.
         normal.append(-(change @ step) / (np.linalg.norm(change) * np.linalg.norm(step)))
         elastic = problem.elastic(u) - problem.elastic(v)
         square = L * (step @ (problem.M @ step))
@@ -127,11 +130,11 @@ def in_graph(space: Space, v: Array, rng: np.random.Generator) -> tuple[Array, A
 
 @dataclass(frozen=True, eq=False)
 class Inverse:
-    """J = (I + λ(∂ψ_K + B))⁻¹.
+    """Computes the resolvent J = (I + λ(∂ψ_K + B))⁻¹.
 
     Attributes:
-        problem: B, K^h and (·,·)_V.
-        scale: λ, negative for −G.
+        problem: gives B, K^h and the inner product of V.
+        scale: λ; a negative value stands for −G.
     """
 
     problem: SemiDiscrete
@@ -153,7 +156,8 @@ class Inverse:
     def defect(self, w: Array) -> float:
         """Return the distance of w − u − λBu from ∂ψ_K(u) for u = Jw, relative to its terms.
 
-        It is the largest of three: the distance from the cone, the violation of u ∈ K^h, and of complementarity.
+        The result is the largest of the distance from the cone, the violation of u ∈ K^h, and the violation of
+        complementarity.
         """
         problem, u = self.problem, self(w)
         terms = problem.M @ w, -problem.M @ u, -self.scale * problem.elastic(u)

@@ -1,19 +1,19 @@
-"""Beyond the paper: without a velocity that is smooth in space only half the order is left. Rollers show why.
+"""Beyond the paper: without a velocity that is smooth in space only order 1/2 is proved; rollers show why.
 
-Proposition 5.4 asks for u̇(t) ∈ H². A theorem of the supplement does without, for u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
+Proposition 5.4 assumes u̇(t) ∈ H². A theorem of the article does not, for u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
 
-    ‖u − u^h‖_V ≤ (1 + κT e^{κT}) (E_h + ΘM_h) + e^{κT} (‖u_0 − Π^hu_0‖_V + ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}),
+    ‖u − u^h‖_V ≤ e^{κT} (E_h + ‖u_0 − Π^hu_0‖_V + 2ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}).
 
-E_h = sup ‖u − P_hu‖_V, M_h the largest nodal value of (P_hu − Π^hu)_ν on Γ3 at any time, D_h = 2M_h + J_h,
-J_h = sup_{Γ3} |u − Π^hu|, ϑ = ∫_{Γ3} p, Θ = ‖Π^hθ‖_V with θ the distance from Γ1 times ν. The right side is of the
-order ½ for s = 1, less a logarithm, as M_h ~ h.
+Here κ = L_G/m_A, P_h is the projection onto V^h in (·,·)_V, E_h = sup ‖u − P_hu‖_V, M_h is the largest |(P_hu −
+Π^hu)_ν| at vertices of Γ3 over time, D_h = 2M_h + J_h, J_h = sup_{Γ3} |u − Π^hu|, ϑ = ∫_{Γ3} p, and Θ = ‖Π^hθ‖_V, where
+θ is ν times the distance from Γ1. For s = 1 the right side is of order 1/2 up to a logarithm, because M_h ~ h.
 
 **Measured** for ``manufactured.multiscale.roller`` with ℓ = 2h:
 
 * both sides of this bound, with all constants: E_h, J_h and the error at 33 times, M_h at all time nodes;
 * the *excess* ‖u^h − u^h_lin‖_V, largest over time, where u^h_lin is the solution with p as a given traction, whose
-  error is of the order of E_h: the part of the error that is due to contact. The midpoint rule has k = h/8; k/2 must
-  change the excess by less than 1/50;
+  error is of the order of E_h: the part of the error that is due to contact. The midpoint rule has k = h/8; with k/2
+  the excess must change by less than 1/50;
 * E_h over h. It grows like |log h|^{1/2}, as |u|_{H²} does, for which |q|²_{1/2} on Γ3 stands: a jump of height 1 adds
   2 log 2 with every halving of ℓ.
 
@@ -28,11 +28,11 @@ excess is ~ h |log h|^{1/2}; where neighbours have different ones it is ~ h^{1/2
   their contributions are nearly independent: the relative standard deviation of the excess is ~ ½ N^{-1/2}. Single
   orders scatter;
 * ½ ± 0.3 on unstructured meshes;
-* ½ with alternating diagonals also with Q or ω doubled, which only move the balance of both;
-* 1 ± 0.25 for standing patches: their trail is left at few vertices, though the bound does not depend on this.
+* ½ with alternating diagonals also if Q or ω is doubled;
+* 1 ± 0.25 for standing patches, because displacements remain at few vertices only; the bound does not show this.
 
-**Where the prediction was wrong.** A standing patch on a single shaken mesh showed the orders 0.9 and 2.3. The trail at
-few vertices depends on few neighbourhoods, so no sum averages it: over eight shaken meshes the excess has a relative
+**Where the prediction was wrong.** A standing patch on a single shaken mesh showed the orders 0.9 and 2.3. Its excess
+depends on the cells around few vertices, so it is not averaged: over eight shaken meshes the excess has a relative
 standard deviation of a third to a half on every level, and its mean the orders 0.97 and 1.06. The order is reported
 there.
 
@@ -109,15 +109,14 @@ PLAIN = "one-diagonal", "criss-cross"
 """Meshes on which all vertices of Γ3 have equal neighbourhoods."""
 ALTERNATING, UNSTRUCTURED = "alternating", "unstructured"
 SEEDS = ("shaken", *(f"shaken-{seed}" for seed in range(1, 8)))
-"""Random meshes over which means are taken, on the finest level over the first half of them."""
+"""Random meshes over which means are computed; on the finest level only the first half of them is used."""
 LEVELS = 16, 32, 64, 128
 COARSE = LEVELS[:3]
-"""For PUSHING, STEEP and STANDING, for two diagonals and for half of the random meshes: the finest level takes longest.
-"""
+"""Levels for PUSHING, STEEP and STANDING, for two diagonals and for half of the random meshes, to save time."""
 HALVED = 32
-"""The level at which half the time step is used, too."""
+"""The level at which the excess is also computed with half the time step."""
 PER_H = 8
-"""Time steps to the time in which a roller passes an edge."""
+"""Number of time steps in which a roller passes an edge."""
 SAMPLED_PARTS = 32
 """Parts of [0, T] at whose ends errors and E_h are measured."""
 
@@ -173,7 +172,7 @@ class OnContact:
 
 @dataclass(frozen=True, eq=False)
 class Trajectories:
-    """y and y_lin by the midpoint rule at t_0, …, t_steps, (steps + 1, m) each.
+    """The solutions y and y_lin of the midpoint rule at t_0, …, t_steps, (steps + 1, m) each.
 
     The solution with p as a traction has λ = π: u^h_lin = P_hu + e^{−t}(Π^h u_0 − P_hu_0). Contact adds
     z = M⁻¹Nᵀc, c = S(y − y_lin), to it, and
@@ -226,7 +225,10 @@ class Trajectories:
         return float(self.excesses().max())
 
     def displacement(self, n: int) -> Array:
-        """Return u^h(t_n) = P_hu(t_n) + ((1 − k/2)/(1 + k/2))^n (Π^h u_0 − P_hu_0) + M⁻¹Nᵀc, (dofs,)."""
+        """Return the displacement u^h(t_n) in V^h, (dofs,).
+
+        It is P_hu(t_n) + ((1 − k/2)/(1 + k/2))^n (Π^h u_0 − P_hu_0) + M⁻¹Nᵀc.
+        """
         on = self.on
         left = ((1 - self.k / 2) / (1 + self.k / 2)) ** n * (on.start - on.projected(0.0))
         forces = on.S @ (self.contact[n] - self.linear[n])
@@ -239,7 +241,7 @@ def passing(space: Space, level: int) -> int:
 
 
 def sides(found: Trajectories) -> dict[str, float]:
-    """Return both sides of the theorem and the terms of the right one, with θ = dist(·, Γ1) ν and so Λ = 1."""
+    """Return both sides of the bound, and the terms of the right side, for θ = dist(·, Γ1) ν."""
     on, at, T = found.on, found.on.at, found.on.at.space.body.T
     times = {n: n * found.k for n in range(0, found.steps + 1, max(1, found.steps // SAMPLED_PARTS))}
     samples = {n: at.v_norm.sample(time) for n, time in times.items()}
@@ -327,7 +329,7 @@ def change_by_half_steps(group: pd.DataFrame) -> Measured | None:
 
 
 def growth_of_seminorm(group: pd.DataFrame) -> Measured:
-    """Return the increment of |q|² by each halving of ℓ; the last one is shown."""
+    """Return the increments of |q|² with each halving of ℓ; the ledger shows the last increment."""
     found = np.diff(group["|q|²"].to_numpy())
     return among(found[-1], found)
 
@@ -395,7 +397,7 @@ def rules_of(kind: str, groups: Groups) -> Iterator[tuple[Rule, Groups]]:
 
 
 def on_families(groups: Groups, *names: str) -> Groups:
-    """Return the groups of some families, an empty table for a missing one, so that nothing is decided without it."""
+    """Return the groups of the given families; a missing family has an empty table, so that the row is undecided."""
     return {name: groups.get(name, pd.DataFrame()) for name in names}
 
 
@@ -415,7 +417,7 @@ def settings_of(kind: str, families: Sequence[str], levels: Sequence[int]) -> li
 
 
 class Rollers(ListedNumbers):
-    """The excess of contact over the linear problem for rollers of the width 2h, and the bound of the theorem."""
+    """Measures the excess over the linear problem for rollers of width 2h, and both sides of the bound."""
 
     label = "beyond: rollers"
     claim = (
@@ -432,11 +434,11 @@ class Rollers(ListedNumbers):
     )
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """Only if the whole catalogue is studied, because rollers do not belong to it."""
+        """Return all settings if the whole catalogue is studied; the rollers themselves are not in the catalogue."""
         return self.places(scope.full) if scope.whole else []
 
     def cost(self, setting: Setting) -> float:
-        """The number of time steps is proportional to the level."""
+        """Return the expected time in µs; the number of time steps is proportional to the level."""
         return 12.0 * setting.level**3
 
     def measure(self, setting: Setting) -> dict[str, float]:

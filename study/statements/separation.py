@@ -1,4 +1,4 @@
-"""(4.16)–(4.27): the consequences that the proof of Theorem 4.2 draws from u ∉ K, on V^h with random u ∉ K^h.
+"""(4.16)–(4.27): a step in the proof of Theorem 4.2, tested on V^h: a solution of Problem 3.2 cannot have u(t) ∉ K.
 
 The proof supposes that {u, σ} solves Problem 3.2 with u(t) ∉ K, and finds two stresses of Σ(t) that refute (3.15).
 Let P be the projection on K^h in ‖·‖_V, f(t) the load of a case,
@@ -47,7 +47,7 @@ from study.statements.shared.scope import REGULAR
 from study.statements.thm_4_2 import beyond
 
 COUNT = 12
-"""Number of random u whose constraints are all random, and of random u that violate one constraint."""
+"""Number of random u for which all constraints are random, and number of random u that violate one constraint."""
 INSTANT = 0.61
 """Fraction of T at which f and Σ^h are taken."""
 CONE = positive_at_most(1e-10, "0 up to rounding")
@@ -55,7 +55,7 @@ HALFWAY = around(1, 1e-9, "an equation, up to rounding")
 
 
 class Separation(ListedNumbers):
-    """The four steps for random u ∉ K^h and random σ ∈ Σ^h(t), once for each body."""
+    """Tests the four steps of the proof for random u ∉ K^h and random σ ∈ Σ^h(t), on each body."""
 
     label = "(4.16)–(4.27)"
     claim = "τ̃ = A ε(P u − u) separates a u outside K from K, and then (3.15) fails for every σ ∈ Σ(t)"
@@ -93,12 +93,12 @@ def outside(space: Space, rng: np.random.Generator) -> Iterator[Array]:
 
 
 def refutation(space: Space, problem: SemiDiscrete, A: AtPoints, load: Array) -> dict[str, float]:
-    """Return the extremes of the four steps over all u and σ.
+    """Return the extreme values in the four steps over all u and σ.
 
-    Parameters:
-        problem: (·,·)_V and K^h.
+    Args:
+        problem: gives the inner product of V and K^h.
         A: the viscosity on the cells.
-        load: (f(t), ·)_V.
+        load: the functional (f(t), ·)_V.
     """
 
     def work(stress: Tensors, v: Array) -> float:

@@ -1,11 +1,11 @@
-"""(4.4) and Theorem 2.2 where G is not monotone: how fast two solutions diverge, over decades of T and of L_G/m_A.
+"""(4.4) and Theorem 2.2 for G that is not monotone: two solutions diverge like e^{ct}, and not faster than e^{ωt}.
 
 (4.4) says that B + ωI is monotone for ω = L_G/m_A. Then Theorem 2.2 says for two solutions of Problem 5.1
 
     ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V).
 
-A monotone G does not show this, since ω = 0 serves as well. Therefore G is multiplied by a number such that L_G/m_A is
-ω, for the law of the case, which softens. An *even* law, A τ = 2τ and G τ = −2ω τ, is used, too. Predicted before
+For a monotone G this holds even with ω = 0. Therefore the test uses the law of a case that softens, with G scaled such
+that L_G/m_A = ω, and an *even* law, A τ = 2τ and G τ = −2ω τ. T and ω vary over two decades. Predicted before
 measuring:
 
 * *Even law.* B = −ωI, so u − v = e^{ωt} (u_0 − v_0) if u_0 − v_0 moves no vertex of Γ3 along ν, whatever contact does
@@ -48,30 +48,30 @@ from study.statements.shared.norms import maximum, norm
 from study.statements.wellposed import Perturbation, along_the_contact, perturbations, quotients, smooth
 
 SWEEP = tuple((omega, T) for omega in (0.1, 1.0, 10.0) for T in (0.1, 1.0, 10.0) if omega * T <= 10)
-"""(ω, T): ωT from 1/100 to 10, e^{ωT} up to 2e4."""
+"""The pairs (ω, T); ωT is between 1/100 and 10, so e^{ωT} is up to 2e4."""
 SHORT = 16
-"""Least number of steps in 1/ω and in T."""
+"""Least number of time steps in an interval of length 1/ω and in [0, T]."""
 KINDS = 5
 """Number of perturbations, one of each kind."""
 SMALL = 0.01
-"""Largest strain of an eigenvector at T, far inside K, where the law is linear."""
+"""Largest strain at T of the solution along an eigenvector; it is far inside K, where the law is linear."""
 SEEN = around(1, 1e-3, "the midpoint rule adds 3.3e-4 at most")
 NEVER = positive_at_most(1 + 1e-7, "proved; tolerance for fixed-point iterations")
 ATTAINED = Window(1 - 1e-7, 1 + 1e-7, "B = −ωI: equality but for rounding")
 
 
 def column(law: str, what: str, omega: float, T: float) -> str:
-    """Return the column of one (ω, T)."""
+    """Return the name of the column for one pair (ω, T)."""
     return f"{law} {what}, ω = {omega:g}, T = {T:g}"
 
 
 def columns(law: str, what: str) -> list[str]:
-    """Return the columns of a law for all (ω, T)."""
+    """Return the names of the columns of a law for all pairs (ω, T)."""
     return [column(law, what, omega, T) for omega, T in SWEEP]
 
 
 class SolutionDivergence(ListedNumbers):
-    """Rates of growth of differences against eigenvalues, and differences over their bound."""
+    """Measures rates of growth of differences over predicted rates, and differences over their bound."""
 
     label = "Thm 2.2, (4.4)"
     effort = 150
@@ -94,7 +94,7 @@ class SolutionDivergence(ListedNumbers):
 
     def measure(self, setting: Setting) -> dict[str, float]:
         setup, law = Experiment.at(setting, MIDPOINT, 1), resolve(setting.case).solution.law
-        # The steps of all laws and T need the load at the same few times.
+        # Cached, because the steps for all laws and all T need the load at the same few times.
         load = lru_cache(maxsize=None)(setup.problem.load)
         setup = replace(setup, problem=replace(setup.problem, load=lambda t: load(round(t, 9))))
         found: dict[str, float] = {}
@@ -111,7 +111,7 @@ def even_law(dim: int, omega: float) -> KelvinVoigt:
 
 
 def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
-    """Return the law with the multiple of G for which L_G/m_A = ω.
+    """Return the law with G scaled such that L_G/m_A = ω.
 
     Raises:
         TypeError: G is neither linear nor combined.
@@ -129,7 +129,7 @@ def scaled(law: KelvinVoigt, omega: float) -> KelvinVoigt:
 
 @dataclass(frozen=True, eq=False)
 class Mode:
-    """The softest mode v in {Nv = 0}: its rate c, and the contact force that keeps it there, (m,)."""
+    """The softest mode v in {Nv = 0}, its rate c, and the contact force that enforces Nv = 0, (m,)."""
 
     c: float
     v: Array
@@ -147,15 +147,15 @@ def softest_mode(space: Space, law: KelvinVoigt) -> Mode:
 
 
 def steps_for(law: KelvinVoigt, T: float) -> int:
-    """Return the number of steps that are short compared with 1/ω and T."""
+    """Return a number of time steps such that the step is at most 1/SHORT of 1/ω and of T."""
     return math.ceil(SHORT * max(law.kappa * T, 1.0))
 
 
 def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
-    """Return log(‖v(T)‖/‖v(0)‖)/(cT) for the solution v that starts with the softest mode.
+    """Return the measured rate over the predicted one, log(‖v(T)‖/‖v(0)‖)/(cT), for v(0) along the softest mode.
 
-    The solution that starts with 0 stays 0. Both are pressed onto the foundation with twice the force that the mode
-    needs, and the load balances the stress at rest.
+    It is compared with the solution that is 0 at all times. The load presses both onto the foundation with twice the
+    force that the mode needs, and balances the stress at zero strain.
     """
     mode = softest_mode(space, law)
     strain = abs(space.strain(mode.v)).max()
@@ -169,9 +169,10 @@ def growth_rate(space: Space, law: KelvinVoigt, T: float) -> float:
 
 
 def over_bound(setup: Experiment, law: KelvinVoigt, T: float) -> float:
-    """Return the largest ‖u_n − v_n‖_V (1 − gk)^n / (‖u_0 − v_0‖_V + k Σ ‖f_j − g_j‖_V), g = max(−m, 0)/m_A ≤ ω.
+    """Return the largest quotient of ‖u_n − v_n‖_V and its bound, for backward Euler.
 
-    u has the load of the setup, with its time scaled to T; v has another load or another start.
+    The bound is (1 − gk)^{−n} (‖u_0 − v_0‖_V + k Σ ‖f_j − g_j‖_V) with g = max(−m, 0)/m_A ≤ ω. u has the load of the
+    setup, with time scaled to T; v has another load or another initial value.
     """
     space, steps, pace = setup.space, steps_for(law, T), setup.problem.T / T
     problem = replace(SemiDiscrete.of(space, law, lambda t: setup.problem.load(t * pace), setup.problem.u0), T=T)

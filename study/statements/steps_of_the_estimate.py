@@ -1,4 +1,4 @@
-"""(5.11)–(5.19): the inequalities between Problem 5.1 and the estimate (5.21), with their constants, at single times.
+"""(5.11)–(5.19): the inequalities in the proof of the estimate (5.21), tested with their constants at single times.
 
 Let e = u − u^h, η = u − v^h, L = L_G/m_A and v^h = Π^h u. With L for the L_G of (5.14) (see the slips of the ledger),
 Young's inequality and (5.17), these are
@@ -9,7 +9,7 @@ Young's inequality and (5.17), these are
     (5.18)  ‖η(t)‖² ≤ 2‖η_0‖² + 2t∫‖η̇‖²   and   ∫‖η‖² ≤ 2t‖η_0‖² + t²∫‖η̇‖²,
     (5.19)  ‖e(t)‖² ≤ 4‖e_0‖² + (10 + 4Lt)‖η_0‖² + (2 + 6L)∫‖e‖² + (2 + 8t + 2Lt²)∫‖η̇‖² + 4∫|R|,
 
-with integrals over (0, t). R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40), is compared with its definition (5.13) in ``residual``.
+with integrals over (0, t). R(t; v) = ∫_{Γ3} σ_ν v_ν, (5.40); ``residual`` compares it with the definition (5.13).
 
 **(5.12), at the nodes of backward Euler.** Of u^h it uses (5.3) at one time only, which u_n satisfies with δu_n for
 u̇^h, whatever the step. Its right side minus its left side is what (5.1) with v = u^h and (5.3) with v^h leave,
@@ -33,9 +33,9 @@ largest ratio of the left to the right side: e is about η (``superclose``), and
 * (5.18): up to 1, attained where η_0 = ∫η̇; 1/2 where η grows from zero;
 * (5.19): ‖η_0‖² or t∫‖η̇‖² count ten times: 0.01 to 0.1.
 
-A ratio below a third of that would mean that the sides contain terms which the proof does not have. ∫‖e‖² on the right
-lets a wrong u^h pass at late times: an error that grows like t and is much larger than η has the ratio 3/((2 + 6L) t)
-in (5.16) and (5.19), which exceeds 1 only before t = 3/(2 + 6L). Therefore early times are included.
+A ratio below a third of these values would mean that the measured sides contain terms which the proof does not have.
+Early times are included, because ∫‖e‖² on the right side hides a wrong u^h at late times: an error that grows like t
+and is much larger than η has the ratio 3/((2 + 6L) t) in (5.16) and (5.19), which exceeds 1 only for t < 3/(2 + 6L).
 """
 
 from __future__ import annotations
@@ -58,15 +58,15 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import ContactWork, Energies, maximum
 
 NODES = 12
-"""Steps of backward Euler; (5.12) is tested at the end of each."""
+"""Number of steps of backward Euler; (5.12) is tested at the end of each step."""
 MEMBERS = 2
-"""Random members of K^h at each node."""
+"""Number of random members of K^h at each node."""
 STEPS = 96
-"""Steps of the midpoint rule."""
+"""Number of steps of the midpoint rule."""
 INSTANTS = (3, 6, 12, 24, 48, 72, 96)
-"""Steps at whose ends both sides are compared."""
+"""Numbers of the steps at whose ends both sides are compared."""
 POINTS = 2
-"""Gauss points in each step."""
+"""Number of Gauss points in each step."""
 
 _BY_WHAT = f"rounding, and for law (3.3) a fixed-point iteration stopped at {FIXED_POINT:g} of u"
 NEVER, EQUAL = at_most(1e-8, _BY_WHAT, low=-np.inf), positive_at_most(1e-8, _BY_WHAT)
@@ -78,7 +78,7 @@ TOGETHER = Window(0.003, 1.0, "proved; 0.01 … 0.1 for e like η")
 
 
 class StepsOfTheEstimate(ListedNumbers):
-    """The ratio of the left to the right side of each inequality, and the defects of the equations."""
+    """Measures the ratio of the left and the right side of each inequality, and the defects of the equations."""
 
     label = "(5.11)–(5.16), (5.18), (5.19)"
     claim = "the bounds (5.12), (5.14), (5.16) and (5.19) of ‖u(t) − u^h(t)‖_V² hold at every t, with their constants"
@@ -135,9 +135,9 @@ class Course:
 
     Attributes:
         time: t.
-        e, eta: ‖e(t)‖², ‖η(t)‖².
-        both: (e(t), η(t))_V.
-        integrals: of (ė, η)_V, (e, η̇)_V, ‖e‖ ‖η‖, ‖e‖², ‖η‖², ‖η̇‖² and |R(·; −η)| over (0, t), (7,).
+        e, eta: ‖e(t)‖² and ‖η(t)‖².
+        both: the product (e(t), η(t))_V.
+        integrals: the integrals of (ė, η)_V, (e, η̇)_V, ‖e‖ ‖η‖, ‖e‖², ‖η‖², ‖η̇‖² and |R(·; −η)| over (0, t), (7,).
     """
 
     time: float
@@ -157,7 +157,7 @@ def over_time(setup: Experiment) -> dict[str, float]:
 
 
 def courses(setup: Experiment) -> list[Course]:
-    """Return the quantities at the start and at the instants."""
+    """Return the quantities at t = 0 and at the instants."""
     energies, pressed = Energies(setup.solution, setup.space), ContactWork(setup.solution, setup.space)
     k, found, integrals = setup.problem.T / STEPS, [], np.zeros(7)
     for n, (before, state) in enumerate(pairwise(MIDPOINT.march(setup.problem, STEPS)), start=1):
@@ -209,5 +209,5 @@ def shares(start: Course, now: Course, L: float) -> tuple[float, float, float, f
 
 
 def ratio(left: float, right: float) -> float:
-    """Return left/right; infinity if the right side, which no inequality lets be negative, is not positive."""
+    """Return left/right, or infinity if the right side is not positive, which violates every inequality."""
     return left / right if right > 0 else np.inf

@@ -1,11 +1,11 @@
-"""‖Π^h u − u^h‖_V on one-diagonal meshes is of order 3/2 to 2, also with time steps k ~ h.
+"""The discrete error ‖Π^h u − u^h‖_V is of order 3/2 to 2 on one-diagonal meshes; the paper claims nothing about it.
 
-The rows of Proposition 5.4 are measured with k ~ h^{2/3}, enough for errors of order h. Compared with a discrete
-error of order 3/2 to 2 in h, the error in time of those steps grows under refinement, and on fine meshes one would
-observe the order in k. Here k ~ h, so that the midpoint rule, where it is of order 2, leaves the same share of the
-discrete error on every mesh. Jumps of u̇ may reduce its order, down to 1 (``landings``), so the growth of the share
-is judged: an order 3/2 in k would double it over two refinements. One case was claimed when this was first measured
-and is only reported now: its ü is not square integrable in time, and its share lies between 1 % and 40 %.
+The rows of Proposition 5.4 are measured with k ~ h^{2/3}, which is enough for errors of order h. The discrete error is
+smaller, so on fine meshes the error in time of these steps would dominate it. Here k ~ h. If the midpoint rule is of
+order 2, its error is then the same share of the discrete error on every mesh. Jumps of u̇ may reduce the order in k down
+to 1 (``landings``), so the growth of the share is judged: an order 3/2 in k would double it over two refinements. One
+case was judged at first and is only reported now, because its ü is not square integrable in time; its share is between
+1 % and 40 %.
 """
 
 from __future__ import annotations
@@ -35,7 +35,9 @@ BY_CHANCE = "ü ~ (t − t_0)^{−3/4}, so that the order in k is below 3/2 and 
 
 
 class Superclose(ListedNumbers):
-    """The order of the discrete error for the plane cases of Proposition 5.4, and the share of the error in time."""
+    """Measures the discrete error for the plane cases of Proposition 5.4, and the share of it that is due to time
+    steps.
+    """
 
     label = "superclose"
     claim = (

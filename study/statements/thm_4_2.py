@@ -1,10 +1,11 @@
-"""Theorem 4.2 on one mesh: Problem 3.1 (displacements) and Problem 3.2 (stresses) have the same solution.
+"""Theorem 4.2, on the strains of V^h: Problem 3.1 (displacements) and Problem 3.2 (stresses) have the same solution.
 
 **Measured.** Problem 3.1 is solved in displacements on K^h, Problem 3.2 in stresses on Σ^h(t) by an interior-point
-method, where u_n is a multiplier that is not forced into K^h. Both share the strain matrix, the load and the time steps
-of backward Euler, and nothing else. A row of ``equivalence.csv`` holds the largest gaps between both over time.
+method, in which u_n is a multiplier that is not forced into K^h. Both share only the strain matrix, the load and the
+time steps of backward Euler. A row of ``equivalence.csv`` has the largest differences ("gaps") of both over time.
 
-**How large the gaps may be** is known without the solution. At step j the interior point stops with a duality gap g_j,
+**Tolerance.** How large the gaps may be is known without the solution. At step j the interior-point method stops with a
+duality gap g_j,
 and ‖σ_j − σ*‖² in the norm of C⁻¹ and ‖ε_j − ε*‖² in the norm of C = A/k + G are at most g_j, where σ* and ε* are exact
 for the same ε_{j−1} (``study.solve.interior_point``). With ω = max(−m, 0)/m_A, which is 0 for monotone G,
 C ≥ (1 − kω) A/k. So a step is Lipschitz in ε_{j−1} with q = 1/(1 − kω) in the norm of A, which is the norm of V, and
@@ -16,9 +17,9 @@ up to the tolerances of both solvers: A/k alone carries ε_{j−1} into σ_n, wi
 |τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The same holds for Cε + β(ε − P_K ε), with A/k + C and β(ε − P_K ε) treated separately.
 ``paper/proofs_rest.tex`` has the proof.
 
-**Whether the comparison would see a mistake in one problem.** Two solutions that agree prove nothing if one was made
-from the other, or if the comparison is blind. So Problem 3.1 alone is solved wrongly, with flipped normals, ũ ∈ −K^h,
-while Problem 3.2 stays as it is. The gap must show the whole mistake:
+**Sensitivity.** Two solutions that agree prove nothing if one was computed from the other, or if the comparison is not
+sensitive. So Problem 3.1 alone is solved with a deliberate mistake, flipped normals, ũ ∈ −K^h, while Problem 3.2 is
+unchanged. The gap must show the whole mistake:
 
     ‖u(3.2) − ũ(3.1)‖_V / ‖u(3.1) − ũ(3.1)‖_V = 1.
 
@@ -28,7 +29,7 @@ comparison is sensitive. It does not show how stresses are computed: if both sid
 triangle inequality gives 1 up to their distance, also for a Problem 3.2 that solves its own copy of Problem 3.1.
 ``tests/controls/test_controls.py`` shows that stresses are found without a displacement solver in the process.
 
-``thm_4_2_own_space`` solves Problem 3.2 on a stress space that knows no displacement.
+``thm_4_2_own_space`` solves Problem 3.2 on a stress space without using displacements.
 """
 
 from __future__ import annotations
@@ -114,10 +115,10 @@ def problems(solution: ExactSolution, family: MeshFamily, level: int) -> tuple[S
 
 
 def gaps(displacements: SemiDiscrete, stresses: StressProblem, steps: int) -> Gaps:
-    """March both problems together, one step of each in memory, and return their largest gaps.
+    """Return the largest gaps between both problems over all time steps.
 
     Raises:
-        StepsError: the steps are so long that they need not have one solution; then there is no q.
+        StepsError: the steps are so long that the problem of a step may have no or several solutions.
     """
     space, law, M = stresses.space, stresses.law, displacements.M
     cells, k, root, radius = on_cells(space, law), step_size(displacements.T, steps), np.sqrt(space.volumes), 0.0
@@ -159,11 +160,11 @@ def beyond(defect: Array, N: sps.csr_array) -> float:
 
 
 LEAST = 1e-9
-"""Smaller gaps are reported as at most this: the last iteration of a solver leaves them by chance."""
+"""Smaller gaps are reported as this number, because they depend on where the last iteration of a solver stops."""
 
 
 def magnitudes(found: Mapping[str, float]) -> dict[str, float]:
-    """Round gaps and bounds, which depend on the tolerance of the interior-point method, up to powers of ten.
+    """Return gaps and bounds rounded up to powers of ten, as they depend on the tolerance of the interior-point method.
 
     Gaps and bounds follow from the duality gap at which the method happens to stop. With a tolerance of 0.1 to 2 times
     1e-15, bounds changed by factors up to 14 and gaps by factors up to 100, so none of their digits means anything.
@@ -190,7 +191,7 @@ def compare(case: Case, family: MeshFamily, level: int, steps: int) -> dict[str,
 
 
 def largest_bound(group: pd.DataFrame) -> Measured:
-    """Return the larger one of both bounds on every level."""
+    """Return the larger of both bounds on every level."""
     return greatest(group[list(BOUNDS)].to_numpy().max(axis=1))
 
 
@@ -203,9 +204,9 @@ SHARP = positive_at_most(
 
 
 class SameMesh(Statement):
-    """Gaps over their bounds, and the properties of Problem 3.2 that are never imposed.
+    """Measures the gaps over their bounds, and properties of Problem 3.2 that its solver does not impose.
 
-    Time steps are those of backward Euler with k ~ h/2. A displacement inside K^h gives a membership of 0.
+    The time scheme is backward Euler with k ~ h/2. The membership is 0 for a displacement inside K^h.
     """
 
     label = "Thm 4.2"
@@ -226,7 +227,7 @@ class SameMesh(Statement):
     )
 
     def settings(self, scope: Scope) -> list[Setting]:
-        """Every case on coarse levels, because the interior-point method is for small problems."""
+        """Return the settings of every case on coarse levels, because the interior-point method is slow."""
         return [
             Setting(reference, family.name, n)
             for reference, case in zip(scope.cases, scope.resolved(), strict=True)
@@ -244,13 +245,13 @@ class SameMesh(Statement):
         return estimates.equivalence(setting.dim, setting.level, setting.family)
 
     def steps(self, setting: Setting) -> int:
-        """Two for every cell along a side."""
+        """Return two time steps for every cell along a side."""
         return 2 * setting.level
 
 
 @dataclass(frozen=True, eq=False)
 class Sides:
-    """Both problems of one check of the comparison.
+    """Both problems for one test of the sensitivity of the comparison.
 
     Attributes:
         displacements: Problem 3.1.
@@ -280,7 +281,7 @@ class Derived(StressProblem):
         return cls(stresses.space, stresses.law, stresses.N, stresses.load, stresses.u0, displacements)
 
     def march(self, steps: int) -> Iterator[StressState]:
-        """Yield the states of backward Euler in displacements, with the duality gap of a converged interior point."""
+        """Yield the states of backward Euler for displacements, with a duality gap as after a converged solve."""
         k, law, old = self.displacements.T / steps, on_cells(self.space, self.law), self.space.strain(self.u0)
         yield StressState(0.0, np.full_like(old, np.nan), old, self.u0, np.full(self.N.shape[0], np.nan), 0.0)
         for _, state in pairwise(BACKWARD_EULER.march(self.displacements, steps)):
@@ -291,9 +292,9 @@ class Derived(StressProblem):
 
 
 class Independence(NamedTuple):
-    """The part of a mistake in Problem 3.1 alone that its gaps to Problem 3.2 show: 1 is all of it, 0 nothing.
+    """The share of a mistake in Problem 3.1 that the gaps show: 1 if they show all of it, 0 if they do not change.
 
-    The displacement part is measured in ‖·‖_V, the stress part in ‖·‖_Q.
+    Displacements are measured in ‖·‖_V, stresses in ‖·‖_Q.
     """
 
     displacement_shown: float
@@ -315,12 +316,12 @@ def independence(sides: Sides, steps: int) -> Independence:
 
 CASES = ("full-contact", "no-contact", "advance-recede", "travelling-patch", "yield-and-release", "yield-on-a-part")
 ALONE = around(1, 0.001, "its full size")
-"""The ratio is off by at most the distance of both solutions over the mistake. A flip is a mistake of 0.1 of the
-solution, so distances of 1e-4 of the solution are noticed as well."""
+"""The ratio differs from 1 by at most (distance of both correct solutions) / (mistake). Flipped normals change the
+solution by a tenth, so this row also notices a distance of 1e-4 of the solution."""
 
 
 class StandsAlone(ListedNumbers):
-    """The gaps show all of a mistake in Problem 3.1 alone; without a mistake the ratio is 0/0, and the row fails."""
+    """Tests that gaps show all of a mistake in Problem 3.1; without a mistake the ratio is 0/0 and the row fails."""
 
     label = "Thm 4.2"
     claim = "the comparison shows the full size of a deliberate defect in Problem 3.1 alone"

@@ -1,4 +1,4 @@
-"""Theorem 4.2 on a stress space of its own: Problem 3.2 without displacements and Problem 3.1 converge to each other.
+"""Theorem 4.2, on a conforming stress space: solutions of Problem 3.2 without displacements converge to Problem 3.1.
 
 **Measured.** Problem 3.2 is solved by BDF2 on equilibrated composite stresses (``study.stresses.dual``) from f_0, f_2
 and ε(u_0) alone: no displacement, no V^h. A row of ``stresses.csv`` is one mesh, with k ~ h. σ^h is compared with the
@@ -115,16 +115,16 @@ STRESSES = CsvFile("stresses.csv", ("case", "family", "level"), COLUMNS)
 EDGE_POINTS = 4
 """Gauss points on an edge for the moments of u."""
 RAISED = 2
-"""Added to the degree of the rule for f_0 in the companion with half as many steps."""
+"""Increase of the degree of the rule for f_0 in the computation with half as many steps."""
 
 
 @dataclass(frozen=True, eq=False)
 class StressExperiment:
-    """Problem 3.2 of an exact solution on one mesh. Negative controls replace single attributes by wrong ones.
+    """Problem 3.2 of an exact solution on one mesh. Negative controls replace one attribute by a wrong value.
 
     Attributes:
-        solution: the exact solution.
-        data: f_0, f_2 and ε(u_0), all that Problem 3.2 knows of it.
+        solution: the exact solution, with which the stresses are compared.
+        data: f_0, f_2 and ε(u_0), the only data of Problem 3.2.
         space: the stress space.
         scheme, steps: BDF2 and the number of its steps.
         solver: the contact solver, made from (S, N).
@@ -144,7 +144,7 @@ class StressExperiment:
 
     @classmethod
     def at(cls, setting: Setting, steps: int) -> StressExperiment:
-        """Return the experiment at a setting, whose case and mesh family are given by name."""
+        """Return the experiment for the case, the mesh family and the level of a setting."""
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, steps)
 
     @cached_property
@@ -237,7 +237,7 @@ class Exact:
 
 
 class Primal:
-    """Problem 5.1 on the same mesh with the same time steps: an iterator over its displacements and stresses."""
+    """Iterates over the displacements and stresses of Problem 5.1 on the same mesh with the same time steps."""
 
     def __init__(self, solution: ExactSolution, space: StressSpace, steps: int) -> None:
         law, self.displacements = solution.law, Space(space.mesh, solution.body)
@@ -328,7 +328,7 @@ MARGIN, SMOOTH = 0.15, 0.3
 """Tolerance below a predicted order: below the order of a singularity, and below 2, which is reached from below on
 coarse meshes because of the boundary."""
 JUDGED, PAIR = 3, 2
-"""Orders are taken over the last levels, at most so many, and at least a pair."""
+"""Orders are computed from the finest levels: at most JUDGED, at least PAIR."""
 IN_CELLS = ("stress", "strain", "primal_stress")
 """Quantities whose errors are sums over all cells. The pressure error is a sum over the edges on Γ3, and multiplier
 errors are largest along a moving front: sums over as many cells as there are along a line."""
@@ -396,7 +396,7 @@ def rules_of(regularity: Regularity, family: str) -> Iterator[Rule]:
         parts = CELLS if name in IN_CELLS else ALONG
         window = orders.window(CHANCE if parts == ALONG and random else 0.0)
         yield weighted(f"order-{name}", f"order of {QUANTITIES[name]}", window, name, parts, JUDGED, PAIR)
-    # The ratio on the finest level is shown.
+    # The ledger shows the ratio on the finest level.
     ratios = Criterion("ratio", RATIO, at_least(1), lambda of: among(of["ratio"].iloc[-1], of["ratio"]), ("ratio",))
     yield Observation(ratios, "these polynomials form a larger space")
     bounded = (
@@ -421,7 +421,7 @@ def in_the_maximum(regularity: Regularity, family: str) -> Window:
 
 
 class OwnSpace(Statement):
-    """One row for each quantity, case and mesh family."""
+    """Measures the errors of Problem 3.2 on its stress space, and judges the order of each quantity."""
 
     label = "Thm 4.2, own space"
     claim = (
@@ -458,6 +458,6 @@ class OwnSpace(Statement):
         return estimates.stress(setting.level)
 
     def steps(self, setting: Setting) -> int:
-        """k ~ h, shorter in cases with a faster pace."""
+        """Return the number of time steps, with k ~ h and more steps for cases with a larger pace."""
         case = resolve(setting.case)
         return stress_steps(case.solution.body.T, setting.level, case.pace)

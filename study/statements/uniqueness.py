@@ -1,6 +1,6 @@
-"""Theorems 4.1, 4.3 and 5.2: different solvers find the same displacement, and the same stress.
+"""Theorems 4.1, 4.3 and 5.2 state that there is only one solution: different solvers must give the same one.
 
-Displacements solve Problem 3.1 on V^h. Stresses solve Problem 3.2 on a stress space, without any displacement.
+Displacements solve Problem 3.1 on V^h. Stresses solve Problem 3.2 on a stress space, without displacements.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from study.statements.thm_4_2_own_space import StressExperiment
 STEPS = 12
 _BY_WHAT = f"exact solvers, or a fixed-point iteration stopped at {FIXED_POINT:g} in every step"
 EXACTLY, OTHERWISE = at_most(1e-9, _BY_WHAT), positive_at_most(1e-9, _BY_WHAT)
-"""From any start a solver ends with the same active set and the same digits; other arithmetic leaves rounding."""
+"""Windows: from any initial guess a solver must end with the same digits; another solver differs by round-off."""
 INTERIOR = positive_at_most(1e-7, "the root of the duality gap 1e-15 at which the interior point method stops")
 
 
 class OneTrajectory(ListedNumbers):
-    """max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for trajectories of different solvers.
+    """Measures max_n ‖u_n − v_n‖_V / max_n ‖u_n‖_V for trajectories of different solvers.
 
     Every step of backward Euler minimises ½ vᵀSv − bᵀv over K^h, S = M/k + G. It is solved by the condensed active set
     method, started from the last active set and from random ones, by two methods that share no code with it, and with
@@ -137,7 +137,7 @@ RIVALS: Mapping[str, type[Signorini]] = {
 
 
 class OneStress(ListedNumbers):
-    """max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q for stresses of Problem 3.2 by different solvers.
+    """Measures max_n ‖σ_n − τ_n‖_Q / max_n ‖σ_n‖_Q for stresses of Problem 3.2 by different solvers.
 
     Every step minimises a strictly convex energy over the admissible stresses. So the earlier steps determine the
     stress and the multipliers of equilibrium, and neither the start of the search nor the method may change them.

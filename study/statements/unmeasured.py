@@ -1,5 +1,5 @@
-"""Rows of the ledger without a measurement: misprints of the source, claims that no computation can test, and formulas
-that claim nothing beyond what other rows judge."""
+"""Rows of the ledger without a measurement: misprints in the paper, claims that no computation can test, and formulas
+that other rows judge already."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from study.statements.shared.base import LISTED, Statement
 
 
 class Listed(Statement):
-    """Rows of the ledger without data: (key, place in the source, quantity, comment)."""
+    """Base class of rows without data. Each line is (key, place in the paper, quantity, comment)."""
 
     file: DataFile = LISTED
     lines: Sequence[tuple[str, str, str, str]] = ()
@@ -73,7 +73,7 @@ class Misprints(Listed):
 
 
 class Untested(Listed):
-    """Claims of the source about infinitely many functions or data: they are listed without a verdict."""
+    """Lists claims of the paper about infinitely many functions or data, without a verdict."""
 
     label = NOT_TESTED
     claim = "statements that finitely many computations cannot test"
@@ -95,7 +95,7 @@ class Untested(Listed):
 
 
 class WithoutRow(Listed):
-    """Definitions, problems, assumptions, and steps that other rows judge, and why each has no row."""
+    """Lists definitions, problems, assumptions and steps that need no row, each with the reason."""
 
     label = NO_ROW
     claim = "formulas that need no row: definitions, restatements, and steps towards other statements"

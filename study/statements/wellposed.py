@@ -23,21 +23,21 @@ from study.statements.shared.experiment import Experiment
 from study.statements.shared.norms import Velocity, dual_norm, maximum, norm
 
 FEW = ("advance-recede", "yield-on-a-part")
-"""Linear law and law (3.3), for the quick study."""
+"""The cases of the quick study, one with a linear law and one with the law (3.3)."""
 
 # u ∈ W^{1,∞}(0,T;V).
 
 STEPS = {"k": 24, "k/2": 48, "k/4": 96}
 SUPREMUM_AT = 192
-"""Intervals of the grid for sup_t ‖u̇(t)‖_V: twice as many as in the finest grid for u^h."""
+"""Number of time intervals for sup_t ‖u̇(t)‖_V, twice the largest number of time steps for u^h."""
 BOUNDED = Window(0.5, 1.5, "for all h and k")
 LIMIT = around(1, 0.1, "u̇^h → u̇, and u̇ is continuous except at isolated times")
 
 
 class BoundedVelocity(ListedNumbers):
-    """max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, δu_n = (u_n − u_{n−1})/k, for halved k and refined h.
+    """Measures max_n ‖δu_n‖_V / sup_t ‖u̇(t)‖_V, δu_n = (u_n − u_{n−1})/k, for several k and h.
 
-    For a start outside K^h it would grow like 1/k. σ ∈ L^∞(0,T;Q) follows by (3.1) and (3.2).
+    For an initial value outside K^h the ratio would grow like 1/k. σ ∈ L^∞(0,T;Q) follows by (3.1) and (3.2).
     """
 
     label = "(4.1)"
@@ -74,7 +74,7 @@ AFTER_ONE_STEP = "‖u − v‖_V / its bound after one step, ω = L_G/m_A, f �
 
 @dataclass(frozen=True, eq=False)
 class Perturbation:
-    """Other data: the load F(t) + cos(ωt) force for F(t), and the initial value start ∈ K^h for u_0^h."""
+    """A perturbation of the data: the load F(t) + cos(ωt) · force, and the initial value ``start`` ∈ K^h."""
 
     force: Array
     frequency: float
@@ -86,9 +86,9 @@ class Perturbation:
 
 
 class Dependence(ListedNumbers):
-    """‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V ds) for the solutions of two data sets.
+    """Tests ‖u(t) − v(t)‖_V ≤ e^{ωt} (‖u_0 − v_0‖_V + ∫_0^t ‖f − g‖_V ds) for the solutions of two data sets.
 
-    In Theorem 2.2 ω makes A + ωI monotone; for A = ∂ψ_K + B the source takes ω = L_G/m_A, (4.5). One step of backward
+    In Theorem 2.2 ω makes A + ωI monotone; for A = ∂ψ_K + B the paper takes ω = L_G/m_A, (4.5). One step of backward
     Euler is the resolvent of A. So for monotone G the inequality also holds for u_n and v_n, with the sum of
     k ‖f(t_j) − g(t_j)‖_V for the integral, and even with ω = 0. ‖f − g‖_V is the norm of the Riesz representative in
     V^h, (FᵀM⁻¹F)^{1/2}.
@@ -130,7 +130,7 @@ def quotients(problem: SemiDiscrete, trajectory: list[State], other: Perturbatio
 
 
 def perturbations(problem: SemiDiscrete, space: Space) -> Iterator[Perturbation]:
-    """Yield loads and starts of several sizes; the first, a constant load, alone moves no vertex of Γ3 along ν."""
+    """Yield perturbations of loads and initial values; only the first, a constant load, moves no vertex of Γ3 along ν."""
     rng, riesz, onto = np.random.default_rng(SEED), Cholesky(problem.M), Signorini(problem.M, problem.N)
     load = maximum(norm(problem, riesz(problem.load(float(t)))) for t in np.linspace(0, problem.T, 9))
     pressing = riesz(problem.N.T @ np.ones(problem.N.shape[0]))
