@@ -1,4 +1,4 @@
-"""``study check``: compare data, verdicts, tables and the inputs of the article with what they must be."""
+"""``study check``: compare data, verdicts, tables and the inputs of the papers with what they must be."""
 
 from __future__ import annotations
 

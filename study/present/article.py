@@ -20,10 +20,8 @@ from study.ledger.verdict import (
     IDENTITY,
     KINDS,
     MISSED,
-    ONE_SIDED,
     ORDER,
     REPORTED,
-    SIZE,
     UNCLAIMED,
     VERDICTS,
     agreement,
@@ -94,7 +92,7 @@ def _ledger(data: FullRun) -> Named:
     for verdict in VERDICTS:
         yield f"ledger{verdict.capitalize()}", counts[verdict]
     kinds = count_kinds(data.claims)
-    for name, one in (("Orders", ORDER), ("Sizes", SIZE), ("Bounds", ONE_SIDED), ("Identities", IDENTITY)):
+    for name, one in (("Orders", ORDER), ("Identities", IDENTITY)):
         yield f"kind{name}", kinds[one]
     orders = data.claims[(data.claims["verdict"] == HOLDS) & (data.claims.apply(kind, axis=1) == ORDER)]
     yield "ordersWide", (orders["window_high"] - orders["window_low"] > WIDE).sum()

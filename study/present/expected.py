@@ -11,13 +11,13 @@ from study.present.pages import badges, refreshed
 from study.present.tables import texts
 
 TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "make pages"
-"""The commands that write tables and article, figures with their captions, and the README with its badges."""
+"""The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
 
 
 def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
     """Returns path ↦ (text, command that writes it) for the files of a run that follow from its data alone.
 
-    These are tables, inputs of the article and captions of figures; for a full run also the badges and the README of
+    These are tables, inputs of the papers and captions of figures; for a full run also the badges and the README of
     the repository that the run belongs to. Files that are not there are left out.
 
     Raises:

@@ -15,7 +15,7 @@ between nodes is what interpolation leaves of u^h: with its values at nodes and 
 
 osc_n the largest difference of velocities within a step.
 
-The proofs are in the supplement to the article (paper/proofs_time.tex). The first bound needs the computed solution,
+The proofs are in paper/time.tex. The first bound needs the computed solution,
 the second only the data; neither knows h. z is u̇^h(0+), the projection of f(0) − B^h u_0 onto the cone of directions
 that K^h allows at u_0, and at most ‖f(0)‖_V + ‖B^h u_0‖_V long.
 """

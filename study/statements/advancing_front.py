@@ -4,7 +4,7 @@ Near a front between contact and separation, elastic displacements of finite ene
 those that neither penetrate nor pull begin with r^{3/2}. In σ = Aε(u̇) + Gε(u) the velocity plays the role of the
 elastic displacement, and where the front moves it has one power less than u: for u ~ r^{3/2} it is
 u̇ ~ −ċ ∂_x u ~ r^{1/2}, with p ~ ċ r^{−1/2}. This is a pressure where ċ > 0, and pulls where ċ < 0. So fronts that
-recede are expected to have w ~ r^{5/2} and p ~ r^{1/2}, which satisfies (5.36). The supplement proves a part of this,
+recede are expected to have w ~ r^{5/2} and p ~ r^{1/2}, which satisfies (5.36). paper/fronts.tex proves a part of this,
 in the proposition on moving fronts: none has w ~ r^{3/2} and a pressure in H^{1/2}.
 
 ``manufactured.natural_motion`` is an advancing front in closed form, with f_0 and f_2 as (3.4) requires. Predicted:

@@ -1,7 +1,7 @@
 """Beyond the source: ‖u^h − û^{hk}‖_V = O(k) for backward Euler, with a constant that does not depend on the mesh.
 
 With Proposition 5.4 this is ‖u − û^{hk}‖_V = O(h + k) for the fully discrete scheme, without a condition between h and
-k. ``study.solve.gradient_flow`` has the theorem and its bounds, the supplement to the article its proof.
+k. ``study.solve.gradient_flow`` has the theorem and its bounds, paper/time.tex its proof.
 
 Predicted: both bounds hold for every mesh and every step, k ≫ h and k ≪ h. The order in k is 1, since u̇^h jumps at
 landings and u is not smooth in time then. The constant is the constant of u^h, which converges, so it hardly changes

@@ -11,7 +11,7 @@ be at (n + θ)k. A step with complementarity at its end, of backward Euler or th
 θ ≥ 3/20, while the exact u_1 is (1 − θ)·3k/40: a permanent error in ‖·‖_S of √2·(1 − θ)·3k/40. For k = 2^{−j}, θ is
 4/5, 3/5, 1/5, 2/5 in turn, so errors at the nodes are between √2·3/200 and √2·6/100 of k, and both ends are attained:
 no order above 1, and no order for two successive steps. BDF2 ends at a distance of at least √2·17k/600 from u, whatever
-θ. The article has the proofs.
+θ. paper/time.tex has the proofs.
 
 *In P1*: a load rolls along Γ3 so that the pressure does not vanish at the front. Many landings leave an error C_1 k,
 and the times between them an error C_2 k². C_2 hardly depends on the mesh; C_1 comes from the jumps of velocities at

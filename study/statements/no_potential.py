@@ -4,7 +4,7 @@ The last paragraph of the source leaves error estimates for fully discrete schem
 an elasticity G with a convex potential. The theorem measured here asks only what the source asks: G is Lipschitz,
 (3.2). With κ = L_G/m_A and steps of any size below 1/κ, max_t ‖u^h − û^{hk}‖_V ≤ c k with a constant c that no mesh
 enters, so that with Prop. 5.4 the fully discrete error is O(h + k). ``study.solve.euler_bounds`` has both bounds with
-all constants, paper/proofs_euler.tex the proof. The solver factorises with the symmetric part of G; the fixed-point
+all constants, paper/time.tex the proof. The solver factorises with the symmetric part of G; the fixed-point
 iteration for nonlinear laws treats the rest.
 
 Predicted before measuring, for levels 4, 8, 16, up to 256 steps, and an elasticity with κ = 1.78, γ = 1, T = 1:
