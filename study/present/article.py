@@ -144,7 +144,9 @@ def _smooth(data: FullRun) -> Named:
     sweeps = data.rates[data.rates["claim"] == label]
     # Laws that are not linear need a fixed point in every step.
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
-    yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
+    plane = sweeps["dim"] == 2
+    yield "residualLinear", _power(sweeps.loc[~yielding & plane, "residual"].max())
+    yield "residualSolid", _power(sweeps.loc[~plane, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
     yield "supremumLater", f"{data.rows(label, 'after-start')['observed'].iloc[0]:.0f}"
 
