@@ -15,6 +15,7 @@ from manufactured.exact import ExactSolution, Face
 from manufactured.face_formula import FaceFormula, read_off
 from manufactured.face_strain import Memory, Prescribed
 from manufactured.file_names import file_name_fault
+from manufactured.html import table
 from manufactured.profile import ZERO
 from manufactured.regularity import Regularity
 from manufactured.singular import SingularFace, SingularField, TravellingField, least_exponent
@@ -127,6 +128,11 @@ class Case:
     def proposition(self) -> str:
         """The numbered statement whose hypotheses the case satisfies."""
         return self.regularity.proposition
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: name, summary, predicted order with its reason, and the solution."""
+        rows = [("case", self.name), ("contact zone", self.summary), ("predicted order", f"{self.order:g}")]
+        return table([*rows, ("reason", self.reason)]) + self.solution._repr_html_()
 
 
 def _formulas(face: Face, T: float) -> tuple[FaceFormula, list[FaceFormula]]:

@@ -1,4 +1,4 @@
-"""The catalogue of exact solutions: their names, and the cases themselves, each made when it is asked for."""
+"""The catalogue of exact solutions: their names, and the cases. Each case is made at its first use."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ NAMES = (
     "advance-recede",
     "travelling-patch",
     "merging-patches",
+    "long-time",
     "lift-and-land",
     "load-w11",
     "yield-and-release",
@@ -34,6 +35,7 @@ NAMES = (
     "natural-front",
     "rough-trace",
     "moving-rough",
+    "cube-rough",
     "layered-unmet",
     "rough-1.75",
     "rough-2",
@@ -56,7 +58,7 @@ def catalogue() -> tuple[Case, ...]:
 
 @cache
 def named(name: str) -> Case:
-    """Return the case of the catalogue with this name; no other case is made for it.
+    """Return the case of the catalogue with this name, without making the other cases.
 
     >>> case = named("rotated")
     >>> case.order, case.solution.body.dim, case.solution.law.dim

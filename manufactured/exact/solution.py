@@ -12,6 +12,7 @@ from manufactured.body import Body, Kind, Part
 from manufactured.contact import ContactFace
 from manufactured.exact.contribution import Contribution, ContributionAtPoints, Face
 from manufactured.exact.forces import ForceModes, force_modes
+from manufactured.html import table
 from manufactured.jet import Jet
 from manufactured.law import KelvinVoigt, PointLaw
 from manufactured.modes import Modes
@@ -93,6 +94,15 @@ class ExactSolution:
             ValueError: there are not d − 1 coordinates.
         """
         return FaceFields(self, face, _coordinates(s, self.body.dim - 1, "points of a face"))
+
+    def _repr_html_(self) -> str:
+        """Return what a notebook shows: the body, the law, and the contact data of every piece of Γ3."""
+        rows: list[tuple[str, object]] = [("law", self.law.name)]
+        for number, face in enumerate(self.faces, start=1):
+            pressure = getattr(getattr(face, "strain", face), "pressure", None)
+            formulas = {"gap w": face.gap, "pressure p": pressure, "level ψ, contact where ψ ≥ 0": face.level}
+            rows += [(f"piece {number}: {name}", value) for name, value in formulas.items() if value is not None]
+        return self.body._repr_html_() + table(rows)
 
 
 class Fields:

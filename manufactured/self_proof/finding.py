@@ -1,4 +1,4 @@
-"""The largest defect of a condition, and the error that lists those which are too large."""
+"""The largest defect of a condition, and the error that lists all defects that are too large."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 from manufactured.tensors import Array, Points
 
 TOGETHER = 1 << 13
-"""Values that are evaluated together: more of them do not fit a cache."""
+"""Number of values that are evaluated together: more would not fit the processor cache."""
 ROUND_OFF = 1e-9
 """Largest defect relative to the size of the terms that counts as round-off."""
 
@@ -20,10 +20,10 @@ class Finding:
     """The largest defect found in one condition.
 
     Attributes:
-        condition: its number in the source and its formula.
+        condition: the number of the condition in the source, and its formula.
         defect: size of the violation relative to the scale of the terms.
-        tolerance: what is allowed.
-        x, time: where it is attained.
+        tolerance: the largest defect that passes.
+        x, time: point and time of the largest defect.
     """
 
     condition: str
@@ -61,7 +61,7 @@ class SelfProofError(ValueError):
 def worst(
     condition: str, x: Points, instants: Array, defect: Array, scale: Array, tolerance: float = ROUND_OFF
 ) -> Finding:
-    """The largest entry of defect (times, points) relative to the largest entry of scale."""
+    """Return the largest entry of defect (times, points) relative to the largest entry of scale."""
     defect = np.where(np.isfinite(defect), defect, np.inf)
     when, where = np.unravel_index(np.argmax(defect), defect.shape)
     size = max(float(np.max(np.where(np.isfinite(scale), scale, 0.0))), np.finfo(float).tiny)
@@ -71,9 +71,9 @@ def worst(
 
 
 def at_times(of: Callable[[Array], Array], instants: Array, points: int) -> Array:
-    """A field at some points and times, the first axis, of which as many are found together as serves a cache.
+    """Evaluate a field at all times, which become the first axis, in blocks that fit the processor cache.
 
-    ``of`` takes times (n,) and has them on its last axis.
+    ``of`` takes times (n,) and returns values with a last axis of length n.
     """
     together = max(1, TOGETHER // points)
     blocks = (instants[first : first + together] for first in range(0, len(instants), together))

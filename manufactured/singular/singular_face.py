@@ -17,12 +17,12 @@ from manufactured.tensors import Points
 
 @dataclass(frozen=True, eq=False)
 class SingularFace:
-    """A piece of Γ3 on which a singular field makes contact: gap, pressure and zone are stated beside the field.
+    """A piece of Γ3 on which a singular field makes contact, with the gap, pressure and zone that belong to the field.
 
     Attributes:
         part: the piece Γ3,i.
         gap: w(s, t).
-        pressure: p(s, t), what the law makes of the field; the self-proof compares.
+        pressure: p(s, t), the pressure that the law gives for the field; the self-proof checks this.
         level: ψ(s, t).
         field: the displacement.
         rough: coordinates s of the singular points that do not move.

@@ -196,7 +196,7 @@ CONTROLS: tuple[Control, ...] = (
     Control("stress without contact", "σ_ν = 0 instead of σ_ν ≤ 0", OWN, "solver", wrong.no_multipliers, "order-stress"),
     Control("stress law swapped", "A and G swapped in Problem 3.2", OWN, "", wrong.law_swapped, "order-strain"),
     Control("stress without memory", "the strains of the past are 0", OWN, "scheme.past", wrong.instead((0.0, 0.0)), "order-strain"),
-    Control("stress without f_2", "σν = 0 instead of f_2 on Γ2", OWN, "data.surface_load", wrong.instead(wrong.no_surface_load), "order-stress"),
+    Control("stress without f_2", "σν = 0 instead of f_2 on Γ2", OWN, "data.surface_load", wrong.instead(wrong.no_surface_load), ("order-stress", "order-sup")),
     Control("first step off", "u_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", u=1.0001), "displacement"),
     Control("first stress off", "σ_1 off by 1e-4, then right", BOTH, "", wrong.step_times("first", stress=1.0001), "stress"),
     Control("stopped early", "gaps of 1e-8 instead of 1e-15", BOTH, "solve.stress_problem:AIM", wrong.instead(Accuracy(gap=1e-8, feasibility=1e-11)), "allowed"),

@@ -22,6 +22,7 @@ from study.ledger.verdict import (
     MISSED,
     ORDER,
     REPORTED,
+    THEOREM,
     UNCLAIMED,
     VERDICTS,
     agreement,
@@ -92,7 +93,7 @@ def _ledger(data: FullRun) -> Named:
     for verdict in VERDICTS:
         yield f"ledger{verdict.capitalize()}", counts[verdict]
     kinds = count_kinds(data.claims)
-    for name, one in (("Orders", ORDER), ("Identities", IDENTITY)):
+    for name, one in (("Orders", ORDER), ("Theorems", THEOREM), ("Identities", IDENTITY)):
         yield f"kind{name}", kinds[one]
     orders = data.claims[(data.claims["verdict"] == HOLDS) & (data.claims.apply(kind, axis=1) == ORDER)]
     yield "ordersWide", (orders["window_high"] - orders["window_low"] > WIDE).sum()
@@ -105,6 +106,7 @@ def _ledger(data: FullRun) -> Named:
     yield "seedRed", alarms.red
     yield "seedsLight", alarms.light_seeds
     yield "seedRedLight", alarms.light_red
+    yield "seedRateMost", _percent(alarms.high)
     yield "seedRateTail", "not known yet" if math.isnan(alarms.by_tail) else f"at most {_percent(alarms.by_tail)}"
     yield "seedPromise", _percent(PROMISE)
 
@@ -148,7 +150,7 @@ def _smooth(data: FullRun) -> Named:
     yield "residualLinear", _power(sweeps.loc[~yielding & plane, "residual"].max())
     yield "residualSolid", _power(sweeps.loc[~plane, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
-    yield "supremumLater", f"{data.rows(label, 'after-start')['observed'].iloc[0]:.0f}"
+    yield "supremumLater", (data.rows(label, "start-share")["verdict"] == HOLDS).sum()
 
 
 def _rough(data: FullRun) -> Named:
@@ -283,8 +285,8 @@ def _discrete(data: FullRun) -> Named:
     ):
         outcomes = rows.apply(agreement, axis=1)
         yield total, len(outcomes)
-        for outcome in ("agrees", "undecided", "differs"):
-            yield f"{name}{outcome.capitalize()}", outcomes.eq(outcome).sum()
+        for outcome, macro in (("met", "Agrees"), ("undecided", "Undecided"), ("wrong", "Differs")):
+            yield f"{name}{macro}", outcomes.eq(outcome).sum()
     label = "(5.20)–(5.21), (5.42)"
     constant = pd.concat([data.rows(label, key) for key in ("constant-5.21", "constant-5.42")])
     yield "roomLeast", below(1 / constant["high"].max(), 0)
@@ -335,8 +337,8 @@ def verdicts(data: FullRun) -> str:
     for title in (*GROUPS, BEYOND):
         body.append([title, *_counts(data.claims[groups == title])])
     body.append([r"\midrule all", *_counts(data.claims)])
-    headings = ["statements", "orders", "sizes", "one-sided", "identities", "not", "missed", "reported"]
-    return tabular(headings, folding(0.41) + "rrrrrrr", body)
+    headings = ["statements", "orders", "sizes", "one-sided", "proved", "identities", "not", "missed", "reported"]
+    return tabular(headings, folding(0.34) + "rrrrrrrr", body)
 
 
 def _counts(rows: pd.DataFrame) -> list[str]:
@@ -458,7 +460,7 @@ def discrete(data: FullRun) -> str:
             for key in DISCRETE:
                 row = by_key.loc[f"{scheme}-{key}"]
                 interval = rf"\([{row['low']:.2f}, {row['high']:.2f}]\)" if row["low"] < row["high"] else _range(row)
-                mark = {"agrees": "", "undecided": "*", "differs": r"\dagger"}[agreement(row)]
+                mark = {"met": "", "undecided": "*", "wrong": r"\dagger"}[agreement(row)]
                 marked = interval + (rf"\rlap{{\(^{{{mark}}}\)}}" if mark else "")
                 cells.append("--" if pd.isna(row["observed"]) else marked)
             body.append([prose(str(case)), prose(scheme), *cells])

@@ -14,7 +14,18 @@ from tabulate import tabulate
 from study.ledger.datafiles import SERIES, by_claim, count_kinds, count_verdicts, read_rates
 from study.ledger.files import write_text
 from study.ledger.text import cell, is_narrow, significant, width
-from study.ledger.verdict import BECAUSE, FAILS, HOLDS, IDENTITY, MISSED, REPORTED, UNDECIDED, VERDICTS, Verdict
+from study.ledger.verdict import (
+    BECAUSE,
+    FAILS,
+    HOLDS,
+    IDENTITY,
+    MISSED,
+    REPORTED,
+    THEOREM,
+    UNDECIDED,
+    VERDICTS,
+    Verdict,
+)
 from study.present.notation import counted
 
 
@@ -64,7 +75,7 @@ def ledger_text(claims: pd.DataFrame) -> str:
 def kinds_text(claims: pd.DataFrame) -> str:
     """Return a sentence that counts the rows that hold by the kind of their evidence."""
     counts = ", ".join(f"{count} {name}" for name, count in count_kinds(claims).items())
-    return f"evidence of the rows that hold: {counts} ({IDENTITY} fail only if the code is broken)"
+    return f"evidence of the rows that hold: {counts} ({THEOREM} and {IDENTITY} fail only if the code is broken)"
 
 
 def conclusion(count: Mapping[str, int]) -> str:

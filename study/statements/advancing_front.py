@@ -53,9 +53,9 @@ PER_CELL = 2
 """Time steps for each cell along a side; twice as many give the solution used for u^h."""
 INSTANTS, FEW = 32, 4
 """Numbers of times for errors and velocities, and for loads by the finer rule."""
-INTERPOLATION = around(1, STEEPER, "that of interpolation, where 1/2 is proved")
-SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "the two finest levels; smooth parts of order 1 raise it")
-TRAIL = between(1, 1.5, STEEPER, STEEPER, "1 if cells keep parts of their own, 3/2 if all keep the same")
+INTERPOLATION = around(1, STEEPER, "the order of interpolation; 1/2 is proved")
+SINGULAR = between(0.5, 0.5, STEEPER, 0.25, "from from the two finest levels; smooth parts of order 1 raise it")
+TRAIL = between(1, 1.5, STEEPER, STEEPER, "1 if cells keep different parts, 3/2 if all keep the same")
 NEGLIGIBLE = positive_at_most(0.02, "of the error")
 
 
@@ -63,7 +63,7 @@ class AdvancingFront(ListedNumbers):
     """Errors, velocities and excess at a natural front that advances."""
 
     label = "beyond: advancing front"
-    claim = "‖u − u^h‖ ~ h at the natural front that advances, where 1/2 is proved"
+    claim = "‖u − u^h‖ ~ h at an advancing natural front, where the order 1/2 is proved"
     rules = (
         between_levels("order", "order of ‖u − u^h‖ over two refinements", INTERPOLATION, "error", 2, ENOUGH),
         order("rate", "order of ‖u̇ − Π^h u̇‖_{L²(0,T;V)}", SINGULAR, "rate", last=2),

@@ -40,13 +40,15 @@ COUNTS = (4, 8, 16, 32, 64, 128, 256)
 FINEST = 1024
 """Steps of the midpoint rule whose solution is used for u^h."""
 PROVED = positive_at_most(1.0, "proved in the article for every h and k")
-UNIFORM = around(1, 0.1, "no mesh enters the constant")
-BETWEEN = Window(0.2, 1 + ROUNDING, "proved for every function; 1/2 … 2/3 for steady changes, 1 for a jump amid a step")
+UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
+BETWEEN = Window(
+    0.2, 1 + ROUNDING, "proved for every function; 1/2 … 2/3 for steady changes, 1 for a jump in the middle of a step"
+)
 IN_K = around(1, 0.1, "least squares over six halvings, every mesh")
 
 
 LAST = COUNTS[-1]
-INTERPOLATION = "what linear interpolation in t leaves of u^h / (k/4 · oscillation of u̇^h in a step)"
+INTERPOLATION = "error of linear interpolation of u^h in t / (k/4 · oscillation of u̇^h in a step)"
 ALL_TIMES = "midpoint rule, all t: ‖u^h − û^{hk}‖ / (its largest at nodes + k/2 (‖u̇^h(0+)‖_V + Var f))"
 CHANGE = f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error"
 
@@ -67,7 +69,7 @@ class BackwardEuler(ListedNumbers):
 
     label = "beyond: O(h + k)"
     effort = 60
-    claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, whatever h"
+    claim = "max_t ‖u^h − û^{hk}‖_V ≤ k (‖u̇^h(0+)‖_V/√2 + 2 Var f) for backward Euler, for every h"
     rules = (
         largest("data", "‖u^h − û^{hk}‖ / its bound by the data", PROVED, *columns("by data")),
         largest("solution", "‖u^h − û^{hk}‖ / its bound by U_n", PROVED, *columns("by solution")),
@@ -75,8 +77,8 @@ class BackwardEuler(ListedNumbers):
         every("between", INTERPOLATION, BETWEEN, *columns("between")),
         largest("midpoint", ALL_TIMES, PROVED, *columns("midpoint")),
         Criterion("order", "order of ‖u^h − û^{hk}‖ in k", IN_K, or_none(orders_in_k), tuple(columns("error"))),
-        change("uniform", f"‖u^h − û^{{hk}}‖ with {LAST} steps, finest mesh over coarsest", UNIFORM, f"{LAST} error"),
-        largest("reference", CHANGE, positive_at_most(0.1, "hardly matters beside it"), "reference"),
+        change("uniform", f"‖u^h − û^{{hk}}‖ with {LAST} steps, finest mesh / coarsest mesh", UNIFORM, f"{LAST} error"),
+        largest("reference", CHANGE, positive_at_most(0.1, "so it hardly changes the error"), "reference"),
     )
     quick = grid(("advance-recede",), ("shaken",), (4, 8, 16))
     full = grid(("full-contact", "advance-recede", "travelling-patch", "yield-and-release"), ("shaken",), (6, 12, 24))

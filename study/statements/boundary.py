@@ -45,7 +45,7 @@ Field = Callable[[Points], Vectors]
 """A smooth field of displacements, analytic in x."""
 FIELDS = 3
 """Smooth fields for each of the two conditions."""
-STRONG = around(1, 0.25, "the error is spread evenly (1/2 is all that ‖σ − σ^h‖_Q = O(h) gives)")
+STRONG = around(1, 0.25, "if the error is distributed evenly (‖σ − σ^h‖_Q = O(h) alone gives 1/2)")
 SUPERCLOSE = between(1, 2, 0.25, 0, "2 where triangles along Γ3 are symmetric")
 WEAK = around(2, 0.3, "O(h) in σ − σ^h times O(h) in v − Π^h v")
 
@@ -60,8 +60,7 @@ class NaturalConditions(ListedNumbers):
         order("contact", "order of ‖σ^hν − σ_ν ν‖ ≥ ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", STRONG, "contact"),
         Observation(
             order("tangential", "order of ‖σ^h_τ‖ in L²(0,T;L²(Γ3))", SUPERCLOSE, "tangential"),
-            "it is bounded by the row above, and what is of first order in it depends on how the triangles along Γ3 "
-            "lie",
+            "the row above bounds it, and its part of first order depends on the arrangement of the triangles along Γ3",
         ),
         weighted("loaded-weakly", "order of σν = f_2 on Γ2 against smooth v", WEAK, "loaded, weakly", CELLS),
         weighted("tangential-weakly", "order of σ_τ = 0 on Γ3 against smooth v", WEAK, "tangential, weakly", CELLS),

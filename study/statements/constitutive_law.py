@@ -19,7 +19,7 @@ from manufactured.law import AtPoints, Yield
 from manufactured.tensors import Array, Points, Tensors, size
 from study.fem.naming import resolve
 from study.fem.space import Space
-from study.ledger.criterion import BOUND, ROUNDING, Constant, Observation, largest
+from study.ledger.criterion import BOUND, ROUNDING, SHARP, Observation, largest
 from study.ledger.window import at_most
 from study.statements.shared.base import SEED, ListedNumbers, Setting, with_h
 from study.statements.shared.meshes import LAWS, named, place, space_of
@@ -28,8 +28,8 @@ from study.statements.shared.scope import REGULAR
 SCALES = (-3.0, 3.0)
 """Decimal logarithms of the sizes of generated tensors: both sides of any yield point."""
 SKEW = "|Aσ·τ − σ·Aτ| / (|A| |σ| |τ|)"
-ZERO = at_most(1e-12, "0 but for rounding")
-MONOTONE = at_most(ROUNDING, "never positive but for rounding", low=-math.inf)
+ZERO = at_most(1e-12, "0 up to rounding")
+MONOTONE = at_most(ROUNDING, "never positive, up to rounding", low=-math.inf)
 
 
 def points(space: Space) -> Points:
@@ -63,9 +63,9 @@ class Viscosity(OfLaws):
     label = "(3.1)"
     claim = "A is symmetric, bounded and elliptic with the constant m_A"
     rules = (
-        Constant("ellipticity", "m_A / smallest Aτ·τ/|τ|²", "ellipticity"),
-        Constant("bound", "largest Aτ·τ/|τ|² / ‖A‖", "bound"),
-        Observation(largest("symmetry", SKEW, ZERO, "asymmetry"), "it is symmetric by construction of a law"),
+        largest("ellipticity", "m_A / smallest Aτ·τ/|τ|²", SHARP, "ellipticity"),
+        largest("bound", "largest Aτ·τ/|τ|² / ‖A‖", SHARP, "bound"),
+        Observation(largest("symmetry", SKEW, ZERO, "asymmetry"), "every law is symmetric by construction"),
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -115,9 +115,9 @@ class ElasticityOperator(OfLaws):
     label = "(3.2)"
     claim = "|G(x, a) − G(x, b)| ≤ L_G |a − b|, G(·, 0) ∈ Q"
     rules = (
-        Constant("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", "quotient"),
+        largest("lipschitz", "|G(a) − G(b)| / (L_G |a − b|)", SHARP, "quotient"),
         largest("monotonicity", "(m − (G(a) − G(b))·(a − b) / |a − b|²) / L_G", MONOTONE, "monotonicity"),
-        largest("at-zero", "|G(x, 0) − S| / L_G, S the stress at rest that the law states", ZERO, "at zero"),
+        largest("at-zero", "|G(x, 0) − S| / L_G, S the stated stress of the law at rest", ZERO, "at zero"),
     )
 
     def measure(self, setting: Setting) -> dict[str, float]:
@@ -155,7 +155,7 @@ class Projection(OfLaws):
     claim = "G(ε) = β (ε − P_K ε) with the projection P_K on a closed convex K ∋ 0"
     rules = (
         largest("expansion", "|P_K a − P_K b| / |a − b|", BOUND, "expansion"),
-        largest("membership", "P_K a ∈ K: gauge of K at P_K a", BOUND, "membership"),
+        largest("membership", "P_K a ∈ K: |P P_K a| / r", BOUND, "membership"),
         largest("nearest", "(a − P_K a)·(k − P_K a) / (|a − P_K a| |k − P_K a|), k ∈ K", ZERO, "nearest"),
         largest("identity", "|P_K k − k| / |k|, k ∈ K", ZERO, "identity"),
     )

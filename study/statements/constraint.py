@@ -33,10 +33,10 @@ INSIDE, CORNER = 24, 0.95
 """Random points on each facet, and the barycentric coordinate of one more point near each of its vertices."""
 TOLERANCE = 1e-8
 """A vertex nearer to a part of the boundary lies on it."""
-NEVER = at_most(1e-12, "never positive but for rounding", low=-math.inf)
-SEEN = Window(0.5, 1.0, "of that at the vertex")
+NEVER = at_most(1e-12, "never positive, up to rounding", low=-math.inf)
+SEEN = Window(0.5, 1.0, "of the value at the vertex")
 """If v_ν = 1 at a vertex and v_ν ≥ −1 at the others, the point near this vertex has at least 2 · 0.95 − 1 = 0.9."""
-CLAMPED = at_most(1e-12, "0 but for rounding")
+CLAMPED = at_most(1e-12, "0 up to rounding")
 
 
 class VertexConstraint(ListedNumbers):

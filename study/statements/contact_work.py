@@ -228,9 +228,9 @@ def from_32(key: str, quantity: str, column: str, window: Window) -> Criterion:
 
 ROOT = "order of ‖R(·; Π^h u − u)‖^{1/2}"
 FIRST_ORDER = around(1, 0.15, "trains of all widths from h/2 to 4h")
-HALF = around(0.5, 0.15, "as of a sum of n independent edges")
-NOT_RESOLVED = "a train is resolved for h < ℓ/10 only"
-SHARE = at_least(0.02, "smooth fronts have 1e-6 … 1e-3")
+HALF = around(0.5, 0.15, "as for a sum of n independent edges")
+NOT_RESOLVED = "a mesh resolves a train only for h < ℓ/10"
+SHARE = at_least(0.02, "smooth fronts give 1e-6 … 1e-3")
 
 
 def share(group: pd.DataFrame) -> Measured:
@@ -245,7 +245,7 @@ def excess_share(group: pd.DataFrame) -> Measured:
 
 ON_GRIDS = (
     from_32("order", f"{ROOT}, on grids", "work", FIRST_ORDER),
-    from_32("order-mean", f"{ROOT}, R the mean over {DRAWS} times random vertices", "mean work", FIRST_ORDER),
+    from_32("order-mean", f"{ROOT}, R averaged over {DRAWS} random meshes", "mean work", FIRST_ORDER),
     from_32("spread", "order of the relative standard deviation of R over random vertices", "spread", HALF),
     Criterion("share", "‖R‖^{1/2} / error, least", SHARE, share, ("work", "error")),
 )
@@ -257,7 +257,7 @@ ON_ALL_MESHES = (
     Observation(from_32("error", "order of ‖u − u^h‖_V", "error", Window()), NOT_RESOLVED),
     Observation(
         Criterion("excess-share", "‖u^h − u^h_lin‖_V / error, largest", Window(), excess_share, ("excess", "error")),
-        "what contact costs in V has no bound of its own",
+        "no bound of the effect of contact in V is claimed",
     ),
     Observation(from_32("excess", "order of ‖u^h − u^h_lin‖_V", "excess", Window()), NOT_RESOLVED),
 )

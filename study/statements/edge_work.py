@@ -66,7 +66,12 @@ class EdgeWork(ListedNumbers):
     )
     rules = (
         largest("solution", "|R_E| / (β h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", at_most(1.0, "proved"), WORK),
-        largest("all", "the same for all σ_ν, u_ν' with these sets, s = 0.55, 0.75, 1", at_most(1.0, "proved"), OF_ALL),
+        largest(
+            "all",
+            "largest quotient for all σ_ν, u_ν' with these sets, s = 0.55, 0.75, 1",
+            at_most(1.0, "proved"),
+            OF_ALL,
+        ),
         largest("constant", "|R_E| / (h² |σ_ν|_{1/2,E} |u_ν'|_{1/2,E}), largest", at_most(C_0, "proved"), OVERALL),
     )
 
@@ -99,8 +104,8 @@ def rarer_kind(group: pd.DataFrame) -> Measured:
 
 BOTH_KINDS = Criterion(
     "branches",
-    "edges of the rarer kind, by |N| or by |C|",
-    at_least(1, "both bounds of the lemma are met"),
+    "edges on which the rarer of the two bounds is the smaller one, |N| or |C|",
+    at_least(1, "both bounds of the lemma are used"),
     rarer_kind,
     BRANCHES,
 )

@@ -32,8 +32,8 @@ from study.fem.naming import choose, family_named, resolve
 from study.ledger.criterion import Observation, Rule, every, largest
 from study.ledger.datafiles import CsvFile, DataFile, Row
 from study.ledger.orders import orders
-from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Verdict, row
-from study.ledger.window import Window, at_most, positive_at_most
+from study.ledger.verdict import FAILS, HOLDS, REPORTED, UNDECIDED, Span, Verdict, row
+from study.ledger.window import Window, around, at_most, positive_at_most
 from study.solve.evolution import Scheme
 from study.solve.steps import PACE, rate_steps
 from study.solve.tableau import SCHEMES
@@ -270,17 +270,18 @@ ABOVE = largest("above", "largest error / upper bound", positive_at_most(1.0, "a
 BELOW = largest("below", "largest lower bound / error", at_most(1.0, "at every sampled time"), "below")
 REACH = Observation(
     largest("upper", "upper bound / error over [T/2, T], largest", Window(), "upper"),
-    "how far an end is from the error; what is claimed is that it never crosses it",
+    "this is the distance of an end from the error; the claim is that the end never crosses the error",
 )
 HERE = f"at n = {CHECKED_LEVEL}"
 TIGHT = (
     every("tight-above", f"upper bound / error {HERE}", Window(1.0, 1.15, "over [T/2, T]"), "upper"),
     every("tight-below", f"lower bound / error {HERE}", Window(0.85, 1.0, "over [T/2, T]"), "lower"),
 )
-WIDTH = 0.2
-"""Largest width of an interval for the order that is narrow enough to decide anything."""
-LAST = "no claim: what two meshes enclose is wider than what all do"
-KNOWN = "no claim: it contains the order of the errors whenever these lie within their bounds, the row above"
+ROOM = 0.15
+"""Room around a predicted order, as for orders between levels elsewhere."""
+LAST = "no claim: the interval from two meshes is wider than the interval from all meshes"
+KNOWN = "no claim: it contains the order of the errors whenever the row above holds"
+UNPREDICTED = "no claim: neither the solution nor its order is known"
 
 
 class BoundedError(Bounds):
@@ -323,26 +324,28 @@ class EnclosedError(Bounds):
     def judge_order(self, case: str, family: str, levels: pd.DataFrame, known: bool) -> Verdict:
         """Return the row for the interval of the order between the coarsest and the finest level.
 
-        Without an exact solution the interval must contain the predicted order and be narrow enough to decide anything.
-        With one it contains the order of the errors whenever these lie inside, so that it is only reported.
+        Without an exact solution the whole interval must lie in the window of the predicted order, as in every other
+        row; the row fails if they have no common point. With an exact solution the interval contains the order of the
+        errors whenever these lie inside, so that it is only reported.
         """
         coarse, fine = levels.iloc[0], levels.iloc[-1]
         ratio = math.log(coarse["h"] / fine["h"])
         first, last = ((line["lowest"], line["highest"]) for line in (coarse, fine))
         span = order_interval(first, last, ratio)
         sizes = [line["error"] if known else line["lowest"] + line["highest"] for line in (coarse, fine)]
+        observed = float(orders(np.array([coarse["h"], fine["h"]]), np.array(sizes))[0])
         order = math.nan if known else float(fine["expected_order"])
         quantity = f"order of max_t ‖u − u_h‖_V, u_h of the scheme, k with h, n = {coarse['level']} to {fine['level']}"
-        verdict, expected = contains(span, order)
-        found = float(orders(np.array([coarse["h"], fine["h"]]), np.array(sizes))[0]), span, verdict
-        return row(self, "order", quantity, Window(order, order), found, case, family, expected)
+        if math.isnan(order):
+            window, verdict, expected = Window(math.nan, math.nan), REPORTED, KNOWN if known else UNPREDICTED
+        else:
+            window = around(order, ROOM, "the whole interval")
+            verdict, expected = judge_interval(span, window), ""
+        return row(self, "order", quantity, window, (observed, span, verdict), case, family, expected)
 
 
-def contains(span: tuple[float, float], order: float) -> tuple[str, str]:
-    """Return whether an interval at most WIDTH wide contains an order, as a verdict, and the expectation in words."""
-    if math.isnan(order):
-        return REPORTED, KNOWN
-    expected = f"contains {order:g}, at most {WIDTH} wide"
-    if span[1] - span[0] > WIDTH:
-        return UNDECIDED, expected
-    return (HOLDS if span[0] <= order <= span[1] else FAILS), expected
+def judge_interval(span: Span, window: Window) -> str:
+    """Return the verdict on an interval: holds inside the window, fails without a common point, otherwise undecided."""
+    if window.contains(*span):
+        return HOLDS
+    return FAILS if span[1] < window.low or span[0] > window.high else UNDECIDED

@@ -83,8 +83,8 @@ INSTANTS = 64
 """Nodes of the midpoint rule for the norms in time."""
 ROUND_OFF = 1e-11
 """Pressures below this part of the size of stresses are zero."""
-STEADY = Window(0.7, 1.4, "over two refinements: orders that differ by less than 1/4")
-PROVED = positive_at_most(1.0, "with the constant c of the proof; 1/observed is the room that it leaves")
+STEADY = Window(0.7, 1.4, "over two refinements: the orders differ by less than 1/4")
+PROVED = positive_at_most(1.0, "with the constant c of the proof")
 BOUNDS = "(5.21)", "(5.42)"
 RATE, TRACE = "‖η̇‖_{L²(0,T;V)}", "(‖σ_ν‖ ‖η_ν‖)^{1/2}"
 """Terms that may be of lower order than the error."""
@@ -135,14 +135,14 @@ def rules_for(groups: Groups) -> Iterator[Rule]:
     known = {name: float(table[name].iloc[0]) if name in table else math.nan for name in names}
     for bound in BOUNDS:
         number, gamma = bound.strip("()"), known[exponent(bound)]
-        quantity = f"right side of {bound} / error: change under refinement"
+        quantity = f"right-hand side of {bound} / error: change under refinement"
         # Undecided without a prediction.
         steady = replace(change(f"steady-{number}", quantity, STEADY, bound), columns=(bound, exponent(bound)))
         if gamma > 0:
             yield growing(f"growth-{number}", bound, gamma, RATE if gamma == known[exponent("(5.21)")] else TRACE)
         elif bound == "(5.42)" and known[LOGARITHM] > 0:
             lower = replace(steady, quantity=f"{quantity}, of lower order by |log h|^{{1/4}}")
-            yield Observation(lower, "a logarithm does not show on a few levels")
+            yield Observation(lower, "a few levels cannot show a logarithm")
         else:
             yield steady
         yield largest(f"constant-{number}", f"error / (c · right side of {bound})", PROVED, f"{bound}, c")

@@ -38,7 +38,7 @@ class RegularityNeeded(Statement):
     """The observed order against the order that the proof of Prop. 5.4 gives for a solution that misses (5.36)."""
 
     label = "(5.36)"
-    claim = "is the regularity that Prop. 5.4 asks for needed?"
+    claim = "is the regularity needed that Prop. 5.4 assumes?"
     file = RATES
 
     def judge(self, rows: pd.DataFrame) -> list[Verdict]:
@@ -46,7 +46,7 @@ class RegularityNeeded(Statement):
         for case, mine in rows[rows["claim"] == "Prop. 5.3"].groupby("case", sort=False):
             proved = at_least(float(mine["proved_order"].iloc[0]), "the order that the proof gives")
             seen = between_levels("order", "order seen, on uniform meshes", proved, "error", 2, ENOUGH)
-            rule = Observation(seen, "the source claims an order for (5.36) alone")
+            rule = Observation(seen, "the source claims an order only under (5.36)")
             found.append(rule.verdict(self, str(case), by_family(mine[mine["family"] != GRADED])))
         return found
 
@@ -56,7 +56,7 @@ WITH_AXES = (GRADED, "unstructured")
 SAME_MESH = ["family", "scheme", "level"]
 DIFFERENCE = "relative difference of"
 SAME = at_most(1e-10)
-ROUND_OFF = at_most(1e-7, "round-off times the condition of the matrices, of order h⁻², in a small difference")
+ROUND_OFF = at_most(1e-7, "rounding times the condition number of the matrices, of order h⁻², in a small difference")
 CHANGES = (
     largest("errors", f"{DIFFERENCE} ‖u − u^h‖_V, ‖u − Π^h u‖_V", SAME, "error", "interpolation_error"),
     largest("discrete-error", f"{DIFFERENCE} ‖Π^h u − u^h‖_V", ROUND_OFF, "discrete_error"),
@@ -69,7 +69,7 @@ class Turned(Statement):
     """The largest relative difference of errors between a body and the same body in another position."""
 
     label = "axes"
-    claim = "nothing depends on the axes: a turned body has the errors of the unturned one"
+    claim = "the results do not depend on the axes: a rotated body has the same errors"
     file = RATES
     rules = CHANGES
 

@@ -50,7 +50,7 @@ ORDERS = {"backward-euler": around(1, 0.1), "bdf2": SECOND, "midpoint": SECOND}
 CONFIDENCE = 0.95
 """Of the intervals of fitted parameters."""
 IN_H = around(1, 0.15)
-OPEN = "the source leaves it open (no number: not to be seen; undecided: a wide interval)"
+OPEN = "the source leaves it open"
 
 
 class FullyDiscrete(ListedNumbers):

@@ -60,9 +60,9 @@ FINE, COARSE = {2: 16, 3: 8}, 4
 """Degrees of the rules on the cells themselves, by dimension, and on halved cells."""
 HALVINGS = {2: 3, 3: 2}
 """How often cells are halved, by dimension."""
-SMOOTH = positive_at_most(1e-10, "with the fine rule: f_0 is smooth off straight lines")
-KINKED = positive_at_most(0.1, "f_0 jumps along curves, a term left out gives 1")
-SHRINKING = positive_at_most(2.0, "times 2^{−k} for k halvings: 1 if all errors have one sign, 2 for their scatter")
+SMOOTH = positive_at_most(1e-10, "with the fine quadrature rule: f_0 is smooth away from straight lines")
+KINKED = positive_at_most(0.1, "f_0 jumps along curves; a missing term would give 1")
+SHRINKING = positive_at_most(2.0, "k halvings give 2^{−k}: 1 if all errors have one sign, up to 2 if they vary")
 ROUND_OFF = 1e-12
 """Smaller defects and terms are rounding."""
 

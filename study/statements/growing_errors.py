@@ -63,9 +63,9 @@ class GrowingErrors(ListedNumbers):
 
     label = "(5.21), T and L_G/m_A"
     effort = 500
-    claim = "errors grow like e^{ωT}, ω = L_G/m_A, where G = −ωA, and nowhere faster"
+    claim = "errors grow like e^{ωT}, ω = L_G/m_A, if G = −ωA, and never faster"
     rules = (
-        every("known", "‖u − u^h‖ at T / what it must be, G = −ωA, no contact", KNOWN, *columns("even", "known")),
+        every("known", "‖u − u^h‖ at T / predicted value, G = −ωA, no contact", KNOWN, *columns("even", "known")),
         every(
             "needed",
             "error / (c e^{−ωT} · right side of (5.21)), no contact, ωT = 10",
@@ -74,7 +74,7 @@ class GrowingErrors(ListedNumbers):
         ),
         largest(
             "bound",
-            "error / (c · right side of (5.21)), moving contact, own law and G = −ωA",
+            "error / (c · right side of (5.21)), moving contact, with the law of the case and with G = −ωA",
             PROVED,
             *columns("own", "bound"),
             *columns("even", "bound"),

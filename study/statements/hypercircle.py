@@ -68,7 +68,7 @@ class Hypercircle(ListedNumbers):
     """‖σ^h − Cε(u^h)‖ over both errors, for linear laws with constant coefficients."""
 
     label = "Prager–Synge"
-    claim = "u^h and σ^h bound each other's errors, at a frozen time"
+    claim = "u^h and σ^h bound each other's errors at a fixed time"
     rules = (
         every("guaranteed", "guaranteed bound of both errors / both errors", TIGHT, "guaranteed"),
         plain(LOW),

@@ -201,7 +201,7 @@ def on_trace(key: str, v: str, face: int, tau: float) -> Rule:
         over_two = between_levels(key, f"{quantity}, over two refinements", around(2.0, ROOM), name, 2, ENOUGH)
         return in_induced_size(over_two, face)
     criterion = in_induced_size(order(key, f"{quantity}, fitted", around(tau, 0.3), name), face)
-    return Observation(criterion, "the trace is not in H² and (5.24) says nothing about it")
+    return Observation(criterion, "the trace is not in H², so that (5.24) does not apply")
 
 
 def in_induced_size(criterion: Criterion, face: int) -> Criterion:

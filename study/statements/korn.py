@@ -32,7 +32,7 @@ FALLING = at_most(1 + ROUNDING, "on every level")
 LIMIT = Window(0.7, 1.0, "of the finest value")
 """Eigenvalues that tend to zero leave the window. Values like h^p extrapolate to 0. Values like 1/(c + |log h|), the
 slowest (Γ1 is a point), extrapolate to m/(2m − 2) < 0.7 of the last value if that is 1/m times the unit of log 2."""
-OVER = "eigenvalue, finest level over the one before"
+OVER = "eigenvalue, finest level / next coarser level"
 SETTLED = Window(0.75, 1.25)
 """From one level to the next a power h^{1/2} would change by the factor 0.71 or 1.41."""
 
@@ -50,7 +50,7 @@ class Korn(ListedNumbers):
     label = "(2.17)"
     claim = "‖ε(v)‖_Q ≥ C_K ‖v‖_{H_1} on V, C_K > 0"
     rules = (
-        greatest_ratio("falling", f"{VALUE}, level over level", FALLING, VALUE, 2),
+        greatest_ratio("falling", f"{VALUE} / value on the next coarser level", FALLING, VALUE, 2),
         Criterion("limit", f"limit of the {VALUE} for h → 0", LIMIT, extrapolated, (VALUE,), ENOUGH),
     )
 

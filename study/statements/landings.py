@@ -55,7 +55,7 @@ PROVED = Window(
 LAST = COUNTS[3:]
 """Numbers of steps of the last three halvings."""
 LEFT = around(1, 0.4, "neither 3/2 nor 2")
-NO_THEORY = "no theory says what is left of the order in P1"
+NO_THEORY = "no theory gives this order for P1 elements"
 
 
 def two_unknowns() -> SemiDiscrete:
@@ -99,7 +99,7 @@ def order_of(scheme: Scheme, load: str, counts: Sequence[int], window: Window) -
 def rules() -> Iterator[Rule]:
     """Yield the criteria: errors of the two unknowns are judged, orders in P1 are reported."""
     for scheme in (BACKWARD_EULER, MIDPOINT):
-        quantity = f"{scheme.name}: error / k of two unknowns"
+        quantity = f"{scheme.name}: error / k for a problem with two unknowns"
         yield every(f"{scheme.name}-two", quantity, PROVED, *(f"two {scheme.name} {count}" for count in COUNTS))
     for scheme in (BDF2, MIDPOINT):
         yield order_of(scheme, "rolling", LAST, LEFT)
@@ -111,7 +111,7 @@ class Landings(ListedNumbers):
 
     label = "beyond: landings"
     effort = 300
-    claim = "a landing that kicks a loaded neighbour loose leaves second-order schemes the order 1 in k"
+    claim = "if a landing lifts a loaded neighbour, second-order schemes have only order 1 in k"
     rules = tuple(rules())
     full = grid(("travelling-patch",), ("one-diagonal", "shaken"), (8, 16))
 

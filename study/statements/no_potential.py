@@ -72,7 +72,7 @@ ROTATION, TURNS = 10.0, 1000
 """κ and the number of steps of the rotation in the plane."""
 PROVED = positive_at_most(1.0, "proved for every h and k")
 IN_K = around(1, 0.1, "least squares over four halvings, every mesh")
-UNIFORM = around(1, 0.1, "no mesh enters the constant")
+UNIFORM = around(1, 0.1, "the constant does not depend on the mesh")
 IN_H = around(1, 0.15, "least squares over all levels, k = T/(4n)")
 BEST = Window(0.8, 1.0, "0.855 predicted; a constant below 0.8 κT/2 would be too small")
 KINDS = "equal", "unequal"
@@ -111,13 +111,13 @@ class NoPotential(ListedNumbers):
 
     label = "beyond: O(h + k), no potential"
     effort = 150
-    claim = "max_t ‖u^h − û^{hk}‖_V ≤ c(κ, T, ‖u̇^h(0+)‖, Var f) k for backward Euler under (3.2) alone, whatever h"
+    claim = "max_t ‖u^h − û^{hk}‖_V ≤ c(κ, T, ‖u̇^h(0+)‖, Var f) k for backward Euler under (3.2) alone, for every h"
     rules = (
         *(share(kind, bound) for bound in ("data", "solution") for kind in KINDS),
         *(orders_in_k(kind) for kind in KINDS),
         change(
             "uniform",
-            f"‖u^h − û^{{hk}}‖ with {COUNTS[-1]} steps, finest mesh over coarsest",
+            f"‖u^h − û^{{hk}}‖ with {COUNTS[-1]} steps, finest mesh / coarsest mesh",
             UNIFORM,
             f"equal {COUNTS[-1]} error",
         ),
@@ -126,7 +126,7 @@ class NoPotential(ListedNumbers):
         largest(
             "reference",
             f"change of u^h from {FINEST // 2} to {FINEST} steps / smallest error",
-            positive_at_most(0.1, "hardly matters for the error"),
+            positive_at_most(0.1, "so it hardly changes the error"),
             "reference",
         ),
     )

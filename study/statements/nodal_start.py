@@ -41,10 +41,10 @@ FIRST = 3
 """The first level of spikes, for which 4^{−j} is small against 2^{−j}."""
 DIRECTION = np.array([0.0, 1.0])
 """e_2."""
-PREDICTED = around(1, 0.05, "spikes seen as hat functions")
+PREDICTED = around(1, 0.05, "the interpolant of a spike is a hat function")
 PROVED = positive_at_most(1.0, "proved")
 GROWS = Window(-1.5, -0.5, "grows at least like h^{−1/2}, every consecutive order")
-WORSE = at_least(3.0, "worse than u_0^h = 0, on the finest grid")
+WORSE = at_least(3.0, "a larger error than u_0^h = 0, on the finest grid")
 
 
 class NodalStart(ListedNumbers):

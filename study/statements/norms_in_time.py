@@ -53,7 +53,7 @@ from study.statements.shared.scope import REGULAR
 INTERVALS = 512
 COARSER = 16
 """Increments are compared with those of intervals so many times as long."""
-SETTLES = Window(1 - ROUNDING, 1.01, "it never falls, and grows by a power of 2 without bounded variation")
+SETTLES = Window(1 - ROUNDING, 1.01, "it cannot fall, and without bounded variation it grows by a power of 2")
 CONTINUOUS = Window(1 / 32, 0.6, f"1/{COARSER} where ḟ is bounded, 1/2 for (t − t_0)^{{1/4}}, 1 for a jump")
 UNIFORM = around(1, 0.05, "f^h tends to f")
 ROUGH = "moving-rough"
@@ -66,9 +66,19 @@ class LoadInTime(ListedNumbers):
     label = "(3.8), (5.9)"
     claim = "f ∈ W^{1,1}(0,T;V), and f^h ∈ W^{1,1}(0,T;V^h) uniformly in h"
     rules = (
-        every("variation", f"variation of f^h, {INTERVALS} intervals over half as many", SETTLES, "variation"),
-        every("increments", f"largest increment of f^h over that of {COARSER} times as long", CONTINUOUS, "increments"),
-        change("uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh over coarsest", UNIFORM, "norm", levels=2),
+        every(
+            "variation",
+            f"variation of f^h on {INTERVALS} intervals / on {INTERVALS // 2} intervals",
+            SETTLES,
+            "variation",
+        ),
+        every(
+            "increments",
+            f"largest increment of f^h / largest increment over {COARSER} times as long intervals",
+            CONTINUOUS,
+            "increments",
+        ),
+        change("uniform", "‖f^h‖_{W^{1,1}(0,T;V)}, finest mesh / coarsest mesh", UNIFORM, "norm", levels=2),
     )
     quick = grid(("lift-and-land",), ("unstructured",), (8, 16))
     full = grid(
@@ -97,8 +107,8 @@ def increments(loads: Array, riesz: Cholesky) -> Array:
 
 # σν ∈ L^∞(0,T;L²(Γ)).
 
-BOUNDED = around(1, 0.02, "settled, at the same time on twice as fine meshes and grids in time")
-LOGARITHM = around(1, 0.1, "a logarithm: increments of the square do not fall")
+BOUNDED = around(1, 0.02, "the maximum has converged, at the same time on meshes and time grids twice as fine")
+LOGARITHM = around(1, 0.1, "logarithmic growth: the increments of the square do not fall")
 UNBOUNDED = "junction"
 """The case with σν ∉ L²(Γ)."""
 
@@ -109,10 +119,10 @@ def growth_of_square(group: pd.DataFrame) -> Measured:
     return exactly((third - second) / (second - first))
 
 
-SETTLED = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh over the one before", BOUNDED, "norm", since=-2)
+SETTLED = change("bounded", "max_t ‖σν‖_{L²(Γ)}, finest mesh / next coarser mesh", BOUNDED, "norm", since=-2)
 GROWING = Criterion(
     "unbounded",
-    "increments of max_t ‖σν‖²_{L²(Γ)} under refinement, last over the one before: not in L²(Γ)",
+    "increments of max_t ‖σν‖²_{L²(Γ)} under refinement, last / previous increment: not in L²(Γ)",
     LOGARITHM,
     growth_of_square,
     ("norm",),

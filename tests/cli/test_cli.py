@@ -224,8 +224,8 @@ def rising(table: pd.DataFrame) -> pd.DataFrame:
         (lambda data: spoil(data, lambda t: t.drop(columns="time_share")), 2, "lacks the columns time_share"),
         (lambda data: spoil(data, lambda t: t.assign(discrete_error=0.0)), 2, "discrete_error: stands 0.0, expected a"),
         (lambda data: spoil(data, lambda t: t.assign(case="other")), 2, "other one-diagonal midpoint 8 is not among"),
-        (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), 2, "rows of the plan that are missing"),
-        (lambda data: spoil(data, lambda t: t.head(0)), 2, "rows of the plan that are missing"),
+        (lambda data: spoil(data, lambda t: t[t["family"] == "one-diagonal"]), 2, "missing measurements"),
+        (lambda data: spoil(data, lambda t: t.head(0)), 2, "missing measurements"),
     ],
 )
 def test_damaged_or_incomplete_data_never_pass(finished: Path, tmp_path: Path, capsys, damage, code, message) -> None:

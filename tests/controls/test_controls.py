@@ -55,9 +55,6 @@ def named(name: str) -> Control:
 RESULTS = Path(__file__).parents[2] / "results"
 BY_TESTS = {
     ("data", "missing"): "statements/test_propositions.py::test_missing_rows_leave_the_data_undecided",
-    ("Prop. 5.4", "after-start"): (
-        "statements/test_propositions.py::test_four_cases_must_have_their_supremum_after_the_start"
-    ),
     **{
         ("enclosure", end): "statements/test_enclosure.py::test_ends_are_close_where_it_was_announced"
         for end in ("tight-above", "tight-below")
