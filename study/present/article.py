@@ -338,7 +338,7 @@ def verdicts(data: FullRun) -> str:
         body.append([title, *_counts(data.claims[groups == title])])
     body.append([r"\midrule all", *_counts(data.claims)])
     headings = ["statements", "orders", "sizes", "one-sided", "proved", "identities", "not", "missed", "reported"]
-    return tabular(headings, folding(0.3) + "rrrrrrrr", body)
+    return tabular(headings, folding(0.37) + "rrrrrrrr", body)
 
 
 def _counts(rows: pd.DataFrame) -> list[str]:
