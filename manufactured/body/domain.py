@@ -106,7 +106,7 @@ def check(body: Body) -> None:
     _check_closed(body)
     for kind, why in ((Kind.CLAMPED, "Korn's inequality (2.17)"), (Kind.CONTACT, "the Signorini condition (2.5)")):
         if not body.of(kind):
-            raise BodyError(f"the body has no part {kind.value}, which {why} needs")
+            raise BodyError(f"the body has no part {kind.value}, which {why} needs: give one of its sides this kind")
     across = float(np.ptp(body.vertices, axis=1).max())
     if across**body.dim > SLENDER * body.measure:
         raise BodyError(

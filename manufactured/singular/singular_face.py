@@ -41,6 +41,11 @@ class SingularFace:
     def __post_init__(self) -> None:
         refuse_kinks(self.gap, self.pressure, self.level)
 
+    @property
+    def initial_gap(self) -> sp.Expr:
+        """g = 0, as in the paper."""
+        return sp.Integer(0)
+
     @cached_property
     def gap_jet(self) -> Jet:
         return Jet(sp.sympify(self.gap), (s,))

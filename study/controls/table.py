@@ -52,6 +52,7 @@ from study.statements.wellposed import BoundedVelocity, Dependence
 FULL, TURNED = Sweep("full-contact", levels=(4, 8, 16)), Sweep("full-contact", angle=0.3, levels=(4, 8, 16))
 NONE, FIXED = Sweep("no-contact"), Sweep("fixed-front-off-vertex")
 MOVING, MERGING = Sweep("advance-recede"), Sweep("merging-patches")
+APART_AT_FIRST = Sweep("parabolic-gap")
 CROSSED, ROUGH = Sweep("advance-recede", families=("criss-cross",)), Sweep("rough-2", levels=(4, 8, 16, 32))
 SOLID = Sweep("cube-two-faces", levels=(6, 9, 12))
 CORNERED = Sweep("re-entrant", families=("unstructured", "graded"), levels=(8, 16, 32, 64))
@@ -141,6 +142,9 @@ CONTROLS: tuple[Control, ...] = (
     Control("contact relaxed", "v_ν ≤ √h instead of v_ν ≤ 0", FULL, "", wrong.constraint_relaxed, "order"),
     Control("contact work", "its sign flipped in the load (3.7)", MOVING, "", wrong.contact_work_times(-1.0), "order"),
     Control("normal flipped", "v_ν ≥ 0 instead of v_ν ≤ 0", MOVING, "problem.N", negative, "order"),
+    Control("initial gap flipped", "v_ν ≤ −g instead of v_ν ≤ g", APART_AT_FIRST, "problem.gap", negative,
+            ("order", "order-extrapolated", "size", "discrete-order-superclose", "discrete-share")),
+    Control("initial gap left out", "v_ν ≤ 0 instead of v_ν ≤ g", APART_AT_FIRST, "problem.gap", zero, ("order", "order-extrapolated")),
     Control("normal along an axis", "the axis nearest to ν instead of ν", TURNED, "problem.N", wrong.nearest_axis, "order"),
     Control("one active set", "the contact solve stops after one iteration", MOVING, SOLVER, wrong.one_iteration, "residual"),
     Control("clamp short", "Γ1 ends one cell too early", FULL, "", wrong.clamp_one_cell_short, "clamped"),

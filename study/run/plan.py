@@ -74,8 +74,12 @@ class Plan:
     @classmethod
     def of(cls, scope: Scope) -> Plan:
         """Return the jobs of all statements that measure something in a scope."""
-        statements = [statement for statement in STATEMENTS if scope.statements or statement.of_every_case]
-        jobs = [Job(statement, setting) for statement in statements for setting in statement.settings(scope)]
+        statements = [
+            statement
+            for statement in STATEMENTS
+            if scope.statements or statement.of_every_case or statement.of_own_cases
+        ]
+        jobs = [Job(statement, setting) for statement in statements for setting in statement.planned(scope)]
         return cls(scope, tuple(jobs))
 
     def keys(self) -> list[tuple[str, ...]]:

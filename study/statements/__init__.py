@@ -18,6 +18,7 @@ from study.statements.fully_discrete import FullyDiscrete
 from study.statements.green import Green
 from study.statements.growing_errors import GrowingErrors
 from study.statements.hypercircle import Hypercircle
+from study.statements.initial_gap import InitialGap
 from study.statements.interpolation import InterpolationInV, InterpolationOnContact
 from study.statements.korn import Korn, Norms
 from study.statements.landings import Landings
@@ -96,6 +97,7 @@ BEYOND = (
     NoPotential(),
     FullyDiscrete(),
     Landings(),
+    InitialGap(),
 )
 CERTIFIED = BoundedError(), EnclosedError()
 

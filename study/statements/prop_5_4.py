@@ -247,6 +247,7 @@ class Measurement:
             load=lambda t: finer.load(t) - experiment.v_norm.load(t),
             u0=np.zeros_like(problem.u0),
             N=problem.N[:0],
+            gap=0.0,
             remainder=None,
             solver=contact_solver(experiment.space),
         )

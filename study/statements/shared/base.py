@@ -48,6 +48,8 @@ class Statement:
         rules: the criteria, each of which gives one row of the ledger for every case.
         quick, full: the settings of the quick and of the full study.
         of_every_case: whether it is measured on every case of a run, also on cases of users.
+        initial_gap: whether it is measured on cases with an initial gap, too, which the paper does not have.
+        of_own_cases: whether ``settings`` has the cases of users, too, if the statement is not measured on every case.
     """
 
     label: str
@@ -58,6 +60,12 @@ class Statement:
     quick: Sequence[Any] = ()
     full: Sequence[Any] = ()
     of_every_case: bool = False
+    initial_gap: bool = False
+    of_own_cases: bool = False
+
+    def planned(self, scope: Scope) -> Sequence[Any]:
+        """Return the settings of a study on the cases that the statement is about."""
+        return self.settings(scope if self.initial_gap else scope.of_the_paper())
 
     def places(self, full: bool) -> Sequence[Any]:
         """Return the settings of the full or of the quick study."""

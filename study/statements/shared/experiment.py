@@ -6,6 +6,7 @@ from dataclasses import dataclass
 
 from manufactured.exact import ExactSolution
 from study.fem.error_norm import ErrorNorm
+from study.fem.initial_gap import gaps_at_vertices
 from study.fem.mesh import MeshFamily
 from study.fem.naming import family_named, resolve
 from study.fem.space import Space
@@ -35,11 +36,15 @@ class Experiment:
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> Experiment:
-        """Return the experiment of the paper: u_0^h = Π^h u_0, K^h = V^h ∩ K and the load of (3.7)."""
+        """Return the experiment of the paper: u_0^h = Π^h u_0, K^h = V^h ∩ K and the load of (3.7).
+
+        Beyond the paper K^h may have an initial gap.
+        """
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
         u0 = v_norm.sample(0.0).interpolant
-        return cls(solution, space, v_norm, SemiDiscrete.of(space, solution.law, v_norm.load, u0), scheme, steps)
+        problem = SemiDiscrete.of(space, solution.law, v_norm.load, u0, gaps_at_vertices(solution, space))
+        return cls(solution, space, v_norm, problem, scheme, steps)
 
     @classmethod
     def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import Self
 
 from manufactured.case import Case
 from manufactured.catalogue import catalogue
@@ -18,6 +20,11 @@ REGULAR = "one-diagonal", "unstructured"
 
 SLOW = ("long-time", "cube-rough")
 """Cases of the catalogue that only the full study measures: many time steps, and four levels in space."""
+
+
+def of_the_paper(cases: Iterable[Case]) -> list[Case]:
+    """Return the cases without an initial gap, which the paper does not have."""
+    return [case for case in cases if not case.solution.has_initial_gap]
 
 
 def serving(case: Case) -> list[MeshFamily]:
@@ -86,8 +93,16 @@ class Scope:
 
     @property
     def whole(self) -> bool:
-        """Whether every case of the catalogue is studied, of the quick study every case that is not slow."""
-        return {case.name for case in catalogue()} - set(() if self.full else SLOW) <= set(self.cases)
+        """Whether every case of the paper is studied, of the quick study every case that is not slow.
+
+        Cases with an initial gap are not of the paper.
+        """
+        return {case.name for case in of_the_paper(catalogue())} - set(() if self.full else SLOW) <= set(self.cases)
+
+    def of_the_paper(self) -> Self:
+        """Return the scope without the cases that have an initial gap."""
+        kept = [reference for reference in self.cases if not resolve(reference).solution.has_initial_gap]
+        return replace(self, cases=tuple(kept))
 
     def resolved(self) -> list[Case]:
         """The cases."""

@@ -24,6 +24,7 @@ from manufactured.case import Case
 from manufactured.law import Indefinite, Linear
 from manufactured.tensors import Array, Tensors, traction
 from study.fem.error_norm import FACET_POINTS, SOLID_FACET_POINTS, ErrorNorm, rules, shared_lines
+from study.fem.initial_gap import gaps_at_vertices
 from study.fem.material import form
 from study.fem.mesh import MeshFamily
 from study.fem.moments import Amplitudes, QuadraturePoints, StrainSums, amplitudes_of
@@ -79,6 +80,11 @@ class Task:
         return ErrorNorm(self.solution, self.space)
 
     @cached_property
+    def gap(self) -> Array | float:
+        """The initial gap at the contact vertices, piece after piece, (m,), or the number 0."""
+        return gaps_at_vertices(self.solution, self.space)
+
+    @cached_property
     def _rates(self) -> tuple[Callable[[float, bool], Amplitudes], StrainSums]:
         solution, mesh = self.solution, self.space.mesh
         points = QuadraturePoints.on_cells(rules(solution, mesh, self.v_norm.degree, shared_lines(solution)))
@@ -93,7 +99,7 @@ class Task:
 
     @cached_property
     def _solve(self) -> ContactSolver:
-        return contact_solver(self.space)(form(self.space, self.solution.law.G), self.space.N)
+        return contact_solver(self.space)(form(self.space, self.solution.law.G), self.space.N, gap=self.gap)
 
     def static(self, time: float) -> Array:
         """Return the solution in K^h of the frozen problem at t, (dofs,)."""
@@ -107,7 +113,7 @@ class Task:
     def march(self, steps: int) -> tuple[SemiDiscrete, Iterator[State]]:
         """Return Problem 5.1 from the interpolant of u_0, and its states by the midpoint rule, the start first."""
         start = self.v_norm.sample(0.0).interpolant
-        problem = SemiDiscrete.of(self.space, self.solution.law, self.v_norm.load, start)
+        problem = SemiDiscrete.of(self.space, self.solution.law, self.v_norm.load, start, self.gap)
         return problem, MIDPOINT.march(problem, steps)
 
     def error_of_march(self, steps: int) -> float:
