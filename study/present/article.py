@@ -35,9 +35,9 @@ from study.present.full_run import FullRun
 from study.present.notation import encode, encode_letters, folding, prose, tabular
 
 DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
-"""Ends of the keys of predictions about the fully discrete error; other rows are there for comparison."""
+"""Ends of the keys of predictions about the fully discrete error; other rows are shown for comparison."""
 NEGLIGIBLE = 1e-6
-"""A defect below this amount is seen however small it is: the start has to be Π^h u_0 up to rounding."""
+"""A defect whose smallest noticed size is below this value is noticed at any size: the start must be Π^h u_0."""
 WIDE = 0.5
 """A window of an order that is wider is counted separately."""
 GROUPS = {
@@ -61,7 +61,8 @@ Named = Iterator[tuple[str, object]]
 
 
 def article(directory: Path) -> dict[Path, str]:
-    """Returns path ↦ text of macros and tables under ``directory/article``; nothing for a run that is not full.
+    """Return the texts of macros and tables by their paths under ``directory/article``; empty for a run that is not
+    full.
 
     Raises:
         DataError: the data lack a row that a paper names.
@@ -78,7 +79,7 @@ def article(directory: Path) -> dict[Path, str]:
 
 
 def macros(data: FullRun) -> str:
-    """Returns \\newcommand lines, grouped by subject."""
+    r"""Return \\newcommand lines, grouped by subject."""
     theory = _smooth, _rough, _equivalence, _bounds, _contact, _time, _front, _laws, _discrete
     groups = _ledger, _plan, *theory, _packages
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
@@ -86,7 +87,7 @@ def macros(data: FullRun) -> str:
 
 
 def _ledger(data: FullRun) -> Named:
-    """Verdicts, caught defects, and false alarms on fresh random meshes."""
+    """Yield the verdicts, the noticed defects, and the false alarms on fresh random meshes."""
     yield "ledgerRows", len(data.claims)
     yield "ledgerStatements", len(list(by_claim(data.claims)))
     counts = count_verdicts(data.claims)
@@ -112,7 +113,7 @@ def _ledger(data: FullRun) -> Named:
 
 
 def _plan(data: FullRun) -> Named:
-    """The size of the study."""
+    """Yield the size of the study."""
     plane, solid = (data.rates[data.rates["dim"] == dim] for dim in (2, 3))
     yield "caseCount", len(data.cases)
     for name, claim in (("casesSmooth", "Prop. 5.4"), ("casesRough", "Prop. 5.3")):
@@ -129,7 +130,7 @@ def _plan(data: FullRun) -> Named:
 
 
 def _smooth(data: FullRun) -> Named:
-    """Proposition 5.4."""
+    """Yield the numbers for Proposition 5.4."""
     label = "Prop. 5.4"
     yield from _extremes("orderLevel", data.rows(label, "order"))
     extrapolated = data.rows(label, "order-extrapolated")
@@ -144,7 +145,7 @@ def _smooth(data: FullRun) -> Named:
     yield "shareTime", _percent(data.rows(label, "time-share")["high"].max())
     yield "shareQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
     sweeps = data.rates[data.rates["claim"] == label]
-    # Laws that are not linear need a fixed point in every step.
+    # Nonlinear laws need a fixed-point iteration in every step, which leaves a larger residual.
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
     plane = sweeps["dim"] == 2
     yield "residualLinear", _power(sweeps.loc[~yielding & plane, "residual"].max())
@@ -154,7 +155,7 @@ def _smooth(data: FullRun) -> Named:
 
 
 def _rough(data: FullRun) -> Named:
-    """Proposition 5.3, and what (5.36) has to do with the order."""
+    """Yield the numbers for Proposition 5.3, and for the order without the assumption (5.36)."""
     label = "Prop. 5.3"
     yield "ratioMost", _most(data, label, "falling")
     yield "limitMost", _percent(data.rows(label, "limit")["high"].max())
@@ -172,7 +173,7 @@ def _rough(data: FullRun) -> Named:
 
 
 def _equivalence(data: FullRun) -> Named:
-    """Theorem 4.2."""
+    """Yield the numbers for Theorem 4.2."""
     for name, column in (
         ("agreeDisplacement", "displacement_gap"),
         ("agreeStress", "stress_gap"),
@@ -193,7 +194,7 @@ def _equivalence(data: FullRun) -> Named:
 
 
 def _bounds(data: FullRun) -> Named:
-    """The bound and the enclosures."""
+    """Yield the numbers for the error bound and the enclosures."""
     yield from _extremes("boundUpper", data.rows("bound", "upper"), 1)
     yield "boundCases", data.rows("bound", "above")["case"].nunique()
     yield "encloseUpperMax", _most(data, "enclosure", "upper")
@@ -210,7 +211,7 @@ def _bounds(data: FullRun) -> Named:
 
 
 def _contact(data: FullRun) -> Named:
-    """The work of contact, and what contact costs where a narrow patch rolls along Γ3."""
+    """Yield the work of contact, and the error due to contact if a narrow patch rolls along Γ3."""
     for name, key in (("Solution", "solution"), ("All", "all")):
         yield f"edge{name}", _most(data, "beyond: work on edges", key)
     label = "beyond: work of contact"
@@ -233,7 +234,7 @@ def _contact(data: FullRun) -> Named:
 
 
 def _time(data: FullRun) -> Named:
-    """Errors in time with their bounds, and orders where many vertices come into contact."""
+    """Yield errors in time with their bounds, and orders if many vertices come into contact."""
     label = "beyond: O(h + k)"
     yield "timeByData", _most(data, label, "data")
     yield "timeBySolution", _most(data, label, "solution")
@@ -262,7 +263,7 @@ def _front(data: FullRun) -> Named:
 
 
 def _laws(data: FullRun) -> Named:
-    """How fast solutions diverge where G softens, with eigenvalues and the bound of Theorem 2.2."""
+    """Yield growth rates of differences of solutions if G softens, with eigenvalues and the bound of Theorem 2.2."""
     label, soft, wells = "Thm 2.2, (4.4)", "softening", "double-well"
     rates = pd.concat([data.rows(label, key) for key in ("rate", "rate-even")])
     yield "lawsRate", _power((rates[["low", "high"]] - 1).abs().max(axis=None))
@@ -276,7 +277,7 @@ def _laws(data: FullRun) -> Named:
 
 
 def _discrete(data: FullRun) -> Named:
-    """How many predictions about the fully discrete error agree, and the room in the constants."""
+    """Yield how many predictions about the fully discrete error agree, and how sharp the constants are."""
     claims = data.claims[data.claims["label"] == "beyond: fully discrete"]
     predicted = claims["key"].str.endswith(DISCRETE)
     for name, total, rows in (
@@ -294,7 +295,7 @@ def _discrete(data: FullRun) -> Named:
 
 
 def _packages(data: FullRun) -> Named:
-    """The programs behind the committed data."""
+    """Yield the versions of the programs that computed the committed data."""
     yield "withPython", prose(data.provenance["python"])
     packages = data.provenance["packages"]
     yield "withPackages", ", ".join(f"{prose(name)} {prose(packages[name])}" for name in packages)
@@ -310,7 +311,7 @@ def _most(data: FullRun, label: str, key: str, digits: int = 2) -> str:
 
 
 def two_digits_up(value: float) -> float:
-    """Returns a value rounded up to two significant digits; 1e-5 stays 1e-5."""
+    """Return a value rounded up to two significant digits; 1e-5 stays 1e-5."""
     return float(above(value, 1 - math.floor(math.log10(value)))) if value else 0.0
 
 
@@ -326,13 +327,13 @@ def _power(value: float) -> str:
 
 
 def group_of(label: str) -> str:
-    """Returns the title of the group of statements that a label belongs to, by its longest beginning in ``GROUPS``."""
+    """Return the title of the group of statements that a label belongs to, by its longest beginning in ``GROUPS``."""
     matches = [(len(begin), title) for title, begins in GROUPS.items() for begin in begins if label.startswith(begin)]
     return max(matches)[1] if matches else BEYOND
 
 
 def verdicts(data: FullRun) -> str:
-    """Returns one row per group of statements: the rows that hold by kind of evidence, and all other verdicts."""
+    """Return one row per group of statements: the rows that hold by kind of evidence, and all other verdicts."""
     groups, body = data.claims["label"].map(group_of), []
     for title in (*GROUPS, BEYOND):
         body.append([title, *_counts(data.claims[groups == title])])
@@ -342,14 +343,14 @@ def verdicts(data: FullRun) -> str:
 
 
 def _counts(rows: pd.DataFrame) -> list[str]:
-    """Returns the numbers of rows that hold, by kind, that do not hold, that are missed and that are reported."""
+    """Return the numbers of rows that hold, by kind, that do not hold, that are missed and that are reported."""
     holding, count = count_kinds(rows), count_verdicts(rows)
     failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
     return [*(str(holding[one]) for one in KINDS), str(failing), str(count[MISSED]), str(count[REPORTED])]
 
 
 def ledger(data: FullRun) -> str:
-    """Returns one row per statement: the number of verdicts of each kind, and the row that uses most of its window.
+    """Return one row per statement: the number of verdicts of each kind, and the row that uses most of its window.
 
     Each group of statements has its own table, which does not break over a page.
     """
@@ -375,7 +376,7 @@ def ledger(data: FullRun) -> str:
 
 
 def catalogue(data: FullRun) -> str:
-    """Returns the exact solutions: name, what the zone does, law."""
+    """Return the exact solutions: name, summary, law."""
     laws = data.cases["law"].str.removeprefix("linear, ")
     facts = zip(data.cases["case"], data.cases["summary"], laws, strict=True)
     body = [[prose(case), encode_letters(summary), encode_letters(law)] for case, summary, law in facts]
@@ -383,7 +384,7 @@ def catalogue(data: FullRun) -> str:
 
 
 def smooth(data: FullRun) -> str:
-    """Returns Prop. 5.4, one row per case: orders of the error and of the discrete error, finest level, time share."""
+    """Return Prop. 5.4, one row per case: orders of the error and of the discrete error, finest level, time share."""
     label, body = "Prop. 5.4", []
     for case, rows in data.rates[data.rates["claim"] == label].groupby("case", sort=False):
         cells = [
@@ -400,7 +401,7 @@ def smooth(data: FullRun) -> str:
 
 
 def rough(data: FullRun) -> str:
-    """Returns Prop. 5.3, one row per case: the predicted order, the order that the proof of 5.4 gives, and the data."""
+    """Return Prop. 5.3, one row per case: the predicted order, the order proved as for 5.4, and the observations."""
     label, body = "Prop. 5.3", []
     for case in data.rates.loc[data.rates["claim"] == label, "case"].drop_duplicates():
         orders = [f"{data.cases.loc[case, name]:.3g}" for name in ("expected_order", "proved_order")]
@@ -416,7 +417,7 @@ def rough(data: FullRun) -> str:
 
 
 def stresses(data: FullRun) -> str:
-    """Returns Theorem 4.2 on its own stress space, a row per case and family that is not shaken: orders and windows."""
+    """Return Theorem 4.2 with a separate stress space, one row per case and mesh family (not shaken)."""
     rows = data.claims[(data.claims["label"] == "Thm 4.2, own space") & (data.claims["family"] != "shaken")]
     body = []
     for (case, family), part in rows.groupby(["case", "family"], sort=False):
@@ -430,9 +431,9 @@ def stresses(data: FullRun) -> str:
 
 
 def enclosures(data: FullRun) -> str:
-    """Returns the enclosures on three levels: of a case with an exact solution, and of problems without one.
+    """Return the enclosures on three levels: of a case with an exact solution, and of problems without one.
 
-    Ends are rounded outwards.
+    The ends are rounded outwards.
     """
     roundings = {"lowest": down, "error": _nearest, "highest": up, "upper": up, "lower": down}
     rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
@@ -447,7 +448,7 @@ def enclosures(data: FullRun) -> str:
 
 
 def discrete(data: FullRun) -> str:
-    """Returns the fully discrete error, a row per case and scheme: 95 % intervals of orders.
+    """Return the fully discrete error, one row per case and scheme: 95 % intervals of orders.
 
     Undecided predictions are marked with * and wrong ones with †.
     """
@@ -469,7 +470,7 @@ def discrete(data: FullRun) -> str:
 
 
 def slips(data: FullRun) -> str:
-    """Returns the misprints in the source: place, what is printed, how it has to be read."""
+    """Return the misprints in the paper: place, printed text, corrected text."""
     rows = data.claims[data.claims["label"] == "slips"]
     body = [
         [encode_letters(str(row[name]).removeprefix("read: ")) for name in ("case", "quantity", "expected")]
@@ -480,7 +481,7 @@ def slips(data: FullRun) -> str:
 
 
 def codes(data: FullRun) -> str:
-    """Returns other people's contact codes with their parameters, a row each; no rows if there are no data."""
+    """Return other people's contact codes with their parameters, one row each; no rows if there are no data."""
     body = [
         [
             prose(f"{row['code']} {row['version']}"),
@@ -496,7 +497,7 @@ def codes(data: FullRun) -> str:
 
 
 def sensitivity(data: FullRun) -> str:
-    """Returns the smallest defects in per cent that a row sees on every mesh family; no rows without data."""
+    """Return the smallest defects in per cent that a check notices on every mesh family; no rows without data."""
     if data.sensitivity is None:
         return tabular(["case"], "l", [])
     largest = data.sensitivity.groupby(["case", "defect"], sort=False)["amount"].max().unstack("defect")
@@ -506,7 +507,7 @@ def sensitivity(data: FullRun) -> str:
 
 
 def _cell(data: FullRun, label: str, key: str, case: object, write: Callable[[pd.Series], str]) -> str:
-    """Returns one cell from the first such row of the ledger; a dash if the case has none."""
+    """Return a cell with the first such check of the ledger; a dash if the case has none."""
     try:
         return write(data.rows(label, key, str(case)).iloc[0])
     except DataError:
@@ -531,7 +532,7 @@ def _range(row: pd.Series) -> str:
 
 
 def _regularity(data: FullRun, case: object) -> str:
-    """Returns the exponents of a case, short enough for a column."""
+    """Return the exponents of a case, shortened for a column."""
     text = str(data.cases.loc[str(case), "regularity"])
     return encode_letters(
         text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", ")
@@ -543,12 +544,12 @@ def _nearest(value: float, digits: int) -> str:
 
 
 def _number(value: float, rounding: Callable[[float, int], str] = _nearest, digits: int = 3) -> str:
-    """Returns a measured number with some significant digits."""
+    """Return a measured number with a given number of significant digits."""
     return encode(f"{float(rounding(value, digits)):#.{digits}g}".rstrip("."))
 
 
 def window_ends(row: pd.Series) -> str:
-    """Returns the ends of a window as mathematics; a low end of 0 or −∞ is left out."""
+    """Return the ends of a tolerance window as mathematics; a lower end of 0 or −∞ is left out."""
     ends = float(row["window_low"]), float(row["window_high"])
     low, high = (encode(f"{end:.4g}").strip(r"\()").removeprefix(r"1\cdot ") for end in ends)
     if ends[0] == 0 or math.isinf(ends[0]):

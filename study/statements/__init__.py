@@ -1,4 +1,4 @@
-"""Every statement that is measured or judged, in the order of the source; statements beyond it come last."""
+"""The list of all statements, in the order of the paper; statements that go beyond the paper come last."""
 
 from __future__ import annotations
 
@@ -115,4 +115,4 @@ STATEMENTS: tuple[Statement, ...] = (
     WithoutRow(),
     Pictures(),
 )
-"""The only list of statements."""
+"""All statements; the commands and the ledger read this list."""

@@ -1,6 +1,6 @@
 """Beyond the paper: an initial gap g(s) ≥ 0 between the undeformed body and the foundation.
 
-**Claimed.** In the paper the body touches its foundation from the start: K = {v : v_ν ≤ 0 on Γ3}. Here
+**Claimed.** In the paper the undeformed body touches the foundation: K = {v : v_ν ≤ 0 on Γ3}. Here
 K = {v : v_ν ≤ g on Γ3} with a smooth g that does not depend on time, and Problem 5.1 is solved in
 K^h = {v ∈ V^h : v_ν ≤ g at the vertices of Γ3}. The paper claims nothing about it. This study claims
 ‖u − u^h‖_{L∞(0,T;V)} = O(h) for solutions with (5.36), and convergence for others.
@@ -10,12 +10,10 @@ inequality for w is the one for u with the load of −d added, and Π^h d − d 
 Proposition 5.4 holds for w. The window of the order was set before anything was measured.
 
 **Measured** as for Proposition 5.4 (``prop_5_4.measure``), on all cases with an initial gap and all mesh families that
-can mesh their bodies. Both sides of the comparison know g: the exact solution is lifted from w − g, and the contact
-solver is given g at the vertices.
+can mesh their bodies. The exact solution is the lifting of w − g, and the contact solver gets g at the vertices.
 
-**Judged** by the criteria of Proposition 5.4, and by (5.23) for the size of the interpolation error; by the criteria of
-Proposition 5.3 where a solution misses (5.36). A g with the wrong sign, or a forgotten one, leaves an error that does
-not fall with h (``study.controls``).
+**Judged** by the criteria of Proposition 5.4 and (5.23) if the solution satisfies (5.36), otherwise by the criteria of
+Proposition 5.3. If g is forgotten or has the wrong sign, the error does not fall with h (``study.controls``).
 """
 
 from __future__ import annotations
@@ -33,7 +31,7 @@ from study.statements.prop_5_4 import Rates
 
 
 class InitialGap(Rates):
-    """The order of the error for cases with an initial gap."""
+    """Measures and judges errors for the cases with an initial gap."""
 
     label = INITIAL_GAP
     claim = "‖u − u^h‖_{L∞(0,T;V)} = O(h) for K = {v : v_ν ≤ g on Γ3}; the source has g = 0"
@@ -49,7 +47,7 @@ class InitialGap(Rates):
 
 
 def rules_of(rows: pd.DataFrame) -> Iterator[tuple[Rule, Groups]]:
-    """Yield the criteria for the rows of one case, each with the mesh families that it judges."""
+    """Yield the criteria for the rows of one case, each with the rows of the mesh families on which it is judged."""
     groups, expected = by_family(rows), float(rows["expected_order"].iloc[0])
     if expected < 1:
         yield from prop_5_3.rules_of(groups, expected)

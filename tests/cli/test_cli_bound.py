@@ -268,7 +268,7 @@ def test_displacements_from_files_have_orders_and_known_errors(finished, tmp_pat
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--nearest"], "--nearest are about a file"),
+        (["--nearest"], "--nearest need a file"),
         (["--displacement", "none.npz"], "there is no file none.npz"),
         (["--displacement", "none.npz", "--adapt", "1"], "not both"),
         (["--adapt", "5 percent"], "a tolerance such as 0.2 or 5%, got '5 percent'"),
@@ -284,4 +284,4 @@ def test_a_mesh_too_large_for_the_memory_is_refused_with_what_is_served(
     monkeypatch.setattr("study.cli.displacement.available", lambda: 0.45 * 2.0**30)
     file = str(finished[0] / "trajectory-8.npz")
     message = refused(capsys, "advance-recede", "--displacement", file, "--refine", "3", "--out", str(tmp_path / "out"))
-    assert re.search(r"has \d+ triangles, .* need about [\d.]+ GiB .* which serve \d+ triangles", message)
+    assert re.search(r"has \d+ triangles, .* need about [\d.]+ GiB .* enough for \d+ triangles", message)

@@ -198,7 +198,7 @@ def test_an_own_case_with_the_name_of_another_is_refused(
 ) -> None:
     out = tmp_path / "out"
     told = refused(capsys, "run", "--case", f"{file}:front", "--levels", "2", "4", "8", "--out", str(out))
-    assert "cases.py:front is called advance-recede, as a case of the catalogue is; give it another name" in told
+    assert "cases.py:front has the name advance-recede of a case of the catalogue; give it another name" in told
     assert not out.exists()
 
 
@@ -210,7 +210,7 @@ def test_too_few_levels_are_named_before_anything_is_measured(
 
     monkeypatch.setattr("study.cli.run.refuse_too_large", stop)
     told = refused(capsys, "run", "--case", "corner", "full-contact", "--levels", "8", "--out", str(tmp_path))
-    few = "an order takes {} levels, nothing is decided about it with 8; give {} or more, such as --levels {}"
+    few = "a verdict on an order needs {} levels, not only 8; give {} or more, such as --levels {}"
     assert told.splitlines() == [
         f"study: corner: {few.format(3, 3, '8 16 32')}",
         f"study: full-contact: {few.format(3, 3, '8 16 32')}",

@@ -399,14 +399,14 @@ ELSEWHERE = (
     ),
     Weakened(
         "bound at the last time",
-        "study.controls.side_by_side:bounded",
+        "study.controls.baselines:bounded",
         "(found.error / found.upper).max()",
         "(found.error / found.upper)[-1]",
         ("bound: error at time 5",),
     ),
     Weakened(
         "lower bound at the last time",
-        "study.controls.side_by_side:bounded",
+        "study.controls.baselines:bounded",
         "(found.lower / found.error).max()",
         "(found.lower / found.error)[-1]",
         ("enclosure: small error at time 6",),

@@ -169,7 +169,7 @@ def test_a_seed_can_be_repeated_and_says_the_same(tmp_path: Path, monkeypatch: p
     assert [draw.part for draw in before.draws] == [LIGHT, WHOLE]
     for draw in (before.draws[0], before.draws[-1]):
         assert main(["seeds", "--seed", str(draw.seed), "--jobs", "1", "--out", str(tmp_path)]) == 0
-        assert f"{draw.judged} places are the same, 0 are others" in capsys.readouterr().out
+        assert f"{draw.judged} results are the same, 0 differ" in capsys.readouterr().out
     assert main(["seeds", "--seed", "5", "--jobs", "1", "--out", str(tmp_path)]) == 0
     assert "the record does not have this seed" in capsys.readouterr().out
     assert Record.read(tmp_path) == before

@@ -13,9 +13,12 @@ from numpy.typing import NDArray
 
 from study.ledger.datafiles import read_rates
 from study.ledger.orders import orders
-from study.present.chart import Axis, Chart, Curve, draw_chart
 from study.present.charts import (
+    Axis,
+    Chart,
+    Curve,
     convergence_chart,
+    draw_chart,
     enclosure_chart,
     finest_orders,
     last_orders,

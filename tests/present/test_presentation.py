@@ -201,8 +201,8 @@ def test_the_ledger_text_counts_verdicts_by_statement_and_lists_what_does_not_ho
     )
     assert listed in text.splitlines()
     assert "\nundecided: (3.1), (3.2): Γ3,i" in text
-    assert "5 rows: 3 hold, 1 fail, 1 undecided, 0 missed (our own prediction was wrong), 0 reported" in text
-    assert text.endswith("Conclusion: 1 row contradicted what a statement claims.\n")
+    assert "5 checks: 3 hold, 1 fail, 1 undecided, 0 missed (our own prediction was wrong), 0 reported" in text
+    assert text.endswith("Conclusion: 1 check contradicted a statement.\n")
 
 
 def test_the_ledger_text_has_a_line_for_every_claim_of_a_label(data: Path) -> None:

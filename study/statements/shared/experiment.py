@@ -1,4 +1,4 @@
-"""Problem 5.1 of an exact solution on one mesh, with all that is needed to solve it and to measure its error."""
+"""Problem 5.1 of an exact solution on one mesh, with the time scheme and the norm that measures the error."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from study.statements.shared.base import Setting
 
 @dataclass(frozen=True, eq=False)
 class Experiment:
-    """Problem 5.1 of an exact solution on one mesh. Negative controls replace single attributes by wrong ones.
+    """Problem 5.1 of an exact solution on one mesh. Negative controls replace one attribute by a wrong value.
 
     Attributes:
-        solution: the exact solution, which gives the data and the reference.
+        solution: the exact solution, which gives the data and with which u^h is compared.
         space: V^h.
         v_norm: computes the load and the errors.
         problem: the semi-discrete problem that is solved.
@@ -36,9 +36,9 @@ class Experiment:
 
     @classmethod
     def of(cls, solution: ExactSolution, family: MeshFamily, level: int, scheme: Tableau, steps: int) -> Experiment:
-        """Return the experiment of the paper: u_0^h = Π^h u_0, K^h = V^h ∩ K and the load of (3.7).
+        """Return the discretisation of the paper: u_0^h = Π^h u_0, K^h = V^h ∩ K and the load of (3.7).
 
-        Beyond the paper K^h may have an initial gap.
+        K^h includes the initial gap of the solution, which the paper does not have.
         """
         space = Space(family(solution.body, level), solution.body)
         v_norm = ErrorNorm(solution, space)
@@ -48,5 +48,5 @@ class Experiment:
 
     @classmethod
     def at(cls, setting: Setting, scheme: Tableau, steps: int) -> Experiment:
-        """Return the experiment at a setting, whose case and mesh family are given by name."""
+        """Return the experiment for the case, the mesh family and the level of a setting."""
         return cls.of(resolve(setting.case).solution, family_named(setting.family), setting.level, scheme, steps)
