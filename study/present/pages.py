@@ -55,7 +55,7 @@ from study.present.tables import texts
 from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, changes
 
 TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "make pages"
-"""The commands that write tables and inputs of the papers, figures with their captions, and the README with its badges."""
+"""The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
 FILM, FILM_DPI = "hexagon", 75
 """The case shown at the top of the README, and dots per inch of its animation."""
 ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
