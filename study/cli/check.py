@@ -1,4 +1,4 @@
-"""``study check``: compare data, verdicts, tables and the inputs of the article with their expected contents."""
+"""``study check``: compare data, verdicts, tables and the inputs of the papers with their expected contents."""
 
 from __future__ import annotations
 

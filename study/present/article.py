@@ -1,8 +1,7 @@
-"""The inputs of ``paper/`` from the data files: its tables, and macros for every measured number in its text.
+"""Tables, and macros for every measured number in the text, of the papers in ``paper/``, from the data files.
 
-They are written to ``article/``, only for a full run with its controls, because the article describes such a run.
-Ranges are rounded outwards (the smallest value down, the largest value up), so that no sentence claims more than was
-observed.
+They are written to ``article/``, and only for a full run with its controls, which the papers describe. Extremes are
+rounded outwards: a smallest value down, a largest value up, so that no sentence claims more than was measured.
 """
 
 from __future__ import annotations
@@ -19,26 +18,45 @@ from study.ledger.text import above, below, down, up
 from study.ledger.verdict import (
     HOLDS,
     IDENTITY,
+    KINDS,
     MISSED,
-    ONE_SIDED,
     ORDER,
     REPORTED,
-    SIZE,
     THEOREM,
     UNCLAIMED,
     VERDICTS,
     agreement,
+    kind,
     window_share,
     worst_value,
 )
 from study.ledger.window import STEEPER
 from study.present.full_run import FullRun
-from study.present.notation import encode, encode_letters, folding, longtable, prose, tabular
+from study.present.notation import encode, encode_letters, folding, prose, tabular
 
 DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
 """Ends of the keys of predictions about the fully discrete error; other rows are shown for comparison."""
 NEGLIGIBLE = 1e-6
 """A defect whose smallest noticed size is below this value is noticed at any size: the start must be Π^h u_0."""
+WIDE = 0.5
+"""A window of an order that is wider is counted separately."""
+GROUPS = {
+    "material, spaces and operators: (2.14)--(4.5)": ("(2", "(3", "(4", "Thm 2.2"),
+    "well-posedness and the stress problem: Theorems 4.1--4.3, 5.2": ("Thm 4", "Prager"),
+    "steps of the error estimate: (5.9)--(5.42)": ("(5", "K^h", "Π^h"),
+    "Proposition 5.3": ("Prop. 5.3",),
+    "Proposition 5.4, with regularity, supercloseness and pressure": (
+        "Prop. 5.4",
+        "(5.36)",
+        "superclose",
+        "contact force",
+    ),
+    "the same numbers from other programs": ("computed again", "other codes", "axes"),
+    "error bounds and enclosures": ("bound", "enclosure"),
+    "missing data, misprints, statements without a test": ("data", "slips", "not tested", "no row"),
+}
+"""Group of statements ↦ how their labels begin; a label in none of them is beyond the source."""
+BEYOND = "beyond the source"
 Named = Iterator[tuple[str, object]]
 
 
@@ -47,12 +65,12 @@ def article(directory: Path) -> dict[Path, str]:
     full.
 
     Raises:
-        DataError: the data lack a row that the article names.
+        DataError: the data lack a row that a paper names.
     """
     data = FullRun.read(directory)
     if data is None:
         return {}
-    tables = (ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips, codes, sensitivity)
+    tables = (verdicts, ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips, codes, sensitivity)
     texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
     return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
@@ -62,7 +80,7 @@ def article(directory: Path) -> dict[Path, str]:
 
 def macros(data: FullRun) -> str:
     r"""Return \\newcommand lines, grouped by subject."""
-    theory = _smooth, _rough, _equivalence, _bounds, _contact, _time, _laws, _discrete
+    theory = _smooth, _rough, _equivalence, _bounds, _contact, _time, _front, _laws, _discrete
     groups = _ledger, _plan, *theory, _packages
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
     return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
@@ -76,9 +94,10 @@ def _ledger(data: FullRun) -> Named:
     for verdict in VERDICTS:
         yield f"ledger{verdict.capitalize()}", counts[verdict]
     kinds = count_kinds(data.claims)
-    names = {ORDER: "Orders", SIZE: "Sizes", ONE_SIDED: "Bounds", THEOREM: "Theorems", IDENTITY: "Identities"}
-    for one, name in names.items():
+    for name, one in (("Orders", ORDER), ("Theorems", THEOREM), ("Identities", IDENTITY)):
         yield f"kind{name}", kinds[one]
+    orders = data.claims[(data.claims["verdict"] == HOLDS) & (data.claims.apply(kind, axis=1) == ORDER)]
+    yield "ordersWide", (orders["window_high"] - orders["window_low"] > WIDE).sum()
     found, injected = count_caught(data.controls)
     yield "controls", injected
     yield "controlsCaught", found
@@ -88,6 +107,7 @@ def _ledger(data: FullRun) -> Named:
     yield "seedRed", alarms.red
     yield "seedsLight", alarms.light_seeds
     yield "seedRedLight", alarms.light_red
+    yield "seedRateMost", _percent(alarms.high)
     yield "seedRateTail", "not known yet" if math.isnan(alarms.by_tail) else f"at most {_percent(alarms.by_tail)}"
     yield "seedPromise", _percent(PROMISE)
 
@@ -127,7 +147,9 @@ def _smooth(data: FullRun) -> Named:
     sweeps = data.rates[data.rates["claim"] == label]
     # Nonlinear laws need a fixed-point iteration in every step, which leaves a larger residual.
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
-    yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
+    plane = sweeps["dim"] == 2
+    yield "residualLinear", _power(sweeps.loc[~yielding & plane, "residual"].max())
+    yield "residualSolid", _power(sweeps.loc[~plane, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
     yield "supremumLater", (data.rows(label, "start-share")["verdict"] == HOLDS).sum()
 
@@ -179,6 +201,7 @@ def _bounds(data: FullRun) -> Named:
     computed = data.bounds[data.bounds["trajectory"] == "enclosure"]
     yield "encloseLeast", below(computed["lower"].min(), 2)
     yield "encloseRows", computed["error"].count()
+    yield "encloseHalf", (computed["lower"] >= 0.5).sum()
     for name, case in (("ramp", "ramp"), ("bracket", "bracket"), ("check", "advance-recede")):
         yield from _extremes(f"{name}Order", data.rows("enclosure", "order", case))
     finest = computed[computed["case"] == "advance-recede"].sort_values("level").iloc[-1]
@@ -220,6 +243,23 @@ def _time(data: FullRun) -> Named:
     yield "timeGrowth", above(100 * (uniform[["low", "high"]] - 1).abs().max(axis=None), 0)
     for name, key in (("rollingMid", "midpoint-rolling"), ("rollingBdf", "bdf2-rolling"), ("ownMid", "midpoint-own")):
         yield from _extremes(name, data.rows("beyond: landings", key))
+    label, steps = "beyond: O(h + k), no potential", ("equal", "unequal")
+    for name, key in (("ByData", "data"), ("BySolution", "solution")):
+        rows = pd.concat([data.rows(label, f"{key}-{step}") for step in steps])
+        yield f"noPotential{name}", above(rows["high"].max(), 2)
+    yield from _extremes("noPotentialOrder", pd.concat([data.rows(label, f"order-{step}") for step in steps]))
+    yield from _extremes("noPotentialBoth", data.rows(label, "order-both"))
+    yield "noPotentialRotation", below(data.rows(label, "rotation")["low"].min(), 2)
+
+
+def _front(data: FullRun) -> Named:
+    """The natural front that advances, and nodal interpolants of a continuous initial value."""
+    for name, key in (("Order", "order"), ("Rate", "rate"), ("Excess", "excess")):
+        yield from _extremes(f"front{name}", data.rows("beyond: advancing front", key))
+    label = "beyond: nodal start"
+    yield from _extremes("startSize", data.rows(label, "size"), 3)
+    yield "startGrowth", below(-data.rows(label, "growth")["high"].max(), 2)
+    yield "startWorse", below(data.rows(label, "worse")["low"].min(), 1)
 
 
 def _laws(data: FullRun) -> Named:
@@ -286,23 +326,53 @@ def _power(value: float) -> str:
 # Tables
 
 
+def group_of(label: str) -> str:
+    """Return the title of the group of statements that a label belongs to, by its longest beginning in ``GROUPS``."""
+    matches = [(len(begin), title) for title, begins in GROUPS.items() for begin in begins if label.startswith(begin)]
+    return max(matches)[1] if matches else BEYOND
+
+
+def verdicts(data: FullRun) -> str:
+    """Return one row per group of statements: the rows that hold by kind of evidence, and all other verdicts."""
+    groups, body = data.claims["label"].map(group_of), []
+    for title in (*GROUPS, BEYOND):
+        body.append([title, *_counts(data.claims[groups == title])])
+    body.append([r"\midrule all", *_counts(data.claims)])
+    headings = ["statements", "orders", "sizes", "one-sided", "proved", "identities", "not", "missed", "reported"]
+    return tabular(headings, folding(0.37) + "rrrrrrrr", body)
+
+
+def _counts(rows: pd.DataFrame) -> list[str]:
+    """Return the numbers of rows that hold, by kind, that do not hold, that are missed and that are reported."""
+    holding, count = count_kinds(rows), count_verdicts(rows)
+    failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
+    return [*(str(holding[one]) for one in KINDS), str(failing), str(count[MISSED]), str(count[REPORTED])]
+
+
 def ledger(data: FullRun) -> str:
-    """Return one row per statement: verdicts of each kind, and the check that is nearest to its window's end."""
-    body = []
+    """Return one row per statement: the number of verdicts of each kind, and the row that uses most of its window.
+
+    Each group of statements has its own table, which does not break over a page.
+    """
+    bodies: dict[str, list[list[str]]] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
         count, judged = count_verdicts(rows), rows[~rows["verdict"].isin(UNCLAIMED)]
         counts = count[HOLDS], len(judged) - count[HOLDS], count[MISSED], count[REPORTED]
         shares = judged.apply(window_share, axis=1).dropna() if len(judged) else pd.Series(dtype=float)
-        nearest = ["--", "", ""]
+        nearest = ["--", ""]
         if len(shares):
             row = judged.loc[shares.idxmax()]
             where = f"{encode_letters(str(row['quantity']))} ({prose(str(row['case']))})"
-            nearest = [where, _number(worst_value(row)), window_ends(row)]
-        body.append([encode_letters(label), encode_letters(claim), *map(str, counts), *nearest])
-    label, statement, quantity = (folding(width) for width in (0.11, 0.215, 0.265))
-    counted = "hold", "not", "missed", "rep."
-    headings = ["no.", "what it says", *counted, "row nearest to the end of its window", "seen", "window"]
-    return longtable(headings, [label, statement, "r", "r", "r", "r", quantity, "r", "l"], [("", body)])
+            nearest = [where, f"{_number(worst_value(row))}; {window_ends(row)}"]
+        line = [encode_letters(label), encode_letters(claim), *map(str, counts), *nearest]
+        bodies[group_of(label)].append(line)
+    alignment = folding(0.1) + folding(0.25) + "rrrr" + folding(0.27) + folding(0.14)
+    headings = ["no.", "statement", "hold", "not", "missed", "rep.", "row that uses most of its window", "seen; window"]
+    return "".join(
+        f"\\par\\medskip\\noindent\\textbf{{{title}}}\\par\\nobreak\\smallskip\\noindent\n"
+        + tabular(headings, alignment, body)
+        for title, body in bodies.items()
+    )
 
 
 def catalogue(data: FullRun) -> str:
@@ -310,7 +380,7 @@ def catalogue(data: FullRun) -> str:
     laws = data.cases["law"].str.removeprefix("linear, ")
     facts = zip(data.cases["case"], data.cases["summary"], laws, strict=True)
     body = [[prose(case), encode_letters(summary), encode_letters(law)] for case, summary, law in facts]
-    return tabular(["case", "what it does", "law (linear but for (3.3))"], f"l{folding(0.5)}{folding(0.27)}", body)
+    return tabular(["case", "contact zone", "law (linear except (3.3))"], f"l{folding(0.5)}{folding(0.27)}", body)
 
 
 def smooth(data: FullRun) -> str:
@@ -417,13 +487,13 @@ def codes(data: FullRun) -> str:
             prose(f"{row['code']} {row['version']}"),
             encode_letters(str(row["variant"])),
             prose(str(row["classes"])),
-            f"{row['order_low']:.2f}--{row['order_high']:.2f}",
+            f"{_decimals(row['order_low'])}--{_decimals(row['order_high'])}",
             *(_number(row[name], up) for name in ("share", "excess")),
         ]
         for row in (data.codes.rows().to_dict("records") if data.codes else [])
     ]
     headings = ["code", "parameters", "class (series)", "order", r"\(d/e\)", r"\(e_p\)"]
-    return tabular(headings, "".join(folding(width) for width in (0.17, 0.25, 0.22)) + "rrr", body)
+    return tabular(headings, "".join(folding(width) for width in (0.17, 0.23, 0.21)) + "rrr", body)
 
 
 def sensitivity(data: FullRun) -> str:

@@ -1,4 +1,4 @@
-"""The data of a full run, from which article, README and documentation are made."""
+"""The data of a full run, from which papers, README and documentation are made."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ BOUNDS = ["trajectory", "case", "family", "level", "lowest", "error", "highest",
 SENSITIVITY = ["defect", "case", "family", "amount", "seen_by"]
 CONTROLS = ["defect", "what", "label", "quantity", "caught"]
 NAMED_CASES = {"advance-recede", "natural-front", "rough-trace", "moving-rough", "cube-disc"}
-"""Cases that the article names; a run without one of them is not used for the article."""
+"""Cases that the papers name; a run without one of them is not used for the papers."""
 
 
 @dataclass(frozen=True)

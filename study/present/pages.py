@@ -55,7 +55,7 @@ from study.present.tables import texts
 from study.present.windows import FIRST, NOT_NOTHING, RELEASED, Change, added, changes
 
 TABLES, FIGURES, PAGES = "study tables --out {}", "study figures --out {}", "make pages"
-"""The commands that write tables and article, figures with their captions, and the README with its badges."""
+"""The commands that write tables and inputs of the papers, figures with captions, and the README with its badges."""
 FILM, FILM_DPI = "hexagon", 75
 """The case shown at the top of the README, and dots per inch of its animation."""
 ORDERS, CONVERGENCE = ("order", "order-extrapolated", "order-finest"), ("falling", "limit", "order", "order-graded")
@@ -126,7 +126,7 @@ def refreshed(page: Path, data: FullRun) -> str:
 def expected_texts(directory: Path) -> dict[Path, tuple[str, str]]:
     """Return for each file of a run that follows from its data alone the text and the command that writes it.
 
-    These files are tables, inputs of the article and captions of figures; for a full run also the badges and the README
+    These files are tables, inputs of the papers and captions of figures; for a full run also the badges and the README
     of the repository to which the run belongs. Files that do not exist are left out.
 
     Raises:

@@ -22,7 +22,7 @@ ORDER = "{:.3f}"
 
 
 def write_tables(directory: Path) -> list[Path]:
-    """Write every table as csv, md and tex under ``directory/tables``, and the inputs of the article for a full run.
+    """Write every table as csv, md and tex under ``directory/tables``, and the inputs of the papers for a full run.
 
     Raises:
         DataError: a data file is missing or lacks a column; then nothing is written.

@@ -10,7 +10,7 @@ Then max_t ‖u(t) − û(t)‖ is at most
         ≤ kP/(1 − γk) · ((1/√2 + κT/2) ‖z‖ + (2 + κT/2) V).
 
 The first bound needs the computed solution, the second only the data; both hold on every mesh. The proof is in
-paper/proofs_euler.tex.
+paper/time.tex.
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ nodes follows from the interpolation error of u^h: if û is linear between its v
 
 where osc_n is the largest difference of velocities within a step.
 
-The proofs are in the supplement to the article (paper/proofs_time.tex). The first bound needs the computed solution,
+The proofs are in paper/time.tex. The first bound needs the computed solution,
 the second only the data; both are independent of h. z is u̇^h(0+), the projection of f(0) − B^h u_0 onto the cone of
 directions that K^h permits at u_0, and ‖z‖_V ≤ ‖f(0)‖_V + ‖B^h u_0‖_V.
 """

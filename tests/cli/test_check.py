@@ -358,7 +358,7 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
         lambda directory: (directory / "tables" / "rates.md").write_text("# rates\n", encoding="utf-8"),
         r"rates.md, line 1: stands '# rates', would be .*: `study tables --out",
     ),
-    "a number of the article": (
+    "a number of the papers": (
         lambda directory: shutil.copy(ROOT / "README.md", directory / "article" / "numbers.tex"),
         r"numbers.tex, line 1: stands",
     ),
@@ -389,7 +389,7 @@ OTHER_PARTS: dict[str, Part] = {
     "a line of the seeds deleted": compare_record,
 }
 """Parts of ``study check`` that refuse an edit, other than ``verify`` and the comparison of texts for readers."""
-TEXTS = ("a table", "a number of the article", "a badge", "a caption", "a number of the README")
+TEXTS = ("a table", "a number of the papers", "a badge", "a caption", "a number of the README")
 
 
 @pytest.mark.parametrize("name", COMMITTED)
