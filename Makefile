@@ -132,9 +132,14 @@ docs: $(DOCUMENTATION)  ## build the documentation with gallery and API, build/d
 		manufactured manufactured.cases manufactured.profile manufactured.regularity manufactured.symbols study \
 		'!study\.solve\.(factorisation|multigrid)' '!study\.ledger\.codes' '!study\.controls\.(seeded|contact_test)'
 
-paper: $(RUNTIME)  ## article and supplement from results/, paper/build; needs latexmk
+LATEX := latexmk -cd -pdf -halt-on-error -interaction=nonstopmode -outdir=build
+
+# The study refers to tables of the supplement, and the supplement to the study: it is built before and after.
+paper: $(RUNTIME)  ## both papers and the supplement from results/, paper/build; needs latexmk
 	$(BIN)/study tables --out results
-	latexmk -cd -pdf -Werror -halt-on-error -interaction=nonstopmode -outdir=build paper/article.tex paper/supplement.tex
+	$(LATEX) paper/supplement.tex
+	$(LATEX) -Werror paper/theory.tex paper/study.tex
+	$(LATEX) -Werror -g paper/supplement.tex
 
 cluster: $(CLUSTER)  ## add Dask to .venv, for study run --cluster
 

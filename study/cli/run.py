@@ -6,7 +6,7 @@ import argparse
 import shlex
 import sys
 from collections.abc import Iterable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import nullcontext
 from dataclasses import replace
 from pathlib import Path
 
@@ -43,10 +43,10 @@ def do_run(options: argparse.Namespace) -> int:
     if options.levels:
         scope = with_levels_of(store.directory, scope)
     plan = Plan.of(scope)
-    # No more processes than there are jobs and cases.
+    # More processes than jobs and cases would be idle.
     with (
         Processes(min(options.jobs, max(len(plan.jobs), len(scope.cases)))) as processes,
-        _pool(options.cluster, plan, processes) as pool,
+        connected(options.cluster, plan.scope.cases) if options.cluster else nullcontext(Pool.of(processes)) as pool,
     ):
         refuse_too_large(unfinished(plan.jobs, store), pool)
         plan.check(processes.map)
@@ -69,7 +69,7 @@ def do_run(options: argparse.Namespace) -> int:
 
 
 def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[str]:
-    """Run the jobs of a plan that a directory lacks, and write its data files; returns the names of additional ones.
+    """Run the jobs whose results a directory lacks, and write its data files; return the names of additional files.
 
     Parameters:
         plan: the plan.
@@ -91,7 +91,7 @@ def measure(plan: Plan, store: Store, pool: Pool, own_processes: Pool) -> list[s
 
 
 def with_levels_of(directory: Path, scope: Scope) -> Scope:
-    """Return a scope with the levels that a directory already has of its cases, if the scope adds others."""
+    """Return the scope with the levels that a directory already has for its cases, if the scope adds others."""
     if not (directory / "data" / "provenance.json").exists():
         return scope
     planned = read_provenance(directory)["planned"]
@@ -130,12 +130,12 @@ def on_finer_meshes(options: argparse.Namespace, scope: Scope, directory: Path) 
 
 
 def warn_of_few_levels(scope: Scope) -> None:
-    """Print which cases have too few levels to decide about an observed order."""
+    """Print which cases have too few levels for a verdict on an observed order."""
     for case in scope.resolved():
         needed, given = least_levels(case.proposition), scope.levels_of(case).all
         if len(given) < needed:
             print(
-                f"study: {case.name}: an order takes {needed} levels, nothing is decided about it with "
+                f"study: {case.name}: a verdict on an order needs {needed} levels, not only "
                 f"{' '.join(map(str, given))}; give {needed} or more, such as --levels "
                 f"{' '.join(map(str, enough(given, needed, case.solution.body.dim)))}",
                 file=sys.stderr,
@@ -150,7 +150,7 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
         scope = replace(scope, cases=tuple(map(absolute, options.case)), every_family=True, statements=False)
     if options.levels:
         levels = Levels(tuple(options.levels))
-        # The interior-point method solves small problems only.
+        # The interior-point method can solve small problems only.
         plane, solid = ([n for n in options.levels if n <= most] for most in (16, 6))
         scope = replace(
             scope,
@@ -165,7 +165,7 @@ def scope_from_options(options: argparse.Namespace) -> Scope:
 
 
 def command_line(options: argparse.Namespace, levels: Sequence[int] | None = None, out: Path | None = None) -> str:
-    """Return the command line of ``study run`` with some options, with other levels or another directory if given."""
+    """Return the command line of ``study run`` with the given options, or with other levels or another directory."""
     words = ["study", "run", *(["--full"] if options.plan == "full" else [])]
     words += ["--case", *options.case] if options.case else []
     levels = levels or options.levels
@@ -174,7 +174,3 @@ def command_line(options: argparse.Namespace, levels: Sequence[int] | None = Non
     words += ["--step", f"{options.step:g}"] if options.step is not None else []
     words += ["--out", str(out)] if out else []
     return shlex.join(words)
-
-
-def _pool(cluster: str | None, plan: Plan, processes: Processes) -> AbstractContextManager[Pool]:
-    return connected(cluster, plan.scope.cases) if cluster else nullcontext(Pool.of(processes))

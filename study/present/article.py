@@ -1,7 +1,7 @@
-"""The inputs of ``paper/`` from the data files: its tables, and macros for every measured number in its text.
+"""Tables, and macros for every measured number in the text, of the papers in ``paper/``, from the data files.
 
-Written to ``article/``, and only for a full run with its controls, which is what the article is about. Extremes are
-rounded outwards: a smallest value down, a largest value up, so that no sentence says more than was seen.
+They are written to ``article/``, and only for a full run with its controls, which the papers describe. Extremes are
+rounded outwards: a smallest value down, a largest value up, so that no sentence claims more than was measured.
 """
 
 from __future__ import annotations
@@ -18,39 +18,59 @@ from study.ledger.text import above, below, down, up
 from study.ledger.verdict import (
     HOLDS,
     IDENTITY,
+    KINDS,
     MISSED,
-    ONE_SIDED,
     ORDER,
     REPORTED,
-    SIZE,
     THEOREM,
     UNCLAIMED,
     VERDICTS,
     agreement,
+    kind,
     window_share,
     worst_value,
 )
 from study.ledger.window import STEEPER
 from study.present.full_run import FullRun
-from study.present.notation import encode, encode_letters, folding, longtable, prose, tabular
+from study.present.notation import encode, encode_letters, folding, prose, tabular
 
 DISCRETE = ("time-in-k", "time-in-h", "error-in-h", "error-in-k", "misfit")
-"""Ends of the keys of predictions about the fully discrete error; other rows are there for comparison."""
+"""Ends of the keys of predictions about the fully discrete error; other rows are shown for comparison."""
 NEGLIGIBLE = 1e-6
-"""A defect below this amount is seen however small it is: the start has to be Π^h u_0 up to rounding."""
+"""A defect whose smallest noticed size is below this value is noticed at any size: the start must be Π^h u_0."""
+WIDE = 0.5
+"""A window of an order that is wider is counted separately."""
+GROUPS = {
+    "material, spaces and operators: (2.14)--(4.5)": ("(2", "(3", "(4", "Thm 2.2"),
+    "well-posedness and the stress problem: Theorems 4.1--4.3, 5.2": ("Thm 4", "Prager"),
+    "steps of the error estimate: (5.9)--(5.42)": ("(5", "K^h", "Π^h"),
+    "Proposition 5.3": ("Prop. 5.3",),
+    "Proposition 5.4, with regularity, supercloseness and pressure": (
+        "Prop. 5.4",
+        "(5.36)",
+        "superclose",
+        "contact force",
+    ),
+    "the same numbers from other programs": ("computed again", "other codes", "axes"),
+    "error bounds and enclosures": ("bound", "enclosure"),
+    "missing data, misprints, statements without a test": ("data", "slips", "not tested", "no row"),
+}
+"""Group of statements ↦ how their labels begin; a label in none of them is beyond the source."""
+BEYOND = "beyond the source"
 Named = Iterator[tuple[str, object]]
 
 
 def article(directory: Path) -> dict[Path, str]:
-    """Returns path ↦ text of macros and tables under ``directory/article``; nothing for a run that is not full.
+    """Return the texts of macros and tables by their paths under ``directory/article``; empty for a run that is not
+    full.
 
     Raises:
-        DataError: the data lack a row that the article names.
+        DataError: the data lack a row that a paper names.
     """
     data = FullRun.read(directory)
     if data is None:
         return {}
-    tables = (ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips, codes, sensitivity)
+    tables = (verdicts, ledger, catalogue, smooth, rough, stresses, enclosures, discrete, slips, codes, sensitivity)
     texts = {"numbers": macros(data)} | {make.__name__: make(data) for make in tables}
     return {directory / "article" / f"{name}.tex": text for name, text in texts.items()}
 
@@ -59,24 +79,25 @@ def article(directory: Path) -> dict[Path, str]:
 
 
 def macros(data: FullRun) -> str:
-    """Returns \\newcommand lines, grouped by subject."""
-    theory = _smooth, _rough, _equivalence, _bounds, _contact, _time, _laws, _discrete
+    r"""Return \\newcommand lines, grouped by subject."""
+    theory = _smooth, _rough, _equivalence, _bounds, _contact, _time, _front, _laws, _discrete
     groups = _ledger, _plan, *theory, _packages
     lines = [rf"\newcommand{{\{name}}}{{{value}}}" for group in groups for name, value in group(data)]
     return "\n".join(["% Written by `study tables` from the data files; \\input before use.", *lines, ""])
 
 
 def _ledger(data: FullRun) -> Named:
-    """Verdicts, caught defects, and false alarms on fresh random meshes."""
+    """Yield the verdicts, the noticed defects, and the false alarms on fresh random meshes."""
     yield "ledgerRows", len(data.claims)
     yield "ledgerStatements", len(list(by_claim(data.claims)))
     counts = count_verdicts(data.claims)
     for verdict in VERDICTS:
         yield f"ledger{verdict.capitalize()}", counts[verdict]
     kinds = count_kinds(data.claims)
-    names = {ORDER: "Orders", SIZE: "Sizes", ONE_SIDED: "Bounds", THEOREM: "Theorems", IDENTITY: "Identities"}
-    for one, name in names.items():
+    for name, one in (("Orders", ORDER), ("Theorems", THEOREM), ("Identities", IDENTITY)):
         yield f"kind{name}", kinds[one]
+    orders = data.claims[(data.claims["verdict"] == HOLDS) & (data.claims.apply(kind, axis=1) == ORDER)]
+    yield "ordersWide", (orders["window_high"] - orders["window_low"] > WIDE).sum()
     found, injected = count_caught(data.controls)
     yield "controls", injected
     yield "controlsCaught", found
@@ -86,12 +107,13 @@ def _ledger(data: FullRun) -> Named:
     yield "seedRed", alarms.red
     yield "seedsLight", alarms.light_seeds
     yield "seedRedLight", alarms.light_red
+    yield "seedRateMost", _percent(alarms.high)
     yield "seedRateTail", "not known yet" if math.isnan(alarms.by_tail) else f"at most {_percent(alarms.by_tail)}"
     yield "seedPromise", _percent(PROMISE)
 
 
 def _plan(data: FullRun) -> Named:
-    """The size of the study."""
+    """Yield the size of the study."""
     plane, solid = (data.rates[data.rates["dim"] == dim] for dim in (2, 3))
     yield "caseCount", len(data.cases)
     for name, claim in (("casesSmooth", "Prop. 5.4"), ("casesRough", "Prop. 5.3")):
@@ -108,7 +130,7 @@ def _plan(data: FullRun) -> Named:
 
 
 def _smooth(data: FullRun) -> Named:
-    """Proposition 5.4."""
+    """Yield the numbers for Proposition 5.4."""
     label = "Prop. 5.4"
     yield from _extremes("orderLevel", data.rows(label, "order"))
     extrapolated = data.rows(label, "order-extrapolated")
@@ -123,15 +145,17 @@ def _smooth(data: FullRun) -> Named:
     yield "shareTime", _percent(data.rows(label, "time-share")["high"].max())
     yield "shareQuadrature", _percent(data.rows(label, "quadrature")["high"].max())
     sweeps = data.rates[data.rates["claim"] == label]
-    # Laws that are not linear need a fixed point in every step.
+    # Nonlinear laws need a fixed-point iteration in every step, which leaves a larger residual.
     yielding = sweeps["case"].isin(data.cases.loc[~data.cases["law"].str.startswith("linear"), "case"])
-    yield "residualLinear", _power(sweeps.loc[~yielding, "residual"].max())
+    plane = sweeps["dim"] == 2
+    yield "residualLinear", _power(sweeps.loc[~yielding & plane, "residual"].max())
+    yield "residualSolid", _power(sweeps.loc[~plane, "residual"].max())
     yield "residualYield", _power(sweeps.loc[yielding, "residual"].max())
     yield "supremumLater", (data.rows(label, "start-share")["verdict"] == HOLDS).sum()
 
 
 def _rough(data: FullRun) -> Named:
-    """Proposition 5.3, and what (5.36) has to do with the order."""
+    """Yield the numbers for Proposition 5.3, and for the order without the assumption (5.36)."""
     label = "Prop. 5.3"
     yield "ratioMost", _most(data, label, "falling")
     yield "limitMost", _percent(data.rows(label, "limit")["high"].max())
@@ -149,7 +173,7 @@ def _rough(data: FullRun) -> Named:
 
 
 def _equivalence(data: FullRun) -> Named:
-    """Theorem 4.2."""
+    """Yield the numbers for Theorem 4.2."""
     for name, column in (
         ("agreeDisplacement", "displacement_gap"),
         ("agreeStress", "stress_gap"),
@@ -170,13 +194,14 @@ def _equivalence(data: FullRun) -> Named:
 
 
 def _bounds(data: FullRun) -> Named:
-    """The bound and the enclosures."""
+    """Yield the numbers for the error bound and the enclosures."""
     yield from _extremes("boundUpper", data.rows("bound", "upper"), 1)
     yield "boundCases", data.rows("bound", "above")["case"].nunique()
     yield "encloseUpperMax", _most(data, "enclosure", "upper")
     computed = data.bounds[data.bounds["trajectory"] == "enclosure"]
     yield "encloseLeast", below(computed["lower"].min(), 2)
     yield "encloseRows", computed["error"].count()
+    yield "encloseHalf", (computed["lower"] >= 0.5).sum()
     for name, case in (("ramp", "ramp"), ("bracket", "bracket"), ("check", "advance-recede")):
         yield from _extremes(f"{name}Order", data.rows("enclosure", "order", case))
     finest = computed[computed["case"] == "advance-recede"].sort_values("level").iloc[-1]
@@ -186,7 +211,7 @@ def _bounds(data: FullRun) -> Named:
 
 
 def _contact(data: FullRun) -> Named:
-    """The work of contact, and what contact costs where a narrow patch rolls along Γ3."""
+    """Yield the work of contact, and the error due to contact if a narrow patch rolls along Γ3."""
     for name, key in (("Solution", "solution"), ("All", "all")):
         yield f"edge{name}", _most(data, "beyond: work on edges", key)
     label = "beyond: work of contact"
@@ -209,7 +234,7 @@ def _contact(data: FullRun) -> Named:
 
 
 def _time(data: FullRun) -> Named:
-    """Errors in time with their bounds, and orders where many vertices come into contact."""
+    """Yield errors in time with their bounds, and orders if many vertices come into contact."""
     label = "beyond: O(h + k)"
     yield "timeByData", _most(data, label, "data")
     yield "timeBySolution", _most(data, label, "solution")
@@ -218,10 +243,27 @@ def _time(data: FullRun) -> Named:
     yield "timeGrowth", above(100 * (uniform[["low", "high"]] - 1).abs().max(axis=None), 0)
     for name, key in (("rollingMid", "midpoint-rolling"), ("rollingBdf", "bdf2-rolling"), ("ownMid", "midpoint-own")):
         yield from _extremes(name, data.rows("beyond: landings", key))
+    label, steps = "beyond: O(h + k), no potential", ("equal", "unequal")
+    for name, key in (("ByData", "data"), ("BySolution", "solution")):
+        rows = pd.concat([data.rows(label, f"{key}-{step}") for step in steps])
+        yield f"noPotential{name}", above(rows["high"].max(), 2)
+    yield from _extremes("noPotentialOrder", pd.concat([data.rows(label, f"order-{step}") for step in steps]))
+    yield from _extremes("noPotentialBoth", data.rows(label, "order-both"))
+    yield "noPotentialRotation", below(data.rows(label, "rotation")["low"].min(), 2)
+
+
+def _front(data: FullRun) -> Named:
+    """The natural front that advances, and nodal interpolants of a continuous initial value."""
+    for name, key in (("Order", "order"), ("Rate", "rate"), ("Excess", "excess")):
+        yield from _extremes(f"front{name}", data.rows("beyond: advancing front", key))
+    label = "beyond: nodal start"
+    yield from _extremes("startSize", data.rows(label, "size"), 3)
+    yield "startGrowth", below(-data.rows(label, "growth")["high"].max(), 2)
+    yield "startWorse", below(data.rows(label, "worse")["low"].min(), 1)
 
 
 def _laws(data: FullRun) -> Named:
-    """How fast solutions diverge where G softens, with eigenvalues and the bound of Theorem 2.2."""
+    """Yield growth rates of differences of solutions if G softens, with eigenvalues and the bound of Theorem 2.2."""
     label, soft, wells = "Thm 2.2, (4.4)", "softening", "double-well"
     rates = pd.concat([data.rows(label, key) for key in ("rate", "rate-even")])
     yield "lawsRate", _power((rates[["low", "high"]] - 1).abs().max(axis=None))
@@ -235,7 +277,7 @@ def _laws(data: FullRun) -> Named:
 
 
 def _discrete(data: FullRun) -> Named:
-    """How many predictions about the fully discrete error agree, and the room in the constants."""
+    """Yield how many predictions about the fully discrete error agree, and how sharp the constants are."""
     claims = data.claims[data.claims["label"] == "beyond: fully discrete"]
     predicted = claims["key"].str.endswith(DISCRETE)
     for name, total, rows in (
@@ -253,7 +295,7 @@ def _discrete(data: FullRun) -> Named:
 
 
 def _packages(data: FullRun) -> Named:
-    """The programs behind the committed data."""
+    """Yield the versions of the programs that computed the committed data."""
     yield "withPython", prose(data.provenance["python"])
     packages = data.provenance["packages"]
     yield "withPackages", ", ".join(f"{prose(name)} {prose(packages[name])}" for name in packages)
@@ -269,7 +311,7 @@ def _most(data: FullRun, label: str, key: str, digits: int = 2) -> str:
 
 
 def two_digits_up(value: float) -> float:
-    """Returns a value rounded up to two significant digits; 1e-5 stays 1e-5."""
+    """Return a value rounded up to two significant digits; 1e-5 stays 1e-5."""
     return float(above(value, 1 - math.floor(math.log10(value)))) if value else 0.0
 
 
@@ -284,35 +326,65 @@ def _power(value: float) -> str:
 # Tables
 
 
+def group_of(label: str) -> str:
+    """Return the title of the group of statements that a label belongs to, by its longest beginning in ``GROUPS``."""
+    matches = [(len(begin), title) for title, begins in GROUPS.items() for begin in begins if label.startswith(begin)]
+    return max(matches)[1] if matches else BEYOND
+
+
+def verdicts(data: FullRun) -> str:
+    """Return one row per group of statements: the rows that hold by kind of evidence, and all other verdicts."""
+    groups, body = data.claims["label"].map(group_of), []
+    for title in (*GROUPS, BEYOND):
+        body.append([title, *_counts(data.claims[groups == title])])
+    body.append([r"\midrule all", *_counts(data.claims)])
+    headings = ["statements", "orders", "sizes", "one-sided", "proved", "identities", "not", "missed", "reported"]
+    return tabular(headings, folding(0.37) + "rrrrrrrr", body)
+
+
+def _counts(rows: pd.DataFrame) -> list[str]:
+    """Return the numbers of rows that hold, by kind, that do not hold, that are missed and that are reported."""
+    holding, count = count_kinds(rows), count_verdicts(rows)
+    failing = len(rows) - count[HOLDS] - count[MISSED] - count[REPORTED]
+    return [*(str(holding[one]) for one in KINDS), str(failing), str(count[MISSED]), str(count[REPORTED])]
+
+
 def ledger(data: FullRun) -> str:
-    """Returns one row per statement: the number of verdicts of each kind, and the row that uses most of its window."""
-    body = []
+    """Return one row per statement: the number of verdicts of each kind, and the row that uses most of its window.
+
+    Each group of statements has its own table, which does not break over a page.
+    """
+    bodies: dict[str, list[list[str]]] = {title: [] for title in (*GROUPS, BEYOND)}
     for label, claim, rows in by_claim(data.claims):
         count, judged = count_verdicts(rows), rows[~rows["verdict"].isin(UNCLAIMED)]
         counts = count[HOLDS], len(judged) - count[HOLDS], count[MISSED], count[REPORTED]
         shares = judged.apply(window_share, axis=1).dropna() if len(judged) else pd.Series(dtype=float)
-        nearest = ["--", "", ""]
+        nearest = ["--", ""]
         if len(shares):
             row = judged.loc[shares.idxmax()]
             where = f"{encode_letters(str(row['quantity']))} ({prose(str(row['case']))})"
-            nearest = [where, _number(worst_value(row)), window_ends(row)]
-        body.append([encode_letters(label), encode_letters(claim), *map(str, counts), *nearest])
-    label, statement, quantity = (folding(width) for width in (0.11, 0.215, 0.265))
-    counted = "hold", "not", "missed", "rep."
-    headings = ["no.", "what it says", *counted, "row nearest to the end of its window", "seen", "window"]
-    return longtable(headings, [label, statement, "r", "r", "r", "r", quantity, "r", "l"], [("", body)])
+            nearest = [where, f"{_number(worst_value(row))}; {window_ends(row)}"]
+        line = [encode_letters(label), encode_letters(claim), *map(str, counts), *nearest]
+        bodies[group_of(label)].append(line)
+    alignment = folding(0.1) + folding(0.25) + "rrrr" + folding(0.27) + folding(0.14)
+    headings = ["no.", "statement", "hold", "not", "missed", "rep.", "row that uses most of its window", "seen; window"]
+    return "".join(
+        f"\\par\\medskip\\noindent\\textbf{{{title}}}\\par\\nobreak\\smallskip\\noindent\n"
+        + tabular(headings, alignment, body)
+        for title, body in bodies.items()
+    )
 
 
 def catalogue(data: FullRun) -> str:
-    """Returns the exact solutions: name, what the zone does, law."""
+    """Return the exact solutions: name, summary, law."""
     laws = data.cases["law"].str.removeprefix("linear, ")
     facts = zip(data.cases["case"], data.cases["summary"], laws, strict=True)
     body = [[prose(case), encode_letters(summary), encode_letters(law)] for case, summary, law in facts]
-    return tabular(["case", "what it does", "law (linear but for (3.3))"], f"l{folding(0.5)}{folding(0.27)}", body)
+    return tabular(["case", "contact zone", "law (linear except (3.3))"], f"l{folding(0.5)}{folding(0.27)}", body)
 
 
 def smooth(data: FullRun) -> str:
-    """Returns Prop. 5.4, one row per case: orders of the error and of the discrete error, finest level, time share."""
+    """Return Prop. 5.4, one row per case: orders of the error and of the discrete error, finest level, time share."""
     label, body = "Prop. 5.4", []
     for case, rows in data.rates[data.rates["claim"] == label].groupby("case", sort=False):
         cells = [
@@ -329,7 +401,7 @@ def smooth(data: FullRun) -> str:
 
 
 def rough(data: FullRun) -> str:
-    """Returns Prop. 5.3, one row per case: the predicted order, the order that the proof of 5.4 gives, and the data."""
+    """Return Prop. 5.3, one row per case: the predicted order, the order proved as for 5.4, and the observations."""
     label, body = "Prop. 5.3", []
     for case in data.rates.loc[data.rates["claim"] == label, "case"].drop_duplicates():
         orders = [f"{data.cases.loc[case, name]:.3g}" for name in ("expected_order", "proved_order")]
@@ -345,7 +417,7 @@ def rough(data: FullRun) -> str:
 
 
 def stresses(data: FullRun) -> str:
-    """Returns Theorem 4.2 on its own stress space, a row per case and family that is not shaken: orders and windows."""
+    """Return Theorem 4.2 with a separate stress space, one row per case and mesh family (not shaken)."""
     rows = data.claims[(data.claims["label"] == "Thm 4.2, own space") & (data.claims["family"] != "shaken")]
     body = []
     for (case, family), part in rows.groupby(["case", "family"], sort=False):
@@ -359,9 +431,9 @@ def stresses(data: FullRun) -> str:
 
 
 def enclosures(data: FullRun) -> str:
-    """Returns the enclosures on three levels: of a case with an exact solution, and of problems without one.
+    """Return the enclosures on three levels: of a case with an exact solution, and of problems without one.
 
-    Ends are rounded outwards.
+    The ends are rounded outwards.
     """
     roundings = {"lowest": down, "error": _nearest, "highest": up, "upper": up, "lower": down}
     rows = data.bounds[data.bounds["trajectory"] == "enclosure"]
@@ -376,7 +448,7 @@ def enclosures(data: FullRun) -> str:
 
 
 def discrete(data: FullRun) -> str:
-    """Returns the fully discrete error, a row per case and scheme: 95 % intervals of orders.
+    """Return the fully discrete error, one row per case and scheme: 95 % intervals of orders.
 
     Undecided predictions are marked with * and wrong ones with †.
     """
@@ -398,7 +470,7 @@ def discrete(data: FullRun) -> str:
 
 
 def slips(data: FullRun) -> str:
-    """Returns the misprints in the source: place, what is printed, how it has to be read."""
+    """Return the misprints in the paper: place, printed text, corrected text."""
     rows = data.claims[data.claims["label"] == "slips"]
     body = [
         [encode_letters(str(row[name]).removeprefix("read: ")) for name in ("case", "quantity", "expected")]
@@ -409,23 +481,23 @@ def slips(data: FullRun) -> str:
 
 
 def codes(data: FullRun) -> str:
-    """Returns other people's contact codes with their parameters, a row each; no rows if there are no data."""
+    """Return other people's contact codes with their parameters, one row each; no rows if there are no data."""
     body = [
         [
             prose(f"{row['code']} {row['version']}"),
             encode_letters(str(row["variant"])),
             prose(str(row["classes"])),
-            f"{row['order_low']:.2f}--{row['order_high']:.2f}",
+            f"{_decimals(row['order_low'])}--{_decimals(row['order_high'])}",
             *(_number(row[name], up) for name in ("share", "excess")),
         ]
         for row in (data.codes.rows().to_dict("records") if data.codes else [])
     ]
     headings = ["code", "parameters", "class (series)", "order", r"\(d/e\)", r"\(e_p\)"]
-    return tabular(headings, "".join(folding(width) for width in (0.17, 0.25, 0.22)) + "rrr", body)
+    return tabular(headings, "".join(folding(width) for width in (0.17, 0.23, 0.21)) + "rrr", body)
 
 
 def sensitivity(data: FullRun) -> str:
-    """Returns the smallest defects in per cent that a row sees on every mesh family; no rows without data."""
+    """Return the smallest defects in per cent that a check notices on every mesh family; no rows without data."""
     if data.sensitivity is None:
         return tabular(["case"], "l", [])
     largest = data.sensitivity.groupby(["case", "defect"], sort=False)["amount"].max().unstack("defect")
@@ -435,7 +507,7 @@ def sensitivity(data: FullRun) -> str:
 
 
 def _cell(data: FullRun, label: str, key: str, case: object, write: Callable[[pd.Series], str]) -> str:
-    """Returns one cell from the first such row of the ledger; a dash if the case has none."""
+    """Return a cell with the first such check of the ledger; a dash if the case has none."""
     try:
         return write(data.rows(label, key, str(case)).iloc[0])
     except DataError:
@@ -460,7 +532,7 @@ def _range(row: pd.Series) -> str:
 
 
 def _regularity(data: FullRun, case: object) -> str:
-    """Returns the exponents of a case, short enough for a column."""
+    """Return the exponents of a case, shortened for a column."""
     text = str(data.cases.loc[str(case), "regularity"])
     return encode_letters(
         text.replace("strain with a jump inside cells", "jump inside cells").replace(" front, ", ", ")
@@ -472,12 +544,12 @@ def _nearest(value: float, digits: int) -> str:
 
 
 def _number(value: float, rounding: Callable[[float, int], str] = _nearest, digits: int = 3) -> str:
-    """Returns a measured number with some significant digits."""
+    """Return a measured number with a given number of significant digits."""
     return encode(f"{float(rounding(value, digits)):#.{digits}g}".rstrip("."))
 
 
 def window_ends(row: pd.Series) -> str:
-    """Returns the ends of a window as mathematics; a low end of 0 or −∞ is left out."""
+    """Return the ends of a tolerance window as mathematics; a lower end of 0 or −∞ is left out."""
     ends = float(row["window_low"]), float(row["window_high"])
     low, high = (encode(f"{end:.4g}").strip(r"\()").removeprefix(r"1\cdot ") for end in ends)
     if ends[0] == 0 or math.isinf(ends[0]):

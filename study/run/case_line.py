@@ -1,4 +1,4 @@
-"""The line of a case in ``cases.csv`` and in ``study cases``; imports no solver, for a fast start."""
+"""The line of a case in ``cases.csv`` and in ``study cases``, without importing solvers, which is slow."""
 
 from __future__ import annotations
 

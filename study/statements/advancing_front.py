@@ -4,7 +4,7 @@ Near a front between contact and separation, elastic displacements of finite ene
 if they neither penetrate the foundation nor need tension, they behave like r^{3/2}. In σ = Aε(u̇) + Gε(u) the velocity
 plays the role of the elastic displacement. Where the front c(t) moves, u ~ r^{3/2} gives u̇ ~ −ċ ∂_x u ~ r^{1/2} and
 p ~ ċ r^{−1/2}. This is pressure if ċ > 0, but tension if ċ < 0. So receding fronts are expected to have w ~ r^{5/2} and
-p ~ r^{1/2}, which satisfies (5.36). The supplement proves a part of this in the proposition on moving fronts: no front
+p ~ r^{1/2}, which satisfies (5.36). paper/fronts.tex proves part of it in the proposition on moving fronts: no front
 has both w ~ r^{3/2} and a pressure in H^{1/2}.
 
 **Measured** on ``manufactured.natural_motion``, an advancing front in closed form, with f_0 and f_2 as (3.4) requires.

@@ -2,7 +2,7 @@
 
 Together with Proposition 5.4 this gives ‖u − û^{hk}‖_V = O(h + k) for the fully discrete scheme, without a condition
 on h and k. ``study.solve.gradient_flow`` states the theorem and its two bounds, one from the data and one from the
-computed values U_n; the supplement to the article proves them.
+computed values U_n; paper/time.tex proves them.
 
 **Predicted** for every mesh and every step, k ≫ h and k ≪ h: errors are below both bounds. The order in k is 1, because
 u̇^h jumps at landings, so that u^h is not smooth in time. The constant belongs to u^h, which converges, so it hardly

@@ -281,7 +281,7 @@ class WorkOfContact(ListedNumbers):
     )
 
     def settings(self, scope: Scope) -> Sequence[Setting]:
-        """Return all settings if the whole catalogue is studied; the cases themselves are not in the catalogue."""
+        """Return all settings in a study of the whole catalogue, else none: the trains are not in the catalogue."""
         return self.places(scope.full) if scope.whole else []
 
     def measure(self, setting: Setting) -> dict[str, float]:

@@ -1,7 +1,7 @@
 """Beyond the paper: a bound of the work of contact on every edge, which makes Prop. 5.4 hold for traces not in H²(Γ3).
 
 On an edge E of length h let N = {u_ν ≠ 0}, C = {u_ν = 0}, R_E = ∫_E σ_ν (Π^h u_ν − u_ν). Since σ_ν = 0 almost
-everywhere on N, for all 0 < ϱ < 1 (the proof is in the supplement to the article)
+everywhere on N, for all 0 < ϱ < 1 (the proof is in paper/trace.tex)
 
     |R_E| ≤ β h^{1+2ϱ} |σ_ν|_{ϱ,E} |u_ν'|_{ϱ,E},
     β = min{(2π)^{−1} (h/|N|)^{1/2}, 8^{−1/2} (h/|C|)^{1/2}} ≤ C_0 < 0.388.

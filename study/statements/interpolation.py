@@ -55,6 +55,7 @@ TRACES = (
     "advance-recede",
     "rotated",
     "corner",
+    "contact-at-clamp",
     "hexagon",
     "cube-disc",
     "cube-two-faces",

@@ -11,7 +11,7 @@ landing be at (n + θ)k. A step of backward Euler or the midpoint rule leaves u_
 is (1 − θ)·3k/40. The error in ‖·‖_S of √2·(1 − θ)·3k/40 is permanent. For k = 2^{−j}, θ is cyclically 4/5, 3/5, 1/5,
 2/5, so errors at the nodes are between √2·3/200 and √2·6/100 times k, and both values are attained. So the order is at
 most 1, and two successive values of k need not show it. For BDF2 the distance from u at the end is at least √2·17k/600
-for every θ. The article has the proofs.
+for every θ. paper/time.tex has the proofs.
 
 *Linear finite elements*: a load moves along Γ3 so that the pressure does not vanish at the front. The landings cause an
 error C_1 k, and the times between them an error C_2 k². C_2 hardly depends on the mesh; C_1 depends on the jumps of

@@ -4,7 +4,7 @@ The last paragraph of the paper leaves error estimates for fully discrete scheme
 estimate for an elasticity G with a convex potential. The theorem tested here assumes only (3.2), that G is Lipschitz.
 With κ = L_G/m_A and steps of any size below 1/κ, max_t ‖u^h − û^{hk}‖_V ≤ c k, where c does not depend on the mesh. So
 by Prop. 5.4 the fully discrete error is O(h + k). ``study.solve.euler_bounds`` has two bounds with all constants, one
-from the data and one from the computed solution; paper/proofs_euler.tex has the proof. The solver factorises the
+from the data and one from the computed solution; paper/time.tex has the proof. The solver factorises the
 symmetric part of G; the fixed-point iteration for nonlinear laws treats the skew part.
 
 Predicted before measuring, for levels 4, 8, 16, up to 256 steps, and an elasticity with κ = 1.78, γ = 1, T = 1:

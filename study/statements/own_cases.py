@@ -196,7 +196,7 @@ def enough(levels: Sequence[int], needed: int, dim: int) -> list[int]:
 
 
 def _next(levels: Sequence[int], dim: int) -> int:
-    """Return the next finer level: 32 after 8 16, 15 after 9 12; in 3D 12 after 8, because 16 costs 2⁵ times more."""
+    """Return the next finer level: 32 after (8, 16), 15 after (9, 12). In 3D 12 follows 8: 16 costs 2⁵ times more."""
     last, before = levels[-1], levels[-2] if len(levels) > 1 else 0
     if last < 2 * before:
         return 2 * last - before

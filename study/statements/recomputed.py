@@ -128,7 +128,7 @@ NARROW = ("travelling-patch",)
 
 
 class Recomputed(Statement):
-    """Measures three errors and two trajectories again, on all mesh families of a case, by the midpoint rule."""
+    """Compares three errors and two trajectories with an independent computation by the midpoint rule in time."""
 
     label = "computed again"
     claim = "the errors in rates.csv, computed again from Problem 5.1 with other quadrature, assembly and solvers"

@@ -1,6 +1,6 @@
 """Beyond the paper: without a velocity that is smooth in space only order 1/2 is proved; rollers show why.
 
-Proposition 5.4 assumes u̇(t) ∈ H². A theorem of the article does not, for u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
+Proposition 5.4 assumes u̇(t) ∈ H². A theorem (paper/velocity.tex) does not, for u ∈ L^∞(0,T;H^{1+s}) ∩ W^{1,1}(0,T;V):
 
     ‖u − u^h‖_V ≤ e^{κT} (E_h + ‖u_0 − Π^hu_0‖_V + 2ΘM_h + (2D_h‖ϑ‖_{L¹(0,T)})^{1/2}).
 
@@ -17,7 +17,7 @@ Here κ = L_G/m_A, P_h is the projection onto V^h in (·,·)_V, E_h = sup ‖u �
 * E_h over h. It grows like |log h|^{1/2}, as |u|_{H²} does, for which |q|²_{1/2} on Γ3 stands: a jump of height 1 adds
   2 log 2 with every halving of ℓ.
 
-**Predicted** before any measurement with these programs (the supplement has the reasons; prototypes had shown about 1
+**Predicted** before any measurement with these programs (reasons: paper/experiments.tex; prototypes had shown about 1
 with one diagonal, and about ½ with alternating diagonals and on shaken meshes). After a vertex has been passed, a
 displacement ~ h that contact forced upon it remains. Where all vertices have the same remaining displacement, the
 excess is ~ h |log h|^{1/2}; where neighbours have different ones it is ~ h^{1/2}. So the order of the excess is

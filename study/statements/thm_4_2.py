@@ -15,7 +15,7 @@ A ≤ q k C. With R_n = q R_{n−1} + g_n^{1/2}, which is Σ_{j≤n} g_j^{1/2} f
 
 up to the tolerances of both solvers: A/k alone carries ε_{j−1} into σ_n, with ‖A ε/k‖_{C⁻¹} ≤ (q/k)^{1/2} ‖ε‖_A, and
 |τ|² ≤ (L_A/k + L_G) C⁻¹τ·τ. The same holds for Cε + β(ε − P_K ε), with A/k + C and β(ε − P_K ε) treated separately.
-``paper/proofs_rest.tex`` has the proof.
+``paper/proofs_study.tex`` has the proof.
 
 **Sensitivity.** Two solutions that agree prove nothing if one was computed from the other, or if the comparison is not
 sensitive. So Problem 3.1 alone is solved with a deliberate mistake, flipped normals, ũ ∈ −K^h, while Problem 3.2 is

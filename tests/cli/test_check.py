@@ -18,13 +18,13 @@ import pytest
 
 from study.cli import check
 from study.cli.main import main
-from study.controls.record_check import compare_record
+from study.controls.alarms import compare_record
 from study.fem.mesh import FAMILIES, MeshFamily, cell_count, size, size_of
 from study.fem.naming import resolve
 from study.ledger.datafiles import DataError, write_csv
 from study.ledger.files import write_text
 from study.present import tables
-from study.present.expected import expected_texts
+from study.present.pages import expected_texts
 from study.run import relations
 from study.run.check import verify
 from study.run.judgement import verdicts
@@ -225,8 +225,11 @@ EDITS: dict[str, tuple[Edit, str]] = {
     "a row of the other formulation twice": (twice(EQUIVALENCE), r"equivalence.csv, line \d+: .* in line 3 already"),
     "a line of the catalogue twice": (twice(CASES, 0), r"cases.csv, line 3, .*: stands 'pocket', would be nothing"),
     "a row that no plan asked for": (edit(RATES, "level", to("9"), rows=1), r"rates.csv, line 2: .* 9 is not among"),
-    "tables and plan emptied": (emptied, r"provenance.json plans nothing"),
-    "a smaller plan": (planned(lambda keys: keys[1:]), r"provenance.json does not plan .*, its scope does otherwise"),
+    "tables and plan emptied": (emptied, r"provenance.json has an empty plan"),
+    "a smaller plan": (
+        planned(lambda keys: keys[1:]),
+        r"provenance.json does not plan .*, which disagrees with its scope",
+    ),
     "a row planned twice": (planned(lambda keys: [*keys, keys[0]]), r"provenance.json plans .* twice"),
     "a verdict": (
         edit("claims.csv", "verdict", to("reported"), rows=1),
@@ -355,7 +358,7 @@ COMMITTED: dict[str, tuple[Edit, str]] = {
         lambda directory: (directory / "tables" / "rates.md").write_text("# rates\n", encoding="utf-8"),
         r"rates.md, line 1: stands '# rates', would be .*: `study tables --out",
     ),
-    "a number of the article": (
+    "a number of the papers": (
         lambda directory: shutil.copy(ROOT / "README.md", directory / "article" / "numbers.tex"),
         r"numbers.tex, line 1: stands",
     ),
@@ -386,7 +389,7 @@ OTHER_PARTS: dict[str, Part] = {
     "a line of the seeds deleted": compare_record,
 }
 """Parts of ``study check`` that refuse an edit, other than ``verify`` and the comparison of texts for readers."""
-TEXTS = ("a table", "a number of the article", "a badge", "a caption", "a number of the README")
+TEXTS = ("a table", "a number of the papers", "a badge", "a caption", "a number of the README")
 
 
 @pytest.mark.parametrize("name", COMMITTED)
@@ -456,7 +459,7 @@ def test_a_case_whose_file_is_gone_is_judged_by_the_record_of_its_run(
     own: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (own.parent / "pocket.py").unlink()
-    assert "not looked up, as their files are gone: pocket" in refusal(own, capsys, code=0)
+    assert "not compared, because their files no longer exist: pocket" in refusal(own, capsys, code=0)
     edit(CASES, "expected_order", to("0.9"))(own)
     assert "column expected_order: stands '0.9', would be '1'" in refusal(own, capsys)
 

@@ -1,4 +1,4 @@
-"""The article types no result: its numbers and tables come from the data, and say no more than the data do."""
+"""No result is typed into the papers: their numbers and tables come from the data, and claim no more than the data."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from study.ledger.datafiles import DataError, read_claims
 from study.ledger.files import write_text
 from study.ledger.verdict import FAILS, HOLDS, window_share, worst_value
 from study.ledger.window import Window, around, at_least, at_most, between
-from study.present.article import article, window_ends
+from study.present.article import BEYOND, article, group_of, window_ends
 from study.present.full_run import FullRun
 
 ROOT = Path(__file__).parents[2]
@@ -61,7 +61,7 @@ def macros(directory: Path = RESULTS) -> dict[str, str]:
 
 @pytest.fixture
 def copy(tmp_path: Path) -> Path:
-    """A directory with the data of the article only, to spoil."""
+    """A directory with the data of the papers only, to spoil."""
     (tmp_path / "data").mkdir()
     for name in (*(f"{name}.csv" for name in NAMES), "provenance.json"):
         shutil.copy(RESULTS / "data" / name, tmp_path / "data" / name)
@@ -70,7 +70,7 @@ def copy(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("source", SOURCES, ids=lambda path: path.name)
-def test_no_result_is_typed_into_the_article(source: Path) -> None:
+def test_no_result_is_typed_into_a_paper(source: Path) -> None:
     assert typed_results(text(source)) == []
 
 
@@ -107,6 +107,12 @@ def test_every_reference_is_cited_and_every_citation_has_one() -> None:
 
 
 STATEMENTS = r"(theorem|lemma|proposition|corollary)"
+DOCUMENTS = [("theory",), ("study", "supplement")]
+"""Documents that refer to each other."""
+TEXT_WIDTH = 464.0
+"""Width of a line in points."""
+LEGIBLE = 0.85
+"""Smallest scale of a figure: labels are drawn with 7 points or more."""
 
 
 def whole(name: str) -> str:
@@ -115,22 +121,46 @@ def whole(name: str) -> str:
     return re.sub(r"\\input\{(\w+)\}", lambda match: whole(match[1]), found)
 
 
-def test_every_statement_of_the_article_has_one_proof_there_or_in_the_supplement() -> None:
-    source, supplement = whole("article"), whole("supplement")
+@pytest.mark.parametrize("names", DOCUMENTS, ids=" and ".join)
+def test_every_statement_has_one_proof_after_it_or_under_its_name(names: tuple[str, ...]) -> None:
+    source = "".join(whole(name) for name in names)
     begins = [match.start() for match in re.finditer(rf"\\begin\{{{STATEMENTS}\}}", source)] + [len(source)]
-    assert len(begins) > 12
+    assert len(begins) > 10
     for start, following in pairwise(begins):
         (label,) = re.findall(r"\\label\{((?:thm|lem|prop|cor):[\w-]+)\}", source[start:following])
-        here = source[start:following].count(r"\begin{proof}")
-        there = len(re.findall(rf"\\begin\{{proof\}}\[Proof of \w+~\\ref\{{{label}\}}\]", supplement))
-        assert here + there == 1, label
+        after = len(re.findall(r"\\begin\{proof\}(?!\[Proof of)", source[start:following]))
+        named = len(re.findall(rf"\\begin\{{proof\}}\[Proof of \w+~\\ref\{{{label}\}}\]", source))
+        assert after + named == 1, label
 
 
-def test_the_supplement_refers_to_nothing_that_neither_document_has() -> None:
-    both = whole("article") + whole("supplement")
+@pytest.mark.parametrize("names", DOCUMENTS, ids=" and ".join)
+def test_a_document_refers_to_nothing_that_it_or_its_supplement_lacks(names: tuple[str, ...]) -> None:
+    both = "".join(whole(name) for name in names)
     labels = re.findall(r"\\label\{([^}]*)\}", both)
     assert len(set(labels)) == len(labels)
     assert set(re.findall(r"\\(?:eq)?ref\{([^}]*)\}", both)) <= set(labels)
+
+
+@pytest.mark.parametrize("name", ["theory", "study", "supplement"])
+def test_every_figure_and_table_is_mentioned_before_its_place(name: str) -> None:
+    """The package flafter keeps LaTeX from moving a figure or table to a place before it."""
+    source = whole(name)
+    floats = re.findall(r"\\label\{((?:fig|tab):[\w-]+)\}", source)
+    assert floats
+    assert "flafter" in text(PAPER / "preamble.tex")
+    for label in floats:
+        mention = source.find(rf"\ref{{{label}}}")
+        assert 0 <= mention < source.index(rf"\label{{{label}}}"), label
+
+
+def test_labels_of_figures_are_legible_in_print() -> None:
+    source = "\n".join(text(path) for path in SOURCES)
+    figures = re.findall(r"\\includegraphics\[width=(\.\d+)\\linewidth\]\{([^}]*)\}", source)
+    assert len(figures) == source.count(r"\includegraphics") > 6
+    for share, name in figures:
+        drawn = re.search(rb"/MediaBox \[ ?0 0 ([\d.]+)", (RESULTS / "figures" / f"{name}.pdf").read_bytes())
+        assert drawn, name
+        assert float(share) * TEXT_WIDTH >= LEGIBLE * float(drawn[1]), name
 
 
 def test_counts_of_the_ledger_are_those_of_its_file() -> None:
@@ -197,9 +227,24 @@ def test_the_condensed_ledger_has_a_line_for_every_claim_and_counts_them(copy: P
     write_article(copy)
     lines = (copy / "article" / "ledger.tex").read_text(encoding="utf-8").splitlines()
     claims = read_claims(copy).groupby(["label", "statement"])
-    assert sum(line.count("&") == 8 for line in lines[lines.index(r"\endfoot") :]) == claims.ngroups
+    assert sum(line.count("&") == 7 and not line.startswith("no. &") for line in lines) == claims.ngroups
     assert macros(copy)["ledgerStatements"] == str(claims.ngroups)
     assert sum(line.startswith("Thm 4.2 &") for line in lines) == 2
+
+
+def test_the_table_of_verdicts_counts_every_row_once(copy: Path) -> None:
+    write_article(copy)
+    lines = (copy / "article" / "verdicts.tex").read_text(encoding="utf-8").splitlines()
+    rows = [line.split("&")[1:] for line in lines if "&" in line][1:]
+    numbers = [[int(cell.strip(" \\")) for cell in row] for row in rows]
+    groups, total = np.array(numbers[:-1]), np.array(numbers[-1])
+    assert (groups.sum(axis=0) == total).all()
+    assert total.sum() == len(read_claims(copy))
+
+
+def test_a_statement_belongs_to_the_group_with_the_longest_beginning() -> None:
+    assert group_of("(5.36)") == group_of("Prop. 5.4") != group_of("(5.23)")
+    assert group_of("beyond: rollers") == group_of("a statement of tomorrow") == BEYOND
 
 
 def test_a_defect_of_zero_is_zero(copy: Path) -> None:
@@ -228,7 +273,7 @@ def judged(window: Window, low: float, high: float, verdict: str = HOLDS, observ
         (at_least(0.5, "of that at the vertex"), r"\(\geq 0.5\)"),
     ],
 )
-def test_the_article_shows_the_ends_of_a_window(window: Window, shown: str) -> None:
+def test_a_table_shows_the_ends_of_a_window(window: Window, shown: str) -> None:
     assert window_ends(judged(window, 1.0, 1.0)) == shown
 
 
@@ -255,7 +300,7 @@ def test_the_share_grows_towards_either_end() -> None:
     assert window_share(judged(at_least(0.4), 0.8, 3.0)) == pytest.approx(0.5)
 
 
-def test_only_a_full_run_with_its_controls_makes_the_article(copy: Path) -> None:
+def test_only_a_full_run_with_its_controls_makes_the_inputs_of_the_papers(copy: Path) -> None:
     provenance = copy / "data" / "provenance.json"
     made = json.loads(provenance.read_text(encoding="utf-8"))
     provenance.write_text(json.dumps(made | {"plan": "quick"}), encoding="utf-8")
@@ -270,7 +315,7 @@ def test_only_a_full_run_with_its_controls_makes_the_article(copy: Path) -> None
     assert not (copy / "article").exists()
 
 
-def test_a_row_that_the_article_speaks_of_may_not_be_missing(copy: Path) -> None:
+def test_a_row_that_a_paper_names_may_not_be_missing(copy: Path) -> None:
     path = copy / "data" / "claims.csv"
     claims = pd.read_csv(path)
     claims[claims["case"] != "natural-front"].to_csv(path, index=False)

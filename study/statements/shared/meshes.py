@@ -30,7 +30,17 @@ from study.ledger.criterion import Groups
 from study.statements.shared.base import Setting
 from study.statements.shared.scope import serving
 
-BODIES = ("full-contact", "rotated", "corner", "hexagon", "cube-disc", "cube-two-faces", "re-entrant", "junction")
+BODIES = (
+    "full-contact",
+    "rotated",
+    "corner",
+    "contact-at-clamp",
+    "hexagon",
+    "cube-disc",
+    "cube-two-faces",
+    "re-entrant",
+    "junction",
+)
 """One case for every pair of a body and a clamped part Γ1 in the catalogue."""
 LAWS = (
     *("full-contact", "advance-recede", "lift-and-land", "yield-and-release", "yield-on-a-part", "anisotropic"),
@@ -40,13 +50,32 @@ LAWS = (
 """One case for every law of the catalogue."""
 BODIES_WITH_LAWS = (
     *("full-contact", "advance-recede", "lift-and-land", "yield-and-release", "yield-on-a-part", "anisotropic"),
-    *("heterogeneous", "layered", "rotated", "corner", "hexagon", "cube-disc", "cube-two-faces", "natural-front"),
+    *(
+        "heterogeneous",
+        "layered",
+        "rotated",
+        "corner",
+        "contact-at-clamp",
+        "hexagon",
+        "cube-disc",
+        "cube-two-faces",
+        "natural-front",
+    ),
     *("layered-unmet", "re-entrant", "junction", "softening", "double-well"),
 )
 """One case for every pair of a body and a law of the catalogue."""
 BODIES_WITH_VISCOSITIES = (
     *("full-contact", "advance-recede", "lift-and-land", "anisotropic", "heterogeneous", "layered", "rotated"),
-    *("corner", "hexagon", "cube-disc", "cube-two-faces", "layered-unmet", "re-entrant", "junction"),
+    *(
+        "corner",
+        "contact-at-clamp",
+        "hexagon",
+        "cube-disc",
+        "cube-two-faces",
+        "layered-unmet",
+        "re-entrant",
+        "junction",
+    ),
 )
 """One case for every pair of a body and a tensor A of the catalogue."""
 IRREGULAR = "graded", "unstructured", "shaken"
